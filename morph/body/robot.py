@@ -1,0 +1,132 @@
+"""A robot: its links, joints and actuators, frozen, with where they came from."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, TypeVar
+
+from morph.errors import RobotError
+
+if TYPE_CHECKING:
+    from morph.body.card import Card
+
+Part = TypeVar("Part", "Link", "Joint", "Actuator")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Link:
+    """A rigid body."""
+
+    name: str
+    """Its name in the description."""
+    mass: float
+    """Mass, kg."""
+    com: tuple[float, float, float]
+    """Centre of mass in the link's frame, m."""
+    inertia: tuple[float, ...]
+    """About the centre of mass, in the link's frame, kg m2: xx, yy, zz, xy, xz, yz."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Joint:
+    """A hinge, a slide, or a free joint."""
+
+    name: str
+    """Its name in the description."""
+    kind: str
+    """`hinge`, `slide`, `ball` or `free`."""
+    link: str
+    """The link that it moves."""
+    limits: tuple[float, float] | None = None
+    """Range, rad or m; None if it turns freely."""
+
+    @property
+    def unit(self) -> str:
+        """The unit of its position: rad or m."""
+        return "m" if self.kind == "slide" else "rad"
+
+    @property
+    def effort_unit(self) -> str:
+        """The unit of its generalized force."""
+        return "N" if self.kind == "slide" else "N m"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Actuator:
+    """A motor or a servo on one joint."""
+
+    name: str
+    """Its name in the description."""
+    joint: str
+    """The joint that it drives."""
+    kind: str
+    """`motor` (command is an effort) or `position` (command is a position)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Robot:
+    """One body as its description and its card state it."""
+
+    name: str
+    """What it is called."""
+    links: tuple[Link, ...]
+    """Every link but the world."""
+    joints: tuple[Joint, ...]
+    """Every joint."""
+    actuators: tuple[Actuator, ...]
+    """Every actuator."""
+    mjcf: str
+    """The description as MJCF text with explicit inertias; spec.py alone reads it."""
+    assets: Mapping[str, bytes] = field(default_factory=dict)
+    """Mesh and texture files that the MJCF names, by name."""
+    source: Path | None = None
+    """The description's file."""
+    sha256: str = ""
+    """Hash of the description and its card."""
+    card: Card | None = None
+    """What the shelf knows about it."""
+
+    def joint(self, name: str) -> Joint:
+        """Return a joint by its name.
+
+        Raises:
+            RobotError: There is no such joint.
+        """
+        return _named(self.joints, name, "joint", self.name)
+
+    def actuator(self, name: str) -> Actuator:
+        """Return an actuator by its name.
+
+        Raises:
+            RobotError: There is no such actuator.
+        """
+        return _named(self.actuators, name, "actuator", self.name)
+
+    def link(self, name: str) -> Link:
+        """Return a link by its name.
+
+        Raises:
+            RobotError: There is no such link.
+        """
+        return _named(self.links, name, "link", self.name)
+
+    @property
+    def mass(self) -> float:
+        """The mass of all links, kg."""
+        return sum(link.mass for link in self.links)
+
+
+def _named(
+    parts: tuple[Part, ...], name: str, kind: str, robot: str
+) -> Part:
+    for part in parts:
+        if part.name == name:
+            return part
+    known = ", ".join(part.name for part in parts) or "none"
+    raise RobotError(
+        f"there is no {kind} {name!r}; there are {known}",
+        where=f"robot {robot}",
+        fix=f"name one of these {kind}s",
+    )

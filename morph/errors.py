@@ -1,0 +1,41 @@
+"""The errors that morph raises on purpose, each in three parts."""
+
+from __future__ import annotations
+
+
+class MorphError(Exception):
+    """Base of every error that morph raises on purpose.
+
+    Args:
+        what: What was found, with the value and the values allowed.
+        where: The file and line, link, channel or sample concerned.
+        fix: How to put it right.
+    """
+
+    def __init__(self, what: str, *, where: str, fix: str) -> None:
+        super().__init__(f"{where}: {what}\n  fix: {fix}")
+        self.what, self.where, self.fix = what, where, fix
+
+
+class RobotError(MorphError):
+    """A description or a card cannot be used."""
+
+
+class RecordingError(MorphError):
+    """A recording or its binding cannot be used."""
+
+
+class EffectError(MorphError):
+    """An effect is unknown, misplaced, or has a parameter out of bounds."""
+
+
+class SimulationFailed(MorphError):
+    """A simulation cannot be set up, or became unstable."""
+
+
+class DiagnosisError(MorphError):
+    """A diagnosis cannot be made from what was given."""
+
+
+class OutputError(MorphError):
+    """A result cannot be written."""

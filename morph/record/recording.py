@@ -1,0 +1,115 @@
+"""What a robot's logger wrote: one episode of named channels, each on its own clock."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from morph.arrays import Array
+from morph.errors import RecordingError
+
+
+@dataclass(frozen=True, kw_only=True)
+class Channel:
+    """One named signal on its own clock."""
+
+    time: Array
+    """When each sample was taken, s, strictly increasing, shape (samples,)."""
+    value: Array
+    """What was read, SI, finite, shape (samples,)."""
+    hold: bool = False
+    """Whether the value holds until the next sample, as a command does."""
+
+    def at(self, times: Array) -> Array:
+        """Return the value at any times, s: held for commands, else interpolated.
+
+        Before the first sample and after the last, the nearest one is returned.
+        """
+        if self.hold:
+            index = np.searchsorted(self.time, times, side="right") - 1
+            return np.asarray(self.value[np.clip(index, 0, None)])
+        return np.interp(times, self.time, self.value)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Note:
+    """One thing that was dropped or repaired while reading; shown in the report."""
+
+    what: str
+    """What was found and what was done."""
+    where: str
+    """File, and line or sample."""
+    dropped: int = 0
+    """Samples dropped."""
+    repaired: int = 0
+    """Samples repaired."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Recording:
+    """One episode.
+
+    Channels are named `<part>.<quantity>[.<axis>]`, in SI units: for example
+    `shoulder.position` (rad), `shoulder.command` (the actuator's own unit).
+    """
+
+    name: str
+    """How reports call it."""
+    channels: Mapping[str, Channel]
+    """Every signal by its canonical name."""
+    session: str = ""
+    """Same day and same setup; held-out scores split by session."""
+    sources: tuple[Path, ...] = ()
+    """The files it was read from."""
+    sha256: str = ""
+    """Hash of those files' contents."""
+    notes: tuple[Note, ...] = field(default=())
+    """What was dropped or repaired."""
+
+    def __getitem__(self, channel: str) -> Array:
+        """Return a channel's values, shape (samples,).
+
+        Raises:
+            RecordingError: There is no such channel.
+        """
+        return self.channel(channel).value
+
+    def channel(self, name: str) -> Channel:
+        """Return a channel with its clock.
+
+        Raises:
+            RecordingError: There is no such channel.
+        """
+        if name not in self.channels:
+            raise RecordingError(
+                f"there is no channel {name!r}; there are {', '.join(sorted(self.channels))}",
+                where=f"recording {self.name}",
+                fix="name one of these channels, or bind the missing one in recording.toml",
+            )
+        return self.channels[name]
+
+    @property
+    def start(self) -> float:
+        """The latest first sample over the channels, s."""
+        return max(float(channel.time[0]) for channel in self.channels.values())
+
+    @property
+    def end(self) -> float:
+        """The earliest last sample over the measured channels, s; commands hold on."""
+        measured = [c for c in self.channels.values() if not c.hold] or list(
+            self.channels.values()
+        )
+        return min(float(channel.time[-1]) for channel in measured)
+
+    @property
+    def seconds(self) -> float:
+        """How long all channels last together, s."""
+        return self.end - self.start
+
+    @property
+    def samples(self) -> int:
+        """The number of samples in its longest channel."""
+        return max(len(channel.value) for channel in self.channels.values())
