@@ -1,0 +1,1 @@
+"""Studies and data that stand outside the product: sealed cases, benchmarks, sources."""
