@@ -1,0 +1,1 @@
+"""Bodies: the shelf, its descriptions and cards, and what runs them."""

@@ -91,10 +91,10 @@ def _check_text(path: Path) -> None:
 
 def _check(robot: Robot, card: Card) -> None:
     dof = sum(FREEDOMS[joint.kind] for joint in robot.joints)
-    where = f"{robot.source}"
+    where = str(robot.source)
     if card.checks.mass_kg is not None and abs(robot.mass - card.checks.mass_kg) > TOLERANCE:
         raise RobotError(
-            f"its links weigh {robot.mass:.12g} kg, and its card says {card.checks.mass_kg:.12g} kg",
+            f"it weighs {robot.mass:.12g} kg, and its card says {card.checks.mass_kg:.12g} kg",
             where=where,
             fix="correct the masses, or mass_kg in the checks of card.toml",
         )
@@ -104,11 +104,11 @@ def _check(robot: Robot, card: Card) -> None:
             where=where,
             fix="correct the joints, or dof in the checks of card.toml",
         )
-    known = [actuator.name for actuator in robot.actuators]
+    known = [actuator.name for actuator in robot.actuators] or ["none"]
     for motor in card.motor:
         if motor.actuator not in known:
             raise RobotError(
-                f"it has no actuator {motor.actuator!r}, which its card names; it has {', '.join(known) or 'none'}",
+                f"its card names an actuator {motor.actuator!r}, and it has {', '.join(known)}",
                 where=where,
                 fix="correct the [[motor]] tables of card.toml",
             )

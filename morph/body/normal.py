@@ -49,11 +49,8 @@ def robot_of(spec: Any, source: Path, card: Card | None) -> Robot:
     """
     _name_the_unnamed(spec)
     assets = _embed(spec, source)
-    # Inertias are written as MuJoCo compiled them, so that no later reader has
-    # to derive them from geoms again.
-    spec.compiler.saveinertial = True
     model = compiled(spec, source)
-    _settle(spec)
+    _settle_inertias(spec, model)
     name = spec.modelname if spec.modelname not in ("", UNNAMED) else source.stem
     card_text = (source.parent / "card.toml").read_bytes() if card else b""
     return Robot(
@@ -69,8 +66,18 @@ def robot_of(spec: Any, source: Path, card: Card | None) -> Robot:
     )
 
 
-def _settle(spec: Any) -> None:
-    # What derives inertias has done so, and must not act on the result again.
+def _settle_inertias(spec: Any, model: Any) -> None:
+    # Inertias are written as MuJoCo compiled them, so that no later reader
+    # derives them from geoms again, nor scales or mends them again.
+    for body in spec.bodies[1:]:
+        if model.body_mass[body.id] > 0:
+            body.mass = float(model.body_mass[body.id])
+            body.ipos = model.body_ipos[body.id]
+            body.iquat = model.body_iquat[body.id]
+            body.inertia = model.body_inertia[body.id]
+            body.fullinertia = np.full(6, np.nan)
+            body.ialt.type = mujoco.mjtOrientation.mjORIENTATION_QUAT
+            body.explicitinertial = True
     compiler = spec.compiler
     compiler.inertiafromgeom = mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_FALSE
     compiler.balanceinertia = False
@@ -157,13 +164,18 @@ def _actuator(model: Any, index: int, source: Path) -> Actuator:
             where=str(source),
             fix="give the actuator a joint",
         )
-    # A position servo pulls back in proportion to the joint's position.
-    servo = (
-        model.actuator_biastype[index] == mujoco.mjtBias.mjBIAS_AFFINE
-        and model.actuator_biasprm[index, 1] != 0
-    )
     return Actuator(
         name=name,
         joint=model.joint(model.actuator_trnid[index, 0]).name,
-        kind="position" if servo else "motor",
+        kind="position" if _is_servo(model, index) else "motor",
     )
+
+
+def _is_servo(model: Any, index: int) -> bool:
+    # The inputs that an actuator takes are bits; none set means it does not say.
+    says = int(model.actuator_ctrlspec[index])
+    if says:
+        return bool(says & int(mujoco.mjtCtrlInput.mjINPUT_POS))
+    # One that pulls back in proportion to the joint's position is a servo.
+    affine = model.actuator_biastype[index] == mujoco.mjtBias.mjBIAS_AFFINE
+    return bool(affine and model.actuator_biasprm[index, 1] != 0)

@@ -118,9 +118,7 @@ class Robot:
         return sum(link.mass for link in self.links)
 
 
-def _named(
-    parts: tuple[Part, ...], name: str, kind: str, robot: str
-) -> Part:
+def _named(parts: tuple[Part, ...], name: str, kind: str, robot: str) -> Part:
     for part in parts:
         if part.name == name:
             return part

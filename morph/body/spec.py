@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Any
 
 import mujoco
@@ -33,11 +34,19 @@ def spec_of(robot: Robot, *, timestep: float = 0.002) -> Any:
         A new spec, with the implicit-in-velocity integrator, and dry friction
         so stiff that a joint it holds does not creep.
     """
-    assets = dict(robot.assets) or None
-    spec = mujoco.MjSpec.from_string(robot.mjcf, assets=assets)
+    if robot.assets:
+        spec = mujoco.MjSpec.from_string(robot.mjcf, assets=dict(robot.assets))
+    else:
+        spec = _parsed(robot.mjcf).copy()
     spec.option.timestep = timestep
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     for joint in spec.joints:
         joint.solref_friction = (FRICTION_TIME, 1.0)
         joint.solimp_friction = (FRICTION_IMPEDANCE, FRICTION_IMPEDANCE, 0.001, 0.5, 2.0)
     return spec
+
+
+@lru_cache(maxsize=8)
+def _parsed(mjcf: str) -> Any:
+    # A copy costs a twentieth of parsing again, and searches ask for thousands.
+    return mujoco.MjSpec.from_string(mjcf)

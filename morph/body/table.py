@@ -32,7 +32,8 @@ class Place:
     def key(self, key: str) -> str:
         """Return the file and line of a key of this table, for an error."""
         lines = self.text.splitlines()
-        header = re.compile(rf"\s*\[\[?\s*{re.escape(self.section)}\s*\]\]?|\s*{re.escape(self.section)}\s*=")
+        name = re.escape(self.section)
+        header = re.compile(rf"\s*\[\[?\s*{name}\s*\]\]?|\s*{name}\s*=")
         headers = [at for at, line in enumerate(lines) if self.section and header.match(line)]
         start = headers[min(self.index, len(headers) - 1)] if headers else 0
         wanted = re.compile(rf"(^|[\s,{{\[\"']){re.escape(key)}[\"']?\s*(=|\]|\.)")

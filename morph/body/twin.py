@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import tempfile
+import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 from typing import Any
 
-import mujoco
+import numpy as np
 import pinocchio
 
 from morph.body.robot import Robot
@@ -36,5 +37,8 @@ def twin_of(robot: Robot) -> Any:
                 where=f"robot {robot.name}",
                 fix="describe it without the element that Pinocchio names",
             ) from error
-    model.gravity.linear = mujoco.MjSpec.from_string(robot.mjcf).option.gravity
+    # Pinocchio's parser leaves the option element unread.
+    option = ElementTree.fromstring(robot.mjcf).find("option")
+    gravity = "0 0 -9.81" if option is None else option.get("gravity", "0 0 -9.81")
+    model.gravity.linear = np.array(gravity.split(), dtype=float)
     return model
