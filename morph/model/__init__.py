@@ -1,0 +1,1 @@
+"""Models of what was recorded: screening, fitting, choosing, and the finding in words."""

@@ -1,0 +1,1 @@
+"""Recordings: what a robot did, in SI units and on one clock."""

@@ -1,0 +1,1 @@
+"""The simulator: a robot under effects, one run or many at once."""

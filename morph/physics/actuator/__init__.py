@@ -1,0 +1,1 @@
+"""Effects on what an actuator makes of its commands."""

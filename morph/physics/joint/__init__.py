@@ -1,0 +1,1 @@
+"""Effects on the motion of a joint."""

@@ -1,0 +1,1 @@
+"""Readers of the files that loggers write; one per format."""

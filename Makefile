@@ -1,0 +1,56 @@
+# `make demo` and `make test` do everything, on a machine with only make and Python 3.11.
+# Set VENV to install elsewhere, PYTHON to choose an interpreter.
+
+VENV ?= .venv
+PYTHON ?= $(shell for p in python3.11 python3 python3.12 python3.13; do \
+	$$p -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && echo $$p && break; done)
+
+bin := $(VENV)/bin
+# The stamp carries the checksum of pyproject.toml, so that what is installed is never installed again.
+stamp := $(VENV)/.installed-$(shell cksum < pyproject.toml | cut -d ' ' -f 1)
+
+.PHONY: help demo test install lint types arrows clean
+
+help: ## Show this list
+	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1|\2/p' Makefile | awk -F '|' '{printf "%-16s%s\n", $$1, $$2}'
+
+demo: $(stamp) ## Conceal a piece of physics, diagnose it, and compare the finding with the truth
+	@$(bin)/python -m experiments.demo
+
+test: lint types arrows ## Check style, types and imports, then run every test
+	$(bin)/python -m pytest -n 2
+
+lint: $(stamp) ## Check style
+	$(bin)/ruff check .
+	$(bin)/ruff format --check .
+
+types: $(stamp) ## Check types
+	$(bin)/mypy
+
+arrows: $(stamp) ## Check that imports point the right way
+	$(bin)/lint-imports --no-logo
+
+install: $(stamp) ## Set up what is missing, and no more
+
+clean: ## Remove caches and results; the installation stays
+	rm -rf out build dist *.egg-info .mypy_cache .ruff_cache .pytest_cache .import_linter_cache
+	find align experiments morph print tests -name __pycache__ -type d -prune -exec rm -rf {} +
+
+$(stamp): | $(bin)/pip
+	@echo "Installing morph and its dependencies into $(VENV); the first time takes some minutes ..."
+	@$(bin)/python -m pip install --disable-pip-version-check -q -e '.[dev]'
+	@rm -f $(VENV)/.installed-*
+	@touch $@
+	@echo "Installed."
+
+$(bin)/pip:
+	@test -n "$(PYTHON)" || { echo "No Python 3.11 or newer was found. Install one, or name it: make PYTHON=/path/to/python3.11" >&2; exit 1; }
+	@$(PYTHON) -c 'import ensurepip, venv' 2>/dev/null || { \
+		if [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null; then \
+			echo "Installing python3-venv, which $(PYTHON) lacks ..."; \
+			apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq python3-venv >/dev/null; \
+		fi; \
+		$(PYTHON) -c 'import ensurepip, venv' || { \
+			echo "$(PYTHON) cannot make a virtual environment. On Debian or Ubuntu: sudo apt-get install python3-venv" >&2; exit 1; }; }
+	@echo "Making a virtual environment in $(VENV) ..."
+	@$(PYTHON) -m venv $(VENV)
