@@ -22,8 +22,8 @@ class Servo:
 
 
 SERVOS = (
-    # kp, limit and armature: the MuJoCo scenes of TheRobotStudio/SO-ARM100,
-    # Simulation/SO101 and SO100. kv: near critical damping, see so101/card.toml.
+    # kp, limit and armature: TheRobotStudio/SO-ARM100 at 53f2b75,
+    # Simulation/SO101/joints_properties.xml. kv: see robots/so101/card.toml.
     Servo(name="STS3215", kp=17.8, kv=1.0, limit=3.35, armature=0.028),
 )
 """Every servo known by name."""
