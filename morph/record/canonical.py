@@ -1,0 +1,75 @@
+"""A file whose columns carry canonical names in SI, read without a binding."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from morph.errors import RecordingError
+from morph.files import sha256_of_files
+from morph.record.bind import channels_of
+from morph.record.binding import stem_of
+from morph.record.quantities import parse_channel
+from morph.record.read.any import read
+from morph.record.read.table import Table
+from morph.record.recording import Channel, Note, Recording
+
+CLOCK = ".time"
+"""The ending of a channel's own clock, in an NPZ file."""
+
+
+def read_canonical(path: Path) -> Recording:
+    """Return the recording in a file with canonical column names.
+
+    In an NPZ file a channel may stand beside its own clock, `<channel>.time`.
+
+    Raises:
+        RecordingError: A column is no channel, there is no clock, or the samples
+            cannot be used.
+    """
+    table = read(path)
+    names = [name for name in table.names if name != "time" and not _is_clock(name, table)]
+    if not names or ("time" not in table.names and len(names) == len(table.names)):
+        raise RecordingError(
+            "the file has no channel names, or no column 'time'; its columns are "
+            + (", ".join(table.names[:30]) or "not named"),
+            where=table.place(0) if table.lines is None else f"{path}, line 1",
+            fix="name the columns time, <joint>.position, ... in SI, or bind them by a "
+            "recording.toml",
+        )
+    where = f"{path}, line 1" if table.lines is not None else str(path)
+    for name in names:
+        parse_channel(name, where=where)
+    channels: dict[str, Channel] = {}
+    notes: tuple[Note, ...] = ()
+    for clock, group in _groups(names, table).items():
+        time = table.column(clock)
+        values = {name: table.column(name) for name in group}
+        for name, value in values.items():
+            if len(value) != len(time):
+                raise RecordingError(
+                    f"{name} has {len(value)} samples, its clock {clock!r} has {len(time)}",
+                    where=str(path),
+                    fix=f"give it a clock of its own, {name}{CLOCK}",
+                )
+        cleaned, found = channels_of(time, values, table)
+        channels, notes = {**channels, **cleaned}, notes + found
+    return Recording(
+        name=stem_of(path),
+        channels={name: channels[name] for name in names},
+        sources=(path,),
+        sha256=sha256_of_files((path,)),
+        notes=notes,
+    )
+
+
+def _is_clock(name: str, table: Table) -> bool:
+    return name.endswith(CLOCK) and name.removesuffix(CLOCK) in table.names
+
+
+def _groups(names: list[str], table: Table) -> dict[str, list[str]]:
+    """Return the channels by the name of their clock."""
+    groups: dict[str, list[str]] = {}
+    for name in names:
+        own = f"{name}{CLOCK}"
+        groups.setdefault(own if own in table.names else "time", []).append(name)
+    return groups

@@ -1,0 +1,77 @@
+"""From whatever a user names as a recording to recordings that are fit to use."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from morph.body.robot import Robot
+from morph.errors import RecordingError
+from morph.record.bind import bind
+from morph.record.binding import load_binding
+from morph.record.canonical import read_canonical
+from morph.record.distinct import check_distinct as check_distinct
+from morph.record.quantities import check_part, parse_channel
+from morph.record.read.any import ENDINGS, readable
+from morph.record.recording import Recording
+
+BINDING = "recording.toml"
+"""The binding that is looked for in a folder."""
+
+
+def load(
+    path: str | Path, *, robot: Robot | None = None, root: Path | None = None
+) -> tuple[Recording, ...]:
+    """Return every recording that a path stands for.
+
+    Args:
+        path: A file with canonical names, a binding (`.toml`), a folder with a
+            `recording.toml`, or a folder of canonical files, taken in order of name.
+        robot: Whose parts every channel must name; None leaves them unchecked.
+        root: Where a binding's files lie; overrides the binding's own `root`.
+
+    Raises:
+        RecordingError: A file, a column or a sample of it cannot be used, or two
+            episodes are identical.
+    """
+    path = Path(path)
+    try:
+        recordings = _recordings(path, root)
+    except OSError as error:
+        raise RecordingError(
+            f"the recording cannot be read: {error.strerror or error}",
+            where=str(path),
+            fix="check the path and that it may be read",
+        ) from error
+    if robot is not None:
+        for recording in recordings:
+            _check_parts(recording, robot)
+    check_distinct(recordings)
+    return recordings
+
+
+def _recordings(path: Path, root: Path | None) -> tuple[Recording, ...]:
+    if path.is_dir() and (path / BINDING).is_file():
+        path = path / BINDING
+    if path.suffix == ".toml":
+        binding = load_binding(path, root=root)
+        return tuple(bind(episode, binding) for episode in binding.episodes)
+    if not path.is_dir():
+        return (read_canonical(path),)
+    files = sorted(
+        one
+        for one in path.iterdir()
+        if one.is_file() and readable(one) and not one.name.startswith(".")
+    )
+    if not files:
+        raise RecordingError(
+            f"the folder has no {BINDING} and no file that ends in {', '.join(ENDINGS)}",
+            where=str(path),
+            fix="name a folder with recordings, a recording, or a binding",
+        )
+    return tuple(read_canonical(file) for file in files)
+
+
+def _check_parts(recording: Recording, robot: Robot) -> None:
+    where = ", ".join(map(str, recording.sources)) or f"recording {recording.name}"
+    for name in recording.channels:
+        check_part(parse_channel(name, where=where), name, robot, where=where)

@@ -1,0 +1,121 @@
+"""What a channel's name means: `<part>.<quantity>[.<axis>]`, and which part it concerns."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from morph.body.robot import Robot
+from morph.errors import RecordingError
+from morph.record.nearest import nearest
+
+XYZ = ("x", "y", "z")
+WXYZ = ("w", "x", "y", "z")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Quantity:
+    """One thing that a channel can hold."""
+
+    name: str
+    """As it stands in a channel's name."""
+    part: str
+    """What it belongs to: `joint`, `actuator`, `link` or `site`."""
+    dimensions: tuple[str, ...]
+    """The dimensions that its unit may have; empty where it is the part's own."""
+    axes: tuple[str, ...] = ()
+    """The axes that a channel of it must name; empty for a scalar."""
+
+
+QUANTITIES = (
+    Quantity(name="position", part="joint", dimensions=("rad", "m")),
+    Quantity(name="velocity", part="joint", dimensions=("rad/s", "m/s")),
+    Quantity(name="acceleration", part="joint", dimensions=("rad/s2", "m/s2")),
+    Quantity(name="effort", part="joint", dimensions=("N m", "N")),
+    Quantity(name="command", part="actuator", dimensions=()),
+    Quantity(name="current", part="actuator", dimensions=("A",)),
+    Quantity(name="voltage", part="actuator", dimensions=("V",)),
+    Quantity(name="temperature", part="actuator", dimensions=("degC",)),
+    Quantity(name="position", part="link", dimensions=("m",), axes=XYZ),
+    Quantity(name="orientation", part="link", dimensions=("1",), axes=WXYZ),
+    Quantity(name="linear_velocity", part="link", dimensions=("m/s",), axes=XYZ),
+    Quantity(name="angular_velocity", part="link", dimensions=("rad/s",), axes=XYZ),
+    Quantity(name="gyro", part="site", dimensions=("rad/s",), axes=XYZ),
+    Quantity(name="accelerometer", part="site", dimensions=("m/s2",), axes=XYZ),
+    Quantity(name="force", part="site", dimensions=("N",), axes=XYZ),
+)
+"""Every quantity of specs/recording.md, in SI."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ChannelName:
+    """A channel's name taken apart."""
+
+    part: str
+    """The joint, actuator, link or site."""
+    quantity: Quantity
+    """What is measured."""
+    axis: str = ""
+    """Its axis; empty for a scalar, and for all axes together."""
+
+
+def parse_channel(name: str, *, where: str, whole: bool = False) -> ChannelName:
+    """Return a channel's name taken apart.
+
+    Args:
+        name: For example `shoulder.position`, `hull.orientation.w`.
+        where: File and line, for the error.
+        whole: Whether the name stands for all axes together, without one.
+
+    Raises:
+        RecordingError: The quantity or the axis is unknown, or there is no part.
+    """
+    words = name.split(".")
+    for quantity in QUANTITIES:
+        if not quantity.axes or whole:
+            matches, part, axis = words[-1] == quantity.name, words[:-1], ""
+            matches = matches and bool(quantity.axes) == whole
+        else:
+            matches = words[-1] in quantity.axes and words[-2:-1] == [quantity.name]
+            part, axis = words[:-2], words[-1]
+        if matches and ".".join(part):
+            return ChannelName(part=".".join(part), quantity=quantity, axis=axis)
+    known = sorted({_shown(quantity, whole) for quantity in QUANTITIES})
+    tail = ".".join(words[1:]) or name
+    raise RecordingError(
+        f"{name!r} names no known quantity; a channel is <part>. followed by {', '.join(known)}",
+        where=where,
+        fix=f"the nearest are {nearest(tail, _endings())}",
+    )
+
+
+def check_part(channel: ChannelName, name: str, robot: Robot, *, where: str) -> None:
+    """Refuse a channel whose part the robot does not have; sites are not checked.
+
+    Raises:
+        RecordingError: The robot has no such joint, actuator or link.
+    """
+    kind = channel.quantity.part
+    parts = {
+        "joint": tuple(part.name for part in robot.joints),
+        "actuator": tuple(part.name for part in robot.actuators),
+        "link": tuple(part.name for part in robot.links),
+    }.get(kind)
+    if parts is None or channel.part in parts:
+        return
+    raise RecordingError(
+        f"the channel {name!r} names no {kind} of {robot.name}; "
+        f"its {kind}s are {', '.join(parts) or 'none'}",
+        where=where,
+        fix=f"rename the channel; the nearest are {nearest(channel.part, parts)}",
+    )
+
+
+def _shown(quantity: Quantity, whole: bool) -> str:
+    if not quantity.axes or whole:
+        return quantity.name
+    return f"{quantity.name}.{{{','.join(quantity.axes)}}}"
+
+
+def _endings() -> tuple[str, ...]:
+    scalars = tuple(one.name for one in QUANTITIES if not one.axes)
+    return scalars + tuple(f"{one.name}.{axis}" for one in QUANTITIES for axis in one.axes)
