@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -84,18 +84,36 @@ class Batch:
         )  # fmt: skip
         return motion, np.sqrt(square.reshape(-1, EPISODES).mean(axis=1))
 
-    def settled(self, *, rounds: int = 8) -> list[Sizes]:
-        """Return sizes with the strengths wanted, found on a step of 1 ms."""
+    def turned_down(self, motion: Motion) -> Batch:
+        """Return the batch with weaker commands in the rows that moved too far.
+
+        An experimenter who sees the real robot leave its range turns the
+        amplitude down, whatever the description had promised.
+        """
+        span = np.array([reach.span for reach in self.equations.reach])[:, None]
+        far = (np.abs(motion.q).max(axis=0) > 1.3 * span).any(axis=0)
+        episodes = tuple(
+            replace(e, commands=(0.75 * e.commands).round(6)) if much else e
+            for e, much in zip(self.episodes, far, strict=True)
+        )
+        return replace(self, episodes=episodes)
+
+    def settled(self, *, rounds: int = 10) -> tuple[Batch, list[Sizes]]:
+        """Return amplitudes that suit the true robots, and sizes with the strengths wanted.
+
+        Found on a step of 1 ms. The last rounds leave the amplitudes alone.
+        """
+        batch = self
         sizes = [first(case, rng) for case, rng in zip(self.cases, self.rngs, strict=True)]
-        if all(case.effect is None for case in self.cases):
-            return sizes
-        for _ in range(rounds):
-            _, found = self.run(sizes, step=10 * STEP)
+        for number in range(rounds):
+            motion, found = batch.run(sizes, step=10 * STEP)
             sizes = [
                 suited(*each)
                 for each in zip(self.cases, sizes, found.tolist(), self.rngs, strict=True)
             ]
-        return sizes
+            if number < rounds - 4:
+                batch = batch.turned_down(motion)
+        return batch, sizes
 
 
 def prepare(cases: list[Case]) -> Batch:

@@ -102,6 +102,8 @@ def suited(case: Case, sizes: Sizes, found: float, rng: np.random.Generator) -> 
         found: The strength that they gave.
         rng: Source of a new draw, where the target cannot be met.
     """
+    if case.effect is None:
+        return sizes
     missing = sizes.target / max(found, 1e-6)
     if case.effect not in BOUNDED:
         size = float(np.clip(sizes.size * np.clip(missing, 0.1, 10.0), 1e-4, 0.6))

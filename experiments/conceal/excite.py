@@ -11,6 +11,8 @@ from experiments.conceal.laws import neutral
 from experiments.conceal.march import Drive, march
 
 SECONDS = 8.0
+LIMIT = 9.5
+"""Largest command, N m or N: every motor on this shelf saturates at 10."""
 KINDS = ("multisine", "pulses", "ramps", "release", "multisine")
 
 
@@ -141,6 +143,7 @@ def scaled(equations: Equations, episodes: list[Episode]) -> list[Episode]:
     start = np.array([e.start for e in episodes]).T
     span = np.array([reach.span for reach in equations.reach])[:, None]
     aim = np.array([e.aim for e in episodes])
+    most = LIMIT / np.array([max(np.abs(e.commands).max(), 1e-9) for e in episodes])
     scale, best, closest = np.ones(rows), np.ones(rows), np.full(rows, np.inf)
     for _ in range(6):
         motion = march(
@@ -150,8 +153,7 @@ def scaled(equations: Equations, episodes: list[Episode]) -> list[Episode]:
         better = np.abs(np.log(ratio)) < closest
         closest = np.where(better, np.abs(np.log(ratio)), closest)
         best = np.where(better, scale, best)
-        scale = np.clip(scale * ratio**-0.8, 0.05, 3.0)
+        scale = np.clip(scale * ratio**-0.8, 0.05, most)
     return [
-        replace(e, commands=(e.commands * s).round(6))
-        for e, s in zip(episodes, best, strict=True)
+        replace(e, commands=(e.commands * s).round(6)) for e, s in zip(episodes, best, strict=True)
     ]

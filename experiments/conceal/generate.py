@@ -45,8 +45,7 @@ def generate(cases: list[Case], folder: Path) -> list[Sealed]:
 
 
 def _made(cases: list[Case], folders: list[Path]) -> Iterator[Sealed]:
-    batch = prepare(cases)
-    sizes = batch.settled()
+    batch, sizes = prepare(cases).settled()
     motion, strengths = batch.run(sizes)
     for number, folder in enumerate(folders):
         _write_recordings(batch, number, sizes[number], motion, folder / "recordings")

@@ -107,8 +107,5 @@ def neutral(joints: int, rows: int) -> Laws:
     """Return laws that change nothing."""
     ones = {"gain", "fade"}
     return Laws(
-        **{
-            f.name: np.full((joints, rows), 1.0 if f.name in ones else 0.0)
-            for f in fields(Laws)
-        }
+        **{f.name: np.full((joints, rows), 1.0 if f.name in ones else 0.0) for f in fields(Laws)}
     )

@@ -38,7 +38,9 @@ class Motion:
         q, v = self.q[:, joint, row], self.v[:, joint, row] * self.every
         rise = q[i + 1] - q[i]
         return np.asarray(
-            q[i] + s * v[i] + s**2 * (3 * rise - 2 * v[i] - v[i + 1])
+            q[i]
+            + s * v[i]
+            + s**2 * (3 * rise - 2 * v[i] - v[i + 1])
             + s**3 * (v[i] + v[i + 1] - 2 * rise)
         )
 

@@ -19,7 +19,7 @@ class Pendulum(Equations):
 
     def nominal(self) -> dict[str, float]:
         """Return what `robots/pendulum` states."""
-        return {"m": 1.0, "r": 0.5, "I": 0.002, "g": 9.81, "J_hinge": 0.0, "d_hinge": 0.0}
+        return {"m": 1.0, "r": 0.5, "I": 0.001, "g": 9.81, "J_hinge": 0.0, "d_hinge": 0.0}
 
     def mass(self, q: Array, p: Parameters) -> tuple[Array, ...]:
         """Return the inertia about the hinge."""

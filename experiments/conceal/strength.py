@@ -56,4 +56,5 @@ def strength(
     tail = without.q[1:].reshape(length, joints, rows, count)
     true = truth.q[1 : count * length + 1].reshape(count, length, joints, rows)
     change = true.transpose(1, 2, 3, 0) - tail + offset[None, :, :, None]
-    return np.asarray((change / noise[None, :, :, None]) ** 2).mean(axis=(0, 1, 3))
+    square: Array = (change / noise[None, :, :, None]) ** 2
+    return np.asarray(square.mean(axis=(0, 1, 3)))
