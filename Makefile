@@ -38,7 +38,7 @@ clean: ## Remove caches and results; the installation stays
 
 $(stamp): | $(bin)/pip
 	@echo "Installing morph and its dependencies into $(VENV); the first time takes some minutes ..."
-	@$(bin)/python -m pip install --disable-pip-version-check -q -e '.[dev]'
+	@$(bin)/python -m pip install --disable-pip-version-check -qq -e '.[dev]'
 	@rm -f $(VENV)/.installed-*
 	@touch $@
 	@echo "Installed."

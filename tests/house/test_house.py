@@ -1,0 +1,90 @@
+"""Rules of the house that no linter knows."""
+
+import ast
+import re
+import subprocess
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+
+# Spelled so that this file does not match itself.
+FOREIGN = {
+    "a path of one machine": r"(?<![\w.$}~])/(?:work|home|root|opt|Users)/\w",
+    "the host of a package index": r"p[y]pi\.|p[y]thonhosted|download\.p[y]torch",
+    "a tool of one machine": r"\bi[s]sues (?:show|list|close|note)\b|\bf[a]rm-[a-z]",
+}
+
+LONGEST = 300
+"""Lines; a file that nears it usually holds two ideas."""
+
+
+def tracked(pattern: str = "*") -> list[Path]:
+    listed = subprocess.run(
+        ["git", "ls-files", "-z", pattern], cwd=ROOT, capture_output=True, text=True, check=True
+    )
+    return [path for name in listed.stdout.split("\0") if name and (path := ROOT / name).is_file()]
+
+
+def imported(file: Path) -> set[str]:
+    """Return the modules that `import x` and `from x import y` name in a file."""
+    names = set()
+    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            names |= {f"import {alias.name}" for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            names.add(f"from {node.module}")
+    return names
+
+
+def test_there_are_files_to_check() -> None:
+    assert len(tracked("*.py")) > 50
+
+
+@pytest.mark.parametrize("what", FOREIGN)
+def test_no_file_names(what: str) -> None:
+    found = [
+        f"{file.relative_to(ROOT)}:{number}: {line.strip()[:80]}"
+        for file in tracked()
+        for number, line in enumerate(
+            file.read_text(encoding="utf-8", errors="replace").splitlines(), 1
+        )
+        if re.search(FOREIGN[what], line)
+    ]
+    assert found == []
+
+
+def test_no_file_is_too_long() -> None:
+    lines = {file: len(file.read_text(encoding="utf-8").splitlines()) for file in tracked("*.py")}
+    assert {str(file.relative_to(ROOT)): n for file, n in lines.items() if n > LONGEST} == {}
+
+
+def test_every_module_says_what_it_is() -> None:
+    silent = [
+        str(file.relative_to(ROOT))
+        for file in tracked("*.py")
+        if not ast.get_docstring(ast.parse(file.read_text(encoding="utf-8")))
+        and not file.is_relative_to(ROOT / "tests")
+    ]
+    assert silent == []
+
+
+def test_nothing_reads_pickles_because_they_run_what_they_hold() -> None:
+    words = {
+        "import pickle",
+        "from pickle",
+        "import dill",
+        "from dill",
+        "import joblib",
+        "from joblib",
+    }
+    assert [str(file) for file in tracked("*.py") if imported(file) & words] == []
+
+
+def test_nothing_imports_print_whole_because_that_hides_the_builtin() -> None:
+    assert [str(file) for file in tracked("*.py") if "import print" in imported(file)] == []
+
+
+def test_no_folder_of_tests_is_a_package() -> None:
+    assert tracked("tests/**/__init__.py") == []
