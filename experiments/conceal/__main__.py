@@ -11,7 +11,7 @@ from morph.errors import MorphError
 
 EXAMPLE = """example:
   python -m experiments.conceal --count 3 --seed 7 --out /tmp/cases
-  morph diagnose pendulum /tmp/cases/effect_7_000/recordings/recording.toml --out /tmp/diagnosis
+  morph diagnose cartpole /tmp/cases/effect_7_000/recordings/recording.toml --out /tmp/diagnosis
   python -m experiments.conceal --open /tmp/cases/effect_7_000
 """
 

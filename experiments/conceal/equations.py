@@ -33,10 +33,15 @@ class Equations(ABC):
     """M(q) a + h(q, v) = tau for one mechanism of one or two joints."""
 
     name: str
+    """The robot's name on the shelf."""
     joints: tuple[str, ...]
+    """Joints in the order of q."""
     actuators: tuple[str, ...]
+    """Actuators, each named as the joint that it drives."""
     kinds: tuple[str, ...]
+    """`hinge` or `slide` for each joint."""
     reach: tuple[Reach, ...]
+    """How each joint is driven."""
     varied: tuple[str, ...]
     """Masses, distances of centres of mass and inertias that a truth draws anew."""
 

@@ -18,7 +18,7 @@ from experiments.conceal.sensor import noise_rms, quanta, read
 from morph.files import write_whole
 
 TOGETHER = 40
-"""Most cases simulated at once, which bounds the memory to about 300 MB."""
+"""Most cases simulated at once, which bounds the memory to less than 1 GB."""
 
 
 def conceal(case: Case | int, folder: Path) -> Sealed:
@@ -95,7 +95,16 @@ def _write_recordings(
         session = "first" if index < 3 else "second"
         binding += ["", "[[episode]]", f'file = "{name}.csv.gz"', f'name = "{name}"']
         binding += [f'session = "{session}"']
+    units = dict(zip(equations.joints, equations.kinds, strict=True))
+    binding += ["", "[columns]", *(_column(name, units) for name in header)]
     write_whole(folder / "recording.toml", "\n".join(binding) + "\n")
+
+
+def _column(channel: str, kinds: dict[str, str]) -> str:
+    joint, _, quantity = channel.partition(".")
+    turning = kinds.get(joint) == "hinge"
+    unit = {"": "s", "position": "rad" if turning else "m", "command": "N m" if turning else "N"}
+    return f'"{channel}" = {{ column = "{channel}", unit = "{unit[quantity]}" }}'
 
 
 def _csv(header: list[str], table: np.ndarray) -> bytes:

@@ -20,6 +20,7 @@ from experiments.conceal.pendulum import Pendulum
 from experiments.conceal.seal import SealError
 from morph.body.load import load
 from morph.body.twin import twin_of
+from morph.record.load import load as load_recordings
 
 EVERY = pytest.mark.parametrize("equations", MECHANISMS.values(), ids=list(MECHANISMS))
 
@@ -133,7 +134,7 @@ def test_two_rubbing_joints_stick_together_below_both_levels() -> None:
     laws = neutral(2, 1)
     for joint in range(2):
         laws = laws.put("coulomb_friction", joint, 0, {"c": 1.05 * float(weight[joint])})
-    motion = moved(DoublePendulum(), laws, [0.4, 0.2], [0.0, 0.0])
+    motion = moved(DoublePendulum(), laws, [0.4, 0.2], [0.0, 0.0], seconds=0.2)
     assert (motion.q == q).all()
 
 
@@ -232,6 +233,20 @@ def test_the_seal_lies_outside_the_recordings(made: Path) -> None:
     told = sorted(p.name for p in (made / "recordings").iterdir())
     assert told == [f"episode_{i}.csv.gz" for i in range(1, 6)] + ["recording.toml"]
     assert (made / "sealed" / "truth.sealed.json").is_file()
+
+
+def test_the_recordings_are_what_morph_reads(tmp_path: Path) -> None:
+    case = Case(
+        name="c", seed=2, robot="cartpole", effect="viscous_friction", kind="joint", place="hinge"
+    )
+    conceal(case, tmp_path)
+    episodes = load_recordings(tmp_path / "recordings", robot=load("cartpole"))
+    assert [episode.session for episode in episodes] == ["first"] * 3 + ["second"] * 2
+    for episode in episodes:
+        assert set(episode.channels) == {"slide.position", "hinge.position", "slide.command"}
+        assert 7.9 < episode.seconds <= 8.0
+        assert episode.channel("slide.command").hold
+        assert not episode.notes
 
 
 def test_the_same_seed_gives_the_same_bytes(made: Path, tmp_path: Path) -> None:
