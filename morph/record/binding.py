@@ -132,8 +132,11 @@ def _flat(table: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
     """Return the columns by their full names; TOML nests what is written without quotes."""
     flat: dict[str, Any] = {}
     for key, value in table.items():
-        if isinstance(value, dict) and value and "column" not in value and all(
-            isinstance(inner, dict) for inner in value.values()
+        if (
+            isinstance(value, dict)
+            and value
+            and "column" not in value
+            and all(isinstance(inner, dict) for inner in value.values())
         ):
             flat.update(_flat(value, f"{prefix}{key}."))
         else:

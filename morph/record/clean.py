@@ -71,9 +71,7 @@ def _refuse_infinite(name: str, signal: Array, table: Table) -> None:
         )
 
 
-def _without_missing(
-    signals: Mapping[str, Array], table: Table
-) -> tuple[Integers, list[Note]]:
+def _without_missing(signals: Mapping[str, Array], table: Table) -> tuple[Integers, list[Note]]:
     """Return the rows in which nothing is NaN, and what was dropped."""
     holes = {name: np.isnan(signal) for name, signal in signals.items()}
     missing = np.logical_or.reduce(list(holes.values()))

@@ -54,7 +54,8 @@ def not_repeated(time: Array, table: Table, rows: Integers) -> Mask:
     Raises:
         RecordingError: The clock runs backwards.
     """
-    interval = np.diff(time)
+    with np.errstate(over="ignore"):
+        interval = np.diff(time)
     back = np.flatnonzero(interval < 0.0)
     if len(back):
         at = int(back[0])

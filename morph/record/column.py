@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -50,7 +51,9 @@ class Column:
                 where=f"{self.where}, for {table.path}",
                 fix="bind columns of one length",
             )
-        return (np.stack(raw, axis=1) * self.scale + self.offset) * self.factor
+        # What overflows becomes infinite, and is refused as that with its line.
+        with np.errstate(over="ignore", invalid="ignore"):
+            return (np.stack(raw, axis=1) * self.scale + self.offset) * self.factor
 
 
 def read_column(name: str, entry: Entry) -> Column:
@@ -87,8 +90,8 @@ def read_column(name: str, entry: Entry) -> Column:
 
 def _sources(entry: Entry) -> tuple[tuple[str | int, int | None], ...]:
     column, element = entry.table.get("column"), entry.table.get("element")
-    columns = column if isinstance(column, list) else [column]
-    elements = element if isinstance(element, list) else [element]
+    columns: list[Any] = column if isinstance(column, list) else [column]
+    elements: list[Any] = element if isinstance(element, list) else [element]
     if not columns or not all(
         isinstance(one, str | int) and not isinstance(one, bool) for one in columns
     ):

@@ -52,11 +52,12 @@ def _arrays(path: Path) -> dict[str, Array]:
             where=str(path),
             fix="copy the file again, or save it with numpy.savez and without objects",
         ) from error
-    kept = {
-        name: array.astype(np.float64)
-        for name, array in loaded.items()
-        if array.dtype.kind in "fiub" and array.ndim in (1, 2)
-    }
+    with np.errstate(over="ignore"):
+        kept = {
+            name: array.astype(np.float64)
+            for name, array in loaded.items()
+            if array.dtype.kind in "fiub" and array.ndim in (1, 2)
+        }
     if not kept or not any(array.size for array in kept.values()):
         raise RecordingError(
             "the file holds no array of numbers of one or two dimensions",
