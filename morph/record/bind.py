@@ -12,16 +12,13 @@ from morph.files import sha256, sha256_of_files
 from morph.record.binding import Binding, Episode
 from morph.record.clean import clean
 from morph.record.column import Column
-from morph.record.frames import CANONICAL, quaternion, turn
-from morph.record.quantities import WXYZ
 from morph.record.read.any import read
 from morph.record.read.table import Table
 from morph.record.recording import Channel, Note, Recording
+from morph.record.tracked import in_canonical_frames
 
 MOST_SHORT = 2
 """By how many samples a command may be shorter than its clock: none is sent at the end."""
-UNIT_QUATERNION = 1e-3
-"""How far a quaternion's length may be from 1 before scaling it counts as a repair."""
 
 
 def bind(episode: Episode, binding: Binding) -> Recording:
@@ -81,7 +78,7 @@ def _channels(
     table: Table, columns: Mapping[str, Column], binding: Binding
 ) -> tuple[dict[str, Channel], tuple[Note, ...]]:
     blocks = {name: column.values(table) for name, column in columns.items()}
-    repairs = _canonical(blocks, columns, table)
+    repairs = in_canonical_frames(blocks, columns, table)
     values = {
         f"{name}.{axis}" if axis else name: block[:, at]
         for name, block in blocks.items()
@@ -103,56 +100,6 @@ def _axes(column: Column) -> tuple[str, ...]:
 
 def _is_command(name: str, column: Column) -> bool:
     return column.name is not None and column.name.quantity.name == "command"
-
-
-def _canonical(
-    blocks: dict[str, Array], columns: Mapping[str, Column], table: Table
-) -> tuple[Note, ...]:
-    """Write orientations as unit quaternions, then turn velocities into their frames."""
-    notes: list[Note] = []
-    for name, column in columns.items():
-        if column.form:
-            blocks[name], repaired = _unit(quaternion(blocks[name], column.form), name, table)
-            notes += repaired
-    for name, column in columns.items():
-        if column.name is None or not column.frame:
-            continue
-        into = CANONICAL[column.name.quantity.name]
-        if column.frame == into:
-            continue
-        orientation = blocks.get(f"{column.name.part}.orientation")
-        if orientation is None or orientation.shape[1] != len(WXYZ):
-            raise RecordingError(
-                f"{name} is in the {column.frame} frame and is kept in the {into} frame, "
-                "which needs the body's orientation",
-                where=column.where,
-                fix=f"bind {column.name.part}.orientation as a list of columns with its form",
-            )
-        blocks[name] = turn(blocks[name], orientation, into=into)
-    return tuple(notes)
-
-
-def _unit(values: Array, name: str, table: Table) -> tuple[Array, list[Note]]:
-    """Return quaternions of length 1, and a note if one had another length."""
-    length = np.linalg.norm(values, axis=1)
-    off = np.abs(length - 1.0)
-    rows = np.flatnonzero(off > UNIT_QUATERNION)
-    if (off > 0.1).any():
-        row = int(np.flatnonzero(off > 0.1)[0])
-        raise RecordingError(
-            f"{name} is no orientation: its quaternion has length {length[row]:.3g}",
-            where=table.place(row),
-            fix="correct the columns, their order, or the form",
-        )
-    scaled = values / np.where(length > 0.0, length, 1.0)[:, None]
-    if not len(rows):
-        return scaled, []
-    note = Note(
-        what=f"{name}: {len(rows)} quaternions were not of length 1 and are scaled to it",
-        where=table.place(*rows.tolist()),
-        repaired=len(rows),
-    )
-    return scaled, [note]
 
 
 def _clock(table: Table, values: Mapping[str, Array], binding: Binding) -> Array:

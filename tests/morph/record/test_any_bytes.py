@@ -38,7 +38,7 @@ WHOLE = {
 
 
 @pytest.mark.parametrize("ending", sorted(WHOLE))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60, deadline=None, database=None)
 @given(data=st.data())
 def test_any_bytes_are_read_or_refused_by_name(ending: str, data: st.DataObject) -> None:
     whole = WHOLE[ending]

@@ -81,9 +81,9 @@ file = "rosbag2_2025_05_27-11_57_50_0_3dof_data_all.npz"
 
 [columns]
 time = {{ column = "timestamps", unit = "ns" }}
-"rov.position" = {{ column = "positions", element = [0, 1, 2], unit = "m" }}
-"rov.orientation" = {{ column = "positions", element = [3, 4, 5], form = "euler-xyz", unit = "rad" }}
-"rov.linear_velocity" = {{ column = "velocities", element = [0, 1, 2], unit = "m/s", frame = "body" }}
+"r.position" = {{ column = "positions", element = [0, 1, 2], unit = "m" }}
+"r.orientation" = {{ column = "positions", element = [3, 4, 5], form = "euler-xyz", unit = "rad" }}
+"r.linear_velocity" = {{ column = "velocities", element = [0, 1, 2], unit = "m/s", frame = "body" }}
 "heave.command" = {{ column = "scaled_controls", element = 2 }}
 """)
     (run,) = load(path)
