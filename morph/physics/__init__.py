@@ -1,0 +1,46 @@
+"""The library of physics: every effect, listed once."""
+
+from __future__ import annotations
+
+from morph.errors import EffectError
+from morph.physics.actuator.actuator_delay import ActuatorDelay
+from morph.physics.actuator.actuator_lag import ActuatorLag
+from morph.physics.actuator.torque_scale import TorqueScale
+from morph.physics.effect import Effect as Effect
+from morph.physics.joint.armature import Armature
+from morph.physics.joint.coulomb_friction import CoulombFriction
+from morph.physics.joint.joint_stiffness import JointStiffness
+from morph.physics.joint.quadratic_damping import QuadraticDamping
+from morph.physics.joint.stribeck_friction import StribeckFriction
+from morph.physics.joint.viscous_friction import ViscousFriction
+from morph.physics.sensor.sensor_bias import SensorBias
+
+EFFECTS: tuple[type[Effect], ...] = (
+    ViscousFriction,
+    CoulombFriction,
+    StribeckFriction,
+    QuadraticDamping,
+    JointStiffness,
+    Armature,
+    ActuatorDelay,
+    ActuatorLag,
+    TorqueScale,
+    SensorBias,
+)
+"""Every effect that a simulation can have and a diagnosis can find."""
+
+
+def effect_class(name: str) -> type[Effect]:
+    """Return an effect's class by its name.
+
+    Raises:
+        EffectError: There is no such effect.
+    """
+    for effect in EFFECTS:
+        if effect.name == name:
+            return effect
+    raise EffectError(
+        f"there is no effect {name!r}; there are {', '.join(e.name for e in EFFECTS)}",
+        where="morph.physics.EFFECTS",
+        fix="name one of these effects; `morph list effects` says what each does",
+    )

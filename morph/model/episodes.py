@@ -1,0 +1,160 @@
+"""Recordings laid on a simulation's grid: commands by step, readings, smooth motion."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from morph.arrays import Array
+from morph.body.robot import Robot
+from morph.errors import DiagnosisError
+from morph.record.recording import Channel, Recording
+from morph.record.slopes import noise, slopes
+from morph.sim.drive import held
+
+MOST_HERTZ = 100.0
+"""Readings are thinned to about this rate: what a rollout of a second can tell apart."""
+STATE_HERTZ = 15.0
+"""Band of the motion that a rollout's start is read from."""
+
+
+def band(channel: Channel) -> float:
+    """Return the frequency, Hz, within which a position's motion lies, 3 to 15.
+
+    Half as much again as what holds all but a ten-thousandth of its power: above it,
+    second derivatives show the clock's jitter and the encoder, not the motion.
+    """
+    period = float(np.median(np.diff(channel.time)))
+    grid = np.arange(channel.time[0], channel.time[-1], period)
+    value = channel.at(grid)
+    trend = np.linspace(value[0], value[-1], len(value))
+    power = np.abs(np.fft.rfft((value - trend) * np.hanning(len(value)))) ** 2
+    share = np.cumsum(power) / (power.sum() + 1e-300)
+    frequency = np.fft.rfftfreq(len(value), period)
+    return float(np.clip(1.5 * frequency[np.searchsorted(share, 0.9999)], 3.0, 15.0))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Episode:
+    """One recording of a robot whose joints are all measured."""
+
+    recording: Recording
+    """Where it came from."""
+    step: float
+    """Seconds a step of simulation."""
+    command: Array
+    """Mean command over each step, shape (steps, actuators)."""
+    time: Array
+    """When readings were taken, s from the start, shape (readings,)."""
+    reading: Array
+    """Measured positions, shape (readings, joints)."""
+    noise: Array
+    """Standard deviation of each reading's noise, shape (joints,)."""
+    state: Array
+    """Positions, then velocities, lightly smoothed, shape (readings, 2 joints)."""
+    state_cutoff: float
+    """Frequency, Hz, above which motion is taken for noise in `state`."""
+    position: Array
+    """Positions smoothed to the band of the motion, shape (readings, joints)."""
+    velocity: Array
+    """Their first derivative; same shape."""
+    acceleration: Array
+    """Their second derivative; same shape."""
+    cutoff: float
+    """Frequency, Hz, above which motion is taken for noise in the three above."""
+
+    @property
+    def name(self) -> str:
+        """How reports call it."""
+        return self.recording.name
+
+    @property
+    def session(self) -> str:
+        """Same day and same setup."""
+        return self.recording.session
+
+
+def moving_joints(robot: Robot) -> tuple[str, ...]:
+    """Return the hinges and slides in order.
+
+    Raises:
+        DiagnosisError: The robot has a ball or a free joint.
+    """
+    for joint in robot.joints:
+        if joint.kind not in {"hinge", "slide"}:
+            raise DiagnosisError(
+                f"joint {joint.name} is {joint.kind}; diagnosis reads hinges and slides",
+                where=f"robot {robot.name}",
+                fix="bolt the base, or wait for tracked bodies to be supported",
+            )
+    if not robot.joints:
+        raise DiagnosisError(
+            "it has no joint that moves",
+            where=f"robot {robot.name}",
+            fix="give a description with at least one hinge or slide",
+        )
+    return tuple(joint.name for joint in robot.joints)
+
+
+def step_for(recordings: Sequence[Recording], robot: Robot) -> float:
+    """Return the seconds a step: a whole part of the slowest clock's period, 1 to 4 ms."""
+    joints = moving_joints(robot)
+    period = float(
+        np.median([np.median(np.diff(_measured(r, joints[0]).time)) for r in recordings])
+    )
+    return period / max(1, round(period / 0.0025 + 0.2)) if period > 0.001 else 0.002
+
+
+def episode(recording: Recording, robot: Robot, step: float) -> Episode:
+    """Lay one recording on the grid of a simulation.
+
+    Raises:
+        RecordingError: A joint's position or an actuator's command is missing.
+        DiagnosisError: The recording is shorter than half a second.
+    """
+    joints = moving_joints(robot)
+    channels = [_measured(recording, joint) for joint in joints]
+    commands = [recording.channel(f"{actuator.name}.command") for actuator in robot.actuators]
+    start = max(float(channel.time[0]) for channel in channels)
+    end = min(float(channel.time[-1]) for channel in channels)
+    if end - start < 0.5:
+        raise DiagnosisError(
+            f"it lasts {end - start:.3g} s; friction shows only over half a second or more",
+            where=f"recording {recording.name}",
+            fix="record at least a few seconds in which every joint moves",
+        )
+    clock = channels[0].time
+    clock = clock[(clock >= start) & (clock <= end)]
+    period = float(np.median(np.diff(clock)))
+    light = min(0.2 / period, STATE_HERTZ)
+    cutoff = min(light, max(band(channel) for channel in channels))
+    quick = [slopes(channel.time, channel.value, light) for channel in channels]
+    smooth = [slopes(channel.time, channel.value, cutoff) for channel in channels]
+    kept = clock[:: max(1, int(1.0 / period / MOST_HERTZ + 0.01))]
+
+    def on_clock(values: list[Array]) -> Array:
+        pairs = zip(channels, values, strict=True)
+        return np.stack([np.interp(kept, c.time, value) for c, value in pairs], axis=1)
+
+    steps = int((end - start) / step)
+    drive = [held(channel, start, step, steps) for channel in commands]
+    return Episode(
+        recording=recording,
+        step=step,
+        command=np.stack(drive, axis=1) if drive else np.zeros((steps, 0)),
+        time=kept - start,
+        reading=on_clock([channel.value for channel in channels]),
+        noise=np.array([noise(channel.time, channel.value) for channel in channels]),
+        state=np.concatenate([on_clock([part[k] for part in quick]) for k in (0, 1)], axis=1),
+        state_cutoff=light,
+        position=on_clock([part[0] for part in smooth]),
+        velocity=on_clock([part[1] for part in smooth]),
+        acceleration=on_clock([part[2] for part in smooth]),
+        cutoff=cutoff,
+    )
+
+
+def _measured(recording: Recording, joint: str) -> Channel:
+    return recording.channel(f"{joint}.position")

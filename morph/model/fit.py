@@ -1,0 +1,173 @@
+"""Joint refit of a robot's own figures and an effect's parameters by multiple shooting."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from morph.arrays import Array
+from morph.model.hypothesis import Hypothesis
+from morph.model.segments import Segments
+from morph.model.shooting import (
+    Quadratic,
+    Sensitivity,
+    loss,
+    predict,
+    quadratic,
+    sensitivity,
+)
+
+STEPS = (1.0, 0.5, 0.2, 0.05)
+"""Shares of a Gauss-Newton step that are tried, all in one batch."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Room:
+    """Where a point may lie and what it costs to stray."""
+
+    low: Array
+    """The least value of each entry."""
+    high: Array
+    """The greatest value of each entry."""
+    trust: Array
+    """One over the variance of each entry about its centre."""
+    centre: Array
+    """What each entry is before any data."""
+
+    def price(self, point: Array) -> float:
+        """Return what a point costs for straying from the centre."""
+        return float((self.trust * (point - self.centre) ** 2).sum())
+
+    def best_change(self, hessian: Array, slope: Array, point: Array) -> Array:
+        """Return the change d that minimises d.H.d - 2 g.d plus the price, within bounds.
+
+        Entries that would leave their bounds are held there and the rest solved again.
+        """
+        whole = hessian + np.diag(self.trust)
+        whole = whole + np.diag(1e-9 * np.diag(whole) + 1e-12)
+        pull = slope - self.trust * (point - self.centre)
+        low, high = self.low - point, self.high - point
+        change, held = np.zeros_like(point), np.zeros(len(point), dtype=bool)
+        for _ in range(len(point) + 1):
+            free = ~held
+            if not free.any():
+                break
+            right = pull[free] - whole[np.ix_(free, held)] @ change[held]
+            change[free] = np.linalg.solve(whole[np.ix_(free, free)], right)
+            outside = free & ((change < low) | (change > high))
+            if not outside.any():
+                break
+            change = np.where(outside, np.clip(change, low, high), change)
+            held |= outside
+        return np.clip(change, low, high)
+
+
+def room(hypothesis: Hypothesis, point: Array) -> Room:
+    """Return a hypothesis' room: knobs are drawn to the description, effects to nowhere."""
+    known = len(hypothesis.knobs)
+    return Room(
+        low=hypothesis.low,
+        high=hypothesis.high,
+        trust=hypothesis.trust,
+        centre=np.concatenate([np.zeros(known), point[known:]]),
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fit:
+    """A hypothesis fitted to segments."""
+
+    hypothesis: Hypothesis
+    """What was fitted."""
+    point: Array
+    """Where it ended, shape (parameters,)."""
+    start: Array
+    """The segments' starts as measured, shape (segments, 2 joints)."""
+    scale: Array
+    """Unit of each joint's error, shape (joints,)."""
+    around: Sensitivity
+    """The error and its derivatives at the point."""
+    quadratic: Quadratic
+    """The loss about the point."""
+
+    @property
+    def cost(self) -> float:
+        """The sum of the losses and of the price of straying from the description."""
+        price = room(self.hypothesis, self.point).price(self.point)
+        return float(self.quadratic.loss.sum()) + price
+
+    def intervals(self) -> tuple[Array, Array]:
+        """Return 90 % bounds of each entry of the point, from segment to segment.
+
+        The sandwich estimate (White 1980, Econometrica 48(4), eq. 3) holds also where
+        errors within a segment are correlated and the model is not exactly right.
+        """
+        bread = np.linalg.pinv(
+            self.quadratic.hessian.sum(axis=0) + np.diag(self.hypothesis.trust)
+        )
+        pull = self.quadratic.slope - self.quadratic.slope.mean(axis=0)
+        meat = pull.T @ pull * len(pull) / max(len(pull) - 1, 1)
+        width = 1.645 * np.sqrt(np.clip(np.diag(bread @ meat @ bread), 0.0, None))
+        low, high = self.hypothesis.low, self.hypothesis.high
+        return np.clip(self.point - width, low, high), np.clip(self.point + width, low, high)
+
+
+def fit(
+    hypothesis: Hypothesis,
+    segments: Segments,
+    scale: Array,
+    *,
+    point: Array | None = None,
+    start: Array | None = None,
+    iterations: int = 6,
+    tolerance: float = 2e-3,
+) -> Fit:
+    """Fit a hypothesis to segments by Gauss-Newton steps with batched line searches.
+
+    Args:
+        hypothesis: What to fit.
+        segments: What to fit it to.
+        scale: Unit of each joint's error, shape (joints,).
+        point: Where to begin; default the hypothesis' own start.
+        start: The segments' starts to begin with; default as smoothed.
+        iterations: Most Gauss-Newton steps.
+        tolerance: Relative gain in cost below which it stops.
+    """
+    point = hypothesis.start if point is None else point.copy()
+    start = segments.start if start is None else start
+    space = room(hypothesis, point)
+    around = sensitivity(hypothesis, segments, point, start, scale)
+    for _ in range(iterations):
+        curve = quadratic(segments, around)
+        change = space.best_change(curve.hessian.sum(axis=0), curve.slope.sum(axis=0), point)
+        points = [point, *(point + share * change for share in STEPS)]
+        starts = [start, *(curve.starts_after(start, share * change, share) for share in STEPS)]
+        read = predict(hypothesis, segments, points, starts)
+        costs = [
+            loss(segments, r, s, scale).sum() + space.price(p)
+            for r, s, p in zip(read, starts, points, strict=True)
+        ]
+        best = int(np.argmin(costs))
+        gained = costs[0] - costs[best]
+        if best == 0:
+            break
+        point, start = points[best], starts[best]
+        around = sensitivity(hypothesis, segments, point, start, scale)
+        if gained < tolerance * costs[0]:
+            break
+    return Fit(
+        hypothesis=hypothesis.moved_to(point),
+        point=point,
+        start=start,
+        scale=scale,
+        around=around,
+        quadratic=quadratic(segments, around),
+    )
+
+
+def error_scale(segments: Segments, predicted: Array) -> Array:
+    """Return each joint's root mean square error, never below its noise, shape (joints,)."""
+    squared = np.where(segments.valid[..., None], (segments.reading - predicted) ** 2, 0.0)
+    mean = squared.sum(axis=(0, 1)) / segments.valid.sum()
+    return np.maximum(np.sqrt(mean), segments.noise)

@@ -1,0 +1,122 @@
+"""A robot under effects with every uncertain figure free: a point is a simulation."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from morph.arrays import Array
+from morph.body.robot import Robot
+from morph.body.spec import spec_of
+from morph.model.knobs import Knob
+from morph.physics.effect import Effect
+from morph.sim.rollout import Variant
+from morph.sim.simulator import compiled
+
+
+@dataclass(frozen=True, kw_only=True)
+class Hypothesis:
+    """A robot, what may be wrong in its description, and effects to be fitted.
+
+    A point holds the logarithms of the knobs' factors, then the effects' parameters.
+    """
+
+    robot: Robot
+    """The nominal description."""
+    step: float
+    """Seconds a step of simulation."""
+    knobs: tuple[Knob, ...]
+    """Figures of the description that are refitted."""
+    effects: tuple[Effect, ...] = ()
+    """Effects whose parameters are fitted; their values are where a fit starts."""
+
+    @cached_property
+    def _slots(self) -> tuple[tuple[int, Any], ...]:
+        return tuple(
+            (index, known)
+            for index, effect in enumerate(self.effects)
+            for known in effect.parameters()
+        )
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """What each entry of a point is called."""
+        of_effects = tuple(f"{self.effects[i].label}:{known.name}" for i, known in self._slots)
+        return tuple(knob.name for knob in self.knobs) + of_effects
+
+    @property
+    def size(self) -> int:
+        """The number of entries of a point."""
+        return len(self.knobs) + len(self._slots)
+
+    @cached_property
+    def start(self) -> Array:
+        """The nominal description with the effects as they stand."""
+        values = [getattr(self.effects[i], known.name) for i, known in self._slots]
+        return np.array([0.0] * len(self.knobs) + values)
+
+    @cached_property
+    def low(self) -> Array:
+        """The least value of each entry."""
+        return np.array([k.bounds[0] for k in self.knobs] + [k.low for _, k in self._slots])
+
+    @cached_property
+    def high(self) -> Array:
+        """The greatest value of each entry."""
+        return np.array([k.bounds[1] for k in self.knobs] + [k.high for _, k in self._slots])
+
+    @cached_property
+    def trust(self) -> Array:
+        """One over the variance that each entry has before any data, about its nominal."""
+        of_knobs = [1.0 / knob.fraction**2 for knob in self.knobs]
+        # The effects' own bounds are wide: as good as no prior, yet never singular.
+        return np.array(of_knobs + [1.0 / (k.high - k.low) ** 2 for _, k in self._slots])
+
+    def nudge(self, point: Array) -> Array:
+        """Return the step of a finite difference at a point, one for each entry."""
+        knobs = np.full(len(self.knobs), 1e-3)
+        widths = np.array([k.high - k.low for _, k in self._slots])
+        step = np.concatenate([knobs, 0.02 * np.abs(point[len(knobs) :]) + 1e-5 * widths])
+        return np.where(point + step > self.high, -step, step)
+
+    def effects_at(self, point: Array) -> tuple[Effect, ...]:
+        """Return the effects with their parameters read from a point."""
+        values: list[dict[str, float]] = [{} for _ in self.effects]
+        for (index, known), value in zip(self._slots, point[len(self.knobs) :], strict=True):
+            values[index][known.name] = float(np.clip(value, known.low, known.high))
+        return tuple(replace(e, **v) for e, v in zip(self.effects, values, strict=True))  # type: ignore[type-var]
+
+    def spec_at(self, point: Array) -> Any:
+        """Return the `mujoco.MjSpec` with the knobs turned, without the effects."""
+        spec = spec_of(self.robot, timestep=self.step)
+        for knob, value in zip(self.knobs, point, strict=False):
+            knob.edit(spec, float(value))
+        return spec
+
+    def at(self, point: Array) -> Variant:
+        """Return the simulation at a point."""
+        return compiled(self.spec_at(point), self.effects_at(point), self.robot)
+
+    def adding(self, effect: Effect) -> Hypothesis:
+        """Return the hypothesis with one more effect, which starts as it stands."""
+        return replace(self, effects=(*self.effects, effect))
+
+    def moved_to(self, point: Array) -> Hypothesis:
+        """Return the hypothesis whose effects start at a point."""
+        return replace(self, effects=self.effects_at(point))
+
+    def free(self) -> int:
+        """Return how many parameters of effects are free."""
+        return len(self._slots)
+
+    def describe(self) -> str:
+        """Return the effects' labels, or `refitted` when there are none."""
+        return " + ".join(effect.label for effect in self.effects) or "refitted"
+
+
+def same_kind(one: Effect, other: Effect) -> bool:
+    """Return whether two effects are one law at one place."""
+    return type(one) is type(other) and one.where == other.where and bool(fields(one))  # type: ignore[arg-type]

@@ -1,0 +1,168 @@
+"""Recorded motion through a fitted model: the forces that it needed and those it was given."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import mujoco
+import numpy as np
+from scipy.signal import butter, sosfiltfilt
+
+from morph.arrays import Array
+from morph.model.episodes import Episode
+from morph.model.hypothesis import Hypothesis
+from morph.physics.motion import Motion
+from morph.sim.drive import received, unsensed
+from morph.sim.rollout import Variant
+from morph.sim.simulator import compiled
+
+HERTZ = 40.0
+"""Rate at which motion is looked at; smoothed motion holds nothing faster."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Needed:
+    """One episode's motion, and the force that the model cannot account for."""
+
+    episode: Episode
+    """Where it came from."""
+    time: Array
+    """When, s from the episode's start, shape (samples,)."""
+    motion: Motion
+    """The motion and the drives, smoothed alike."""
+    missing: Array
+    """Force needed by the motion minus force accounted for, shape (samples, dofs)."""
+
+    def smooth(self, columns: Array) -> Array:
+        """Return columns (samples, ...) smoothed as the motion was."""
+        return low_pass(columns, self.time, self.episode.cutoff)
+
+
+def low_pass(values: Array, time: Array, cutoff: float) -> Array:
+    """Return values (samples, ...) without what is faster than `cutoff` Hz, in phase."""
+    rate = 1.0 / float(np.median(np.diff(time)))
+    if len(time) < 16 or cutoff >= 0.45 * rate:
+        return values
+    sections = butter(2, cutoff, fs=rate, output="sos")
+    return np.asarray(sosfiltfilt(sections, values, axis=0, padlen=min(15, len(time) - 1)))
+
+
+def needed(hypothesis: Hypothesis, point: Array, episode: Episode) -> Needed:
+    """Return an episode's motion and the force missing from the model at a point."""
+    effects = hypothesis.effects_at(point)
+    # What acts step by step is told by its regressor, whole, not by its edit.
+    stepped = [effect for effect in effects if effect.stepped]
+    held_by_model = tuple(effect for effect in effects if not effect.stepped)
+    variant = compiled(hypothesis.spec_at(point), held_by_model, hypothesis.robot)
+    stride = max(1, int(1.0 / HERTZ / float(np.median(np.diff(episode.time)))))
+    time = episode.time[::stride]
+    names = [joint.name for joint in hypothesis.robot.joints]
+    position = np.stack(
+        [
+            unsensed(variant.effects, f"{name}.position", episode.position[::stride, j])
+            for j, name in enumerate(names)
+        ],
+        axis=1,
+    )
+    command = np.stack(
+        [
+            _at(received(variant.effects, a.name, episode.command[:, i], episode.step), time, episode.step)
+            for i, a in enumerate(hypothesis.robot.actuators)
+        ],
+        axis=1,
+    ) if hypothesis.robot.actuators else np.zeros((len(time), 0))
+    velocity = episode.velocity[::stride]
+    acceleration = episode.acceleration[::stride]
+    motion, missing = _forces(
+        hypothesis, variant, time, position, velocity, acceleration, command
+    )
+    found = Needed(episode=episode, time=time, motion=motion, missing=missing)
+    smooth_drive = found.smooth(motion.drive)
+    missing = missing - (smooth_drive - motion.drive).sum(axis=1)
+    for effect in stepped:
+        strengths = np.array([getattr(effect, name) for name in effect.strengths])
+        missing = missing - found.smooth(effect.regressor(motion) @ strengths)
+    smooth_rate = found.smooth(motion.drive_rate)
+    return replace(
+        found,
+        missing=missing,
+        motion=replace(motion, drive=smooth_drive, drive_rate=smooth_rate),
+    )
+
+
+def _at(command: Array, time: Array, step: float) -> Array:
+    return np.interp(time, step * (np.arange(len(command)) + 0.5), command)
+
+
+def _forces(
+    hypothesis: Hypothesis,
+    variant: Variant,
+    time: Array,
+    position: Array,
+    velocity: Array,
+    acceleration: Array,
+    command: Array,
+) -> tuple[Motion, Array]:
+    model = variant.model
+    data = mujoco.MjData(model)
+    flags = model.opt.disableflags
+    model.opt.disableflags = flags | mujoco.mjtDisableBit.mjDSBL_CONSTRAINT.value
+    samples, dofs = velocity.shape
+    rate = np.gradient(command, time, axis=0) if command.shape[1] else command
+    need, stiff = np.zeros((samples, dofs)), np.zeros((samples, dofs, dofs))
+    drive, drive_rate = np.zeros((2, samples, model.nu, dofs))
+
+    def inverse() -> Array:
+        mujoco.mj_inverse(model, data)
+        mujoco.mj_fwdActuation(model, data)
+        return np.asarray(data.qfrc_inverse - data.qfrc_actuator)
+
+    for k in range(samples):
+        data.qpos[:], data.qvel[:], data.qacc[:] = position[k], velocity[k], acceleration[k]
+        data.ctrl[:] = command[k]
+        need[k] = inverse()
+        moment = _moments(model)
+        drive[k] = moment * data.actuator_force[:, None]
+        gain = model.actuator_gainprm[:, 0]
+        drive_rate[k] = moment * (gain * rate[k])[:, None]
+        for dof in range(dofs):
+            data.qpos[dof] += 1e-5
+            stiff[k, :, dof] = (inverse() - need[k]) / 1e-5
+            data.qpos[dof] -= 1e-5
+    model.opt.disableflags = flags
+    joints = {joint.name: model.joint(joint.name).dofadr[0] for joint in hypothesis.robot.joints}
+    # Friction loss is a constraint, left out of the inverse dynamics above.
+    for effect_dof in range(dofs):
+        level = float(model.dof_frictionloss[effect_dof])
+        if level > 0.0:
+            speed = velocity[:, effect_dof]
+            slow = 0.02 * float(np.sqrt(np.mean(speed**2))) + 1e-9
+            need[:, effect_dof] += level * np.clip(speed / slow, -1.0, 1.0)
+    motion = Motion(
+        position=position,
+        velocity=velocity,
+        acceleration=acceleration,
+        drive=drive,
+        drive_rate=drive_rate,
+        stiffness=stiff,
+        joints=joints,
+        actuators={a.name: i for i, a in enumerate(hypothesis.robot.actuators)},
+    )
+    return motion, need
+
+
+def _moments(model: mujoco.MjModel) -> Array:
+    """Return how each actuator's force becomes joint forces, (actuators, dofs)."""
+    moment = np.zeros((model.nu, model.nv))
+    for index in range(model.nu):
+        joint = model.actuator_trnid[index, 0]
+        moment[index, model.jnt_dofadr[joint]] = model.actuator_gear[index, 0]
+    return moment
+
+
+def all_needed(
+    hypothesis: Hypothesis, point: Array, episodes: Sequence[Episode]
+) -> tuple[Needed, ...]:
+    """Return `needed` of every episode."""
+    return tuple(needed(hypothesis, point, episode) for episode in episodes)

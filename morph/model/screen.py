@@ -1,0 +1,154 @@
+"""Suspects by linear algebra: which effect's force along the recording explains what is missing."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from morph.arrays import Array
+from morph.model.episodes import Episode
+from morph.model.hypothesis import Hypothesis, same_kind
+from morph.model.motion import Needed, all_needed
+from morph.physics import EFFECTS
+from morph.physics.effect import Effect
+
+
+@dataclass(frozen=True, kw_only=True)
+class Suspect:
+    """An effect at a place, with the strength that the recording suggests."""
+
+    effect: Effect
+    """The effect as a linear fit sees it."""
+    gain: float
+    """Share of the missing force's square that it explains beyond the robot's own figures."""
+
+
+def suspects(
+    hypothesis: Hypothesis, point: Array, episodes: Sequence[Episode]
+) -> tuple[Suspect, ...]:
+    """Return every effect at every place, the one that explains most first.
+
+    The force missing from the model along the recording is projected off what a
+    change of the robot's own figures could explain (within their trust), and each
+    effect's regressor is fitted to the rest. No simulation is run.
+
+    Source: Swevers, Verdonck and De Schutter 2007, eq. 7, with both sides smoothed alike.
+    """
+    parts = all_needed(hypothesis, point, episodes)
+    weights = _weights(parts)
+    target = _stack([part.missing for part in parts], weights)
+    own = _own_columns(hypothesis, point, episodes, parts, weights)
+    # The trust in the description, in units of the samples that are independent.
+    independent = _independent(parts)
+    price = hypothesis.trust[: own.shape[1]] * len(target) / max(independent, 1.0)
+    inner = own.T @ own + np.diag(price + 1e-12)
+
+    def off_own(columns: Array) -> Array:
+        return columns - own @ np.linalg.solve(inner, own.T @ columns)
+
+    rest = off_own(target)
+    found = []
+    for effect in _all(hypothesis):
+        best: Suspect | None = None
+        for shaped in _shapes(effect):
+            columns = off_own(
+                _stack([part.smooth(shaped.regressor(part.motion)) for part in parts], weights)
+            )
+            suspect = _fitted(shaped, columns, rest)
+            if best is None or suspect.gain > best.gain:
+                best = suspect
+        if best is not None:
+            found.append(best)
+    return tuple(sorted(found, key=lambda s: -s.gain))
+
+
+def _fitted(effect: Effect, columns: Array, rest: Array) -> Suspect:
+    scale = np.sqrt((columns**2).sum(axis=0)) + 1e-12
+    coefficients = np.linalg.lstsq(columns / scale, rest, rcond=1e-8)[0] / scale
+    suspect = effect.with_strengths(coefficients)
+    # What the bounds leave of the coefficients decides how much is explained.
+    kept = _coefficients(effect, suspect, coefficients)
+    left = rest - columns @ kept
+    return Suspect(effect=suspect, gain=float(1.0 - (left**2).sum() / ((rest**2).sum() + 1e-30)))
+
+
+def _coefficients(before: Effect, after: Effect, coefficients: Array) -> Array:
+    if after.name == "joint_stiffness":
+        return coefficients if coefficients[0] > 0.0 else 0.0 * coefficients
+    neutral = {p.name: p.neutral or 0.0 for p in before.parameters()}
+    return np.array([getattr(after, name) - neutral[name] for name in before.strengths])
+
+
+def _all(hypothesis: Hypothesis) -> list[Effect]:
+    return [
+        effect
+        for kind in EFFECTS
+        for effect in (kind.at(place) for place in kind.places(hypothesis.robot))
+        if not any(same_kind(effect, had) for had in hypothesis.effects)
+    ]
+
+
+def _shapes(effect: Effect) -> list[Effect]:
+    """Return the effect with each value of parameters in which its force is not linear."""
+    scanned = [p for p in effect.parameters() if p.scan and p.name not in effect.strengths]
+    grids = itertools.product(*(p.scan for p in scanned))
+    names = [p.name for p in scanned]
+    return [
+        replace(effect, **dict(zip(names, values, strict=True)))  # type: ignore[type-var]
+        for values in grids
+    ]
+
+
+def _weights(parts: Sequence[Needed]) -> list[Array]:
+    """Return the weight of each sample and degree of freedom, (samples, dofs) an episode.
+
+    A joint held still by dry friction needs exactly what it is given, whatever that
+    is: such samples would teach that its actuator does nothing, so they are left out.
+    """
+    missing = np.concatenate([part.missing for part in parts])
+    speed = np.sqrt(np.mean(np.concatenate([part.motion.velocity**2 for part in parts]), axis=0))
+    unit = 1.0 / np.sqrt(np.mean(missing**2, axis=0) + 1e-18)
+    return [
+        unit * (part.smooth((np.abs(part.motion.velocity) > 0.15 * speed).astype(float)) > 0.9)
+        for part in parts
+    ]
+
+
+def _stack(parts: Sequence[Array], weights: Sequence[Array]) -> Array:
+    """Return (samples, dofs, ...) of all episodes as rows, each in units of its weight."""
+    rows = np.concatenate(
+        [
+            part * weight.reshape(*weight.shape, *([1] * (part.ndim - 2)))
+            for part, weight in zip(parts, weights, strict=True)
+        ]
+    )
+    return rows.reshape(-1, *rows.shape[2:])
+
+
+def _own_columns(
+    hypothesis: Hypothesis,
+    point: Array,
+    episodes: Sequence[Episode],
+    parts: Sequence[Needed],
+    weights: Sequence[Array],
+) -> Array:
+    """Return what each entry of the hypothesis would explain, shape (rows, entries)."""
+    nudge = hypothesis.nudge(point)
+    columns = []
+    for entry in range(hypothesis.size):
+        moved = point.copy()
+        moved[entry] += nudge[entry]
+        change = [
+            (before.missing - after.missing) / nudge[entry]
+            for before, after in zip(parts, all_needed(hypothesis, moved, episodes), strict=True)
+        ]
+        columns.append(_stack(change, weights))
+    return np.stack(columns, axis=1) if columns else np.zeros((0, 0))
+
+
+def _independent(parts: Sequence[Needed]) -> float:
+    """Return how many samples are independent after smoothing: twice the band times the time."""
+    return sum(2.0 * p.episode.cutoff * float(p.time[-1] - p.time[0]) for p in parts)

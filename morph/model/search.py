@@ -1,0 +1,184 @@
+"""The search for left-out physics: add the surest effect, refit, and ask again."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from morph.arrays import Array, Integers
+from morph.model.episodes import Episode
+from morph.model.fit import Fit, error_scale, fit
+from morph.model.hypothesis import Hypothesis
+from morph.model.screen import suspects
+from morph.model.segments import Segments
+from morph.model.select import Gain, folds, gain, validated
+from morph.model.shooting import predict
+from morph.model.trial import try_all
+from morph.physics.effect import Effect
+
+FINALISTS = 4
+"""Suspects that are fitted in full each round."""
+SCREENED = 12
+"""Suspects that screening passes on to rollouts each round."""
+MATERIAL = 0.05
+"""Least share of the loss that a finding must take away: less is not worth a name."""
+MOST_FINDINGS = 6
+"""A simulation that lacks more than this lacks a model, not an effect."""
+AT_NOISE = 1.1
+"""Mean squared error, in units of the noise, below which nothing is left to explain."""
+
+Progress = Callable[[str, float], None]
+"""Told what is being done and the share of the work that is behind, 0 to 1."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Contender:
+    """A fitted model and its cross-validated losses."""
+
+    fit: Fit
+    """The model, fitted to all training segments."""
+    losses: Array
+    """Cross-validated loss of each segment, shape (segments,)."""
+
+    @property
+    def total(self) -> float:
+        """The sum of the losses."""
+        return float(self.losses.sum())
+
+
+@dataclass(frozen=True, kw_only=True)
+class Round:
+    """One question: what is missing beside what was found so far?"""
+
+    before: Contender
+    """The model so far."""
+    finalists: tuple[Contender, ...]
+    """The models with one more effect, the best first."""
+    gain: Gain | None
+    """What the best finalist gains."""
+    accepted: bool
+    """Whether that was a finding."""
+
+
+@dataclass
+class Search:
+    """Everything that a search shares and keeps."""
+
+    segments: Segments
+    episodes: Sequence[Episode]
+    progress: Progress
+    deadline: float
+    rounds: list[Round] = field(default_factory=list)
+    tries: int = 0
+
+    @property
+    def late(self) -> bool:
+        """Whether the budget is spent."""
+        return time.monotonic() > self.deadline
+
+    @property
+    def fold(self) -> Integers:
+        """Each segment's fold."""
+        return folds(self.segments)
+
+    def refit(self, nominal: Hypothesis) -> Contender:
+        """Return the description refitted with nothing added."""
+        read = predict(nominal, self.segments, [nominal.start], [self.segments.start])[0]
+        first = fit(nominal, self.segments, error_scale(self.segments, read), iterations=3)
+        return self._polished(first, iterations=3)
+
+    def run(self, refitted: Contender) -> Contender:
+        """Return the model with every effect that is sure, in the order found."""
+        best = refitted
+        while len(best.fit.hypothesis.effects) < MOST_FINDINGS and not self.late:
+            if self._at_noise(best):
+                break
+            asked = self._ask(best)
+            self.rounds.append(asked)
+            if not asked.accepted:
+                break
+            best = self._polished(asked.finalists[0].fit, iterations=2)
+        return best
+
+    def _ask(self, best: Contender) -> Round:
+        found = best.fit
+        known = len(found.hypothesis.effects)
+        self.progress(f"looking for what is missing (round {known + 1})", 0.2 + 0.1 * known)
+        listed = suspects(found.hypothesis, found.point, self.episodes)
+        self.tries += len(listed)
+        tried = try_all(found, self.segments, self.fold, _shortlist([s.effect for s in listed]))
+        finalists = []
+        for candidate in tried[:FINALISTS]:
+            if self.late:
+                break
+            finalists.append(self._with(found, candidate.effect, candidate.point))
+        finalists.sort(key=lambda c: c.total)
+        finalists = _simplest_first(finalists, self.tries)
+        if not finalists:
+            return Round(before=best, finalists=(), gain=None, accepted=False)
+        won = gain(best.losses, finalists[0].losses, self.tries)
+        accepted = won.sure and won.mean >= MATERIAL
+        return Round(
+            before=best, finalists=tuple(finalists), gain=won, accepted=accepted
+        )
+
+    def _with(self, found: Fit, effect: Effect, point: Array) -> Contender:
+        more = replace(found.hypothesis, effects=found.hypothesis.effects_at(point)).adding(effect)
+        extended = np.concatenate([point, more.start[len(point) :]])
+        fitted = fit(
+            more, self.segments, found.scale, point=extended, start=found.start, iterations=4
+        )
+        return Contender(fit=fitted, losses=validated(fitted, self.fold))
+
+    def _polished(self, found: Fit, iterations: int) -> Contender:
+        """Return a fit carried on with each joint's error in units of its present size."""
+        read = predict(found.hypothesis, self.segments, [found.point], [found.start])[0]
+        fitted = fit(
+            found.hypothesis,
+            self.segments,
+            error_scale(self.segments, read),
+            point=found.point,
+            start=found.start,
+            iterations=iterations,
+        )
+        return Contender(fit=fitted, losses=validated(fitted, self.fold))
+
+    def _at_noise(self, best: Contender) -> bool:
+        read = predict(best.fit.hypothesis, self.segments, [best.fit.point], [best.fit.start])[0]
+        squared = np.where(
+            self.segments.valid[..., None], (self.segments.reading - read) ** 2, 0.0
+        ).sum(axis=(0, 1))
+        in_noise = squared / self.segments.valid.sum() / self.segments.noise**2
+        return bool((in_noise < AT_NOISE).all())
+
+
+def _shortlist(listed: Sequence[Effect]) -> list[Effect]:
+    """Return the first suspects, and every law at least at its best place.
+
+    Screening sees a law's force, not what it does to a rollout: a law that it ranks low
+    everywhere still gets one hearing.
+    """
+    kept = list(listed[:SCREENED])
+    laws = {effect.name for effect in kept}
+    for effect in listed[SCREENED:]:
+        if effect.name not in laws:
+            kept.append(effect)
+            laws.add(effect.name)
+    return kept
+
+
+def _simplest_first(finalists: list[Contender], tries: int) -> list[Contender]:
+    """Put first the simplest finalist that the best one does not surely beat."""
+    if not finalists:
+        return finalists
+    best = finalists[0]
+    for other in sorted(finalists, key=lambda c: (c.fit.hypothesis.free(), c.total)):
+        if other.fit.hypothesis.free() >= best.fit.hypothesis.free():
+            continue
+        beaten = gain(other.losses, best.losses, 1)
+        if not (beaten.sure and beaten.mean >= MATERIAL):
+            return [other, *(c for c in finalists if c is not other)]
+    return finalists

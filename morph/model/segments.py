@@ -1,0 +1,146 @@
+"""Episodes cut into short rollouts that start along them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from morph.arrays import Array, Integers, Mask
+from morph.errors import DiagnosisError
+from morph.model.episodes import Episode
+
+
+@dataclass(frozen=True, kw_only=True)
+class Segments:
+    """Rollouts of one length, each with the readings that fall into it."""
+
+    episodes: tuple[Episode, ...]
+    """Where they were cut from."""
+    episode: Integers
+    """Index of each segment's episode, shape (segments,)."""
+    first: Integers
+    """The step at which each starts, shape (segments,)."""
+    steps: int
+    """How many steps each lasts."""
+    before: Integers
+    """Step before each reading, from the segment's start, shape (segments, readings)."""
+    part: Array
+    """How far towards the next step each reading lies, 0 to 1; same shape."""
+    valid: Mask
+    """Which readings exist; rows are padded; same shape."""
+    reading: Array
+    """Measured positions, shape (segments, readings, joints)."""
+    start: Array
+    """Estimated start, positions then velocities as measured, shape (segments, 2 joints)."""
+    start_trust: Array
+    """One over the variance of each start's entry, shape (2 joints,)."""
+    noise: Array
+    """Standard deviation of the readings' noise, shape (joints,)."""
+
+    def __len__(self) -> int:
+        """Return the number of segments."""
+        return len(self.first)
+
+    @property
+    def step(self) -> float:
+        """Seconds a step."""
+        return self.episodes[0].step
+
+    def seconds(self, index: int) -> tuple[float, float]:
+        """Return when a segment starts and ends within its episode, s."""
+        start = float(self.first[index]) * self.step
+        return start, start + self.steps * self.step
+
+    def command(self, commands: Sequence[Array]) -> Array:
+        """Return each segment's part of its episode's command, (segments, steps, actuators)."""
+        return np.stack(
+            [
+                commands[e][f : f + self.steps]
+                for e, f in zip(self.episode, self.first, strict=True)
+            ]
+        )
+
+
+def cut(
+    episodes: Sequence[Episode], horizon: float | None, *, most: int | None = None
+) -> Segments:
+    """Cut episodes into rollouts of `horizon` seconds end to end; None takes them whole.
+
+    Whole episodes of unequal length are cut to the shortest.
+
+    Args:
+        episodes: What to cut.
+        horizon: Seconds each.
+        most: If there are more segments, keep this many, evenly spread.
+
+    Raises:
+        DiagnosisError: No episode is as long as the horizon.
+    """
+    step = episodes[0].step
+    shortest = min(len(e.command) for e in episodes)
+    steps = shortest if horizon is None else round(horizon / step)
+    where = [
+        (index, first)
+        for index, e in enumerate(episodes)
+        for first in range(0, len(e.command) - steps + 1, steps)
+    ]
+    if horizon is None:
+        where = [(index, 0) for index in range(len(episodes))]
+    if not where:
+        raise DiagnosisError(
+            f"no episode lasts {steps * step:g} s",
+            where=", ".join(e.name for e in episodes),
+            fix="ask for a shorter --horizon, or record for longer",
+        )
+    if most is not None and len(where) > most:
+        where = [where[i] for i in np.linspace(0, len(where) - 1, most).round().astype(int)]
+    return _segments(episodes, where, steps)
+
+
+def _segments(
+    episodes: Sequence[Episode], where: list[tuple[int, int]], steps: int
+) -> Segments:
+    step, joints = episodes[0].step, episodes[0].reading.shape[1]
+    rows = []
+    for index, first in where:
+        e = episodes[index]
+        begin = first * step
+        inside = np.flatnonzero((e.time > begin + 1e-9) & (e.time <= begin + steps * step + 1e-9))
+        start = [np.interp(begin, e.time, column) for column in e.state.T]
+        rows.append((inside, (e.time[inside] - begin) / step, e.reading[inside], start))
+    most = max(len(inside) for inside, _, _, _ in rows)
+    valid = np.zeros((len(rows), most), dtype=bool)
+    offset, reading = np.zeros((len(rows), most)), np.zeros((len(rows), most, joints))
+    for row, (inside, where_in, values, _) in enumerate(rows):
+        valid[row, : len(inside)] = True
+        offset[row, : len(inside)] = where_in
+        reading[row, : len(inside)] = values
+    before = np.clip(offset.astype(np.int64), 0, steps - 1)
+    noise = np.sqrt(np.mean([e.noise**2 for e in episodes], axis=0))
+    return Segments(
+        episodes=tuple(episodes),
+        episode=np.array([index for index, _ in where]),
+        first=np.array([first for _, first in where]),
+        steps=steps,
+        before=before,
+        part=offset - before,
+        valid=valid,
+        reading=reading,
+        start=np.array([start for _, _, _, start in rows]),
+        start_trust=_start_trust(episodes, noise),
+        noise=noise,
+    )
+
+
+def _start_trust(episodes: Sequence[Episode], noise: Array) -> Array:
+    """Return how far smoothed starts may be trusted: noise let through, and motion cut off."""
+    period = float(np.median(np.diff(episodes[0].time)))
+    cutoff = episodes[0].state_cutoff
+    joints = len(noise)
+    speed = np.sqrt(np.mean(np.concatenate([e.state[:, joints:] ** 2 for e in episodes]), axis=0))
+    passed = noise * np.sqrt(2.0 * cutoff * period)
+    of_position = np.maximum(noise, passed)
+    of_velocity = 2.0 * np.pi * cutoff * passed + 0.02 * speed + 1e-6
+    return 1.0 / np.concatenate([of_position, of_velocity]) ** 2

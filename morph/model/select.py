@@ -1,0 +1,121 @@
+"""The choice among models: blocked cross-validation by linear algebra, and its certainty."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import t as student
+
+from morph.arrays import Array, Integers
+from morph.model.fit import Fit, Room, room
+from morph.model.segments import Segments
+from morph.model.shooting import Quadratic
+
+MOST_FOLDS = 6
+"""More folds than this only cost time."""
+
+
+def folds(segments: Segments) -> Integers:
+    """Return each segment's fold, shape (segments,).
+
+    Whole sessions are left out together where there are at least three, else whole
+    episodes where there are at least three, else stretches of time.
+    """
+    sessions = [segments.episodes[index].session for index in segments.episode]
+    names = sorted(set(sessions))
+    if len(names) >= 3:
+        return np.array([names.index(s) for s in sessions]) % MOST_FOLDS
+    if len(set(segments.episode.tolist())) >= 3:
+        _, order = np.unique(segments.episode, return_inverse=True)
+        return np.asarray(order % MOST_FOLDS)
+    stretches = min(4, len(segments))
+    return np.arange(len(segments)) * stretches // len(segments)
+
+
+def cross_validated(curve: Quadratic, space: Room, point: Array, fold: Integers) -> Array:
+    """Return each segment's loss under a fit to all other folds, shape (segments,).
+
+    The loss is quadratic about the fit (see `Quadratic`), so leaving a fold out is a
+    solution of a small linear system instead of new simulations.
+    """
+    losses = np.empty(len(fold))
+    for out in np.unique(fold):
+        inside = fold != out
+        if not inside.any():
+            inside = ~inside
+        change = space.best_change(
+            curve.hessian[inside].sum(axis=0), curve.slope[inside].sum(axis=0), point
+        )
+        losses[fold == out] = curve.at(change)[fold == out]
+    # The quadratic is exact at the fit itself and may dip below zero far away.
+    return np.asarray(np.maximum(losses, 0.0))
+
+
+def validated(found: Fit, fold: Integers) -> Array:
+    """Return each segment's cross-validated loss under a fit, shape (segments,)."""
+    return cross_validated(
+        found.quadratic, room(found.hypothesis, found.point), found.point, fold
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Gain:
+    """How much a candidate lowers the cross-validated loss, and how surely."""
+
+    mean: float
+    """Share of the loss that it takes away."""
+    low90: float
+    """The same, less what chance and the number of candidates may have added."""
+
+    @property
+    def sure(self) -> bool:
+        """Whether the gain holds with 90 % confidence after correction for all tries."""
+        return self.low90 > 0.0
+
+
+def gain(before: Array, after: Array, tries: int) -> Gain:
+    """Return the gain from paired losses of segments, corrected for the tries (Bonferroni).
+
+    Args:
+        before: Loss of each segment without the candidate, shape (segments,).
+        after: The same with it.
+        tries: How many candidates were looked at.
+    """
+    # Neighbouring segments share errors, so they count as pairs of neighbours.
+    difference = _paired(before - after)
+    level = float(np.mean(before)) + 1e-30
+    count = len(difference)
+    if count < 3:
+        return Gain(mean=float(difference.mean()) / level, low90=-np.inf)
+    error = float(difference.std(ddof=1)) / np.sqrt(count) + 1e-30
+    quantile = float(student.ppf(1.0 - 0.10 / max(tries, 1), count - 1))
+    mean = float(difference.mean())
+    return Gain(mean=mean / level, low90=(mean - quantile * error) / level)
+
+
+def _paired(values: Array) -> Array:
+    whole = values[: len(values) // 2 * 2].reshape(-1, 2).mean(axis=1)
+    return np.append(whole, values[-1]) if len(values) % 2 else whole
+
+
+def probabilities(losses: dict[str, Array], complexity: dict[str, int], seed: int) -> dict[str, float]:
+    """Return how often each model is best when the segments are drawn anew.
+
+    Each draw of segments, with replacement, picks the model with the least loss; a
+    model with fewer parameters wins where the difference is below a hundredth for
+    each parameter it saves. Source: Efron and Tibshirani 1993, chapter 17.
+
+    Args:
+        losses: Cross-validated loss of each segment by model, shape (segments,) each.
+        complexity: Parameters of each model's effects.
+        seed: Of the draws.
+    """
+    names = list(losses)
+    table = np.stack([losses[name] for name in names])
+    rng = np.random.default_rng(seed)
+    draws = rng.integers(table.shape[1], size=(2000, table.shape[1]))
+    totals = table[:, draws].sum(axis=2)
+    handicap = 1.0 + 0.01 * np.array([complexity[name] for name in names])
+    best = np.argmin(totals * handicap[:, None], axis=0)
+    return {name: float(np.mean(best == index)) for index, name in enumerate(names)}

@@ -1,0 +1,213 @@
+"""Batched multiple shooting: predicted readings, and how they change with everything."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from morph.arrays import Array
+from morph.model.hypothesis import Hypothesis
+from morph.model.segments import Segments
+from morph.sim.drive import received, sensed, unsensed
+from morph.sim.rollout import Variant, rollout
+
+MOST_ROWS_BYTES = 4e8
+"""Memory that one batch's trajectories may take; larger ones run in turns."""
+
+
+def predict(
+    hypothesis: Hypothesis,
+    segments: Segments,
+    points: Sequence[Array],
+    starts: Sequence[Array],
+) -> Array:
+    """Return predicted readings for several points, shape (points, segments, readings, joints).
+
+    Args:
+        hypothesis: The robot and effects.
+        segments: Where rollouts start and what drives them.
+        points: Where in the hypothesis to simulate.
+        starts: As measured, for each point, shape (segments, 2 joints).
+    """
+    variants, commands, cache = [], [], {}
+    for point in points:
+        key = point.tobytes()
+        if key not in cache:
+            cache[key] = hypothesis.at(point)
+        variants.append(cache[key])
+        commands.append(_commands(hypothesis, segments, cache[key]))
+    rows_bytes = len(segments) * (segments.steps + 1) * 8.0 * (
+        2 * segments.reading.shape[2] + segments.episodes[0].command.shape[1]
+    )
+    chunk = max(1, int(MOST_ROWS_BYTES / (2 * rows_bytes)))
+    parts = [
+        _predict(hypothesis, segments, variants[i : i + chunk], commands[i : i + chunk], starts[i : i + chunk])
+        for i in range(0, len(points), chunk)
+    ]
+    return np.concatenate(parts)
+
+
+def _commands(hypothesis: Hypothesis, segments: Segments, variant: Variant) -> Array:
+    whole = []
+    for episode in segments.episodes:
+        changed = [
+            received(variant.effects, actuator.name, episode.command[:, index], segments.step)
+            for index, actuator in enumerate(hypothesis.robot.actuators)
+        ]
+        whole.append(np.stack(changed, axis=1) if changed else episode.command)
+    return segments.command(whole)
+
+
+def _predict(
+    hypothesis: Hypothesis,
+    segments: Segments,
+    variants: Sequence[Variant],
+    commands: Sequence[Array],
+    starts: Sequence[Array],
+) -> Array:
+    joints = [joint.name for joint in hypothesis.robot.joints]
+    count, size = len(segments), len(joints)
+    begin = []
+    for variant, start in zip(variants, starts, strict=True):
+        true = start.copy()
+        for index, joint in enumerate(joints):
+            true[:, index] = unsensed(variant.effects, f"{joint}.position", start[:, index])
+        begin.append(true)
+    start = np.concatenate(begin)
+    q, _ = rollout(
+        variants,
+        np.repeat(np.arange(len(variants)), count),
+        start[:, :size],
+        start[:, size:],
+        np.concatenate(commands),
+    )
+    q = q.reshape(len(variants), count, segments.steps + 1, size)
+    each = np.arange(count)[:, None]
+    part = segments.part[..., None]
+    read = q[:, each, segments.before] * (1.0 - part) + q[:, each, segments.before + 1] * part
+    for index, joint in enumerate(joints):
+        for variant, values in zip(variants, read, strict=True):
+            values[..., index] = sensed(variant.effects, f"{joint}.position", values[..., index])
+    return np.nan_to_num(read, nan=1e3, posinf=1e3, neginf=-1e3)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Quadratic:
+    """The loss of each segment near a point, its start already chosen best: c - 2 g.d + d.H.d."""
+
+    hessian: Array
+    """H, shape (segments, parameters, parameters)."""
+    slope: Array
+    """g, shape (segments, parameters)."""
+    loss: Array
+    """c, shape (segments,)."""
+    start_step: Array
+    """Best change of the start at d = 0, shape (segments, 2 joints)."""
+    start_slope: Array
+    """How that changes with d, shape (segments, 2 joints, parameters)."""
+
+    def at(self, change: Array) -> Array:
+        """Return every segment's loss after a change of the point, shape (segments,)."""
+        quadratic = np.einsum("p,spq,q->s", change, self.hessian, change)
+        return np.asarray(self.loss - 2.0 * self.slope @ change + quadratic)
+
+    def starts_after(self, start: Array, change: Array, share: float = 1.0) -> Array:
+        """Return the best starts after a change of the point, shape (segments, 2 joints).
+
+        Of their own best change only a share is taken, as of the point's.
+        """
+        return start + share * self.start_step + self.start_slope @ change
+
+
+def residual(segments: Segments, predicted: Array, scale: Array) -> Array:
+    """Return readings minus predictions in units of `scale`, padded readings zero."""
+    difference = (segments.reading - predicted) / scale
+    return np.where(segments.valid[..., None], difference, 0.0)
+
+
+def loss(
+    segments: Segments, predicted: Array, start: Array, scale: Array
+) -> Array:
+    """Return each segment's squared error in units of `scale`, with its start's own cost."""
+    error = residual(segments, predicted, scale)
+    moved = segments.start - start
+    return np.asarray((error**2).sum(axis=(1, 2)) + (moved**2 * segments.start_trust).sum(axis=1))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sensitivity:
+    """The error about a point and how each entry and each start changes the prediction."""
+
+    error: Array
+    """Readings minus predictions in units of the scale, (segments, readings x joints)."""
+    by_point: Array
+    """Change of the prediction with each entry, (segments, readings x joints, parameters)."""
+    by_start: Array
+    """Change of the prediction with each start, (segments, readings x joints, 2 joints)."""
+    start: Array
+    """The starts, shape (segments, 2 joints)."""
+
+
+def sensitivity(
+    hypothesis: Hypothesis, segments: Segments, point: Array, start: Array, scale: Array
+) -> Sensitivity:
+    """Return the error and its derivatives by finite differences, all in one batch.
+
+    Args:
+        hypothesis: The robot and effects.
+        segments: The rollouts.
+        point: Where.
+        start: Starts as measured, shape (segments, 2 joints).
+        scale: Unit of each joint's error, shape (joints,).
+    """
+    nudge, shift = hypothesis.nudge(point), 1e-4
+    points, starts = [point], [start]
+    for entry in range(hypothesis.size):
+        moved = point.copy()
+        moved[entry] += nudge[entry]
+        points.append(moved)
+        starts.append(start)
+    for entry in range(start.shape[1]):
+        moved = start.copy()
+        moved[:, entry] += shift
+        points.append(point)
+        starts.append(moved)
+    read = predict(hypothesis, segments, points, starts)
+    flat = residual(segments, read, scale).reshape(len(points), len(segments), -1)
+    # The error falls by what the prediction gains.
+    change = np.moveaxis(flat[0] - flat[1:], 0, -1)
+    return Sensitivity(
+        error=flat[0],
+        by_point=change[..., : hypothesis.size] / nudge,
+        by_start=change[..., hypothesis.size :] / shift,
+        start=start,
+    )
+
+
+def quadratic(segments: Segments, around: Sensitivity) -> Quadratic:
+    """Return the loss with each segment's start eliminated.
+
+    Source: variable projection, Golub and Pereyra 1973, SIAM J. Numer. Anal. 10(2).
+    """
+    by_start, by_point, error = around.by_start, around.by_point, around.error
+    trust = np.diag(segments.start_trust)
+    moved = segments.start - around.start
+    transposed = by_start.transpose(0, 2, 1)
+    inner = transposed @ by_start + trust
+    cross = transposed @ by_point
+    pull = (transposed @ error[..., None])[..., 0] + moved @ trust
+    best = np.linalg.solve(inner, pull[..., None])[..., 0]
+    slope_of_best = np.linalg.solve(inner, cross)
+    crossed = cross.transpose(0, 2, 1)
+    outer = by_point.transpose(0, 2, 1)
+    return Quadratic(
+        hessian=outer @ by_point - crossed @ slope_of_best,
+        slope=(outer @ error[..., None] - crossed @ best[..., None])[..., 0],
+        loss=(error**2).sum(axis=1)
+        + (moved**2 * segments.start_trust).sum(axis=1)
+        - (pull * best).sum(axis=1),
+        start_step=best,
+        start_slope=-slope_of_best,
+    )

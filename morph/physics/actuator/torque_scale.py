@@ -1,0 +1,50 @@
+"""An actuator that gives more or less than it is told."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from morph.arrays import Array
+from morph.physics.effect import ActuatorEffect, parameter
+from morph.physics.motion import Motion
+
+
+@dataclass(frozen=True, kw_only=True)
+class TorqueScale(ActuatorEffect):
+    """An actuator produces gain times what was commanded.
+
+    Source: Swevers, Verdonck and De Schutter 2007, IEEE Control Systems 27(5), eq. 4.
+    """
+
+    name: ClassVar[str] = "torque_scale"
+    strengths: ClassVar[tuple[str, ...]] = ("gain",)
+    twins: ClassVar[tuple[str, ...]] = ("link_inertia", "payload")
+    excited_by: ClassVar[str] = "Rest under constant commands, beside free swinging."
+    separate_by: ClassVar[dict[str, str]] = {
+        "armature": "Rest under a constant command, beside fast reversals.",
+    }
+
+    actuator: str
+    """Actuator it acts on."""
+    gain: float = parameter(
+        1.0, unit="-", low=0.02, high=10.0, neutral=1.0, scan=(0.55, 0.8, 1.25, 1.6)
+    )
+    """Produced over commanded."""
+
+    def edit(self, spec: Any) -> None:
+        """Scale the actuator's gain and bias."""
+        actuator = spec.actuator(self.actuator)
+        actuator.gainprm = actuator.gainprm * self.gain
+        actuator.biasprm = actuator.biasprm * self.gain
+
+    def regressor(self, motion: Motion) -> Array:
+        """Return the actuator's nominal force."""
+        return motion.drive[:, motion.actuators[self.actuator]][:, :, None]
+
+    def statement(self) -> str:
+        """Return the finding in one plain sentence."""
+        return (
+            f"Actuator {self.actuator} produces {100 * self.gain:.3g} % of what is commanded: its "
+            "torque constant or gear is off."
+        )

@@ -1,0 +1,267 @@
+"""The family that everything acting on a body joins: one effect, its parameters, its faces."""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, fields, replace
+from typing import Any, ClassVar, Protocol, TypeVar
+
+import numpy as np
+
+from morph.arrays import Array
+from morph.body.robot import Robot
+from morph.errors import EffectError
+from morph.physics.motion import Motion
+
+Some = TypeVar("Some", bound="Effect")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Parameter:
+    """What is known of one parameter of an effect before any data."""
+
+    name: str
+    """Its symbol in the effect's law."""
+    unit: str
+    """SI; `-` for a pure number."""
+    default: float
+    """The value when nothing is said."""
+    low: float
+    """The least value allowed."""
+    high: float
+    """The greatest value allowed."""
+    neutral: float | None
+    """The value at which the effect does nothing; None for a shape that has none."""
+    scan: tuple[float, ...]
+    """Values to try where a gradient misleads: delays, and shapes of curves."""
+
+
+def parameter(
+    default: float,
+    *,
+    unit: str,
+    low: float,
+    high: float,
+    neutral: float | None = None,
+    scan: tuple[float, ...] = (),
+) -> Any:
+    """Return a dataclass field that is a parameter of an effect."""
+    known = {"unit": unit, "low": low, "high": high, "neutral": neutral, "scan": scan}
+    return field(default=default, metadata=known)
+
+
+class Simulations(Protocol):
+    """What an effect may see and touch of many simulations before each step."""
+
+    step: float
+    """Seconds that the coming step lasts."""
+
+    def position(self, joint: str) -> Array:
+        """Return a joint's position, rad or m, shape (simulations,)."""
+
+    def velocity(self, joint: str) -> Array:
+        """Return a joint's velocity, per s, shape (simulations,)."""
+
+    def force(self, joint: str) -> Array:
+        """Return the view to which a joint's generalized forces are added."""
+
+
+class Effect(ABC):
+    """One piece of physics that a simulation may have or lack.
+
+    Every subclass is a frozen dataclass in a file of its own, listed in
+    `morph.physics.EFFECTS`. It overrides whichever faces it needs.
+    """
+
+    name: ClassVar[str]
+    """Its name in the vocabulary of left-out physics."""
+    kind: ClassVar[str]
+    """The kind of part it acts on: joint, actuator, sensor, body, contact or world."""
+    strengths: ClassVar[tuple[str, ...]]
+    """The parameters in which its generalized force is linear."""
+    dissipative: ClassVar[bool] = False
+    """Whether it can only take energy away."""
+    twins: ClassVar[tuple[str, ...]]
+    """Effects that look alike on poor data."""
+    excited_by: ClassVar[str]
+    """What a recording must hold for it to be seen."""
+    separate_by: ClassVar[Mapping[str, str]] = {}
+    """The experiment that tells it from a twin, by the twin's name."""
+
+    @property
+    @abstractmethod
+    def where(self) -> str:
+        """The name of the part it acts on."""
+
+    @abstractmethod
+    def statement(self) -> str:
+        """Return the finding in one plain sentence."""
+
+    @classmethod
+    @abstractmethod
+    def at(cls: type[Some], where: str) -> Some:
+        """Return the effect at a part, its parameters neutral or at their defaults."""
+
+    @classmethod
+    @abstractmethod
+    def places(cls, robot: Robot) -> tuple[str, ...]:
+        """Return the names of the parts of a robot on which it can act."""
+
+    def __post_init__(self) -> None:
+        """Check every parameter against its bounds."""
+        for known in self.parameters():
+            value = getattr(self, known.name)
+            if not (math.isfinite(value) and known.low <= value <= known.high):
+                raise EffectError(
+                    f"{known.name} = {value:g} {known.unit} is outside "
+                    f"{known.low:g} to {known.high:g}",
+                    where=f"effect {self.name}@{self.where}",
+                    fix=f"give {known.name} a value within these bounds",
+                )
+
+    @classmethod
+    def parameters(cls) -> tuple[Parameter, ...]:
+        """Return its parameters in the order of their definition."""
+        return tuple(
+            Parameter(name=item.name, default=float(item.default), **item.metadata)  # type: ignore[arg-type]
+            for item in fields(cls)  # type: ignore[arg-type]
+            if "unit" in item.metadata
+        )
+
+    @property
+    def label(self) -> str:
+        """Its name and place, as `coulomb_friction@shoulder`."""
+        return f"{self.name}@{self.where}"
+
+    @property
+    def stepped(self) -> bool:
+        """Whether it must act before every step because MuJoCo cannot hold it."""
+        return type(self).before_step is not Effect.before_step
+
+    def neutral(self: Some) -> Some:
+        """Return the effect with every strength at the value that does nothing."""
+        idle = {p.name: p.neutral for p in self.parameters() if p.neutral is not None}
+        return replace(self, **idle)  # type: ignore[type-var]
+
+    def edit(self, spec: Any) -> None:
+        """Write into a `mujoco.MjSpec` what MuJoCo can hold by itself."""
+
+    def start(self, simulations: Simulations) -> Any:
+        """Return the internal state that `before_step` is handed, here none."""
+        return None
+
+    def before_step(self, simulations: Simulations, state: Any) -> Any:
+        """Act on every simulation for the coming step; return the new internal state.
+
+        In a batch the parameters are arrays of shape (simulations,).
+        """
+        return state
+
+    def command(self, actuator: str, command: Array, step: float) -> Array:
+        """Return what an actuator receives when `command` is sent; (steps,) each."""
+        return command
+
+    def sense(self, channel: str, reading: Array) -> Array:
+        """Return what a sensor reports when `reading` is true; (..., samples) each."""
+        return reading
+
+    @abstractmethod
+    def regressor(self, motion: Motion) -> Array:
+        """Return its generalized force along a recording for strengths of one.
+
+        Shape (samples, degrees of freedom, strengths): the force is this times
+        (strength - neutral), to first order.
+        """
+
+    def with_strengths(self: Some, coefficients: Array) -> Some:
+        """Return the effect with strengths read off a linear fit, kept in bounds."""
+        known = {p.name: p for p in self.parameters()}
+        values = {
+            name: float(np.clip((known[name].neutral or 0.0) + value, known[name].low, known[name].high))
+            for name, value in zip(self.strengths, coefficients, strict=True)
+        }
+        return replace(self, **values)  # type: ignore[type-var]
+
+
+class JointEffect(Effect):
+    """An effect on one hinge or slide."""
+
+    kind = "joint"
+    joint: str
+
+    @property
+    def where(self) -> str:
+        """The joint."""
+        return self.joint
+
+    @classmethod
+    def at(cls: type[Some], where: str) -> Some:
+        """Return the effect at a joint."""
+        return cls(joint=where)  # type: ignore[call-arg]
+
+    @classmethod
+    def places(cls, robot: Robot) -> tuple[str, ...]:
+        """Return the hinges and slides."""
+        return tuple(j.name for j in robot.joints if j.kind in {"hinge", "slide"})
+
+
+class ActuatorEffect(Effect):
+    """An effect on one actuator."""
+
+    kind = "actuator"
+    actuator: str
+
+    @property
+    def where(self) -> str:
+        """The actuator."""
+        return self.actuator
+
+    @classmethod
+    def at(cls: type[Some], where: str) -> Some:
+        """Return the effect at an actuator."""
+        return cls(actuator=where)  # type: ignore[call-arg]
+
+    @classmethod
+    def places(cls, robot: Robot) -> tuple[str, ...]:
+        """Return the actuators."""
+        return tuple(actuator.name for actuator in robot.actuators)
+
+
+class SensorEffect(Effect):
+    """An effect on one channel."""
+
+    kind = "sensor"
+    channel: str
+
+    @property
+    def where(self) -> str:
+        """The channel."""
+        return self.channel
+
+    @classmethod
+    def at(cls: type[Some], where: str) -> Some:
+        """Return the effect at a channel."""
+        return cls(channel=where)  # type: ignore[call-arg]
+
+    @classmethod
+    def places(cls, robot: Robot) -> tuple[str, ...]:
+        """Return the position channels of the hinges and slides."""
+        names = (j.name for j in robot.joints if j.kind in {"hinge", "slide"})
+        return tuple(f"{name}.position" for name in names)
+
+
+def stacked(effects: Sequence[Some]) -> Some:
+    """Return one effect whose parameters are arrays, one entry a simulation.
+
+    The bounds were checked when each was made; the dataclass is filled as it is.
+    """
+    first = effects[0]
+    whole = object.__new__(type(first))
+    numbers = {p.name for p in first.parameters()}
+    for item in fields(first):  # type: ignore[arg-type]
+        values = [getattr(effect, item.name) for effect in effects]
+        value = np.array(values, dtype=float) if item.name in numbers else values[0]
+        object.__setattr__(whole, item.name, value)
+    return whole

@@ -1,0 +1,50 @@
+"""Friction in proportion to speed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from morph.arrays import Array
+from morph.physics.effect import JointEffect, parameter
+from morph.physics.motion import Motion
+
+
+@dataclass(frozen=True, kw_only=True)
+class ViscousFriction(JointEffect):
+    """A joint loses force in proportion to its speed: tau = -b v.
+
+    Source: Newton 1687, Principia II, section I; Featherstone 2008, section 3.6.
+    """
+
+    name: ClassVar[str] = "viscous_friction"
+    strengths: ClassVar[tuple[str, ...]] = ("b",)
+    dissipative: ClassVar[bool] = True
+    twins: ClassVar[tuple[str, ...]] = ("back_emf", "linear_drag", "coulomb_friction")
+    excited_by: ClassVar[str] = "Motion at two constant speeds at least five times apart."
+    separate_by: ClassVar[dict[str, str]] = {
+        "coulomb_friction": "Two constant speeds at least five times apart, and one stop and start.",
+        "quadratic_damping": "Three constant speeds: slow, twice as fast, four times as fast.",
+    }
+
+    joint: str
+    """Joint it acts on."""
+    b: float = parameter(0.0, unit="N m s/rad", low=0.0, high=20.0, neutral=0.0)
+    """Force lost per unit of speed (N s/m on a slide)."""
+
+    def edit(self, spec: Any) -> None:
+        """Add to the joint's linear damping."""
+        damping = spec.joint(self.joint).damping.copy()
+        damping[0] += self.b
+        spec.joint(self.joint).damping = damping
+
+    def regressor(self, motion: Motion) -> Array:
+        """Return minus the speed."""
+        return motion.along(self.joint, -motion.speed(self.joint))
+
+    def statement(self) -> str:
+        """Return the finding in one plain sentence."""
+        return (
+            f"Joint {self.joint} loses {self.b:.3g} N m (N on a slide) for each rad/s (m/s) of "
+            "speed: viscous friction was left out."
+        )

@@ -1,0 +1,122 @@
+"""Many simulations at once: variants of one robot, each row one start and one command."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import mujoco
+import numpy as np
+from mujoco.batch import Batch, SimulationError
+
+from morph.arrays import Array, Integers
+from morph.errors import SimulationFailed
+from morph.physics.effect import Effect, stacked
+
+
+@dataclass(frozen=True, kw_only=True)
+class Variant:
+    """One version of a robot: a compiled model, and the effects it cannot hold."""
+
+    model: Any
+    """A `mujoco.MjModel`, every effect's `edit` applied."""
+    effects: tuple[Effect, ...]
+    """All effects, also those that the model holds already."""
+
+
+class Rows:
+    """What effects see of a batch before each step; see `effect.Simulations`."""
+
+    def __init__(self, batch: Batch, step: float) -> None:
+        """Bind the batch's positions, velocities and applied forces."""
+        self.step = step
+        self._model = batch.model
+        self._position = batch.bind("qpos")
+        self._velocity = batch.bind("qvel")
+        self.applied = batch.bind("qfrc_applied")
+
+    def position(self, joint: str) -> Array:
+        """Return a joint's position, shape (rows,)."""
+        return np.asarray(self._position[:, self._model.joint(joint).qposadr[0]])
+
+    def velocity(self, joint: str) -> Array:
+        """Return a joint's velocity, shape (rows,)."""
+        return np.asarray(self._velocity[:, self._model.joint(joint).dofadr[0]])
+
+    def force(self, joint: str) -> Array:
+        """Return the view to which a joint's generalized forces are added."""
+        return np.asarray(self.applied[:, self._model.joint(joint).dofadr[0]])
+
+
+def rollout(
+    variants: Sequence[Variant],
+    which: Integers,
+    position: Array,
+    velocity: Array,
+    command: Array,
+) -> tuple[Array, Array]:
+    """Return positions and velocities of many simulations, started and driven as told.
+
+    Args:
+        variants: Versions of one robot; all compile to the same sizes.
+        which: The variant of each row, shape (rows,).
+        position: Where each row starts, shape (rows, nq).
+        velocity: How fast, shape (rows, nv).
+        command: Controls, constant over each step, shape (rows, steps, nu).
+
+    Returns:
+        Positions (rows, steps + 1, nq) and velocities (rows, steps + 1, nv), the
+        start included. A row that became unstable repeats its last state.
+
+    Raises:
+        SimulationFailed: MuJoCo refused to step.
+    """
+    rows, steps = command.shape[:2]
+    batch = Batch(variants[0].model, rows, 2 if rows > 1 else 1)
+    if len(variants) == 1:
+        batch.set_models(variants[0].model)
+    else:
+        batch.set_models([variants[index].model for index in which])
+    batch.reset(stage=mujoco.mjtStage.mjSTAGE_NONE.value)
+    batch.bind("qpos")[:] = position
+    batch.bind("qvel")[:] = velocity
+    try:
+        if any(effect.stepped for effect in variants[0].effects):
+            q, v = _step_by_step(batch, variants, which, command)
+        else:
+            out = batch.rollout(steps, command, record=("qpos", "qvel"))
+            q, v = out["qpos"], out["qvel"]
+    except SimulationError as error:
+        raise SimulationFailed(
+            f"MuJoCo stopped: {error}",
+            where=f"a batch of {rows} simulations of {steps} steps",
+            fix="check the robot's masses and inertias, or take a smaller step",
+        ) from error
+    q = np.concatenate([position[:, None], q], axis=1)
+    v = np.concatenate([velocity[:, None], v], axis=1)
+    return q, v
+
+
+def _step_by_step(
+    batch: Batch, variants: Sequence[Variant], which: Integers, command: Array
+) -> tuple[Array, Array]:
+    rows, steps = command.shape[:2]
+    seen = Rows(batch, float(batch.model.opt.timestep))
+    acting = [
+        stacked([variants[index].effects[slot] for index in which])
+        for slot, effect in enumerate(variants[0].effects)
+        if effect.stepped
+    ]
+    states = [effect.start(seen) for effect in acting]
+    position, velocity, control = batch.bind("qpos"), batch.bind("qvel"), batch.bind("ctrl")
+    q = np.empty((rows, steps, position.shape[1]))
+    v = np.empty((rows, steps, velocity.shape[1]))
+    for step in range(steps):
+        control[:] = command[:, step]
+        seen.applied[:] = 0.0
+        for slot, effect in enumerate(acting):
+            states[slot] = effect.before_step(seen, states[slot])
+        batch.step()
+        q[:, step], v[:, step] = position, velocity
+    return q, v
