@@ -11,7 +11,8 @@ from morph.arrays import Array
 from morph.body.robot import Robot
 from morph.errors import DiagnosisError
 from morph.record.recording import Channel, Recording
-from morph.record.slopes import noise, slopes
+from morph.record.noise import noise
+from morph.record.slopes import slopes
 from morph.sim.drive import held
 
 MOST_HERTZ = 100.0
@@ -99,12 +100,20 @@ def moving_joints(robot: Robot) -> tuple[str, ...]:
 
 
 def step_for(recordings: Sequence[Recording], robot: Robot) -> float:
-    """Return the seconds a step: a whole part of the slowest clock's period, 1 to 4 ms."""
+    """Return the seconds a step: whole parts or multiples of the clock's median period.
+
+    About 4 ms, 2.5 ms where servos add stiff damping: with the starts fitted, the
+    error of a semi-implicit step is of second order, (w h)^2 / 24 of the period of a
+    motion at w rad/s, below 1e-4 at 10 rad/s.
+    """
     joints = moving_joints(robot)
     period = float(
         np.median([np.median(np.diff(_measured(r, joints[0]).time)) for r in recordings])
     )
-    return period / max(1, round(period / 0.0025 + 0.2)) if period > 0.001 else 0.002
+    wanted = 0.0025 if any(a.kind == "position" for a in robot.actuators) else 0.004
+    if period > wanted:
+        return period / float(np.ceil(period / wanted - 0.1))
+    return period * max(1.0, float(np.floor(wanted / period + 0.1)))
 
 
 def episode(recording: Recording, robot: Robot, step: float) -> Episode:

@@ -86,6 +86,8 @@ class Fit:
     """The segments' starts as measured, shape (segments, 2 joints)."""
     scale: Array
     """Unit of each joint's error, shape (joints,)."""
+    weight: Array
+    """Of each segment's loss, shape (segments,)."""
     around: Sensitivity
     """The error and its derivatives at the point."""
     quadratic: Quadratic
@@ -117,6 +119,7 @@ def fit(
     hypothesis: Hypothesis,
     segments: Segments,
     scale: Array,
+    weight: Array,
     *,
     point: Array | None = None,
     start: Array | None = None,
@@ -129,6 +132,7 @@ def fit(
         hypothesis: What to fit.
         segments: What to fit it to.
         scale: Unit of each joint's error, shape (joints,).
+        weight: Of each segment's loss, shape (segments,).
         point: Where to begin; default the hypothesis' own start.
         start: The segments' starts to begin with; default as smoothed.
         iterations: Most Gauss-Newton steps.
@@ -139,13 +143,13 @@ def fit(
     space = room(hypothesis, point)
     around = sensitivity(hypothesis, segments, point, start, scale)
     for _ in range(iterations):
-        curve = quadratic(segments, around)
+        curve = quadratic(segments, around, weight)
         change = space.best_change(curve.hessian.sum(axis=0), curve.slope.sum(axis=0), point)
         points = [point, *(point + share * change for share in STEPS)]
         starts = [start, *(curve.starts_after(start, share * change, share) for share in STEPS)]
         read = predict(hypothesis, segments, points, starts)
         costs = [
-            loss(segments, r, s, scale).sum() + space.price(p)
+            (weight * loss(segments, r, s, scale)).sum() + space.price(p)
             for r, s, p in zip(read, starts, points, strict=True)
         ]
         best = int(np.argmin(costs))
@@ -162,12 +166,33 @@ def fit(
         start=start,
         scale=scale,
         around=around,
-        quadratic=quadratic(segments, around),
+        quadratic=quadratic(segments, around, weight),
+        weight=weight,
     )
 
 
-def error_scale(segments: Segments, predicted: Array) -> Array:
-    """Return each joint's root mean square error, never below its noise, shape (joints,)."""
+def measure(segments: Segments, predicted: Array) -> tuple[Array, Array]:
+    """Return the unit of each joint's error, and each segment's weight.
+
+    The unit is the root mean square error, never below the noise. A segment whose
+    error is many times the typical one is weighed down as under Cauchy's distribution,
+    so that one bad run does not decide. All are weighed down alike where errors exceed
+    the noise: such errors are not independent from one reading to the next but only
+    within the band of the motion, and would else outvote the trust in the description.
+
+    Returns:
+        Units (joints,) and weights (segments,).
+    """
     squared = np.where(segments.valid[..., None], (segments.reading - predicted) ** 2, 0.0)
-    mean = squared.sum(axis=(0, 1)) / segments.valid.sum()
-    return np.maximum(np.sqrt(mean), segments.noise)
+    of_segments = squared.sum(axis=1) / segments.valid.sum(axis=1, keepdims=True)
+    weight = np.ones(len(segments))
+    for _ in range(5):
+        mean = (weight[:, None] * of_segments).sum(axis=0) / weight.sum()
+        in_units = (of_segments / np.maximum(mean, segments.noise**2)).mean(axis=1)
+        weight = 1.0 / (1.0 + in_units / (3.0 * max(float(np.median(in_units)), 1e-12)))
+        weight = weight / weight.max()
+    scale = np.maximum(np.sqrt(mean), segments.noise)
+    rate = segments.valid.sum() / (len(segments) * segments.steps * segments.step)
+    band = max(episode.cutoff for episode in segments.episodes)
+    white = float(np.mean((segments.noise / scale) ** 2))
+    return scale, weight * float(np.clip(white, min(1.0, 2.0 * band / rate), 1.0))

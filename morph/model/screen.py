@@ -22,6 +22,8 @@ class Suspect:
 
     effect: Effect
     """The effect as a linear fit sees it."""
+    typical: Effect
+    """The effect at a strength that would be felt: a tenth of the forces at work."""
     gain: float
     """Share of the missing force's square that it explains beyond the robot's own figures."""
 
@@ -40,6 +42,7 @@ def suspects(
     parts = all_needed(hypothesis, point, episodes)
     weights = _weights(parts)
     target = _stack([part.missing for part in parts], weights)
+    forces = float(np.sqrt(np.mean(_stack([_at_work(part) for part in parts], weights) ** 2)))
     own = _own_columns(hypothesis, point, episodes, parts, weights)
     # The trust in the description, in units of the samples that are independent.
     independent = _independent(parts)
@@ -54,10 +57,8 @@ def suspects(
     for effect in _all(hypothesis):
         best: Suspect | None = None
         for shaped in _shapes(effect):
-            columns = off_own(
-                _stack([part.smooth(shaped.regressor(part.motion)) for part in parts], weights)
-            )
-            suspect = _fitted(shaped, columns, rest)
+            raw = _stack([part.smooth(shaped.regressor(part.motion)) for part in parts], weights)
+            suspect = _fitted(shaped, off_own(raw), rest, _typical(shaped, raw, forces))
             if best is None or suspect.gain > best.gain:
                 best = suspect
         if best is not None:
@@ -65,14 +66,30 @@ def suspects(
     return tuple(sorted(found, key=lambda s: -s.gain))
 
 
-def _fitted(effect: Effect, columns: Array, rest: Array) -> Suspect:
+def _fitted(effect: Effect, columns: Array, rest: Array, typical: Effect) -> Suspect:
     scale = np.sqrt((columns**2).sum(axis=0)) + 1e-12
     coefficients = np.linalg.lstsq(columns / scale, rest, rcond=1e-8)[0] / scale
     suspect = effect.with_strengths(coefficients)
     # What the bounds leave of the coefficients decides how much is explained.
     kept = _coefficients(effect, suspect, coefficients)
     left = rest - columns @ kept
-    return Suspect(effect=suspect, gain=float(1.0 - (left**2).sum() / ((rest**2).sum() + 1e-30)))
+    gain = float(1.0 - (left**2).sum() / ((rest**2).sum() + 1e-30))
+    return Suspect(effect=suspect, typical=typical, gain=gain)
+
+
+def _typical(effect: Effect, columns: Array, forces: float) -> Effect:
+    """Return the effect at a strength whose force is a tenth of the forces at work."""
+    size = np.sqrt((columns**2).mean(axis=0)) * np.sqrt(columns.shape[0]) + 1e-12
+    moving = np.sqrt((columns != 0.0).any(axis=1).sum() + 1.0)
+    strengths = 0.1 * forces * moving / size
+    if effect.name == "joint_stiffness":
+        strengths = strengths * np.array([1.0, 0.0])
+    return effect.with_strengths(strengths)
+
+
+def _at_work(part: Needed) -> Array:
+    """Return the forces along one episode that drive or are driven, (samples, dofs)."""
+    return np.asarray(np.abs(part.missing) + np.abs(part.motion.drive).sum(axis=1))
 
 
 def _coefficients(before: Effect, after: Effect, coefficients: Array) -> Array:

@@ -10,18 +10,18 @@ import numpy as np
 
 from morph.arrays import Array, Integers
 from morph.model.episodes import Episode
-from morph.model.fit import Fit, error_scale, fit
+from morph.model.fit import Fit, fit, measure
 from morph.model.hypothesis import Hypothesis
-from morph.model.screen import suspects
+from morph.model.screen import Suspect, suspects
 from morph.model.segments import Segments
 from morph.model.select import Gain, folds, gain, validated
 from morph.model.shooting import predict
 from morph.model.trial import try_all
 from morph.physics.effect import Effect
 
-FINALISTS = 4
+FINALISTS = 3
 """Suspects that are fitted in full each round."""
-SCREENED = 12
+SCREENED = 20
 """Suspects that screening passes on to rollouts each round."""
 MATERIAL = 0.05
 """Least share of the loss that a finding must take away: less is not worth a name."""
@@ -87,7 +87,7 @@ class Search:
     def refit(self, nominal: Hypothesis) -> Contender:
         """Return the description refitted with nothing added."""
         read = predict(nominal, self.segments, [nominal.start], [self.segments.start])[0]
-        first = fit(nominal, self.segments, error_scale(self.segments, read), iterations=3)
+        first = fit(nominal, self.segments, *measure(self.segments, read), iterations=3)
         return self._polished(first, iterations=3)
 
     def run(self, refitted: Contender) -> Contender:
@@ -109,7 +109,7 @@ class Search:
         self.progress(f"looking for what is missing (round {known + 1})", 0.2 + 0.1 * known)
         listed = suspects(found.hypothesis, found.point, self.episodes)
         self.tries += len(listed)
-        tried = try_all(found, self.segments, self.fold, _shortlist([s.effect for s in listed]))
+        tried = try_all(found, self.segments, _shortlist(listed))
         finalists = []
         for candidate in tried[:FINALISTS]:
             if self.late:
@@ -129,9 +129,15 @@ class Search:
         more = replace(found.hypothesis, effects=found.hypothesis.effects_at(point)).adding(effect)
         extended = np.concatenate([point, more.start[len(point) :]])
         fitted = fit(
-            more, self.segments, found.scale, point=extended, start=found.start, iterations=4
+            more,
+            self.segments,
+            found.scale,
+            found.weight,
+            point=extended,
+            start=found.start,
+            iterations=4,
         )
-        return Contender(fit=fitted, losses=validated(fitted, self.fold))
+        return Contender(fit=fitted, losses=validated(fitted, self.segments, self.fold))
 
     def _polished(self, found: Fit, iterations: int) -> Contender:
         """Return a fit carried on with each joint's error in units of its present size."""
@@ -139,12 +145,12 @@ class Search:
         fitted = fit(
             found.hypothesis,
             self.segments,
-            error_scale(self.segments, read),
+            *measure(self.segments, read),
             point=found.point,
             start=found.start,
             iterations=iterations,
         )
-        return Contender(fit=fitted, losses=validated(fitted, self.fold))
+        return Contender(fit=fitted, losses=validated(fitted, self.segments, self.fold))
 
     def _at_noise(self, best: Contender) -> bool:
         read = predict(best.fit.hypothesis, self.segments, [best.fit.point], [best.fit.start])[0]
@@ -155,18 +161,18 @@ class Search:
         return bool((in_noise < AT_NOISE).all())
 
 
-def _shortlist(listed: Sequence[Effect]) -> list[Effect]:
+def _shortlist(listed: Sequence[Suspect]) -> list[Suspect]:
     """Return the first suspects, and every law at least at its best place.
 
     Screening sees a law's force, not what it does to a rollout: a law that it ranks low
     everywhere still gets one hearing.
     """
     kept = list(listed[:SCREENED])
-    laws = {effect.name for effect in kept}
-    for effect in listed[SCREENED:]:
-        if effect.name not in laws:
-            kept.append(effect)
-            laws.add(effect.name)
+    laws = {suspect.effect.name for suspect in kept}
+    for suspect in listed[SCREENED:]:
+        if suspect.effect.name not in laws:
+            kept.append(suspect)
+            laws.add(suspect.effect.name)
     return kept
 
 

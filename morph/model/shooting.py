@@ -186,8 +186,8 @@ def sensitivity(
     )
 
 
-def quadratic(segments: Segments, around: Sensitivity) -> Quadratic:
-    """Return the loss with each segment's start eliminated.
+def quadratic(segments: Segments, around: Sensitivity, weight: Array) -> Quadratic:
+    """Return the loss with each segment's start eliminated, times the segments' weights.
 
     Source: variable projection, Golub and Pereyra 1973, SIAM J. Numer. Anal. 10(2).
     """
@@ -202,12 +202,15 @@ def quadratic(segments: Segments, around: Sensitivity) -> Quadratic:
     slope_of_best = np.linalg.solve(inner, cross)
     crossed = cross.transpose(0, 2, 1)
     outer = by_point.transpose(0, 2, 1)
-    return Quadratic(
-        hessian=outer @ by_point - crossed @ slope_of_best,
-        slope=(outer @ error[..., None] - crossed @ best[..., None])[..., 0],
-        loss=(error**2).sum(axis=1)
+    least = (
+        (error**2).sum(axis=1)
         + (moved**2 * segments.start_trust).sum(axis=1)
-        - (pull * best).sum(axis=1),
+        - (pull * best).sum(axis=1)
+    )
+    return Quadratic(
+        hessian=weight[:, None, None] * (outer @ by_point - crossed @ slope_of_best),
+        slope=weight[:, None] * (outer @ error[..., None] - crossed @ best[..., None])[..., 0],
+        loss=weight * least,
         start_step=best,
         start_slope=-slope_of_best,
     )

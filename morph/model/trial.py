@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from morph.arrays import Array, Integers
+from morph.arrays import Array
 from morph.model.fit import Fit, Room, room
+from morph.model.screen import Suspect
 from morph.model.segments import Segments
-from morph.model.select import cross_validated
 from morph.model.shooting import Sensitivity, predict, quadratic, residual
 from morph.physics.effect import Effect
 
@@ -26,12 +26,12 @@ class Tried:
     """The effect, its strength as chosen."""
     point: Array
     """The fit's own entries as chosen with it."""
-    losses: Array
-    """Cross-validated loss of each segment, shape (segments,)."""
+    cost: float
+    """Loss of all segments and price of straying, to first order."""
 
 
 def try_all(
-    found: Fit, segments: Segments, fold: Integers, effects: Sequence[Effect]
+    found: Fit, segments: Segments, listed: Sequence[Suspect]
 ) -> tuple[Tried, ...]:
     """Return what each effect would bring beside a fit, the best first.
 
@@ -39,20 +39,21 @@ def try_all(
     moves the readings. A finite strength, because friction started at zero stalls;
     several, and a grid for delays, because their derivatives mislead.
     """
-    versions = [version for effect in effects for version in _versions(effect)]
+    versions = [version for suspect in listed for version in _versions(suspect)]
     if not versions:
         return ()
     moved = [_direction(found, segments, version) for version in versions]
     best: dict[str, Tried] = {}
     for version, direction in zip(versions, moved, strict=True):
-        tried = _tried(found, segments, fold, version, direction)
+        tried = _tried(found, segments, version, direction)
         had = best.get(version.label)
-        if had is None or tried.losses.sum() < had.losses.sum():
+        if had is None or tried.cost < had.cost:
             best[version.label] = tried
-    return tuple(sorted(best.values(), key=lambda tried: float(tried.losses.sum())))
+    return tuple(sorted(best.values(), key=lambda tried: tried.cost))
 
 
-def _versions(effect: Effect) -> list[Effect]:
+def _versions(suspect: Suspect) -> list[Effect]:
+    effect = suspect.effect
     known = {p.name: p for p in effect.parameters()}
     scanned = [name for name in effect.strengths if known[name].scan]
     if scanned:
@@ -60,7 +61,7 @@ def _versions(effect: Effect) -> list[Effect]:
             replace(effect, **{scanned[0]: value})  # type: ignore[type-var]
             for value in known[scanned[0]].scan
         ]
-    return [_share(effect, share) for share in SHARES]
+    return [*(_share(effect, share) for share in SHARES), suspect.typical]
 
 
 def _share(effect: Effect, share: float) -> Effect:
@@ -84,7 +85,7 @@ def _direction(found: Fit, segments: Segments, version: Effect) -> Array:
 
 
 def _tried(
-    found: Fit, segments: Segments, fold: Integers, version: Effect, direction: Array
+    found: Fit, segments: Segments, version: Effect, direction: Array
 ) -> Tried:
     around = Sensitivity(
         error=found.around.error,
@@ -92,7 +93,7 @@ def _tried(
         by_start=found.around.by_start,
         start=found.around.start,
     )
-    curve = quadratic(segments, around)
+    curve = quadratic(segments, around, found.weight)
     own = room(found.hypothesis, found.point)
     # A share of the tried strength, up to half as much again; backwards if it may.
     space = Room(
@@ -106,7 +107,7 @@ def _tried(
     return Tried(
         effect=_share(version, _at_least(float(change[-1]), 0.05)),
         point=found.point + change[:-1],
-        losses=cross_validated(curve, space, point, fold),
+        cost=float(curve.at(change).sum()) + space.price(point + change),
     )
 
 
