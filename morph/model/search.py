@@ -16,7 +16,7 @@ from morph.model.screen import Suspect, suspects
 from morph.model.segments import Segments
 from morph.model.select import Gain, folds, gain, validated
 from morph.model.shooting import predict
-from morph.model.trial import try_all
+from morph.model.trial import Tried, try_all
 from morph.physics.effect import Effect
 
 FINALISTS = 3
@@ -111,7 +111,7 @@ class Search:
         self.tries += len(listed)
         tried = try_all(found, self.segments, _shortlist(listed))
         finalists = []
-        for candidate in tried[:FINALISTS]:
+        for candidate in _with_simpler(tried):
             if self.late:
                 break
             finalists.append(self._with(found, candidate.effect, candidate.point))
@@ -176,6 +176,19 @@ def _shortlist(listed: Sequence[Suspect]) -> list[Suspect]:
     return kept
 
 
+def _with_simpler(tried: Sequence[Tried]) -> list[Tried]:
+    """Return the finalists, each with the simpler law that it becomes at the same place."""
+    kept = list(tried[:FINALISTS])
+    for candidate in tried[:FINALISTS]:
+        for other in tried[FINALISTS:]:
+            if (other.effect.name, other.effect.where) == (
+                candidate.effect.simpler,
+                candidate.effect.where,
+            ):
+                kept.append(other)
+    return kept
+
+
 def _simplest_first(finalists: list[Contender], tries: int) -> list[Contender]:
     """Put first the simplest finalist that the best one does not surely beat."""
     if not finalists:
@@ -184,7 +197,8 @@ def _simplest_first(finalists: list[Contender], tries: int) -> list[Contender]:
     for other in sorted(finalists, key=lambda c: (c.fit.hypothesis.free(), c.total)):
         if other.fit.hypothesis.free() >= best.fit.hypothesis.free():
             continue
-        beaten = gain(other.losses, best.losses, 1)
-        if not (beaten.sure and beaten.mean >= MATERIAL):
+        spared = best.fit.hypothesis.free() - other.fit.hypothesis.free()
+        beaten = gain(other.losses, best.losses, tries)
+        if not (beaten.sure and beaten.mean >= MATERIAL * spared):
             return [other, *(c for c in finalists if c is not other)]
     return finalists

@@ -83,6 +83,8 @@ class Effect(ABC):
     """The parameters in which its generalized force is linear."""
     dissipative: ClassVar[bool] = False
     """Whether it can only take energy away."""
+    simpler: ClassVar[str] = ""
+    """The effect that it becomes when its extra parameters have no say."""
     twins: ClassVar[tuple[str, ...]]
     """Effects that look alike on poor data."""
     excited_by: ClassVar[str]

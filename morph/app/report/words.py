@@ -1,0 +1,110 @@
+"""The sentences and numbers that a reader meets before any figure."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from morph.model.diagnosis import Diagnosis
+
+MODELS = {
+    "nominal": "as given",
+    "refitted": "refitted",
+    "corrected": "corrected",
+    "corrected_plus_residual": "with learned rest",
+    "noise_floor": "sensor noise",
+}
+"""What a model is called on the page, in the order in which they are shown."""
+
+NAMED = 3
+"""Channels named in a sentence; the table has them all."""
+
+
+def number(value: float) -> str:
+    """Return a number with three figures; a simulation that blew up has none."""
+    return f"{value:.3g}" if math.isfinite(value) else "diverged"
+
+
+def percent(share: float) -> str:
+    """Return a share as a whole percentage that never claims to be 0 or 1 unless it is."""
+    if 0.0 < share < 0.005:
+        return "under 1 %"
+    if 0.995 <= share < 1.0:
+        return "over 99 %"
+    return f"{100.0 * share:.0f} %" if math.isfinite(share) else "not known"
+
+
+def counted(count: int, one: str, many: str) -> str:
+    """Return a count with its noun, small counts in words."""
+    words = ("no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine")
+    return f"{words[count] if count < len(words) else count} {one if count == 1 else many}"
+
+
+def plain(name: str) -> str:
+    """Return a name of the vocabulary as words: `dead_zone` is dead zone."""
+    return name.replace("_", " ")
+
+
+def headline(diagnosis: Diagnosis) -> str:
+    """Return the verdict as a headline."""
+    if diagnosis.verdict == "consistent":
+        return "The simulation and the robot agree"
+    if diagnosis.verdict == "mismatch" and diagnosis.findings:
+        pieces = counted(len(diagnosis.findings), "thing", "things")
+        return f"{pieces.capitalize()} left out of the simulation"
+    if diagnosis.findings:
+        return "They differ, and no correction holds on runs it never saw"
+    return "They differ, and what is missing has no name here yet"
+
+
+def units(diagnosis: Diagnosis) -> dict[str, str]:
+    """Return each channel's unit, so far as a plotted rollout tells it."""
+    return {trace.channel: trace.unit for trace in diagnosis.traces}
+
+
+def channels(diagnosis: Diagnosis) -> tuple[str, ...]:
+    """Return every channel that has an error, those with the largest share first."""
+    known: dict[str, None] = dict.fromkeys(diagnosis.located.channels)
+    for by_channel in diagnosis.held_out_rmse.values():
+        known.update(dict.fromkeys(by_channel))
+    return tuple(known)
+
+
+def rollouts(horizon: float | None) -> str:
+    """Return how the errors were taken, in words."""
+    if horizon is None:
+        return "simulated over whole episodes without looking at the recording"
+    return f"simulated {horizon:g} s at a time without looking at the recording"
+
+
+def improvement(diagnosis: Diagnosis) -> tuple[str, ...]:
+    """Return in words how wrong each model is on the runs that it never saw."""
+    if not diagnosis.held_out or "nominal" not in diagnosis.held_out_rmse:
+        return ()
+    runs = counted(len(diagnosis.held_out), "run", "runs")
+    changed = diagnosis.verdict == "mismatch" and "corrected" in diagnosis.held_out_rmse
+    model = "corrected" if changed else "nominal"
+    name = "the corrected simulation" if changed else "the simulation as given"
+    errors = [error for c in channels(diagnosis) if (error := _error(diagnosis, model, c))]
+    rest = f", and {len(errors) - NAMED} more channels below" if len(errors) > NAMED else ""
+    lines = [f"On {runs} that it never saw, {name} is off by {'; '.join(errors[:NAMED])}{rest}."]
+    if changed and math.isfinite(diagnosis.improvement_low90):
+        gone = percent(diagnosis.improvement_low90)
+        lines.append(f"At least {gone} of the squared error is gone, with 90 % confidence.")
+    return tuple(lines) if errors else ()
+
+
+def _error(diagnosis: Diagnosis, model: str, channel: str) -> str:
+    """Return one channel's error and what to compare it with; empty without one."""
+    by_model: Mapping[str, Mapping[str, float]] = diagnosis.held_out_rmse
+    if channel not in by_model.get(model, {}):
+        return ""
+    unit = units(diagnosis).get(channel, "")
+    others = [
+        f"{MODELS[other]} {number(by_model[other][channel])}"
+        for other in MODELS
+        if other in {"nominal", "refitted", "noise_floor"} - {model}
+        and channel in by_model.get(other, {})
+    ]
+    value = f"{number(by_model[model][channel])} {unit}".rstrip()
+    return f"{value} at {channel}" + (f" ({', '.join(others)})" if others else "")

@@ -1,0 +1,121 @@
+"""What survives: each finding against being absent and against its rivals."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from morph.arrays import Array
+from morph.model.fit import Fit, fit
+from morph.model.hypothesis import Hypothesis
+from morph.model.screen import suspects
+from morph.model.search import MATERIAL, Contender, Search
+from morph.model.select import gain, probabilities, validated
+from morph.model.trial import try_all
+from morph.physics import EFFECTS
+from morph.physics.effect import Effect
+
+RIVALS = 2
+"""Rivals of each finding that are fitted in its place."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Standing:
+    """A finding beside the models that lack it or hold a rival in its place."""
+
+    effect: Effect
+    """As in the final model."""
+    without: Contender
+    """The final model refitted without it."""
+    rivals: tuple[Contender, ...]
+    """The final model refitted with a rival in its place; the rival is the last effect."""
+    chances: dict[str, float]
+    """How often each is best: the finding, `none`, and each rival, by label."""
+
+
+def standings(search: Search, best: Contender, seed: int) -> tuple[Contender, list[Standing]]:
+    """Return the final model with only the findings that it needs, and how each stands.
+
+    A finding accepted early may be needless once others are in: each is taken out in
+    turn, the rest refitted, and it stays only if its absence surely costs.
+    """
+    if search.late:
+        return best, []
+    kept: list[Standing] = []
+    index = 0
+    while index < len(best.fit.hypothesis.effects):
+        search.progress("weighing each finding against its rivals", 0.75)
+        without = _without(search, best.fit, index)
+        worth = gain(without.losses, best.losses, max(search.tries, 1))
+        if not (worth.sure and worth.mean >= MATERIAL) and len(best.fit.hypothesis.effects) > 1:
+            best, kept, index = without, [], 0
+            continue
+        kept.append(_stand(search, best, without, index, seed))
+        index += 1
+    return best, kept
+
+
+def _without(search: Search, found: Fit, index: int) -> Contender:
+    effects = found.hypothesis.effects_at(found.point)
+    fewer = replace(found.hypothesis, effects=effects[:index] + effects[index + 1 :])
+    return _fitted(search, found, fewer, 3)
+
+
+def _fitted(search: Search, found: Fit, hypothesis: Hypothesis, iterations: int) -> Contender:
+    known = len(found.hypothesis.knobs)
+    point = np.concatenate([found.point[:known], hypothesis.start[known:]])
+    fitted = fit(
+        hypothesis,
+        search.segments,
+        found.scale,
+        found.weight,
+        point=point,
+        start=found.start,
+        iterations=iterations,
+    )
+    return Contender(fit=fitted, losses=validated(fitted, search.segments, search.fold))
+
+
+def _stand(
+    search: Search, best: Contender, without: Contender, index: int, seed: int
+) -> Standing:
+    effect = best.fit.hypothesis.effects_at(best.fit.point)[index]
+    rivals = []
+    for rival in _rivals(search, without.fit, effect):
+        if search.late:
+            break
+        rivals.append(_fitted(search, without.fit, without.fit.hypothesis.adding(rival), 3))
+    losses: dict[str, Array] = {effect.label: best.losses, "none": without.losses}
+    complexity = {effect.label: best.fit.hypothesis.free(), "none": without.fit.hypothesis.free()}
+    for contender in rivals:
+        label = contender.fit.hypothesis.effects[-1].label
+        losses[label] = contender.losses
+        complexity[label] = contender.fit.hypothesis.free()
+    chances = probabilities(losses, complexity, seed)
+    return Standing(effect=effect, without=without, rivals=tuple(rivals), chances=chances)
+
+
+def _rivals(search: Search, without: Fit, effect: Effect) -> list[Effect]:
+    """Return the best other effects in a finding's place, its twins at its part first."""
+    listed = suspects(without.hypothesis, without.point, search.episodes)
+    tried = try_all(without, search.segments, listed)
+    others = [t.effect for t in tried if t.effect.label != effect.label]
+    twins = [o for o in others if o.where == effect.where and o.name in related(effect)]
+    rest = [o for o in others if o not in twins]
+    return (twins[:1] + rest[:RIVALS])[:RIVALS] if twins else rest[:RIVALS]
+
+
+def related(effect: Effect) -> set[str]:
+    """Return the names of an effect's twins, and of effects that call it theirs."""
+    back = {kind.name for kind in EFFECTS if effect.name in kind.twins}
+    return set(effect.twins) | back
+
+
+def experiment(effect: Effect, rival: str) -> str:
+    """Return the experiment that tells a finding from a rival."""
+    for kind in EFFECTS:
+        if kind.name == rival and effect.name in kind.separate_by:
+            return kind.separate_by[effect.name]
+    other = next((kind.excited_by for kind in EFFECTS if kind.name == rival), "")
+    return effect.separate_by.get(rival, f"{effect.excited_by} {other}".strip())

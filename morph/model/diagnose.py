@@ -1,0 +1,155 @@
+"""From recordings to named, modelled, proven physics: the whole of a diagnosis."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Mapping, Sequence
+
+from morph.body.robot import Robot
+from morph.errors import DiagnosisError
+from morph.model.conclude import standings
+from morph.model.diagnosis import Diagnosis
+from morph.model.episodes import Episode, episode, step_for
+from morph.model.fit import fit, measure
+from morph.model.hypothesis import Hypothesis
+from morph.model.knobs import knobs
+from morph.model.search import Contender, Progress, Search
+from morph.model.segments import Segments, cut
+from morph.model.shooting import predict
+from morph.model.split import split
+from morph.model.verdict import Evidence, conclude
+from morph.record.distinct import check_distinct
+from morph.record.recording import Recording
+
+FIT_HORIZON = 1.0
+"""Seconds of the rollouts that are fitted: friction hides in shorter ones."""
+MOST_SEGMENTS = 48
+"""Training rollouts; of longer recordings an even spread is fitted."""
+MOST_SCORED = 240
+"""Held-out rollouts; of longer recordings an even spread is scored."""
+
+
+def diagnose(
+    robot: Robot,
+    recordings: Sequence[Recording],
+    *,
+    held_out: Sequence[Recording] = (),
+    horizon: float | None = 1.0,
+    vary: Mapping[str, float] | None = None,
+    budget: float | None = None,
+    seed: int = 0,
+    progress: Progress | None = None,
+) -> Diagnosis:
+    """Return where a description and recordings part, and what physics was left out.
+
+    Args:
+        robot: The nominal description.
+        recordings: What the robot did: every joint's position, every actuator's command.
+        held_out: Recordings to open only after the choice; empty sets a quarter aside.
+        horizon: Seconds of the open-loop rollouts that are scored, at least 0.1; None
+            for whole episodes.
+        vary: Fractions by which the description may be wrong; see `knobs`.
+        budget: Seconds; when they are spent the best answer so far is returned, marked.
+        seed: Of every draw.
+        progress: Told what is being done and the share of the work behind.
+
+    Raises:
+        DiagnosisError: Nothing to fit or to score, or a setting out of range.
+        RecordingError: A channel is missing, or two recordings are the same.
+    """
+    started = time.monotonic()
+    _check(recordings, horizon, budget)
+    say: Progress = progress or (lambda what, share: None)
+    check_distinct((*recordings, *held_out))
+    say("reading motion and noise", 0.02)
+    parts = split(recordings, held_out)
+    step = step_for(parts.train, robot)
+    train = [episode(recording, robot, step) for recording in parts.train]
+    aside = [episode(recording, robot, step) for recording in parts.held_out]
+    nominal = Hypothesis(robot=robot, step=step, knobs=knobs(robot, vary))
+    fitted_horizon = min(FIT_HORIZON, 0.5 * min(len(e.command) for e in train) * step)
+    search = Search(
+        segments=cut(train, fitted_horizon, most=MOST_SEGMENTS),
+        episodes=train,
+        progress=say,
+        deadline=math.inf if budget is None else started + 0.8 * budget,
+    )
+    say("refitting the description's own figures", 0.08)
+    refitted = search.refit(nominal)
+    best = search.run(refitted)
+    best, stands = standings(search, best, seed)
+    say("fitting the corrected model at the horizon that is scored", 0.9)
+    refitted, best = _at_horizon(search, train, horizon, refitted, best)
+    say("opening the held-out runs", 0.95)
+    return conclude(
+        Evidence(
+            robot=robot,
+            nominal=nominal,
+            refitted=refitted,
+            best=best,
+            stands=stands,
+            search=search,
+            train=train,
+            aside=aside,
+            scored=_scored(aside, horizon),
+            split=parts,
+            horizon=horizon,
+            seed=seed,
+            started=started,
+        )
+    )
+
+
+def _check(
+    recordings: Sequence[Recording], horizon: float | None, budget: float | None
+) -> None:
+    if not recordings:
+        raise DiagnosisError(
+            "there is no recording to fit",
+            where="morph.diagnose",
+            fix="give at least one recording of the robot in motion",
+        )
+    if horizon is not None and not (math.isfinite(horizon) and horizon >= 0.1):
+        raise DiagnosisError(
+            f"a horizon of {horizon} s is out of range",
+            where="--horizon",
+            fix="give at least 0.1 s, or `full`",
+        )
+    if budget is not None and not budget > 0.0:
+        raise DiagnosisError(
+            f"a budget of {budget} s is none", where="--budget", fix="give seconds above zero"
+        )
+
+
+def _scored(aside: list[Episode], horizon: float | None) -> Segments:
+    return cut(aside, horizon, most=MOST_SCORED)
+
+
+def _at_horizon(
+    search: Search,
+    train: list[Episode],
+    horizon: float | None,
+    refitted: Contender,
+    best: Contender,
+) -> tuple[Contender, Contender]:
+    """Return both models with their figures fitted to longer rollouts, if those are scored.
+
+    Slow drifts show only there. Only figures move, never the choice of effects. Whole
+    episodes may diverge: where the longer fit does not lower the cost it is not taken.
+    """
+    fitted = search.segments.steps * search.segments.step
+    if search.late or (horizon is not None and horizon <= 1.5 * fitted):
+        return refitted, best
+    longer = cut(train, 3.0 * fitted if horizon is None else min(horizon, 3.0 * fitted))
+    moved = []
+    for model in (refitted, best):
+        found = model.fit
+        read = predict(found.hypothesis, longer, [found.point], [longer.start])[0]
+        again = fit(
+            found.hypothesis, longer, *measure(longer, read), point=found.point, iterations=3
+        )
+        moved.append(Contender(fit=again, losses=model.losses))
+    return moved[0], moved[1]
+
+

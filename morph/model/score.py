@@ -1,0 +1,86 @@
+"""Errors of models on recordings that they never saw."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from morph.arrays import Array
+from morph.model.diagnosis import Trace
+from morph.model.hypothesis import Hypothesis
+from morph.model.segments import Segments
+from morph.model.shooting import predict
+
+Models = Mapping[str, tuple[Hypothesis, Array]]
+"""Each model's hypothesis and point, by name."""
+
+
+def rollouts(models: Models, segments: Segments) -> dict[str, Array]:
+    """Return what each model predicts, (segments, readings, joints), started as measured."""
+    return {
+        name: predict(hypothesis, segments, [point], [segments.start])[0]
+        for name, (hypothesis, point) in models.items()
+    }
+
+
+def rmse(segments: Segments, predicted: Array) -> Array:
+    """Return the root mean square error of each joint, shape (joints,)."""
+    squared = np.where(segments.valid[..., None], (segments.reading - predicted) ** 2, 0.0)
+    return np.asarray(np.sqrt(squared.sum(axis=(0, 1)) / segments.valid.sum()))
+
+
+def by_segment(segments: Segments, predicted: Array, unit: Array) -> Array:
+    """Return each segment's squared error in units of `unit` squared, shape (segments,)."""
+    squared = ((segments.reading - predicted) / unit) ** 2
+    return np.asarray(np.where(segments.valid[..., None], squared, 0.0).sum(axis=(1, 2)))
+
+
+def improvement_low90(before: Array, after: Array, seed: int) -> float:
+    """Return the lower end of a 90 % interval of the share of squared error taken away.
+
+    Source: Efron and Tibshirani 1993, chapter 13 (percentile bootstrap over segments).
+    """
+    rng = np.random.default_rng(seed)
+    draws = rng.integers(len(before), size=(2000, len(before)))
+    share = 1.0 - after[draws].sum(axis=1) / (before[draws].sum(axis=1) + 1e-30)
+    return float(np.quantile(share, 0.05))
+
+
+def traces(
+    segments: Segments, predicted: Mapping[str, Array], joints: list[tuple[str, str]]
+) -> tuple[Trace, ...]:
+    """Return every channel of every episode with NaN between one rollout and the next.
+
+    Args:
+        segments: Held-out rollouts.
+        predicted: What each model predicts, (segments, readings, joints).
+        joints: Name and unit of each.
+    """
+    found = []
+    for number, episode in enumerate(segments.episodes):
+        rows = np.flatnonzero(segments.episode == number)
+        if not len(rows):
+            continue
+        for column, (joint, unit) in enumerate(joints):
+
+            def joined(values: Array, rows: Array = rows, column: int = column) -> Array:
+                parts = []
+                for row in rows:
+                    inside = segments.valid[row]
+                    line = values[row, :, column] if values.ndim == 3 else values[row]
+                    parts += [line[inside], [np.nan]]
+                return np.concatenate(parts)
+
+            offset = segments.before + segments.part + segments.first[:, None]
+            found.append(
+                Trace(
+                    episode=episode.name,
+                    channel=f"{joint}.position",
+                    unit=unit,
+                    time=joined(offset * segments.step),
+                    measured=joined(segments.reading),
+                    models={name: joined(values) for name, values in predicted.items()},
+                )
+            )
+    return tuple(found)

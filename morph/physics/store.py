@@ -1,0 +1,73 @@
+"""Effects as text and back: what `corrected.toml` and the command line hold."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Sequence
+from pathlib import Path
+
+from morph.errors import EffectError
+from morph.physics import effect_class
+from morph.physics.effect import Effect
+
+
+def effects_text(effects: Sequence[Effect]) -> str:
+    """Return effects as TOML, a table each, every parameter at full precision."""
+    lines = ['schema = "morph.effects/1"']
+    for effect in effects:
+        lines += ["", "[[effect]]", f'name = "{effect.name}"', f"where = {_quoted(effect.where)}"]
+        lines += [f"{p.name} = {float(getattr(effect, p.name))!r}" for p in effect.parameters()]
+    return "\n".join(lines) + "\n"
+
+
+def load_effects(path: Path) -> tuple[Effect, ...]:
+    """Return the effects that a TOML file lists.
+
+    Raises:
+        EffectError: The file is missing or not TOML, an effect or a parameter is
+            unknown, or a value is out of bounds.
+    """
+    fix = "write it as corrected.toml of a diagnosis is written"
+    try:
+        content = tomllib.loads(path.read_text())
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise EffectError(f"cannot be read: {error}", where=str(path), fix=fix) from error
+    tables = content.get("effect", [])
+    if content.get("schema") != "morph.effects/1" or not isinstance(tables, list):
+        raise EffectError('no schema = "morph.effects/1"', where=str(path), fix=fix)
+    return tuple(
+        effect_of(table, where=f"{path}, effect {index + 1}")
+        for index, table in enumerate(tables)
+    )
+
+
+def effect_of(table: object, *, where: str) -> Effect:
+    """Return the effect that one table of name, where and parameters describes.
+
+    Raises:
+        EffectError: The effect or a parameter is unknown, or a value is out of bounds.
+    """
+    if not isinstance(table, dict) or not {"name", "where"} <= set(table):
+        raise EffectError(
+            "it needs a name and a where", where=where, fix='say name = "..." and where = "..."'
+        )
+    kind = effect_class(str(table["name"]))
+    known = {p.name for p in kind.parameters()}
+    values = {}
+    for name, value in table.items():
+        if name in {"name", "where"}:
+            continue
+        if name not in known or isinstance(value, bool) or not isinstance(value, int | float):
+            raise EffectError(
+                f"{name} = {value!r} is not a number for one of {', '.join(sorted(known))}",
+                where=where,
+                fix="give the law's own parameters, in SI units",
+            )
+        values[name] = float(value)
+    place = {"joint": "joint", "actuator": "actuator", "sensor": "channel"}[kind.kind]
+    return kind(**{place: str(table["where"])}, **values)
+
+
+def _quoted(text: str) -> str:
+    escaped = text.replace("\\", "\\\\").replace('"', '\\"')
+    return f'"{escaped}"'
