@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -9,15 +10,15 @@ import numpy as np
 from morph.arrays import Array
 from morph.model.fit import Fit, fit
 from morph.model.hypothesis import Hypothesis
-from morph.model.screen import suspects
+from morph.model.screen import Suspect, suspects
 from morph.model.search import MATERIAL, Contender, Search
 from morph.model.select import gain, probabilities, validated
 from morph.model.trial import try_all
 from morph.physics import EFFECTS
 from morph.physics.effect import Effect
 
-RIVALS = 2
-"""Rivals of each finding that are fitted in its place."""
+TWINS, OTHERS = 2, 1
+"""Rivals of each finding that are fitted in its place: twins at its part, and others."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -99,11 +100,20 @@ def _stand(
 def _rivals(search: Search, without: Fit, effect: Effect) -> list[Effect]:
     """Return the best other effects in a finding's place, its twins at its part first."""
     listed = suspects(without.hypothesis, without.point, search.episodes)
-    tried = try_all(without, search.segments, listed)
+    tried = try_all(without, search.segments, _of_interest(listed, effect))
     others = [t.effect for t in tried if t.effect.label != effect.label]
     twins = [o for o in others if o.where == effect.where and o.name in related(effect)]
     rest = [o for o in others if o not in twins]
-    return (twins[:1] + rest[:RIVALS])[:RIVALS] if twins else rest[:RIVALS]
+    return twins[:TWINS] + rest[: OTHERS + max(0, TWINS - len(twins))]
+
+
+def _of_interest(listed: Sequence[Suspect], effect: Effect) -> list[Suspect]:
+    """Return the twins at the finding's own part, and the first suspects elsewhere."""
+    return [
+        suspect
+        for rank, suspect in enumerate(listed)
+        if rank < 6 or (suspect.effect.where == effect.where and suspect.effect.name in related(effect))
+    ]
 
 
 def related(effect: Effect) -> set[str]:

@@ -1,0 +1,3 @@
+"""The terminal: `morph diagnose`, `morph list`."""
+
+from morph.app.cli.main import main as main

@@ -1,0 +1,180 @@
+"""`morph diagnose`: read, diagnose, write, and say it in words."""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from morph.app.cli.arguments import Diagnose
+from morph.body.load import load as load_robot
+from morph.body.robot import Robot
+from morph.errors import DiagnosisError
+from morph.model.diagnosis import Diagnosis
+from morph.record.load import load as load_recordings
+from morph.record.recording import Recording
+
+
+def run_diagnose(asked: Diagnose) -> int:
+    """Diagnose as asked and return the exit status.
+
+    Raises:
+        MorphError: An input cannot be used or the result cannot be written.
+    """
+    from morph.app.report.files import check_out, write_diagnosis
+
+    # Whatever the command line got wrong is told before any work is done.
+    check_out(asked.out)
+    horizon, vary = _horizon(asked.horizon), _vary(asked.vary)
+    robot = load_robot(asked.robot)
+    fitted, aside = _recordings(asked, robot)
+    from morph.model.diagnose import diagnose
+
+    found = diagnose(
+        robot,
+        fitted,
+        held_out=aside,
+        horizon=horizon,
+        vary=vary,
+        budget=asked.budget,
+        seed=asked.seed,
+        progress=None if asked.quiet else _Progress(),
+    )
+    found = replace(found, provenance={**found.provenance, "command": _command(asked)})
+    write_diagnosis(found, asked.out)
+    if asked.json:
+        sys.stdout.write(json.dumps(found.as_json(), indent=2, allow_nan=False) + "\n")
+    else:
+        sys.stdout.write(in_words(found, asked.out) + "\n")
+    return 3 if found.stopped_short else 0
+
+
+def in_words(found: Diagnosis, out: Path) -> str:
+    """Return the finding in words, the errors on runs never seen, and the report's path."""
+    lines = [f"{found.robot}: {found.verdict}", *(f"  {s}" for s in found.summary())]
+    for finding in found.findings:
+        fitted = ", ".join(
+            f"{name} = {e.value:.3g} [{e.low90:.3g}, {e.high90:.3g}] {e.unit}"
+            for name, e in finding.parameters.items()
+        )
+        lines.append(f"  {finding.effect.label}: {fitted} (probability {finding.probability:.2f})")
+        if finding.rivals:
+            first = finding.rivals[0]
+            lines.append(
+                f"    rival {first.effect}@{first.where} ({first.probability:.2f}); "
+                f"to tell them apart: {finding.separate_by}"
+            )
+    span = "whole episodes" if found.horizon is None else f"{found.horizon:g} s rollouts"
+    lines.append(f"  error on runs it never saw ({', '.join(found.held_out)}; {span}):")
+    for channel, nominal in found.held_out_rmse["nominal"].items():
+        refitted = found.held_out_rmse["refitted"][channel]
+        corrected = found.held_out_rmse["corrected"][channel]
+        lines.append(
+            f"    {channel}: {nominal:.3g} as described, {refitted:.3g} refitted, "
+            f"{corrected:.3g} corrected"
+        )
+    if found.stopped_short:
+        lines.append("  The budget ended first: this is the best answer so far.")
+    lines.append(f"  report: {out / 'report.html'} ({found.seconds:.0f} s)")
+    return "\n".join(lines)
+
+
+def _recordings(
+    asked: Diagnose, robot: Robot
+) -> tuple[tuple[Recording, ...], tuple[Recording, ...]]:
+    given = [
+        recording
+        for path in asked.recordings
+        for recording in load_recordings(path, robot=robot, root=asked.root)
+    ]
+    aside: list[Recording] = []
+    for name in asked.held_out:
+        named = [recording for recording in given if recording.name == name]
+        if named:
+            aside += named
+        elif Path(name).exists():
+            aside += load_recordings(Path(name), robot=robot, root=asked.root)
+        else:
+            raise _no_episode("--held-out", name, given)
+    for name in asked.only:
+        if name not in {recording.name for recording in given}:
+            raise _no_episode("--only", name, given)
+    out = {id(recording) for recording in aside}
+    fitted = tuple(
+        recording
+        for recording in given
+        if id(recording) not in out and (not asked.only or recording.name in asked.only)
+    )
+    return fitted, tuple(aside)
+
+
+def _no_episode(option: str, name: str, given: Sequence[Recording]) -> DiagnosisError:
+    return DiagnosisError(
+        f"{option} {name}: neither an episode nor a file; episodes are "
+        f"{', '.join(recording.name for recording in given)}",
+        where="morph diagnose",
+        fix="name one of these episodes, or a recording's path",
+    )
+
+
+def _horizon(text: str) -> float | None:
+    if text == "full":
+        return None
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not (math.isfinite(value) and value >= 0.1):
+        raise DiagnosisError(
+            f"{text!r} is no horizon",
+            where="--horizon",
+            fix="give seconds, at least 0.1, or `full`",
+        )
+    return value
+
+
+def _vary(pairs: Sequence[str]) -> dict[str, float]:
+    found = {}
+    for pair in pairs:
+        name, equals, value = pair.rpartition("=")
+        try:
+            found[name] = float(value)
+        except ValueError:
+            equals = ""
+        if not equals or not name:
+            raise DiagnosisError(
+                f"{pair!r} is no NAME=FRACTION", where="--vary", fix="write for example mass=0.3"
+            )
+    return found
+
+
+def _command(asked: Diagnose) -> str:
+    parts = ["morph diagnose", asked.robot, *map(str, asked.recordings), f"--out {asked.out}"]
+    for option, values in (
+        ("--held-out", asked.held_out),
+        ("--only", asked.only),
+        ("--vary", asked.vary),
+    ):
+        if values:
+            parts.append(f"{option} {' '.join(values)}")
+    if asked.horizon != "1.0":
+        parts.append(f"--horizon {asked.horizon}")
+    return " ".join([*parts, f"--seed {asked.seed}"])
+
+
+class _Progress:
+    """Says on the error stream what is being done: a line a stage, with the time."""
+
+    def __init__(self) -> None:
+        self._began, self._last = time.monotonic(), ""
+
+    def __call__(self, what: str, share: float) -> None:
+        if what != self._last:
+            seconds = time.monotonic() - self._began
+            sys.stderr.write(f"[{seconds:5.1f} s, {100 * share:3.0f} %] {what}\n")
+            sys.stderr.flush()
+            self._last = what
