@@ -36,9 +36,9 @@ def write_diagnosis(diagnosis: Diagnosis, out: Path) -> None:
         OutputError: `out` is a file, or a folder that holds something else; or it
             cannot be written to; or the diagnosis holds a number that is not finite.
     """
-    _check(out)
+    check_folder(out)
     contents = _contents(diagnosis)
-    with _temporary(out) as folder:
+    with _as_ours(out), _temporary(out.resolve()) as folder:
         for name, content in contents.items():
             write_whole(folder / name, content)
         if out.exists():
@@ -47,16 +47,22 @@ def write_diagnosis(diagnosis: Diagnosis, out: Path) -> None:
             os.rename(folder, out)
 
 
-def _check(out: Path) -> None:
-    """Refuse to touch what is not a diagnosis."""
-    if out.is_dir():
-        if not (out / FILES[-1]).is_file() and any(out.iterdir()):
-            raise OutputError(
-                "the folder is not empty and holds no earlier diagnosis",
-                where=str(out),
-                fix="name a new or an empty folder, or one that holds a diagnosis.json",
-            )
-    elif out.exists() or out.is_symlink():
+def check_folder(out: Path) -> None:
+    """Refuse a place that a diagnosis must not be written to, before the work is done.
+
+    Raises:
+        OutputError: `out` is a file, or a folder that holds something else.
+    """
+    with _as_ours(out):
+        foreign = out.is_dir() and any(out.iterdir()) and not (out / FILES[-1]).is_file()
+        taken = not out.is_dir() and (out.exists() or out.is_symlink())
+    if foreign:
+        raise OutputError(
+            "the folder is not empty and holds no earlier diagnosis",
+            where=str(out),
+            fix="name a new or an empty folder, or one that holds a diagnosis.json",
+        )
+    if taken:
         raise OutputError(
             "this is a file, and a diagnosis is a folder",
             where=str(out),
@@ -101,7 +107,7 @@ def _finite(errors: Mapping[str, Mapping[str, float]]) -> JSON:
 
 def _arrays(arrays: Mapping[str, Any]) -> bytes:
     """Return arrays as an .npz that can be read without running anything in it."""
-    held = {name: np.asarray(value) for name, value in arrays.items()}
+    held: dict[str, Any] = {name: np.asarray(value) for name, value in arrays.items()}
     for name, array in held.items():
         if array.dtype.hasobject:
             raise OutputError(
@@ -115,23 +121,28 @@ def _arrays(arrays: Mapping[str, Any]) -> bytes:
 
 
 @contextmanager
-def _temporary(out: Path) -> Iterator[Path]:
-    """Lend a folder beside `out` that is gone afterwards, however it ends."""
-    folder: Path | None = None
+def _as_ours(out: Path) -> Iterator[None]:
+    """Turn what the system refuses into an error that says what to do."""
     try:
-        out.parent.mkdir(parents=True, exist_ok=True)
-        folder = Path(tempfile.mkdtemp(dir=out.parent, prefix=f".{out.name}."))
-        folder.chmod(0o755)
-        yield folder
+        yield
     except OSError as error:
         raise OutputError(
             f"cannot write: {error.strerror or error}",
             where=str(out),
             fix="choose a folder that can be written to and has room",
         ) from error
+
+
+@contextmanager
+def _temporary(out: Path) -> Iterator[Path]:
+    """Lend a folder beside `out` that is gone afterwards, however it ends."""
+    out.parent.mkdir(parents=True, exist_ok=True)
+    folder = Path(tempfile.mkdtemp(dir=out.parent, prefix=f".{out.name}."))
+    try:
+        folder.chmod(0o755)
+        yield folder
     finally:
-        if folder is not None:
-            shutil.rmtree(folder, ignore_errors=True)
+        shutil.rmtree(folder, ignore_errors=True)
 
 
 def _replace(folder: Path, out: Path, made: set[str]) -> None:

@@ -32,7 +32,7 @@
     const axis = { gridcolor: colour("rule"), zerolinecolor: colour("rule"), linecolor: colour("rule"), automargin: true };
     const font = { color: colour("quiet"), family: "inherit", size: 12 };
     return {
-      font, showlegend: false, hovermode: "x", margin: { l: 56, r: 8, t: 8, b: 36 },
+      font, showlegend: false, dragmode: matchMedia("(pointer: coarse)").matches ? false : "zoom", hovermode: "x", margin: { l: 56, r: 8, t: 8, b: 36 },
       paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)",
       xaxis: { ...axis, title: { text: "time in the run, s" }, anchor: "y2" },
       yaxis: { ...axis, domain: [0.4, 1], range: curve.range || undefined },
@@ -45,7 +45,7 @@
       const curve = data.curves.find(
         (c) => c.episode === Number(select.value) && c.channel === Number(place.dataset.channel));
       place.parentElement.hidden = !curve;
-      if (curve) Plotly.react(place, traces(curve), layout(curve), { responsive: true, displaylogo: false });
+      if (curve) Plotly.react(place, traces(curve), layout(curve), { responsive: true, displayModeBar: false });
     }
   }
 

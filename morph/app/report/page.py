@@ -63,6 +63,7 @@ def _functions(diagnosis: Diagnosis) -> dict[str, Any]:
         "number": words.number,
         "percent": words.percent,
         "plain": words.plain,
+        "answer": words.answer,
         "counted": words.counted,
         "many": MANY,
     }
@@ -102,7 +103,7 @@ def _scripts(diagnosis: Diagnosis) -> tuple[str, ...]:
 def _finding(finding: Finding) -> JSON:
     effect = finding.effect
     return {
-        "title": f"{words.plain(effect.name).capitalize()} at {effect.kind} {effect.where}",
+        "title": _place(effect.name, effect.kind, effect.where),
         "statement": finding.statement,
         "probability": finding.probability,
         "gain": finding.gain,
@@ -111,6 +112,11 @@ def _finding(finding: Finding) -> JSON:
         "rivals": finding.rivals,
         "separate_by": finding.separate_by,
     }
+
+
+def _place(effect: str, kind: str, where: str) -> str:
+    name = words.plain(effect)
+    return f"{name[:1].upper()}{name[1:]} at {kind} {where}"
 
 
 def _models(diagnosis: Diagnosis) -> list[JSON]:

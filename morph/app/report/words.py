@@ -16,6 +16,9 @@ MODELS = {
 }
 """What a model is called on the page, in the order in which they are shown."""
 
+PEOPLE = {"coulomb", "stribeck", "maxwell", "coriolis"}
+"""Words of the vocabulary that are names of people."""
+
 NAMED = 3
 """Channels named in a sentence; the table has them all."""
 
@@ -28,10 +31,10 @@ def number(value: float) -> str:
 def percent(share: float) -> str:
     """Return a share as a whole percentage that never claims to be 0 or 1 unless it is."""
     if 0.0 < share < 0.005:
-        return "under 1 %"
+        return "under 1\N{NO-BREAK SPACE}%"
     if 0.995 <= share < 1.0:
-        return "over 99 %"
-    return f"{100.0 * share:.0f} %" if math.isfinite(share) else "not known"
+        return "over 99\N{NO-BREAK SPACE}%"
+    return f"{100.0 * share:.0f}\N{NO-BREAK SPACE}%" if math.isfinite(share) else "not known"
 
 
 def counted(count: int, one: str, many: str) -> str:
@@ -41,8 +44,18 @@ def counted(count: int, one: str, many: str) -> str:
 
 
 def plain(name: str) -> str:
-    """Return a name of the vocabulary as words: `dead_zone` is dead zone."""
-    return name.replace("_", " ")
+    """Return a name of the vocabulary as words: `stribeck_friction` is Stribeck friction."""
+    words = name.replace("_", " ").split(" ")
+    return " ".join(word.capitalize() if word in PEOPLE else word for word in words)
+
+
+def answer(name: str) -> str:
+    """Return one of the answers that have a probability, in words."""
+    if name in {"none", "unknown"}:
+        return {"none": "nothing left out", "unknown": "something without a name"}[name]
+    # Only the effect is of the vocabulary; the part keeps the name that its file gives it.
+    effect, at, where = name.partition("@")
+    return f"{plain(effect)} at {where}" if at else name
 
 
 def headline(diagnosis: Diagnosis) -> str:
@@ -51,7 +64,8 @@ def headline(diagnosis: Diagnosis) -> str:
         return "The simulation and the robot agree"
     if diagnosis.verdict == "mismatch" and diagnosis.findings:
         pieces = counted(len(diagnosis.findings), "thing", "things")
-        return f"{pieces.capitalize()} left out of the simulation"
+        were = "was" if len(diagnosis.findings) == 1 else "were"
+        return f"{pieces.capitalize()} {were} left out of the simulation"
     if diagnosis.findings:
         return "They differ, and no correction holds on runs it never saw"
     return "They differ, and what is missing has no name here yet"
