@@ -36,7 +36,7 @@ def write_diagnosis(diagnosis: Diagnosis, out: Path) -> None:
         OutputError: `out` is a file, or a folder that holds something else; or it
             cannot be written to; or the diagnosis holds a number that is not finite.
     """
-    check_folder(out)
+    check_out(out)
     contents = _contents(diagnosis)
     with _as_ours(out), _temporary(out.resolve()) as folder:
         for name, content in contents.items():
@@ -47,7 +47,7 @@ def write_diagnosis(diagnosis: Diagnosis, out: Path) -> None:
             os.rename(folder, out)
 
 
-def check_folder(out: Path) -> None:
+def check_out(out: Path) -> None:
     """Refuse a place that a diagnosis must not be written to, before the work is done.
 
     Raises:
@@ -80,12 +80,16 @@ def _contents(diagnosis: Diagnosis) -> dict[str, str | bytes]:
         contents["corrected.toml"] = effects_text(diagnosis.corrected_effects)
     if diagnosis.residual:
         contents["residual.npz"] = _arrays(diagnosis.residual)
-    contents["diagnosis.json"] = _json(diagnosis)
+    contents["diagnosis.json"] = diagnosis_text(diagnosis)
     return contents
 
 
-def _json(diagnosis: Diagnosis) -> str:
-    """Return `diagnosis.json`; the error of a simulation that blew up is null."""
+def diagnosis_text(diagnosis: Diagnosis) -> str:
+    """Return the text of `diagnosis.json`; the error of a simulation that blew up is null.
+
+    Raises:
+        OutputError: Another number is not finite.
+    """
     content = diagnosis.as_json()
     content["fit"]["held_out_rmse"] = _finite(content["fit"]["held_out_rmse"])
     try:
