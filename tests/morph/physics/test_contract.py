@@ -1,0 +1,331 @@
+"""What every member of the family of effects must honour."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+from morph.arrays import Array
+from morph.body.load import load
+from morph.body.robot import Robot
+from morph.body.spec import spec_of
+from morph.errors import EffectError
+from morph.model.episodes import episode, step_for
+from morph.model.fit import fit, measure
+from morph.model.hypothesis import Hypothesis
+from morph.model.segments import cut
+from morph.model.shooting import predict
+from morph.physics import EFFECTS, effect_class
+from morph.physics.effect import Effect, Parameter
+from morph.physics.motion import Motion
+from morph.physics.store import effects_text, load_effects
+from morph.record.recording import Channel, Recording
+from morph.sim.drive import received, unsensed
+from morph.sim.simulator import Simulator, compiled
+
+SPECIFIED = Path(__file__).parents[3] / "docs" / "effects.md"
+
+FELT: Mapping[str, Mapping[str, float]] = {
+    "viscous_friction": {"b": 0.05},
+    "coulomb_friction": {"c": 0.06},
+    "stribeck_friction": {"c": 0.04, "s": 0.12, "vs": 0.5},
+    "quadratic_damping": {"b2": 0.02},
+    "joint_stiffness": {"k": 0.8, "q0": 0.3},
+    "armature": {"J": 0.01},
+    "actuator_delay": {"T": 0.02},
+    "actuator_lag": {"T": 0.03},
+    "torque_scale": {"gain": 1.3},
+    "sensor_bias": {"bias": 0.05},
+}
+"""Parameters at which each effect is felt on the double pendulum."""
+
+every_effect = pytest.mark.parametrize("kind", EFFECTS, ids=lambda kind: kind.name)
+every_parameter = pytest.mark.parametrize(
+    ("kind", "known"),
+    [
+        pytest.param(kind, known, id=f"{kind.name}-{known.name}")
+        for kind in EFFECTS
+        for known in kind.parameters()
+    ],
+)
+
+
+@pytest.fixture(scope="module")
+def robot() -> Robot:
+    return load("double_pendulum")
+
+
+def felt(kind: type[Effect], robot: Robot) -> Effect:
+    """Return the effect at the last of its places, so that a mix-up of parts shows."""
+    return replace(kind.at(kind.places(robot)[-1]), **FELT[kind.name])
+
+
+def drive(times: Array) -> Array:
+    """Return a command, N m, with slow and fast parts and sudden steps."""
+    steps = 0.35 * np.sign(np.sin(2.0 * np.pi * 0.45 * times))
+    return np.asarray(steps + 0.3 * np.sin(2.0 * np.pi * 1.1 * times))
+
+
+def run(robot: Robot, effects: tuple[Effect, ...], *, step: float, seconds: float) -> Recording:
+    return Simulator(robot, effects=effects, step=step).run(
+        seconds=seconds,
+        start={"shoulder": 0.4, "elbow": -0.3},
+        command={"shoulder": drive, "elbow": lambda times: 0.5 * drive(times + 0.7)},
+    )
+
+
+def test_every_effect_has_an_example_here() -> None:
+    assert [kind.name for kind in EFFECTS] == list(FELT)
+
+
+@every_effect
+def test_an_effect_says_what_it_is(kind: type[Effect], robot: Robot) -> None:
+    assert kind.kind in {"joint", "actuator", "sensor", "body", "contact", "world"}
+    assert kind.twins
+    assert kind.name not in kind.twins
+    assert kind.excited_by.endswith(".")
+    assert set(kind.strengths) <= {known.name for known in kind.parameters()}
+    assert effect_class(kind.name) is kind
+    # Names that rivals are told by must exist, at the latest in the vocabulary's file.
+    text = SPECIFIED.read_text()
+    for name in (kind.name, *kind.twins, *kind.separate_by, *filter(None, [kind.simpler])):
+        assert name in text
+
+
+@every_effect
+def test_an_effect_has_places_on_a_robot_and_names_its_own(
+    kind: type[Effect], robot: Robot
+) -> None:
+    for where in kind.places(robot):
+        effect = kind.at(where)
+        assert effect.where == where
+        assert effect.label == f"{kind.name}@{where}"
+        assert where in effect.statement()
+        assert effect.statement().endswith(".")
+
+
+@every_parameter
+def test_a_parameter_has_a_unit_and_its_default_lies_in_its_bounds(
+    kind: type[Effect], known: Parameter, robot: Robot
+) -> None:
+    assert known.unit
+    assert known.low < known.high
+    for value in (known.default, known.neutral, *known.scan):
+        assert value is None or known.low <= value <= known.high
+    assert getattr(kind.at(kind.places(robot)[0]), known.name) == known.default
+
+
+@every_parameter
+def test_a_value_out_of_bounds_is_refused_with_the_bounds(
+    kind: type[Effect], known: Parameter, robot: Robot
+) -> None:
+    effect = kind.at(kind.places(robot)[0])
+    width = known.high - known.low
+    for value in (known.low - 0.01 * width, known.high + 0.01 * width, np.nan, np.inf, -np.inf):
+        with pytest.raises(EffectError) as caught:
+            replace(effect, **{known.name: value})
+        assert f"{known.name} = " in caught.value.what
+        assert f"outside {known.low:g} to {known.high:g}" in caught.value.what
+        assert caught.value.where == f"effect {effect.label}"
+        assert known.name in caught.value.fix
+    for value in (known.low, known.high):
+        assert getattr(replace(effect, **{known.name: value}), known.name) == value
+
+
+@every_effect
+def test_a_neutral_effect_leaves_a_simulation_unchanged(kind: type[Effect], robot: Robot) -> None:
+    # A neutral effect writes zeros or ones. One that acts before every step runs by
+    # another path of MuJoCo: whatever it may round differently, 250 steps of a motion that
+    # parts at about 10 / s make of 1e-16 no more than 1e-16 exp(5) = 1.5e-14.
+    plain = run(robot, (), step=0.002, seconds=0.5)
+    neutral = run(robot, (felt(kind, robot).neutral(),), step=0.002, seconds=0.5)
+    assert plain.channels.keys() == neutral.channels.keys()
+    for name in plain.channels:
+        assert np.abs(plain[name] - neutral[name]).max() < 1e-12
+
+
+@every_effect
+def test_an_effect_that_is_felt_changes_what_is_measured(kind: type[Effect], robot: Robot) -> None:
+    # Without this the test above could pass for an effect that never acts. An encoder
+    # of 4096 counts resolves 1.5 mrad: what is felt here moves at least six of them.
+    plain = run(robot, (), step=0.002, seconds=0.5)
+    changed = run(robot, (felt(kind, robot),), step=0.002, seconds=0.5)
+    assert max(np.abs(plain[n] - changed[n]).max() for n in plain.channels) > 0.01
+
+
+@pytest.mark.parametrize("kind", [k for k in EFFECTS if k.dissipative], ids=lambda kind: kind.name)
+def test_a_dissipative_effect_never_adds_energy(kind: type[Effect]) -> None:
+    # MuJoCo's step is a leapfrog, velocities half a step behind positions. With velocities
+    # averaged onto positions it conserves, in place of E, E + h^2 (v^2 V'' / 12 - V'^2 / 24 I)
+    # (Hairer, Lubich and Wanner 2006, IX.3, eq. 3.4). Here V' = V'' = 4.905 N m at most,
+    # I = 0.251 kg m2, v = sqrt(2 * 4.905 (1 - cos 2.5) / I) = 8.4 rad/s, h = 2 ms, so E ripples
+    # by 4e-6 (28.8 + 4.0) = 1.3e-4 J, of 8.8 J. Up from a low and on to a high is twice that.
+    pendulum, step, ripple = load("pendulum"), 0.002, 1.3e-4
+    effect = felt(kind, pendulum)
+
+    def energy(effects: tuple[Effect, ...]) -> Array:
+        out = Simulator(pendulum, effects=effects, step=step).run(seconds=4.0, start={"hinge": 2.5})
+        position, velocity = out["hinge.position"][:-1], out["hinge.velocity"]
+        speed = 0.5 * (velocity[1:] + velocity[:-1])
+        return np.asarray(0.5 * 0.251 * speed**2 - 4.905 * np.cos(position))
+
+    without, under = energy(()), energy((effect,))
+    assert np.ptp(without) < 2.0 * ripple
+    assert (under - np.minimum.accumulate(under)).max() < 2.0 * ripple
+    assert (under - without).max() < 2.0 * ripple
+    # The least any of them takes in 4 s and about 20 rad: 0.04 N m * 20 rad = 0.8 J.
+    assert under[-1] < without[-1] - 0.5
+
+
+class Still:
+    """States, one a row, as an effect that acts before every step sees them."""
+
+    step = 0.002
+
+    def __init__(self, motion: Motion) -> None:
+        self._motion, self.applied = motion, np.zeros_like(motion.velocity)
+
+    def position(self, joint: str) -> Array:
+        return np.asarray(self._motion.position[:, self._motion.joints[joint]])
+
+    def velocity(self, joint: str) -> Array:
+        return self._motion.speed(joint)
+
+    def force(self, joint: str) -> Array:
+        return np.asarray(self.applied[:, self._motion.joints[joint]])
+
+
+def missing(
+    robot: Robot, effects: tuple[Effect, ...], reading: Array, v: Array, a: Array, command: Array
+) -> Array:
+    """Return the force that a motion needs beyond what a model gives it, (samples, dofs)."""
+    model = compiled(spec_of(robot), effects, robot).model
+    data, need = mujoco.MjData(model), np.empty_like(v)
+    names = [joint.name for joint in robot.joints]
+    position = np.stack(
+        [unsensed(effects, f"{n}.position", reading[:, i]) for i, n in enumerate(names)], axis=1
+    )
+    told = np.stack(
+        [received(effects, x.name, command[:, i], 0.002) for i, x in enumerate(robot.actuators)],
+        axis=1,
+    )
+    for k in range(len(v)):
+        data.qpos[:], data.qvel[:], data.qacc[:], data.ctrl[:] = position[k], v[k], a[k], told[k]
+        mujoco.mj_inverse(model, data)
+        mujoco.mj_fwdActuation(model, data)
+        need[k] = data.qfrc_inverse - data.qfrc_actuator
+    return need
+
+
+@every_effect
+def test_a_regressor_tells_the_force_that_the_simulation_feels(
+    kind: type[Effect], robot: Robot
+) -> None:
+    effect = felt(kind, robot)
+    if kind.kind == "sensor":
+        # First order only: an offset e misses e^2 / 2 times a curvature of at most 5 N m,
+        # 2.5e-10 N m for 1e-5 rad.
+        effect = replace(effect, **dict.fromkeys(kind.strengths, 1e-05))
+    rng = np.random.default_rng(0)
+    samples = 400
+    q, a = rng.uniform(-1.0, 1.0, (2, samples, 2))
+    # No slower than 0.5 rad/s: near rest dry friction is whatever holds, not a law of speed.
+    v = rng.choice([-1.0, 1.0], (samples, 2)) * rng.uniform(0.5, 2.0, (samples, 2))
+    # A ramp: there a delay or a lag by T costs exactly T times the rate, once settled.
+    rate, time = np.array([0.7, -0.4]), 0.002 * np.arange(samples)
+    command = time[:, None] * rate
+
+    def need(effects: tuple[Effect, ...], reading: Array) -> Array:
+        return missing(robot, effects, reading, v, a, command)
+
+    stiffness = np.empty((samples, 2, 2))
+    for dof in range(2):
+        shift = 1e-5 * np.eye(2)[dof]
+        stiffness[:, :, dof] = (need((), q + shift) - need((), q - shift)) / 2e-5
+    # Each motor turns its own joint, one newton metre for one.
+    motion = Motion(
+        position=q,
+        velocity=v,
+        acceleration=a,
+        drive=command[:, :, None] * np.eye(2),
+        drive_rate=np.broadcast_to(rate[:, None] * np.eye(2), (samples, 2, 2)),
+        stiffness=stiffness,
+        joints={"shoulder": 0, "elbow": 1},
+        actuators={"shoulder": 0, "elbow": 1},
+    )
+    still = Still(motion)
+    effect.before_step(still, effect.start(still))
+    explained = need((), q) - need((effect,), q) + still.applied
+    neutral = {known.name: known.neutral or 0.0 for known in kind.parameters()}
+    strengths = np.array([getattr(effect, name) - neutral[name] for name in kind.strengths])
+    if kind.name == "joint_stiffness":
+        # Its columns are for k and for k q0.
+        strengths[1] *= strengths[0]
+    told = effect.regressor(motion) @ strengths
+    # A lag of 30 ms settles within 0.7 s to exp(-0.7 / 0.03) = 7e-11 of 0.8 N m.
+    settled = slice(350, None) if kind.kind == "actuator" else slice(None)
+    assert told.shape == (samples, 2)
+    assert np.abs(told[settled]).max() > 1e-6
+    assert np.abs(told - explained)[settled].max() < 1e-9
+
+
+@every_effect
+def test_its_parameters_are_recovered_from_a_simulation_with_it(
+    kind: type[Effect], robot: Robot
+) -> None:
+    # Simulated at 0.5 ms and read every 5 ms without noise. Two errors remain, both known.
+    # The fit steps at 2.5 ms or 5 ms: (w h)^2 / 24 of the forces at w = 10 rad/s, 1e-4.
+    # The simulator holds a command over the step after it, the fit centres it: half a
+    # step of 0.5 ms is 1.3 % of a delay of 20 ms. 3 % bounds both, with their leverage.
+    # A shape read off the speed before each step is read half a step late: at 40 rad/s2,
+    # 40 * 0.00125 = 0.05 rad/s of the 0.5 rad/s that fade Stribeck's friction, 10 %.
+    true = felt(kind, robot)
+    fine = run(robot, (true,), step=0.0005, seconds=8.0)
+    channels = {
+        name: c if c.hold else Channel(time=c.time[::10], value=c.value[::10])
+        for name, c in fine.channels.items()
+    }
+    recording = replace(fine, channels=channels)
+    step = step_for([recording], robot)
+    # Half of everything that differs from neutral; half of a shape.
+    wrong = {
+        known.name: (known.neutral or 0.0)
+        + 0.5 * (getattr(true, known.name) - (known.neutral or 0.0))
+        for known in kind.parameters()
+    }
+    guess = Hypothesis(robot=robot, step=step, knobs=(), effects=(replace(true, **wrong),))
+    segments = cut([episode(recording, robot, step)], 1.0)
+    point, start = guess.start, segments.start
+    for _ in range(2):
+        # Again with errors in units of what is left: the first unit is the wrong guess's.
+        read = predict(guess, segments, [point], [start])[0]
+        scale, weight = measure(segments, read)
+        found = fit(guess, segments, scale, weight, point=point, start=start, iterations=8)
+        point, start = found.point, found.start
+    (effect,) = found.hypothesis.effects
+    for name, value in FELT[kind.name].items():
+        percent = 3 if name in kind.strengths else 10
+        assert getattr(effect, name) == pytest.approx(value, rel=0.01 * percent), effect
+
+
+@every_effect
+def test_an_effect_survives_being_written_and_read(
+    kind: type[Effect], robot: Robot, tmp_path: Path
+) -> None:
+    rng = np.random.default_rng(0)
+    places = kind.places(robot)
+    effects = tuple(
+        replace(
+            kind.at(place),
+            **{k.name: float(rng.uniform(k.low, k.high)) for k in kind.parameters()},
+        )
+        for place in (*places, 'a "b" \\c')
+    )
+    path = tmp_path / "effects.toml"
+    path.write_text(effects_text(effects))
+    assert load_effects(path) == effects
