@@ -1,8 +1,9 @@
 """Compare the robot you think you have with what your robot did.
 
-`load` gives a robot, `Simulator` lets it move under a tuple of effects,
-`load_recordings` reads what a real one did, `diagnose` says where the two part
-and what physics was left out, and `EFFECTS` lists the physics that it knows.
+`load` gives a robot, `simulate` and `Simulator` let it move under effects,
+`load_recordings` (also `record.load`) reads what a real one did, `diagnose` says
+where the two part and what physics was left out, and `EFFECTS` lists the physics
+that it knows.
 """
 
 from __future__ import annotations
@@ -11,29 +12,49 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from morph import record as record
     from morph.body.load import load as load
     from morph.model.diagnose import diagnose as diagnose
     from morph.physics import EFFECTS as EFFECTS
     from morph.record.load import load as load_recordings
+    from morph.record.recording import Channel as Channel
+    from morph.record.recording import Recording as Recording
+    from morph.sim.simulate import simulate as simulate
     from morph.sim.simulator import Simulator as Simulator
 
     __version__: str
 
-__all__ = ["EFFECTS", "Simulator", "__version__", "diagnose", "load", "load_recordings"]
+__all__ = [
+    "EFFECTS",
+    "Channel",
+    "Recording",
+    "Simulator",
+    "__version__",
+    "diagnose",
+    "load",
+    "load_recordings",
+    "record",
+    "simulate",
+]
 
 # Looked up on first use, so that `import morph` stays as light as an import of nothing.
 _HOMES = {
+    "Channel": ("morph.record.recording", "Channel"),
     "EFFECTS": ("morph.physics", "EFFECTS"),
+    "Recording": ("morph.record.recording", "Recording"),
     "Simulator": ("morph.sim.simulator", "Simulator"),
     "diagnose": ("morph.model.diagnose", "diagnose"),
     "load": ("morph.body.load", "load"),
     "load_recordings": ("morph.record.load", "load"),
+    "simulate": ("morph.sim.simulate", "simulate"),
 }
 
 
 def __getattr__(name: str) -> Any:
     if name == "__version__":
         return importlib.import_module("importlib.metadata").version("morph")
+    if name == "record":
+        return importlib.import_module("morph.record")
     if name not in _HOMES:
         raise AttributeError(f"module 'morph' has no attribute {name!r}")
     module, attribute = _HOMES[name]

@@ -35,12 +35,29 @@ def test_help_loads_nothing_heavy() -> None:
     assert loaded_by(HELP) & HEAVY == set()
 
 
-@pytest.mark.parametrize("name", ["load", "load_recordings", "Simulator", "diagnose", "EFFECTS"])
+PUBLIC = {"Channel", "EFFECTS", "Recording", "Simulator", "__version__", "diagnose", "load"} | {
+    "load_recordings",
+    "record",
+    "simulate",
+}
+
+
+@pytest.mark.parametrize("name", sorted(PUBLIC))
 def test_every_public_name_is_there_when_asked_for(name: str) -> None:
     import morph
 
     assert name in dir(morph)
     assert getattr(morph, name)
+
+
+def test_the_public_names_are_these_and_no_others() -> None:
+    import morph
+
+    assert set(morph.__all__) == PUBLIC
+
+
+def test_recordings_are_read_by_the_name_record_too() -> None:
+    loaded_by("import morph\nassert morph.record.load is morph.load_recordings")
 
 
 def test_a_name_that_morph_lacks_is_an_attribute_error() -> None:
