@@ -10,7 +10,7 @@ from morph.body.robot import Robot
 from morph.errors import DiagnosisError
 from morph.model.conclude import standings
 from morph.model.diagnosis import Diagnosis
-from morph.model.episodes import Episode, episode, step_for
+from morph.model.episodes import Episode, episode, step_for, stretches
 from morph.model.fit import fit, measure
 from morph.model.hypothesis import Hypothesis
 from morph.model.knobs import knobs
@@ -26,6 +26,8 @@ FIT_HORIZON = 1.0
 """Seconds of the rollouts that are fitted: friction hides in shorter ones."""
 MOST_SEGMENTS = 48
 """Training rollouts; of longer recordings an even spread is fitted."""
+MOST_SCREENED = 80.0
+"""Seconds of training motion that screening looks at; of more, an even spread."""
 MOST_SCORED = 240
 """Held-out rollouts; of longer recordings an even spread is scored."""
 
@@ -71,7 +73,7 @@ def diagnose(
     fitted_horizon = min(FIT_HORIZON, 0.5 * min(len(e.command) for e in train) * step)
     search = Search(
         segments=cut(train, fitted_horizon, most=MOST_SEGMENTS),
-        episodes=train,
+        episodes=stretches(train, MOST_SCREENED),
         progress=say,
         deadline=math.inf if budget is None else started + 0.8 * budget,
     )

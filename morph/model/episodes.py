@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,6 +17,8 @@ from morph.sim.drive import held
 
 MOST_HERTZ = 100.0
 """Readings are thinned to about this rate: what a rollout of a second can tell apart."""
+STRETCH = 5.0
+"""Seconds of the stretches that stand for recordings too long to look at whole."""
 STATE_HERTZ = 15.0
 """Band of the motion that a rollout's start is read from."""
 
@@ -46,7 +48,7 @@ class Episode:
     step: float
     """Seconds a step of simulation."""
     command: Array
-    """Mean command over each step, shape (steps, actuators)."""
+    """Mean command about the start of each step, shape (steps, actuators)."""
     time: Array
     """When readings were taken, s from the start, shape (readings,)."""
     reading: Array
@@ -148,7 +150,9 @@ def episode(recording: Recording, robot: Robot, step: float) -> Episode:
         return np.stack([np.interp(kept, c.time, value) for c, value in pairs], axis=1)
 
     steps = int((end - start) / step)
-    drive = [held(channel, start, step, steps) for channel in commands]
+    # A semi-implicit step is a leapfrog: the force of step n carries the velocity from
+    # half a step before it to half a step after, so its command is centred on it.
+    drive = [held(channel, start - 0.5 * step, step, steps) for channel in commands]
     return Episode(
         recording=recording,
         step=step,
@@ -163,6 +167,41 @@ def episode(recording: Recording, robot: Robot, step: float) -> Episode:
         acceleration=on_clock([part[2] for part in smooth]),
         cutoff=cutoff,
     )
+
+
+def stretches(episodes: Sequence[Episode], seconds: float) -> list[Episode]:
+    """Return stretches of episodes, evenly spread, that last about `seconds` together.
+
+    Episodes that are short enough together are returned as they are.
+    """
+    total = sum(float(e.time[-1]) for e in episodes)
+    if total <= seconds:
+        return list(episodes)
+    count = max(1, round(seconds / STRETCH))
+    chosen = []
+    for begin in np.linspace(0.0, total - STRETCH, count):
+        for e in episodes:
+            if begin < float(e.time[-1]):
+                break
+            begin -= float(e.time[-1])
+        begin = min(begin, max(0.0, float(e.time[-1]) - STRETCH))
+        inside = (e.time >= begin) & (e.time <= begin + STRETCH)
+        if inside.sum() < 20:
+            continue
+        first = round(begin / e.step)
+        chosen.append(
+            replace(
+                e,
+                command=e.command[first : first + round(STRETCH / e.step) + 1],
+                time=e.time[inside] - first * e.step,
+                reading=e.reading[inside],
+                state=e.state[inside],
+                position=e.position[inside],
+                velocity=e.velocity[inside],
+                acceleration=e.acceleration[inside],
+            )
+        )
+    return chosen
 
 
 def _measured(recording: Recording, joint: str) -> Channel:

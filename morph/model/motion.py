@@ -92,7 +92,7 @@ def needed(hypothesis: Hypothesis, point: Array, episode: Episode) -> Needed:
 
 
 def _at(command: Array, time: Array, step: float) -> Array:
-    return np.interp(time, step * (np.arange(len(command)) + 0.5), command)
+    return np.interp(time, step * np.arange(len(command)), command)
 
 
 def _forces(

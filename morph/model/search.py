@@ -88,7 +88,7 @@ class Search:
         """Return the description refitted with nothing added."""
         read = predict(nominal, self.segments, [nominal.start], [self.segments.start])[0]
         first = fit(nominal, self.segments, *measure(self.segments, read), iterations=3)
-        return self._polished(first, iterations=3)
+        return self._polished(first)
 
     def run(self, refitted: Contender) -> Contender:
         """Return the model with every effect that is sure, in the order found."""
@@ -100,7 +100,7 @@ class Search:
             self.rounds.append(asked)
             if not asked.accepted:
                 break
-            best = self._polished(asked.finalists[0].fit, iterations=2)
+            best = self._polished(asked.finalists[0].fit)
         return best
 
     def _ask(self, best: Contender) -> Round:
@@ -120,7 +120,8 @@ class Search:
         if not finalists:
             return Round(before=best, finalists=(), gain=None, accepted=False)
         won = gain(best.losses, finalists[0].losses, self.tries)
-        accepted = won.sure and won.mean >= MATERIAL
+        felt = _felt(finalists[0].fit)
+        accepted = won.sure and won.mean >= MATERIAL and felt
         return Round(
             before=best, finalists=tuple(finalists), gain=won, accepted=accepted
         )
@@ -139,8 +140,11 @@ class Search:
         )
         return Contender(fit=fitted, losses=validated(fitted, self.segments, self.fold))
 
-    def _polished(self, found: Fit, iterations: int) -> Contender:
-        """Return a fit carried on with each joint's error in units of its present size."""
+    def _polished(self, found: Fit) -> Contender:
+        """Return a fit carried to its end, with each joint's error in units of its present size.
+
+        To its end: a candidate must not gain by what the model before it left undone.
+        """
         read = predict(found.hypothesis, self.segments, [found.point], [found.start])[0]
         fitted = fit(
             found.hypothesis,
@@ -148,7 +152,8 @@ class Search:
             *measure(self.segments, read),
             point=found.point,
             start=found.start,
-            iterations=iterations,
+            iterations=12,
+            tolerance=2e-4,
         )
         return Contender(fit=fitted, losses=validated(fitted, self.segments, self.fold))
 
@@ -174,6 +179,17 @@ def _shortlist(listed: Sequence[Suspect]) -> list[Suspect]:
             kept.append(suspect)
             laws.add(suspect.effect.name)
     return kept
+
+
+def _felt(found: Fit) -> bool:
+    """Return whether the last effect has a strength whose 90 % interval leaves neutral out."""
+    effect = found.hypothesis.effects[-1]
+    low, high = found.intervals()
+    count = len(effect.parameters())
+    bounds = zip(effect.parameters(), low[-count:], high[-count:], strict=True)
+    return any(
+        p.neutral is not None and not (a <= p.neutral <= b) for p, a, b in bounds
+    )
 
 
 def _with_simpler(tried: Sequence[Tried]) -> list[Tried]:

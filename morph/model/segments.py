@@ -108,7 +108,9 @@ def _segments(
         e = episodes[index]
         begin = first * step
         inside = np.flatnonzero((e.time > begin + 1e-9) & (e.time <= begin + steps * step + 1e-9))
-        start = [np.interp(begin, e.time, column) for column in e.state.T]
+        # In a leapfrog the velocity belongs half a step before the position.
+        when = [begin] * joints + [begin - 0.5 * step] * joints
+        start = [np.interp(t, e.time, column) for t, column in zip(when, e.state.T, strict=True)]
         rows.append((inside, (e.time[inside] - begin) / step, e.reading[inside], start))
     most = max(len(inside) for inside, _, _, _ in rows)
     valid = np.zeros((len(rows), most), dtype=bool)

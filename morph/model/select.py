@@ -77,9 +77,9 @@ class Gain:
     """How much a candidate lowers the cross-validated loss, and how surely."""
 
     mean: float
-    """Share of the loss that it takes away."""
+    """Share of the loss that it takes away, over all segments."""
     low90: float
-    """The same, less what chance and the number of candidates may have added."""
+    """The same for a typical segment, less what chance and the tries may have added."""
 
     @property
     def sure(self) -> bool:
@@ -90,21 +90,26 @@ class Gain:
 def gain(before: Array, after: Array, tries: int) -> Gain:
     """Return the gain from paired losses of segments, corrected for the tries (Bonferroni).
 
+    The test is Student's on the logarithm of each segment's ratio of losses: losses grow
+    with the square of a segment's violence, so that a test of their differences would
+    ask one segment alone.
+
     Args:
         before: Loss of each segment without the candidate, shape (segments,).
         after: The same with it.
         tries: How many candidates were looked at.
     """
     # Neighbouring segments share errors, so they count as pairs of neighbours.
-    difference = _paired(before - after)
-    level = float(np.mean(before)) + 1e-30
-    count = len(difference)
+    old, new = _paired(before), _paired(after)
+    mean = 1.0 - float(after.sum()) / (float(before.sum()) + 1e-30)
+    floor = 0.05 * float(np.median(old)) + 1e-30
+    ratio = np.log((old + floor) / (new + floor))
+    count = len(ratio)
     if count < 3:
-        return Gain(mean=float(difference.mean()) / level, low90=-np.inf)
-    error = float(difference.std(ddof=1)) / np.sqrt(count) + 1e-30
+        return Gain(mean=mean, low90=-np.inf)
+    error = float(ratio.std(ddof=1)) / np.sqrt(count) + 1e-12
     quantile = float(student.ppf(1.0 - 0.10 / max(tries, 1), count - 1))
-    mean = float(difference.mean())
-    return Gain(mean=mean / level, low90=(mean - quantile * error) / level)
+    return Gain(mean=mean, low90=1.0 - float(np.exp(quantile * error - ratio.mean())))
 
 
 def _paired(values: Array) -> Array:

@@ -15,7 +15,7 @@ from morph.body.fulltext import fulltext
 from morph.body.robot import Robot
 from morph.model.conclude import Standing, experiment
 from morph.model.diagnosis import Diagnosis, Estimate, Finding, Rival
-from morph.model.episodes import Episode
+from morph.model.episodes import Episode, stretches
 from morph.model.fit import Fit
 from morph.model.hypothesis import Hypothesis
 from morph.model.locate import locate
@@ -32,6 +32,8 @@ FAR_FROM_NOISE = 4.0
 """Mean squared error, in units of the noise, above which something must be missing."""
 NEAR_NOISE = 1.5
 """The same, below which nothing can be said to be missing."""
+RESIDUAL_SECONDS = 80.0
+"""Seconds of motion that a residual is learned from, and states are looked at."""
 GENERIC = 0.2
 """Share of the loss that a learned residual must take away for `unknown` to be said."""
 
@@ -93,7 +95,7 @@ def conclude(e: Evidence) -> Diagnosis:
         located=locate(
             e.refitted.fit.hypothesis,
             e.refitted.fit.point,
-            e.aside,
+            stretches(e.aside, RESIDUAL_SECONDS),
             e.scored,
             predicted["refitted"],
         ),
@@ -135,13 +137,15 @@ def _residual(e: Evidence) -> tuple[LearnedResidual | None, Gain]:
     before = found.weight * loss(segments, plain, found.start, found.scale)
     for out in np.unique(fold):
         inside = sorted({int(i) for i in segments.episode[fold != out]}) or [0]
-        episodes = [e.train[i] for i in inside]
+        episodes = stretches([e.train[i] for i in inside], RESIDUAL_SECONDS)
         force = learned(found.hypothesis, found.point, episodes, e.seed)
         more = replace(found.hypothesis, effects=(*found.hypothesis.effects, force))
         read = predict(more, segments, [found.point], [found.start])[0]
         with_force = found.weight * loss(segments, read, found.start, found.scale)
         losses[fold == out] = with_force[fold == out]
-    whole = learned(found.hypothesis, found.point, e.train, e.seed)
+    whole = learned(
+        found.hypothesis, found.point, stretches(e.train, RESIDUAL_SECONDS), e.seed
+    )
     return whole, gain(before, losses, 1)
 
 
