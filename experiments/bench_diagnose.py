@@ -7,193 +7,182 @@ import json
 import math
 import sys
 import time
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from typing import Any
-
-import numpy as np
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 from experiments.data import DataError, data_root
-from experiments.openloop import (
-    Model,
-    bound,
-    corrected,
-    errors,
-    from_mjcf,
-    in_row,
-    laid,
-    named,
-    span,
-)
+from experiments.incumbent import by_sysid, figures
+from experiments.openloop import Model, bound, corrected, errors, in_row, laid, named, span
 from morph.arrays import JSON
-from morph.body.fulltext import fulltext
 from morph.body.load import load as load_robot
 from morph.body.robot import Robot
-from morph.body.spec import spec_of
 from morph.errors import MorphError
 from morph.model.diagnose import diagnose
-from morph.model.episodes import Episode
 from morph.model.split import between
 from morph.record.recording import Recording
 
 EXAMPLE = """example:
   python -m experiments.bench_diagnose
   python -m experiments.bench_diagnose --quick --json
+
+Both get the same description, training runs, held-out runs, starts, commands, readings
+and simulation step, and both are scored by the same function on runs that neither saw.
 """
 FOLDER, BINDING, ROBOT = "dfki_double_pendulum", "dfki_c0", "double_pendulum"
 TRAIN = ("run_00", "run_01", "run_02", "run_04")
 HELD_OUT = ("run_03", "run_05", "run_06")
-HORIZONS = (None, 1.0)
-MASS_SHARE, COM_SHARE, INERTIA_FACTOR = 0.3, 0.3, 3.0
-"""How far sysid may move the description's figures: as a careful user would allow."""
-LOSS = {"armature": 0.02, "damping": 0.2, "frictionloss": 0.3}
-"""The most that sysid may give a joint; the least is none."""
+HORIZONS: tuple[float | None, ...] = (None, 1.0)
+QUICK_SECONDS = 4.0
+"""Of one training run: enough to see that both work, too little to compare them."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Figure:
-    """One figure that sysid may change."""
+class Entry:
+    """What one tool made of the training runs."""
 
-    name: str
-    """As `mass:upper`."""
-    nominal: float
-    """What the description says."""
-    low: float
-    """The least it may become."""
-    high: float
-    """The most."""
-    write: Callable[[Any, float], None]
-    """Puts a value into a `mujoco.MjSpec`."""
+    seconds: float
+    """How long it took, from readings in memory to a model."""
+    model: Model
+    """What it says the rig is."""
+    pointed_at: str
+    """What it says was left out of the description, in words."""
 
 
-def figures(robot: Robot) -> list[Figure]:
-    """Return the figures that a user of sysid would name: six a link with its joint."""
-    found = []
-    for link in robot.links:
-        reach = float(np.linalg.norm(link.com))
-        across = link.inertia[1]
-        found += [
-            Figure(
-                name=f"mass:{link.name}",
-                nominal=link.mass,
-                low=(1 - MASS_SHARE) * link.mass,
-                high=(1 + MASS_SHARE) * link.mass,
-                write=lambda spec, value, part=link.name: setattr(spec.body(part), "mass", value),
-            ),
-            Figure(
-                name=f"com:{link.name}",
-                nominal=reach,
-                low=(1 - COM_SHARE) * reach,
-                high=(1 + COM_SHARE) * reach,
-                write=lambda spec, value, part=link.name, along=np.array(link.com) / reach: setattr(
-                    spec.body(part), "ipos", along * value
-                ),
-            ),
-            Figure(
-                name=f"inertia:{link.name}",
-                nominal=across,
-                low=across / INERTIA_FACTOR,
-                high=across * INERTIA_FACTOR,
-                write=lambda spec, value, part=link.name, nominal=across: _scale(
-                    spec.body(part), value / nominal
-                ),
-            ),
-        ]
-    for joint in robot.joints:
-        for what, most in LOSS.items():
-            nominal = float(np.ravel(getattr(spec_of(robot).joint(joint.name), what))[0])
-            found.append(
-                Figure(
-                    name=f"{what}:{joint.name}",
-                    nominal=nominal,
-                    low=0.0,
-                    high=most,
-                    write=lambda spec, value, part=joint.name, what=what: _put(
-                        spec.joint(part), what, value
-                    ),
-                )
-            )
-    return found
-
-
-def _scale(body: Any, factor: float) -> None:
-    body.inertia = body.inertia * factor
-    body.fullinertia = body.fullinertia * factor
-
-
-def _put(joint: Any, what: str, value: float) -> None:
-    held = getattr(joint, what)
-    if np.ndim(held):
-        changed = np.array(held)
-        changed[0] = value
-        setattr(joint, what, changed)
-    else:
-        setattr(joint, what, value)
-
-
-def by_sysid(
-    robot: Robot, runs: Sequence[Episode], *, piece: float | None, iterations: int
-) -> tuple[Model, dict[str, float]]:
-    """Return the model and the figures that `mujoco.sysid` fits, its settings its own.
-
-    It simulates the same spec with the same step as morph does, and is given the same
-    states to start from, so that the score of neither favours its maker.
-
-    Args:
-        robot: The nominal description.
-        runs: Training runs.
-        piece: Seconds of each rollout that is fitted; None for whole runs.
-        iterations: The most it may take.
-    """
-    from mujoco import sysid
-
-    spec = spec_of(robot, timestep=runs[0].step)
-    for joint in robot.joints:
-        spec.add_sensor(
-            name=f"{joint.name}_position",
-            type=_position_sensor(),
-            objtype=_joint_object(),
-            objname=joint.name,
-        )
-    names, starts, controls, sensed = [], [], [], []
-    model = spec.compile()
-    for run in runs:
-        for number, (start, end) in enumerate(_pieces(run, piece)):
-            state = [np.interp(start, run.time, column) for column in run.state.T]
-            half = len(state) // 2
-            names.append(f"{run.name}_{number}")
-            starts.append(
-                sysid.create_initial_state(model, np.array(state[:half]), np.array(state[half:]))
-            )
-            controls.append(_series(sysid, run, robot, "command", start, end))
-            sensed.append(_series(sysid, run, robot, "position", start, end))
-    free = figures(robot)
-    wanted = sysid.ParameterDict()
-    for figure in free:
-        wanted.add(
-            sysid.Parameter(
-                figure.name,
-                figure.nominal,
-                figure.low,
-                figure.high,
-                modifier=lambda spec, parameter, write=figure.write: write(
-                    spec, float(parameter.value[0])
-                ),
-            )
-        )
-        # What starts on its bound stalls there: its own advice.
-        wanted[figure.name].move_off_bound()
-    sequences = sysid.ModelSequences(robot.name, spec, names, starts, controls, sensed)
-    fitted, _ = sysid.optimize(
-        wanted,
-        sysid.build_residual_fn(models_sequences=[sequences]),
-        verbose=False,
-        max_iters=iterations,
-        x_scale="jac",
+def by_morph(
+    robot: Robot, train: Sequence[Recording], aside: Sequence[Recording], horizon: float | None
+) -> Entry:
+    """Return what `morph.diagnose` with default settings finds."""
+    began = time.monotonic()
+    found = diagnose(robot, train, held_out=aside, horizon=horizon)
+    seconds = time.monotonic() - began
+    effects = [finding.effect for finding in found.findings]
+    return Entry(
+        seconds=seconds,
+        model=corrected(found),
+        pointed_at=f"{found.verdict}: {named(effects)}" if effects else found.verdict,
     )
-    values = {figure.name: float(fitted[figure.name].value[0]) for figure in free}
-    plain = spec_of(robot)
-    for figure in free:
-        figure.write(plain, values[figure.name])
-    plain.compile()
-    return Model(robot=from_mjcf(fulltext(plain))), values
+
+
+def by_incumbent(
+    robot: Robot, train: Sequence[Recording], *, piece: float | None, iterations: int
+) -> Entry:
+    """Return what `mujoco.sysid` fits; it ranks and names nothing."""
+    began = time.monotonic()
+    model, values = by_sysid(robot, laid(train, robot), piece=piece, iterations=iterations)
+    seconds = time.monotonic() - began
+    moved = {figure.name: (figure.nominal, values[figure.name]) for figure in figures(robot)}
+    told = ", ".join(f"{name} {was:.3g} -> {now:.3g}" for name, (was, now) in moved.items())
+    return Entry(seconds=seconds, model=model, pointed_at=f"nothing; {len(moved)} figures: {told}")
+
+
+def ratio(ours: Mapping[str, float], theirs: Mapping[str, float]) -> float:
+    """Return the geometric mean over joints of our error over theirs."""
+    logs = [math.log(ours[joint] / theirs[joint]) for joint in ours]
+    return math.exp(sum(logs) / len(logs))
+
+
+def compared(
+    robot: Robot, entries: Mapping[str, Entry], aside: Sequence[Recording], ours: str, theirs: str
+) -> JSON:
+    """Return times, held-out errors of each entry and of the nominal model, and their ratios."""
+    runs = laid(aside, robot)
+    rows = []
+    for horizon in HORIZONS:
+        rmse = {"nominal": errors(Model(robot=robot), runs, horizon)}
+        rmse |= {name: errors(entry.model, runs, horizon) for name, entry in entries.items()}
+        rows.append(
+            {
+                "horizon_s": horizon,
+                "rmse": rmse,
+                "error_ratio": ratio(rmse[ours], rmse[theirs]),
+            }
+        )
+    return {
+        "held_out": [recording.name for recording in aside],
+        "seconds": {name: entry.seconds for name, entry in entries.items()},
+        "time_ratio": entries[ours].seconds / entries[theirs].seconds,
+        "pointed_at": {name: entry.pointed_at for name, entry in entries.items()},
+        "scores": rows,
+    }
+
+
+def report(result: JSON) -> None:
+    """Print the comparison."""
+    for name, seconds in result["seconds"].items():
+        print(f"{name}: {seconds:.1f} s; pointed at {result['pointed_at'][name]}")
+    print(f"time, morph / sysid: {result['time_ratio']:.3f}")
+    for row in result["scores"]:
+        joints = next(iter(row["rmse"].values()))
+        print(f"RMSE, rad, over {', '.join(result['held_out'])}; {span(row['horizon_s'])}:")
+        print(f"  {'':34} " + "  ".join(f"{joint:>8}" for joint in joints))
+        for name, by_joint in row["rmse"].items():
+            print(in_row(name, by_joint))
+        print(f"  error, morph / sysid: {row['error_ratio']:.3f}")
+
+
+def run(*, quick: bool, piece: float | None, iterations: int) -> JSON:
+    """Return the comparison on the rig's runs.
+
+    Raises:
+        MorphError: The recordings are not there or cannot be used.
+    """
+    root = data_root()
+    if not (root / FOLDER).is_dir():
+        raise DataError(
+            "the recordings are not there",
+            where=str(root / FOLDER),
+            fix=f"run python -m experiments.data --set {FOLDER}",
+        )
+    robot = load_robot(ROBOT)
+    train, aside = (bound(BINDING, FOLDER, robot, names, root=root) for names in (TRAIN, HELD_OUT))
+    if quick:
+        train = [between(train[0], train[0].start, train[0].start + QUICK_SECONDS)]
+        iterations = min(iterations, 10)
+    sys.stderr.write("morph.diagnose ...\n")
+    entries = {"morph": by_morph(robot, train, aside, None)}
+    sys.stderr.write("mujoco.sysid ...\n")
+    entries["sysid"] = by_incumbent(robot, train, piece=piece, iterations=iterations)
+    result = compared(robot, entries, aside, "morph", "sysid")
+    settings = {"quick": quick, "sysid_rollout_s": piece, "sysid_iterations": iterations}
+    return {"train": [recording.name for recording in train], "settings": settings, **result}
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run the benchmark and return its exit status."""
+    parser = argparse.ArgumentParser(
+        prog="python -m experiments.bench_diagnose",
+        description=__doc__,
+        epilog=EXAMPLE,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--quick", action="store_true", help="4 s of one run: does it work at all")
+    parser.add_argument(
+        "--piece",
+        type=float,
+        metavar="S",
+        help="seconds of the rollouts that sysid fits (default: whole runs, as its examples do)",
+    )
+    parser.add_argument(
+        "--iterations",
+        type=int,
+        default=200,
+        help="the most that sysid may take (default 200, its own)",
+    )
+    parser.add_argument("--json", action="store_true", help="print JSON instead of words")
+    asked = parser.parse_args(arguments)
+    try:
+        result = run(quick=asked.quick, piece=asked.piece, iterations=asked.iterations)
+    except MorphError as error:
+        print(error, file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        return 130
+    if asked.json:
+        print(json.dumps(result, indent=1))
+    else:
+        report(result)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,56 @@
+from __future__ import annotations
+
+import re
+import time
+import warnings
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+DOCS = Path(__file__).resolve().parents[2] / "docs"
+TUTORIALS = sorted(DOCS.glob("tutorial_*.md"))
+LONGEST = 20.0
+"""Seconds that a reader may wait for a tutorial."""
+
+
+def blocks(page: Path) -> list[str]:
+    """Return the Python of a page, each block padded so that errors name the page's lines."""
+    text = page.read_text(encoding="utf-8")
+    return [
+        "\n" * text.count("\n", 0, found.start(1)) + found.group(1)
+        for found in re.finditer(r"^```python\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
+    ]
+
+
+def test_there_are_two_tutorials() -> None:
+    assert [page.stem for page in TUTORIALS] == ["tutorial_diagnose", "tutorial_simulate"]
+
+
+@pytest.mark.parametrize("page", TUTORIALS, ids=lambda page: page.stem)
+def test_a_tutorial_runs_from_top_to_bottom_as_it_stands(
+    page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    names: dict[str, Any] = {"__name__": page.stem}
+    began = time.process_time()
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for block in blocks(page):
+            exec(compile(block, str(page), "exec"), names)
+    # The processor's time: other tests may be running beside this one. Two cores at most.
+    assert time.process_time() - began < 2 * LONGEST
+
+
+@pytest.mark.parametrize("page", TUTORIALS, ids=lambda page: page.stem)
+def test_no_python_of_a_tutorial_is_left_unrun(page: Path) -> None:
+    text = page.read_text(encoding="utf-8")
+    assert len(blocks(page)) == text.count("```python") >= 5
+
+
+@pytest.mark.parametrize(
+    "page", [*TUTORIALS, DOCS.parent / "README.md"], ids=lambda page: page.stem
+)
+def test_every_file_that_a_page_links_to_is_there(page: Path) -> None:
+    links = re.findall(r"\]\(([^)#:]+)\)", page.read_text(encoding="utf-8"))
+    assert [link for link in links if not (page.parent / link).exists()] == []
