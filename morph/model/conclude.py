@@ -11,14 +11,18 @@ from morph.arrays import Array
 from morph.model.fit import Fit, fit
 from morph.model.hypothesis import Hypothesis
 from morph.model.screen import Suspect, suspects
-from morph.model.search import MATERIAL, Contender, Search
-from morph.model.select import gain, probabilities, validated
+from morph.model.search import Contender, Search
+from morph.model.select import MATERIAL, gain, probabilities, validated
 from morph.model.trial import try_all
 from morph.physics import EFFECTS
 from morph.physics.effect import Effect
 
 TWINS, OTHERS = 2, 1
 """Rivals of each finding that are fitted in its place: twins at its part, and others."""
+MANY = 4
+"""With more findings than this, each meets one rival only: the likeliest twin."""
+MOST_SWAPS = 2
+"""Findings that may give their place to a rival: an end to every quarrel."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,17 +48,34 @@ def standings(search: Search, best: Contender, seed: int) -> tuple[Contender, li
     if search.late:
         return best, []
     kept: list[Standing] = []
-    index = 0
+    index = swaps = 0
     while index < len(best.fit.hypothesis.effects):
-        search.progress("weighing each finding against its rivals", 0.75)
+        search.progress(
+            f"weighing {best.fit.hypothesis.effects[index].label} against its rivals", 0.8
+        )
         without = _without(search, best.fit, index)
         worth = gain(without.losses, best.losses, max(search.tries, 1))
         if not (worth.sure and worth.mean >= MATERIAL) and len(best.fit.hypothesis.effects) > 1:
             best, kept, index = without, [], 0
             continue
-        kept.append(_stand(search, best, without, index, seed))
+        stand = _stand(search, best, without, index, seed)
+        better = _better(search, best, stand)
+        if better is not None and swaps < MOST_SWAPS:
+            best, kept, index, swaps = better, [], 0, swaps + 1
+            continue
+        kept.append(stand)
         index += 1
     return best, kept
+
+
+def _better(search: Search, best: Contender, stand: Standing) -> Contender | None:
+    """Return the model with a rival in a finding's place, where that is surely better."""
+    for rival in sorted(stand.rivals, key=lambda contender: contender.total):
+        extra = max(rival.fit.hypothesis.free() - best.fit.hypothesis.free(), 0)
+        won = gain(best.losses, rival.losses, search.tries)
+        if won.sure and won.mean >= MATERIAL * (1 + extra):
+            return rival
+    return None
 
 
 def _without(search: Search, found: Fit, index: int) -> Contender:
@@ -104,6 +125,8 @@ def _rivals(search: Search, without: Fit, effect: Effect) -> list[Effect]:
     others = [t.effect for t in tried if t.effect.label != effect.label]
     twins = [o for o in others if o.where == effect.where and o.name in related(effect)]
     rest = [o for o in others if o not in twins]
+    if len(without.hypothesis.effects) >= MANY:
+        return (twins or rest)[:1]
     return twins[:TWINS] + rest[: OTHERS + max(0, TWINS - len(twins))]
 
 

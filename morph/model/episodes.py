@@ -34,9 +34,11 @@ def band(channel: Channel) -> float:
     value = channel.at(grid)
     trend = np.linspace(value[0], value[-1], len(value))
     power = np.abs(np.fft.rfft((value - trend) * np.hanning(len(value)))) ** 2
-    share = np.cumsum(power) / (power.sum() + 1e-300)
+    if not power.any():
+        return 3.0
+    share = np.cumsum(power) / power.sum()
     frequency = np.fft.rfftfreq(len(value), period)
-    return float(np.clip(1.5 * frequency[np.searchsorted(share, 0.9999)], 3.0, 15.0))
+    return float(np.clip(1.5 * frequency[np.searchsorted(share[:-1], 0.9999)], 3.0, 15.0))
 
 
 @dataclass(frozen=True, kw_only=True)

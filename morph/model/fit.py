@@ -175,7 +175,7 @@ def measure(segments: Segments, predicted: Array) -> tuple[Array, Array]:
     """Return the unit of each joint's error, and each segment's weight.
 
     The unit is the root mean square error, never below the noise. A segment whose
-    error is many times the typical one is weighed down as under Cauchy's distribution,
+    error is many times the typical one is weighed down (as by Geman and McClure 1985),
     so that one bad run does not decide. All are weighed down alike where errors exceed
     the noise: such errors are not independent from one reading to the next but only
     within the band of the motion, and would else outvote the trust in the description.
@@ -189,7 +189,7 @@ def measure(segments: Segments, predicted: Array) -> tuple[Array, Array]:
     for _ in range(5):
         mean = (weight[:, None] * of_segments).sum(axis=0) / weight.sum()
         in_units = (of_segments / np.maximum(mean, segments.noise**2)).mean(axis=1)
-        weight = 1.0 / (1.0 + in_units / (3.0 * max(float(np.median(in_units)), 1e-12)))
+        weight = 1.0 / (1.0 + in_units / (3.0 * max(float(np.median(in_units)), 1e-12))) ** 2
         weight = weight / weight.max()
     scale = np.maximum(np.sqrt(mean), segments.noise)
     rate = segments.valid.sum() / (len(segments) * segments.steps * segments.step)

@@ -14,7 +14,7 @@ from morph.model.fit import Fit, fit, measure
 from morph.model.hypothesis import Hypothesis
 from morph.model.screen import Suspect, suspects
 from morph.model.segments import Segments
-from morph.model.select import Gain, folds, gain, validated
+from morph.model.select import MATERIAL, Gain, folds, gain, validated
 from morph.model.shooting import predict
 from morph.model.trial import Tried, try_all
 from morph.physics.effect import Effect
@@ -23,10 +23,8 @@ FINALISTS = 3
 """Suspects that are fitted in full each round."""
 SCREENED = 20
 """Suspects that screening passes on to rollouts each round."""
-MATERIAL = 0.05
-"""Least share of the loss that a finding must take away: less is not worth a name."""
-MOST_FINDINGS = 6
-"""A simulation that lacks more than this lacks a model, not an effect."""
+MOST_FINDINGS = 2
+"""Findings a joint, and no fewer than six in all: what lacks more lacks a model."""
 AT_NOISE = 1.1
 """Mean squared error, in units of the noise, below which nothing is left to explain."""
 
@@ -72,7 +70,12 @@ class Search:
     progress: Progress
     deadline: float
     rounds: list[Round] = field(default_factory=list)
-    tries: int = 0
+    looked_at: set[str] = field(default_factory=set)
+
+    @property
+    def tries(self) -> int:
+        """How many effects at places were looked at."""
+        return len(self.looked_at)
 
     @property
     def late(self) -> bool:
@@ -93,7 +96,8 @@ class Search:
     def run(self, refitted: Contender) -> Contender:
         """Return the model with every effect that is sure, in the order found."""
         best = refitted
-        while len(best.fit.hypothesis.effects) < MOST_FINDINGS and not self.late:
+        most = max(6, MOST_FINDINGS * len(refitted.fit.hypothesis.robot.joints))
+        while len(best.fit.hypothesis.effects) < most and not self.late:
             if self._at_noise(best):
                 break
             asked = self._ask(best)
@@ -106,9 +110,9 @@ class Search:
     def _ask(self, best: Contender) -> Round:
         found = best.fit
         known = len(found.hypothesis.effects)
-        self.progress(f"looking for what is missing (round {known + 1})", 0.2 + 0.1 * known)
+        self.progress(f"looking for what is missing (round {known + 1})", 0.75 - 0.55 * 0.8**known)
         listed = suspects(found.hypothesis, found.point, self.episodes)
-        self.tries += len(listed)
+        self.looked_at |= {suspect.effect.label for suspect in listed}
         tried = try_all(found, self.segments, _shortlist(listed))
         finalists = []
         for candidate in _with_simpler(tried):

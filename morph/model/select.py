@@ -12,6 +12,8 @@ from morph.model.fit import Fit, room
 from morph.model.segments import Segments
 from morph.model.shooting import loss, predict
 
+MATERIAL = 0.05
+"""Least share of the loss that a parameter must take away: less is not worth a name."""
 MOST_FOLDS = 6
 """More folds than this only cost time."""
 
@@ -90,9 +92,9 @@ class Gain:
 def gain(before: Array, after: Array, tries: int) -> Gain:
     """Return the gain from paired losses of segments, corrected for the tries (Bonferroni).
 
-    The test is Student's on the logarithm of each segment's ratio of losses: losses grow
-    with the square of a segment's violence, so that a test of their differences would
-    ask one segment alone.
+    Two of Student's tests are made, and count as two tries: on the differences of the
+    losses, which the violent segments decide, and on the logarithms of their ratios,
+    in which each segment has one voice. A gain that is sure by either is sure.
 
     Args:
         before: Loss of each segment without the candidate, shape (segments,).
@@ -102,14 +104,19 @@ def gain(before: Array, after: Array, tries: int) -> Gain:
     # Neighbouring segments share errors, so they count as pairs of neighbours.
     old, new = _paired(before), _paired(after)
     mean = 1.0 - float(after.sum()) / (float(before.sum()) + 1e-30)
-    floor = 0.05 * float(np.median(old)) + 1e-30
-    ratio = np.log((old + floor) / (new + floor))
-    count = len(ratio)
-    if count < 3:
+    if len(old) < 3:
         return Gain(mean=mean, low90=-np.inf)
-    error = float(ratio.std(ddof=1)) / np.sqrt(count) + 1e-12
-    quantile = float(student.ppf(1.0 - 0.10 / max(tries, 1), count - 1))
-    return Gain(mean=mean, low90=1.0 - float(np.exp(quantile * error - ratio.mean())))
+    floor = 0.05 * float(np.median(old)) + 1e-30
+    by_ratio = _low(np.log((old + floor) / (new + floor)), 2 * tries)
+    by_difference = _low(old - new, 2 * tries) / (float(old.mean()) + 1e-30)
+    return Gain(mean=mean, low90=max(1.0 - float(np.exp(-by_ratio)), by_difference))
+
+
+def _low(values: Array, tries: int) -> float:
+    """Return the lower end of a 90 % interval of the mean, corrected for the tries."""
+    error = float(values.std(ddof=1)) / np.sqrt(len(values)) + 1e-12
+    quantile = float(student.ppf(1.0 - 0.10 / max(tries, 1), len(values) - 1))
+    return float(values.mean()) - quantile * error
 
 
 def _paired(values: Array) -> Array:
@@ -120,9 +127,8 @@ def _paired(values: Array) -> Array:
 def probabilities(losses: dict[str, Array], complexity: dict[str, int], seed: int) -> dict[str, float]:
     """Return how often each model is best when the segments are drawn anew.
 
-    Each draw of segments, with replacement, picks the model with the least loss; a
-    model with fewer parameters wins where the difference is below a hundredth for
-    each parameter it saves. Source: Efron and Tibshirani 1993, chapter 17.
+    Each draw of segments, with replacement, picks the model with the least loss, where
+    every parameter must earn the share that makes a finding worth a name. Source: Efron and Tibshirani 1993, chapter 17.
 
     Args:
         losses: Cross-validated loss of each segment by model, shape (segments,) each.
@@ -134,6 +140,6 @@ def probabilities(losses: dict[str, Array], complexity: dict[str, int], seed: in
     rng = np.random.default_rng(seed)
     draws = rng.integers(table.shape[1], size=(2000, table.shape[1]))
     totals = table[:, draws].sum(axis=2)
-    handicap = 1.0 + 0.01 * np.array([complexity[name] for name in names])
+    handicap = 1.0 + MATERIAL * np.array([complexity[name] for name in names])
     best = np.argmin(totals * handicap[:, None], axis=0)
     return {name: float(np.mean(best == index)) for index, name in enumerate(names)}
