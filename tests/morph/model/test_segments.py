@@ -1,0 +1,134 @@
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from morph.body.robot import Robot
+from morph.errors import DiagnosisError, RecordingError
+from morph.model.episodes import Episode, episode, step_for
+from morph.model.segments import cut
+from morph.record.recording import Channel, Recording
+
+Recorded = Callable[..., Recording]
+
+
+@pytest.fixture(scope="module")
+def episodes(cartpole: Robot, recorded: Recorded) -> list[Episode]:
+    """Episodes of 4.2 s and 2.7 s at 200 Hz."""
+    runs = [
+        recorded(cartpole, seconds=seconds, start={"hinge": 1.0}, noise=0.0, name=name)
+        for seconds, name in ((4.2, "long"), (2.7, "short"))
+    ]
+    step = step_for(runs, cartpole)
+    return [episode(run, cartpole, step) for run in runs]
+
+
+def test_a_step_is_a_whole_part_of_the_recordings_clock(
+    pendulum: Robot, recorded: Recorded
+) -> None:
+    # 5 ms is more than the 4 ms that a motor asks for: two steps a sample.
+    assert step_for([recorded(pendulum)], pendulum) == pytest.approx(0.0025, abs=1e-12)
+
+
+@pytest.mark.parametrize(("horizon", "counts"), [(1.0, (4, 2)), (0.5, (8, 5)), (2.0, (2, 1))])
+def test_episodes_are_cut_end_to_end(
+    episodes: list[Episode], horizon: float, counts: tuple[int, int]
+) -> None:
+    segments = cut(episodes, horizon)
+    assert len(segments) == sum(counts)
+    assert segments.steps * segments.step == pytest.approx(horizon, abs=1e-9)
+    assert [int((segments.episode == index).sum()) for index in (0, 1)] == list(counts)
+    for index in range(len(segments)):
+        nth = int((segments.episode[:index] == segments.episode[index]).sum())
+        due = (nth * horizon, (nth + 1) * horizon)
+        assert segments.seconds(index) == pytest.approx(due, abs=1e-9)
+
+
+def test_a_segment_holds_the_readings_after_its_start_up_to_its_end(
+    episodes: list[Episode],
+) -> None:
+    segments = cut(episodes, 1.0)
+    rows, readings = segments.valid.shape
+    # Readings are thinned to 100 Hz: 100 in a second.
+    assert (rows, readings) == (6, 100)
+    assert segments.reading.shape == (rows, readings, 2)
+    assert segments.start.shape == (rows, 4)
+    assert segments.start_trust.shape == (4,)
+    for row in range(rows):
+        e = episodes[segments.episode[row]]
+        begin, end = segments.seconds(row)
+        when = begin + (segments.before[row] + segments.part[row])[segments.valid[row]] * 0.0025
+        inside = (e.time > begin + 1e-6) & (e.time < end + 1e-6)
+        assert when == pytest.approx(e.time[inside], abs=1e-9)
+        assert np.array_equal(segments.reading[row][segments.valid[row]], e.reading[inside])
+    assert segments.before.min() >= 0
+    assert segments.before.max() < segments.steps
+    assert segments.part.min() >= 0.0
+    assert segments.part.max() <= 1.0 + 1e-9
+
+
+def test_a_start_has_the_position_then_and_the_velocity_half_a_step_before(
+    episodes: list[Episode],
+) -> None:
+    segments = cut(episodes, 1.0)
+    e, half = episodes[0], 0.5 * segments.step
+    for row in np.flatnonzero(segments.episode == 0):
+        begin = segments.seconds(row)[0]
+        when = [begin, begin, begin - half, begin - half]
+        at = [np.interp(t, e.time, c) for t, c in zip(when, e.state.T, strict=True)]
+        assert segments.start[row] == pytest.approx(at, abs=1e-12)
+
+
+def test_each_segment_gets_its_part_of_its_own_command(episodes: list[Episode]) -> None:
+    segments = cut(episodes, 1.0)
+    # A command that says its own episode and step.
+    told = [np.arange(len(e.command))[:, None] + 10_000.0 * k for k, e in enumerate(episodes)]
+    parts = segments.command(told)
+    assert parts.shape == (6, 400, 1)
+    begin = 10_000.0 * segments.episode + 400 * np.array([0, 1, 2, 3, 0, 1])
+    assert np.array_equal(parts[:, 0, 0], begin)
+    assert np.array_equal(parts[:, -1, 0], begin + 399)
+
+
+def test_of_many_segments_an_even_spread_is_kept(episodes: list[Episode]) -> None:
+    segments = cut(episodes, 0.5, most=4)
+    # 13 segments, 0 to 12: every fourth.
+    assert segments.episode.tolist() == [0, 0, 1, 1]
+    assert segments.first.tolist() == [0, 800, 0, 800]
+
+
+def test_whole_episodes_are_cut_to_the_shortest(episodes: list[Episode]) -> None:
+    segments = cut(episodes, None)
+    assert segments.first.tolist() == [0, 0]
+    assert segments.steps == min(len(e.command) for e in episodes)
+
+
+def test_a_horizon_longer_than_every_episode_is_refused(episodes: list[Episode]) -> None:
+    with pytest.raises(DiagnosisError, match="no episode lasts 6 s") as caught:
+        cut(episodes, 6.0)
+    assert caught.value.where == "long, short"
+    assert "--horizon" in caught.value.fix
+
+
+def test_a_channel_that_an_episode_lacks_is_named(pendulum: Robot, recorded: Recorded) -> None:
+    run = recorded(pendulum)
+    for missing in ("hinge.position", "hinge.command"):
+        rest = {name: c for name, c in run.channels.items() if name != missing}
+        with pytest.raises(RecordingError, match=f"there is no channel '{missing}'"):
+            episode(Recording(name="run", channels=rest), pendulum, 0.0025)
+
+
+def test_an_episode_of_less_than_half_a_second_is_refused(pendulum: Robot) -> None:
+    time = 0.01 * np.arange(40)
+    run = Recording(
+        name="short",
+        channels={
+            "hinge.position": Channel(time=time, value=np.sin(time)),
+            "hinge.command": Channel(time=time, value=0.0 * time, hold=True),
+        },
+    )
+    with pytest.raises(DiagnosisError, match=r"it lasts 0\.39 s") as caught:
+        episode(run, pendulum, 0.005)
+    assert caught.value.where == "recording short"

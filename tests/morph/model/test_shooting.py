@@ -1,0 +1,70 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from morph.model.segments import Segments
+from morph.model.shooting import Sensitivity, loss, quadratic
+
+
+def made_up(rng: np.random.Generator) -> tuple[Segments, Sensitivity]:
+    """Return 5 segments of 12 readings of one joint, and 3 parameters, all random."""
+    start = rng.normal(size=(5, 2))
+    segments = Segments(
+        episodes=(),
+        episode=np.zeros(5, dtype=int),
+        first=np.arange(5),
+        steps=12,
+        before=np.zeros((5, 12), dtype=int),
+        part=np.zeros((5, 12)),
+        valid=np.arange(12) < np.array([[12], [12], [12], [12], [7]]),
+        reading=rng.normal(size=(5, 12, 1)),
+        start=start,
+        start_trust=np.array([3.0, 0.5]),
+        noise=np.ones(1),
+    )
+    around = Sensitivity(
+        error=rng.normal(size=(5, 12)),
+        by_point=rng.normal(size=(5, 12, 3)),
+        by_start=rng.normal(size=(5, 12, 2)),
+        start=start + rng.normal(size=(5, 2)),
+    )
+    return segments, around
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_loss_with_starts_eliminated_is_the_least_over_all_starts(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    segments, around = made_up(rng)
+    weight = rng.uniform(0.1, 1.0, 5)
+    curve = quadratic(segments, around, weight)
+    root = np.sqrt(segments.start_trust)
+    for change in (np.zeros(3), rng.normal(size=3)):
+        losses, moved = curve.at(change), curve.starts_after(around.start, change)
+        for s in range(5):
+            # Readings and the trust in the measured start, as one least-squares problem.
+            matrix = np.concatenate([around.by_start[s], np.diag(root)])
+            off = segments.start[s] - around.start[s]
+            right = np.concatenate([around.error[s] - around.by_point[s] @ change, root * off])
+            best, squares, _, _ = np.linalg.lstsq(matrix, right)
+            assert losses[s] == pytest.approx(weight[s] * float(squares[0]), rel=1e-9)
+            assert moved[s] == pytest.approx(around.start[s] + best, abs=1e-9)
+
+
+def test_a_share_of_a_step_takes_that_share_of_the_starts_own_step() -> None:
+    rng = np.random.default_rng(7)
+    segments, around = made_up(rng)
+    curve = quadratic(segments, around, np.ones(5))
+    change = rng.normal(size=3)
+    whole = curve.starts_after(around.start, change) - around.start
+    half = curve.starts_after(around.start, 0.5 * change, 0.5) - around.start
+    assert half == pytest.approx(0.5 * whole, abs=1e-12)
+
+
+def test_padded_readings_and_trusted_starts_count_as_they_should() -> None:
+    segments, _ = made_up(np.random.default_rng(8))
+    predicted = segments.reading + 2.0
+    moved = segments.start + np.array([1.0, 2.0])
+    # Each reading is 2 off, in units of 4: 0.25. Starts: 3 * 1^2 + 0.5 * 2^2 = 5.
+    due = 0.25 * np.array([12, 12, 12, 12, 7]) + 5.0
+    assert loss(segments, predicted, moved, np.array([4.0])) == pytest.approx(due, rel=1e-12)
