@@ -70,12 +70,19 @@ def _joint(place: str) -> str:
 
 def main() -> int:
     """Make the cases, diagnose them, open the seals, print the table."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
+    )
     parser.add_argument("--effects", type=int, default=60, help="cases with one concealed effect")
     parser.add_argument("--clean", type=int, default=50, help="cases with none")
     parser.add_argument("--seed", type=int, default=1, help="of the cases")
     parser.add_argument("--jobs", type=int, default=2, help="cases diagnosed at once")
-    parser.add_argument("--out", type=Path, default=Path("out/concealed"), help="where cases are kept; finished ones are not done again")
+    parser.add_argument(
+        "--out",
+        type=Path,
+        default=Path("out/concealed"),
+        help="where cases are kept; finished ones are not done again",
+    )
     parser.add_argument("--json", action="store_true", help="print rows as JSON")
     asked = parser.parse_args()
     cases = []
@@ -117,14 +124,19 @@ def report(rows: list[dict[str, Any]], *, as_json: bool) -> None:
         right = sum(row["right"] for row in effects)
         place = sum(row["place"] for row in effects)
         rival = sum(row["right"] or row["rival"] for row in effects)
-        always = max({row["truth"] for row in effects}, key=lambda t: sum(r["truth"] == t for r in effects))
+        always = max(
+            {row["truth"] for row in effects}, key=lambda t: sum(r["truth"] == t for r in effects)
+        )
         base = sum(row["truth"] == always for row in effects)
-        print(f"effect named first: {right}/{len(effects)} = {right / len(effects):.0%} (goal 75 %)")
+        print(
+            f"effect named first: {right}/{len(effects)} = {right / len(effects):.0%} (goal 75 %)"
+        )
         print(f"place right: {place}/{len(effects)} = {place / len(effects):.0%} (goal 95 %)")
         print(f"effect named first or listed as a rival: {rival}/{len(effects)}")
         print(f"control, always saying {always}: {base}/{len(effects)} = {base / len(effects):.0%}")
         shuffled = sum(
-            row["named"] == other["truth"] for row, other in zip(rows, [*effects[1:], effects[0]], strict=False)
+            row["named"] == other["truth"]
+            for row, other in zip(rows, [*effects[1:], effects[0]], strict=False)
         )
         print(f"control, answers shuffled among cases: {shuffled}/{len(effects)}")
     if clean:

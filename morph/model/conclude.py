@@ -45,7 +45,7 @@ def standings(search: Search, best: Contender, seed: int) -> tuple[Contender, li
     A finding accepted early may be needless once others are in: each is taken out in
     turn, the rest refitted, and it stays only if its absence surely costs.
     """
-    if search.late:
+    if search.out_of_time():
         return best, []
     kept: list[Standing] = []
     index = swaps = 0
@@ -99,13 +99,11 @@ def _fitted(search: Search, found: Fit, hypothesis: Hypothesis, iterations: int)
     return Contender(fit=fitted, losses=validated(fitted, search.segments, search.fold))
 
 
-def _stand(
-    search: Search, best: Contender, without: Contender, index: int, seed: int
-) -> Standing:
+def _stand(search: Search, best: Contender, without: Contender, index: int, seed: int) -> Standing:
     effect = best.fit.hypothesis.effects_at(best.fit.point)[index]
     rivals = []
     for rival in _rivals(search, without.fit, effect):
-        if search.late:
+        if search.out_of_time():
             break
         rivals.append(_fitted(search, without.fit, without.fit.hypothesis.adding(rival), 3))
     losses: dict[str, Array] = {effect.label: best.losses, "none": without.losses}
@@ -135,7 +133,8 @@ def _of_interest(listed: Sequence[Suspect], effect: Effect) -> list[Suspect]:
     return [
         suspect
         for rank, suspect in enumerate(listed)
-        if rank < 6 or (suspect.effect.where == effect.where and suspect.effect.name in related(effect))
+        if rank < 6
+        or (suspect.effect.where == effect.where and suspect.effect.name in related(effect))
     ]
 
 

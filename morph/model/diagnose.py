@@ -11,6 +11,7 @@ from morph.errors import DiagnosisError
 from morph.model.conclude import standings
 from morph.model.diagnosis import Diagnosis
 from morph.model.episodes import Episode, episode, step_for, stretches
+from morph.model.evidence import Evidence
 from morph.model.fit import fit, measure
 from morph.model.hypothesis import Hypothesis
 from morph.model.knobs import knobs
@@ -18,7 +19,7 @@ from morph.model.search import Contender, Progress, Search
 from morph.model.segments import Segments, cut
 from morph.model.shooting import predict
 from morph.model.split import split
-from morph.model.verdict import Evidence, conclude
+from morph.model.verdict import conclude
 from morph.record.distinct import check_distinct
 from morph.record.recording import Recording
 
@@ -103,9 +104,7 @@ def diagnose(
     )
 
 
-def _check(
-    recordings: Sequence[Recording], horizon: float | None, budget: float | None
-) -> None:
+def _check(recordings: Sequence[Recording], horizon: float | None, budget: float | None) -> None:
     if not recordings:
         raise DiagnosisError(
             "there is no recording to fit",
@@ -141,9 +140,11 @@ def _at_horizon(
     episodes may diverge: where the longer fit does not lower the cost it is not taken.
     """
     fitted = search.segments.steps * search.segments.step
-    if search.late or (horizon is not None and horizon <= 1.5 * fitted):
+    if search.out_of_time() or (horizon is not None and horizon <= 1.5 * fitted):
         return refitted, best
-    longer = cut(train, 3.0 * fitted if horizon is None else min(horizon, 3.0 * fitted))
+    wanted = 3.0 * fitted if horizon is None else min(horizon, 3.0 * fitted)
+    longest = min(len(e.command) for e in train) * search.segments.step
+    longer = cut(train, min(wanted, longest), most=MOST_SEGMENTS)
     moved = []
     for model in (refitted, best):
         found = model.fit
@@ -153,5 +154,3 @@ def _at_horizon(
         )
         moved.append(Contender(fit=again, losses=model.losses))
     return moved[0], moved[1]
-
-

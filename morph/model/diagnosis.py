@@ -59,11 +59,13 @@ class Finding:
     """The experiment that would tell it from its likeliest rival."""
     gain: float
     """Share of the training loss that it takes away."""
+    slide: bool = False
+    """Whether its joint is a slide, so that forces are in N and lengths in m."""
 
     @property
     def statement(self) -> str:
         """The finding in one plain sentence."""
-        return self.effect.statement()
+        return self.effect.statement(slide=self.slide)
 
 
 @dataclass(frozen=True, kw_only=True)

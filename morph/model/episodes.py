@@ -10,8 +10,8 @@ import numpy as np
 from morph.arrays import Array
 from morph.body.robot import Robot
 from morph.errors import DiagnosisError
-from morph.record.recording import Channel, Recording
 from morph.record.noise import noise
+from morph.record.recording import Channel, Recording
 from morph.record.slopes import slopes
 from morph.sim.drive import held
 

@@ -105,9 +105,7 @@ class Fit:
         The sandwich estimate (White 1980, Econometrica 48(4), eq. 3) holds also where
         errors within a segment are correlated and the model is not exactly right.
         """
-        bread = np.linalg.pinv(
-            self.quadratic.hessian.sum(axis=0) + np.diag(self.hypothesis.trust)
-        )
+        bread = np.linalg.pinv(self.quadratic.hessian.sum(axis=0) + np.diag(self.hypothesis.trust))
         pull = self.quadratic.slope - self.quadratic.slope.mean(axis=0)
         meat = pull.T @ pull * len(pull) / max(len(pull) - 1, 1)
         width = 1.645 * np.sqrt(np.clip(np.diag(bread @ meat @ bread), 0.0, None))

@@ -14,7 +14,13 @@ from morph.body.robot import Robot
 from morph.body.spec import spec_of
 from morph.errors import DiagnosisError
 
-TRUST: Mapping[str, float] = {"mass": 0.10, "com": 0.10, "inertia": 0.10, "gain": 0.05, "joint": 0.10}
+TRUST: Mapping[str, float] = {
+    "mass": 0.10,
+    "com": 0.10,
+    "inertia": 0.10,
+    "gain": 0.05,
+    "joint": 0.10,
+}
 """The fraction by which each kind of figure may be wrong when nothing is said."""
 
 
@@ -27,7 +33,7 @@ class Knob:
     part: str
     """The link, actuator or joint."""
     what: str
-    """The figure: mass, com, inertia, gain, rate_gain, damping, armature, frictionloss, stiffness."""
+    """The figure: mass, com, inertia, gain, rate_gain, damping, armature and the like."""
     fraction: float
     """By how much it may be wrong."""
 
@@ -83,7 +89,11 @@ def knobs(robot: Robot, vary: Mapping[str, float] | None = None) -> tuple[Knob, 
     """
     vary = dict(vary or {})
     found = [knob for knob in _candidates(robot, vary) if knob.fraction > 0.0]
-    known = set(TRUST) | {k.name for k in _candidates(robot, {})} | {k.part for k in _candidates(robot, {})}
+    known = (
+        set(TRUST)
+        | {k.name for k in _candidates(robot, {})}
+        | {k.part for k in _candidates(robot, {})}
+    )
     for name, fraction in vary.items():
         if name not in known:
             raise DiagnosisError(

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from morph.arrays import Array
+from morph.arrays import Array, Mask
 from morph.model.diagnosis import Located, Stretch
 from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis
@@ -77,7 +77,7 @@ def _states(hypothesis: Hypothesis, point: Array, episodes: Sequence[Episode]) -
     return words
 
 
-def _conditions(name: str, unit: str, position: Array, speed: Array) -> list[tuple[str, Array]]:
+def _conditions(name: str, unit: str, position: Array, speed: Array) -> list[tuple[str, Mask]]:
     slow, fast = (float(q) for q in np.quantile(np.abs(speed), [0.25, 0.75]))
     low, high = (float(q) for q in np.quantile(position, [0.2, 0.8]))
     return [

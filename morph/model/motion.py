@@ -65,18 +65,24 @@ def needed(hypothesis: Hypothesis, point: Array, episode: Episode) -> Needed:
         ],
         axis=1,
     )
-    command = np.stack(
-        [
-            _at(received(variant.effects, a.name, episode.command[:, i], episode.step), time, episode.step)
-            for i, a in enumerate(hypothesis.robot.actuators)
-        ],
-        axis=1,
-    ) if hypothesis.robot.actuators else np.zeros((len(time), 0))
+    command = (
+        np.stack(
+            [
+                _at(
+                    received(variant.effects, a.name, episode.command[:, i], episode.step),
+                    time,
+                    episode.step,
+                )
+                for i, a in enumerate(hypothesis.robot.actuators)
+            ],
+            axis=1,
+        )
+        if hypothesis.robot.actuators
+        else np.zeros((len(time), 0))
+    )
     velocity = episode.velocity[::stride]
     acceleration = episode.acceleration[::stride]
-    motion, missing = _forces(
-        hypothesis, variant, time, position, velocity, acceleration, command
-    )
+    motion, missing = _forces(hypothesis, variant, time, position, velocity, acceleration, command)
     found = Needed(episode=episode, time=time, motion=motion, missing=missing)
     smooth_drive = found.smooth(motion.drive)
     missing = missing - (smooth_drive - motion.drive).sum(axis=1)

@@ -10,9 +10,9 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.body.robot import Robot
+from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis
 from morph.model.motion import all_needed
-from morph.model.episodes import Episode
 from morph.physics.effect import Effect, Simulations
 from morph.physics.motion import Motion
 
@@ -49,6 +49,10 @@ class LearnedResidual(Effect):
         """The world."""
         return "world"
 
+    def content(self) -> dict[str, Any]:
+        """Return what `residual.npz` holds: the joints' names and the arrays."""
+        return {"joints": np.array(self.joints), **self.arrays}
+
     @classmethod
     def at(cls, where: str) -> LearnedResidual:
         """Return a residual of no force on no joint."""
@@ -78,7 +82,7 @@ class LearnedResidual(Effect):
         """Return nothing: it has no strengths."""
         return np.zeros((*motion.velocity.shape, 0))
 
-    def statement(self) -> str:
+    def statement(self, *, slide: bool = False) -> str:
         """Return what it means that this is needed."""
         return "A force that depends on the state is left that no known effect explains."
 
@@ -114,5 +118,3 @@ def learned(
 
 def _waves(state: Array, waves: Array, phase: Array) -> Array:
     return np.asarray(np.sqrt(2.0 / FEATURES) * np.cos(state @ waves + phase))
-
-

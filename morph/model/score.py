@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from morph.arrays import Array
+from morph.arrays import Array, Integers
 from morph.model.diagnosis import Trace
 from morph.model.hypothesis import Hypothesis
 from morph.model.segments import Segments
@@ -64,7 +64,7 @@ def traces(
             continue
         for column, (joint, unit) in enumerate(joints):
 
-            def joined(values: Array, rows: Array = rows, column: int = column) -> Array:
+            def joined(values: Array, rows: Integers = rows, column: int = column) -> Array:
                 parts = []
                 for row in rows:
                     inside = segments.valid[row]

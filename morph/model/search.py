@@ -77,10 +77,12 @@ class Search:
         """How many effects at places were looked at."""
         return len(self.looked_at)
 
-    @property
-    def late(self) -> bool:
-        """Whether the budget is spent."""
-        return time.monotonic() > self.deadline
+    stopped: bool = False
+
+    def out_of_time(self) -> bool:
+        """Return whether the budget is spent, and remember that something was cut short."""
+        self.stopped = self.stopped or time.monotonic() > self.deadline
+        return self.stopped
 
     @property
     def fold(self) -> Integers:
@@ -97,7 +99,7 @@ class Search:
         """Return the model with every effect that is sure, in the order found."""
         best = refitted
         most = max(6, MOST_FINDINGS * len(refitted.fit.hypothesis.robot.joints))
-        while len(best.fit.hypothesis.effects) < most and not self.late:
+        while len(best.fit.hypothesis.effects) < most and not self.out_of_time():
             if self._at_noise(best):
                 break
             asked = self._ask(best)
@@ -116,7 +118,7 @@ class Search:
         tried = try_all(found, self.segments, _shortlist(listed))
         finalists = []
         for candidate in _with_simpler(tried):
-            if self.late:
+            if self.out_of_time():
                 break
             finalists.append(self._with(found, candidate.effect, candidate.point))
         finalists.sort(key=lambda c: c.total)
@@ -126,9 +128,7 @@ class Search:
         won = gain(best.losses, finalists[0].losses, self.tries)
         felt = _felt(finalists[0].fit)
         accepted = won.sure and won.mean >= MATERIAL and felt
-        return Round(
-            before=best, finalists=tuple(finalists), gain=won, accepted=accepted
-        )
+        return Round(before=best, finalists=tuple(finalists), gain=won, accepted=accepted)
 
     def _with(self, found: Fit, effect: Effect, point: Array) -> Contender:
         more = replace(found.hypothesis, effects=found.hypothesis.effects_at(point)).adding(effect)
@@ -191,9 +191,7 @@ def _felt(found: Fit) -> bool:
     low, high = found.intervals()
     count = len(effect.parameters())
     bounds = zip(effect.parameters(), low[-count:], high[-count:], strict=True)
-    return any(
-        p.neutral is not None and not (a <= p.neutral <= b) for p, a, b in bounds
-    )
+    return any(p.neutral is not None and not (a <= p.neutral <= b) for p, a, b in bounds)
 
 
 def _with_simpler(tried: Sequence[Tried]) -> list[Tried]:

@@ -56,16 +56,11 @@ class Segments:
     def command(self, commands: Sequence[Array]) -> Array:
         """Return each segment's part of its episode's command, (segments, steps, actuators)."""
         return np.stack(
-            [
-                commands[e][f : f + self.steps]
-                for e, f in zip(self.episode, self.first, strict=True)
-            ]
+            [commands[e][f : f + self.steps] for e, f in zip(self.episode, self.first, strict=True)]
         )
 
 
-def cut(
-    episodes: Sequence[Episode], horizon: float | None, *, most: int | None = None
-) -> Segments:
+def cut(episodes: Sequence[Episode], horizon: float | None, *, most: int | None = None) -> Segments:
     """Cut episodes into rollouts of `horizon` seconds end to end; None takes them whole.
 
     Whole episodes of unequal length are cut to the shortest.
@@ -99,9 +94,7 @@ def cut(
     return _segments(episodes, where, steps)
 
 
-def _segments(
-    episodes: Sequence[Episode], where: list[tuple[int, int]], steps: int
-) -> Segments:
+def _segments(episodes: Sequence[Episode], where: list[tuple[int, int]], steps: int) -> Segments:
     step, joints = episodes[0].step, episodes[0].reading.shape[1]
     rows = []
     for index, first in where:

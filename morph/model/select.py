@@ -116,7 +116,7 @@ def _low(values: Array, tries: int) -> float:
     """Return the lower end of a 90 % interval of the mean, corrected for the tries."""
     error = float(values.std(ddof=1)) / np.sqrt(len(values)) + 1e-12
     quantile = float(student.ppf(1.0 - 0.10 / max(tries, 1), len(values) - 1))
-    return float(values.mean()) - quantile * error
+    return float(values.mean() - quantile * error)
 
 
 def _paired(values: Array) -> Array:
@@ -124,11 +124,15 @@ def _paired(values: Array) -> Array:
     return np.append(whole, values[-1]) if len(values) % 2 else whole
 
 
-def probabilities(losses: dict[str, Array], complexity: dict[str, int], seed: int) -> dict[str, float]:
+def probabilities(
+    losses: dict[str, Array], complexity: dict[str, int], seed: int
+) -> dict[str, float]:
     """Return how often each model is best when the segments are drawn anew.
 
     Each draw of segments, with replacement, picks the model with the least loss, where
-    every parameter must earn the share that makes a finding worth a name. Source: Efron and Tibshirani 1993, chapter 17.
+    every parameter must earn the share that makes a finding worth a name.
+
+    Source: Efron and Tibshirani 1993, chapter 17.
 
     Args:
         losses: Cross-validated loss of each segment by model, shape (segments,) each.

@@ -38,12 +38,21 @@ def predict(
             cache[key] = hypothesis.at(point)
         variants.append(cache[key])
         commands.append(_commands(hypothesis, segments, cache[key]))
-    rows_bytes = len(segments) * (segments.steps + 1) * 8.0 * (
-        2 * segments.reading.shape[2] + segments.episodes[0].command.shape[1]
+    rows_bytes = (
+        len(segments)
+        * (segments.steps + 1)
+        * 8.0
+        * (2 * segments.reading.shape[2] + segments.episodes[0].command.shape[1])
     )
     chunk = max(1, int(MOST_ROWS_BYTES / (2 * rows_bytes)))
     parts = [
-        _predict(hypothesis, segments, variants[i : i + chunk], commands[i : i + chunk], starts[i : i + chunk])
+        _predict(
+            hypothesis,
+            segments,
+            variants[i : i + chunk],
+            commands[i : i + chunk],
+            starts[i : i + chunk],
+        )
         for i in range(0, len(points), chunk)
     ]
     return np.concatenate(parts)
@@ -127,9 +136,7 @@ def residual(segments: Segments, predicted: Array, scale: Array) -> Array:
     return np.where(segments.valid[..., None], difference, 0.0)
 
 
-def loss(
-    segments: Segments, predicted: Array, start: Array, scale: Array
-) -> Array:
+def loss(segments: Segments, predicted: Array, start: Array, scale: Array) -> Array:
     """Return each segment's squared error in units of `scale`, with its start's own cost."""
     error = residual(segments, predicted, scale)
     moved = segments.start - start
@@ -198,8 +205,8 @@ def quadratic(segments: Segments, around: Sensitivity, weight: Array) -> Quadrat
     inner = transposed @ by_start + trust
     cross = transposed @ by_point
     pull = (transposed @ error[..., None])[..., 0] + moved @ trust
-    best = np.linalg.solve(inner, pull[..., None])[..., 0]
-    slope_of_best = np.linalg.solve(inner, cross)
+    best: Array = np.asarray(np.linalg.solve(inner, pull[..., None])[..., 0], dtype=float)
+    slope_of_best: Array = np.asarray(np.linalg.solve(inner, cross), dtype=float)
     crossed = cross.transpose(0, 2, 1)
     outer = by_point.transpose(0, 2, 1)
     least = (

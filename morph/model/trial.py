@@ -30,9 +30,7 @@ class Tried:
     """Loss of all segments and price of straying, to first order."""
 
 
-def try_all(
-    found: Fit, segments: Segments, listed: Sequence[Suspect]
-) -> tuple[Tried, ...]:
+def try_all(found: Fit, segments: Segments, listed: Sequence[Suspect]) -> tuple[Tried, ...]:
     """Return what each effect would bring beside a fit, the best first.
 
     One rollout with the effect at a suggested strength gives the direction in which it
@@ -84,9 +82,7 @@ def _direction(found: Fit, segments: Segments, version: Effect) -> Array:
     return np.asarray(found.around.error - error)
 
 
-def _tried(
-    found: Fit, segments: Segments, version: Effect, direction: Array
-) -> Tried:
+def _tried(found: Fit, segments: Segments, version: Effect, direction: Array) -> Tried:
     around = Sensitivity(
         error=found.around.error,
         by_point=np.concatenate([found.around.by_point, direction[..., None]], axis=2),
@@ -113,9 +109,7 @@ def _tried(
 
 def _signed(effect: Effect) -> bool:
     """Return whether the effect's strengths may lie on either side of neutral."""
-    return all(
-        p.low < p.neutral < p.high for p in effect.parameters() if p.neutral is not None
-    )
+    return all(p.low < p.neutral < p.high for p in effect.parameters() if p.neutral is not None)
 
 
 def _at_least(value: float, least: float) -> float:

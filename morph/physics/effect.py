@@ -52,6 +52,18 @@ def parameter(
     return field(default=default, metadata=known)
 
 
+SLIDING = {
+    "N m": "N",
+    "N m s/rad": "N s/m",
+    "N m s2/rad2": "N s2/m2",
+    "N m/rad": "N/m",
+    "rad": "m",
+    "rad/s": "m/s",
+    "kg m2": "kg",
+}
+"""What the unit of a parameter becomes on a slide."""
+
+
 class Simulations(Protocol):
     """What an effect may see and touch of many simulations before each step."""
 
@@ -98,8 +110,8 @@ class Effect(ABC):
         """The name of the part it acts on."""
 
     @abstractmethod
-    def statement(self) -> str:
-        """Return the finding in one plain sentence."""
+    def statement(self, *, slide: bool = False) -> str:
+        """Return the finding in one plain sentence, in N and m where its joint is a slide."""
 
     @classmethod
     @abstractmethod
@@ -181,7 +193,9 @@ class Effect(ABC):
         """Return the effect with strengths read off a linear fit, kept in bounds."""
         known = {p.name: p for p in self.parameters()}
         values = {
-            name: float(np.clip((known[name].neutral or 0.0) + value, known[name].low, known[name].high))
+            name: float(
+                np.clip((known[name].neutral or 0.0) + value, known[name].low, known[name].high)
+            )
             for name, value in zip(self.strengths, coefficients, strict=True)
         }
         return replace(self, **values)  # type: ignore[type-var]

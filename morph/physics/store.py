@@ -36,8 +36,7 @@ def load_effects(path: Path) -> tuple[Effect, ...]:
     if content.get("schema") != "morph.effects/1" or not isinstance(tables, list):
         raise EffectError('no schema = "morph.effects/1"', where=str(path), fix=fix)
     return tuple(
-        effect_of(table, where=f"{path}, effect {index + 1}")
-        for index, table in enumerate(tables)
+        effect_of(table, where=f"{path}, effect {index + 1}") for index, table in enumerate(tables)
     )
 
 

@@ -99,9 +99,7 @@ class Recording:
     @property
     def end(self) -> float:
         """The earliest last sample over the measured channels, s; commands hold on."""
-        measured = [c for c in self.channels.values() if not c.hold] or list(
-            self.channels.values()
-        )
+        measured = [c for c in self.channels.values() if not c.hold] or list(self.channels.values())
         return min(float(channel.time[-1]) for channel in measured)
 
     @property

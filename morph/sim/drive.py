@@ -30,7 +30,7 @@ def held(channel: Channel, start: float, step: float, steps: int) -> Array:
     inside = np.interp(edges, time, total)
     inside += np.minimum(edges - time[0], 0.0) * value[0]
     inside += np.maximum(edges - time[-1], 0.0) * value[-1]
-    return np.diff(inside) / step
+    return np.asarray(np.diff(inside) / step)
 
 
 def received(effects: Sequence[Effect], actuator: str, command: Array, step: float) -> Array:

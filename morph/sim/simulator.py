@@ -94,8 +94,9 @@ class Simulator:
             RobotError: A name is not the robot's.
             SimulationFailed: The simulation became unstable.
         """
-        model, steps = self.model, max(1, round(seconds / self.step))
-        times = self.step * np.arange(steps + 1)
+        model: Any = self.model
+        steps = max(1, round(seconds / self.step))
+        times: Array = np.asarray(self.step * np.arange(steps + 1), dtype=float)
         position, velocity = model.qpos0.copy(), np.zeros(model.nv)
         for joint, value in (start or {}).items():
             position[model.joint(self.robot.joint(joint).name).qposadr[0]] = value
@@ -117,13 +118,13 @@ class Simulator:
                 where=f"robot {self.robot.name}",
                 fix=f"take a step smaller than {self.step:g} s, or check the effects' parameters",
             )
-        for joint in self.robot.joints:
-            if joint.kind in {"hinge", "slide"}:
+        for moving in self.robot.joints:
+            if moving.kind in {"hinge", "slide"}:
                 for quantity, values in (
-                    ("position", q[0, :, model.joint(joint.name).qposadr[0]]),
-                    ("velocity", v[0, :, model.joint(joint.name).dofadr[0]]),
+                    ("position", q[0, :, model.joint(moving.name).qposadr[0]]),
+                    ("velocity", v[0, :, model.joint(moving.name).dofadr[0]]),
                 ):
-                    channel = f"{joint.name}.{quantity}"
+                    channel = f"{moving.name}.{quantity}"
                     reading = sensed(self.effects, channel, values)
                     channels[channel] = Channel(time=times, value=reading)
         return Recording(name=name, channels=channels)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import sys
 import time
@@ -25,7 +24,7 @@ def run_diagnose(asked: Diagnose) -> int:
     Raises:
         MorphError: An input cannot be used or the result cannot be written.
     """
-    from morph.app.report.files import check_out, write_diagnosis
+    from morph.app.report.files import check_out, diagnosis_text, write_diagnosis
 
     # Whatever the command line got wrong is told before any work is done.
     check_out(asked.out)
@@ -47,7 +46,7 @@ def run_diagnose(asked: Diagnose) -> int:
     found = replace(found, provenance={**found.provenance, "command": _command(asked)})
     write_diagnosis(found, asked.out)
     if asked.json:
-        sys.stdout.write(json.dumps(found.as_json(), indent=2, allow_nan=False) + "\n")
+        sys.stdout.write(diagnosis_text(found))
     else:
         sys.stdout.write(in_words(found, asked.out) + "\n")
     return 3 if found.stopped_short else 0

@@ -16,9 +16,10 @@ from morph.errors import MorphError
 DONE, UNUSABLE, STOPPED_SHORT, INTERRUPTED = 0, 2, 3, 130
 """Exit statuses, the same for every command."""
 
-Asked = Annotated[Diagnose, tyro.conf.subcommand("diagnose")] | Annotated[
-    List, tyro.conf.subcommand("list")
-]
+Asked = (
+    Annotated[Diagnose, tyro.conf.subcommand("diagnose")]
+    | Annotated[List, tyro.conf.subcommand("list")]
+)
 
 SUMMARY = """Compare the robot you think you have with what your robot did.
 
@@ -33,7 +34,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     """
     logging.getLogger("morph").addHandler(logging.NullHandler())
     asked: Diagnose | List = tyro.cli(
-        Asked,  # type: ignore[arg-type]
+        Asked,
         prog="morph",
         description=SUMMARY,
         args=argv,

@@ -44,13 +44,13 @@ class ActuatorDelay(ActuatorEffect):
         if actuator != self.actuator or self.T <= 0.0:
             return command
         steps = np.arange(len(command)) - self.T / step
-        return np.interp(steps, np.arange(len(command)), command)
+        return np.asarray(np.interp(steps, np.arange(len(command)), command))
 
     def regressor(self, motion: Motion) -> Array:
         """Return what is missing, per second of delay, while the command changes."""
         rate = motion.drive_rate[:, motion.actuators[self.actuator]]
         return -rate[:, :, None]
 
-    def statement(self) -> str:
+    def statement(self, *, slide: bool = False) -> str:
         """Return the finding in one plain sentence."""
         return f"Actuator {self.actuator} acts {1e3 * self.T:.3g} ms late: a delay was left out."

@@ -56,7 +56,7 @@ class ActuatorLag(ActuatorEffect):
         rate = motion.drive_rate[:, motion.actuators[self.actuator]]
         return -rate[:, :, None]
 
-    def statement(self) -> str:
+    def statement(self, *, slide: bool = False) -> str:
         """Return the finding in one plain sentence."""
         return (
             f"Actuator {self.actuator} follows its command with a lag of {1e3 * self.T:.3g} ms: "

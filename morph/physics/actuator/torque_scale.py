@@ -42,7 +42,7 @@ class TorqueScale(ActuatorEffect):
         """Return the actuator's nominal force."""
         return motion.drive[:, motion.actuators[self.actuator]][:, :, None]
 
-    def statement(self) -> str:
+    def statement(self, *, slide: bool = False) -> str:
         """Return the finding in one plain sentence."""
         return (
             f"Actuator {self.actuator} produces {100 * self.gain:.3g} % of what is commanded: its "

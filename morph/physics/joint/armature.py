@@ -36,13 +36,11 @@ class Armature(JointEffect):
 
     def regressor(self, motion: Motion) -> Array:
         """Return minus the acceleration."""
-        return motion.along(
-            self.joint, -motion.acceleration[:, motion.joints[self.joint]]
-        )
+        return motion.along(self.joint, -motion.acceleration[:, motion.joints[self.joint]])
 
-    def statement(self) -> str:
+    def statement(self, *, slide: bool = False) -> str:
         """Return the finding in one plain sentence."""
         return (
-            f"Joint {self.joint} carries {self.J:.3g} kg m2 (kg on a slide) that turns with its "
-            "motor: the rotor's inertia was left out."
+            f"Joint {self.joint} carries {self.J:.3g} {'kg' if slide else 'kg m2'} that turns with "
+            "its motor: the rotor's inertia was left out."
         )

@@ -26,7 +26,7 @@ class CoulombFriction(JointEffect):
     twins: ClassVar[tuple[str, ...]] = ("viscous_friction", "stribeck_friction", "dead_zone")
     excited_by: ClassVar[str] = "Slow motion, reversals, and one stop and start."
     separate_by: ClassVar[dict[str, str]] = {
-        "viscous_friction": "Two constant speeds at least five times apart, and one stop and start.",
+        "viscous_friction": "Two constant speeds at least five times apart, and a stop and start.",
         "stribeck_friction": "Very slow motion in both directions, then a start from rest under a "
         "slowly growing command.",
         "dead_zone": "A start from rest under a slowly growing command, and free swinging with no "
@@ -47,9 +47,9 @@ class CoulombFriction(JointEffect):
         """Return minus the sense of motion."""
         return motion.along(self.joint, -motion.sign(self.joint))
 
-    def statement(self) -> str:
+    def statement(self, *, slide: bool = False) -> str:
         """Return the finding in one plain sentence."""
         return (
-            f"Joint {self.joint} loses {self.c:.3g} N m (N on a slide) against its motion at every "
-            "speed: Coulomb friction was left out."
+            f"Joint {self.joint} loses {self.c:.3g} {'N' if slide else 'N m'} against its motion "
+            "at every speed: Coulomb friction was left out."
         )

@@ -55,9 +55,10 @@ class JointStiffness(JointEffect):
         k = float(np.clip(coefficients[0], 1e-6, 200.0))
         return replace(self, k=k, q0=float(np.clip(coefficients[1] / k, -3.2, 3.2)))
 
-    def statement(self) -> str:
+    def statement(self, *, slide: bool = False) -> str:
         """Return the finding in one plain sentence."""
+        force, length = ("N", "m") if slide else ("N m", "rad")
         return (
-            f"Joint {self.joint} is drawn to {self.q0:.3g} rad (m) by {self.k:.3g} N m per rad "
-            "(N per m): a spring or a cable was left out."
+            f"Joint {self.joint} is drawn to {self.q0:.3g} {length} by {self.k:.3g} {force} per "
+            f"{length}: a spring or a cable was left out."
         )

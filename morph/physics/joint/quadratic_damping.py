@@ -44,9 +44,10 @@ class QuadraticDamping(JointEffect):
         speed = motion.speed(self.joint)
         return motion.along(self.joint, -speed * np.abs(speed))
 
-    def statement(self) -> str:
+    def statement(self, *, slide: bool = False) -> str:
         """Return the finding in one plain sentence."""
+        force, speed = ("N", "m/s") if slide else ("N m", "rad/s")
         return (
-            f"Joint {self.joint} loses {self.b2:.3g} times the square of its speed: quadratic "
-            "damping was left out."
+            f"Joint {self.joint} loses {self.b2:.3g} {force} at 1 {speed} and four times as much "
+            f"at 2 {speed}: quadratic damping was left out."
         )

@@ -70,9 +70,11 @@ class StribeckFriction(JointEffect):
         c, s = np.clip(coefficients, 0.0, 20.0)
         return replace(self, c=float(c), s=float(s))
 
-    def statement(self) -> str:
+    def statement(self, *, slide: bool = False) -> str:
         """Return the finding in one plain sentence."""
+        force, speed = ("N", "m/s") if slide else ("N m", "rad/s")
         return (
-            f"Joint {self.joint} sticks up to {self.s:.3g} N m at rest and loses {self.c:.3g} N m "
-            f"when it moves faster than about {self.vs:.2g} rad/s: Stribeck friction was left out."
+            f"Joint {self.joint} sticks up to {self.s:.3g} {force} at rest and loses {self.c:.3g} "
+            f"{force} when it moves faster than about {self.vs:.2g} {speed}: Stribeck friction was "
+            "left out."
         )

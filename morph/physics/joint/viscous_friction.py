@@ -23,7 +23,7 @@ class ViscousFriction(JointEffect):
     twins: ClassVar[tuple[str, ...]] = ("back_emf", "linear_drag", "coulomb_friction")
     excited_by: ClassVar[str] = "Motion at two constant speeds at least five times apart."
     separate_by: ClassVar[dict[str, str]] = {
-        "coulomb_friction": "Two constant speeds at least five times apart, and one stop and start.",
+        "coulomb_friction": "Two constant speeds at least five times apart, and a stop and start.",
         "quadratic_damping": "Three constant speeds: slow, twice as fast, four times as fast.",
     }
 
@@ -42,9 +42,10 @@ class ViscousFriction(JointEffect):
         """Return minus the speed."""
         return motion.along(self.joint, -motion.speed(self.joint))
 
-    def statement(self) -> str:
+    def statement(self, *, slide: bool = False) -> str:
         """Return the finding in one plain sentence."""
+        force, speed = ("N", "m/s") if slide else ("N m", "rad/s")
         return (
-            f"Joint {self.joint} loses {self.b:.3g} N m (N on a slide) for each rad/s (m/s) of "
-            "speed: viscous friction was left out."
+            f"Joint {self.joint} loses {self.b:.3g} {force} for each {speed} of speed: viscous "
+            "friction was left out."
         )

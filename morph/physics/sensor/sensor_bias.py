@@ -39,6 +39,10 @@ class SensorBias(SensorEffect):
         joint = self.channel.rsplit(".", 1)[0]
         return motion.stiffness[:, :, motion.joints[joint]][:, :, None]
 
-    def statement(self) -> str:
+    def statement(self, *, slide: bool = False) -> str:
         """Return the finding in one plain sentence."""
-        return f"Channel {self.channel} reads {self.bias:+.3g} rad (m) too much: a sensor's zero is off."
+        more = "much" if self.bias > 0.0 else "little"
+        return (
+            f"Channel {self.channel} reads {abs(self.bias):.3g} {'m' if slide else 'rad'} too "
+            f"{more}: a sensor's zero is off."
+        )
