@@ -59,7 +59,8 @@ def _recorded(seed: int, out: Path, console: Console) -> Path:
     if not (folder / "sealed" / "truth.sealed.json").exists():
         with console.status("Recording a robot with a hidden flaw (its truth is sealed) ..."):
             conceal(case, folder)
-    console.print(f"1. Recorded: {folder}/recordings; the truth is sealed beside it", soft_wrap=True)
+    said = f"1. Recorded: {folder}/recordings; the truth is sealed beside it"
+    console.print(said, soft_wrap=True)
     return folder
 
 
@@ -94,7 +95,8 @@ def _diagnosed(case: Path, out: Path, console: Console) -> Path:
     write_diagnosis(found, report.parent)
     write_whole(out / "answer.txt", in_words(found, report.parent))
     write_whole(stamp, now)
-    console.print(f"2. Diagnosed in {time.monotonic() - began:.0f} s: {len(found.findings)} finding")
+    seconds = time.monotonic() - began
+    console.print(f"2. Diagnosed in {seconds:.0f} s; findings: {len(found.findings)}")
     return report
 
 

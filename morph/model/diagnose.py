@@ -29,6 +29,8 @@ MOST_SEGMENTS = 48
 """Training rollouts; of longer recordings an even spread is fitted."""
 MOST_SCREENED = 80.0
 """Seconds of training motion that screening looks at; of more, an even spread."""
+EDGE = 0.15
+"""Seconds at the start of a held-out run in which no scored rollout starts."""
 MOST_SCORED = 240
 """Held-out rollouts; of longer recordings an even spread is scored."""
 
@@ -124,7 +126,9 @@ def _check(recordings: Sequence[Recording], horizon: float | None, budget: float
 
 
 def _scored(aside: list[Episode], horizon: float | None) -> Segments:
-    return cut(aside, horizon, most=MOST_SCORED)
+    shortest = min(len(e.command) for e in aside) * aside[0].step
+    skip = EDGE if horizon is not None and shortest >= horizon + 2.0 * EDGE else 0.0
+    return cut(aside, horizon, most=MOST_SCORED, skip=skip)
 
 
 def _at_horizon(

@@ -60,7 +60,13 @@ class Segments:
         )
 
 
-def cut(episodes: Sequence[Episode], horizon: float | None, *, most: int | None = None) -> Segments:
+def cut(
+    episodes: Sequence[Episode],
+    horizon: float | None,
+    *,
+    most: int | None = None,
+    skip: float = 0.0,
+) -> Segments:
     """Cut episodes into rollouts of `horizon` seconds end to end; None takes them whole.
 
     Whole episodes of unequal length are cut to the shortest.
@@ -69,6 +75,8 @@ def cut(episodes: Sequence[Episode], horizon: float | None, *, most: int | None 
         episodes: What to cut.
         horizon: Seconds each.
         most: If there are more segments, keep this many, evenly spread.
+        skip: Seconds at the start of each episode in which no rollout starts, unless
+            episodes are taken whole: smoothing knows a motion poorly where it begins.
 
     Raises:
         DiagnosisError: No episode is as long as the horizon.
@@ -79,7 +87,7 @@ def cut(episodes: Sequence[Episode], horizon: float | None, *, most: int | None 
     where = [
         (index, first)
         for index, e in enumerate(episodes)
-        for first in range(0, len(e.command) - steps + 1, steps)
+        for first in range(round(skip / step), len(e.command) - steps + 1, steps)
     ]
     if horizon is None:
         where = [(index, 0) for index in range(len(episodes))]
