@@ -46,6 +46,21 @@ def test_episodes_are_cut_end_to_end(
         assert segments.seconds(index) == pytest.approx(due, abs=1e-9)
 
 
+@pytest.mark.parametrize(
+    "seconds",
+    [
+        pytest.param(2.0, marks=pytest.mark.xfail(reason="799.9999999999993 steps count as 799")),
+        4.0,
+    ],
+)
+def test_whole_seconds_are_cut_into_as_many_segments(
+    pendulum: Robot, recorded: Recorded, seconds: float
+) -> None:
+    run = recorded(pendulum, seconds=seconds, start={"hinge": 1.0})
+    step = step_for([run], pendulum)
+    assert len(cut([episode(run, pendulum, step)], 1.0)) == seconds
+
+
 def test_a_segment_holds_the_readings_after_its_start_up_to_its_end(
     episodes: list[Episode],
 ) -> None:

@@ -266,6 +266,16 @@ HEAD = 'schema = "morph.effects/1"\n[[effect]]\n'
         (HEAD + 'name = "viscous_friction"\nwhere = "hinge"\nb = [0.1]', "is not a number"),
         (HEAD + 'name = "viscous_friction"\nwhere = "hinge"\nb = nan', "b = nan .* 0 to 20"),
         (HEAD + 'name = "viscous_friction"\nwhere = "hinge"\nb = -1', "b = -1 .* 0 to 20"),
+        pytest.param(
+            HEAD + f'name = "viscous_friction"\nwhere = "hinge"\nb = 1{"0" * 400}',
+            "b = ",
+            marks=pytest.mark.xfail(reason="an OverflowError escapes", raises=OverflowError),
+        ),
+        pytest.param(
+            HEAD + f'name = "viscous_friction"\nwhere = "hinge"\nb = 1{"0" * 5000}',
+            "cannot be read",
+            marks=pytest.mark.xfail(reason="tomllib's ValueError escapes", raises=ValueError),
+        ),
     ],
 )
 def test_a_file_of_effects_that_cannot_be_used_is_refused(

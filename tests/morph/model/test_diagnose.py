@@ -1,0 +1,137 @@
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from morph.arrays import Array
+from morph.body.robot import Robot
+from morph.errors import DiagnosisError, RecordingError
+from morph.model.diagnose import diagnose
+from morph.model.diagnosis import Diagnosis
+from morph.model.split import between
+from morph.physics.effect import Effect
+from morph.physics.joint.coulomb_friction import CoulombFriction
+from morph.record.recording import Recording
+
+Recorded = Callable[..., Recording]
+
+
+def runs(pendulum: Robot, recorded: Recorded, *effects: Effect) -> list[Recording]:
+    """Return 3 episodes of 4 s at 200 Hz, driven at 1 N m through swings of about 1 rad."""
+
+    def command(k: int) -> Callable[[Array], Array]:
+        return lambda times: np.sin((2.0 + 0.5 * k) * times) + 0.4 * np.sin(9.0 * times)
+
+    return [
+        recorded(
+            pendulum,
+            *effects,
+            start={"hinge": 0.8 - 0.3 * k},
+            command=command(k),
+            seed=k,
+            name=f"run_{k}",
+        )
+        for k in range(3)
+    ]
+
+
+def consistent_with_itself(found: Diagnosis) -> None:
+    """Check what every diagnosis promises."""
+    # Numbers of any size, but numbers: NaN and infinity are no JSON.
+    written = json.loads(json.dumps(found.as_json(), allow_nan=False))
+    assert written["schema"] == "morph.diagnosis/1"
+    assert not set(found.train) & set(found.held_out)
+    assert all(0.0 <= p <= 1.0 for p in found.probabilities.values())
+    for finding in found.findings:
+        for estimate in finding.parameters.values():
+            assert estimate.low90 <= estimate.value <= estimate.high90
+
+
+def test_dry_friction_is_found_named_and_measured(pendulum: Robot, recorded: Recorded) -> None:
+    found = diagnose(
+        pendulum, runs(pendulum, recorded, CoulombFriction(joint="hinge", c=0.05)), seed=0
+    )
+    consistent_with_itself(found)
+    assert found.verdict == "mismatch"
+    assert [finding.effect.label for finding in found.findings] == ["coulomb_friction@hinge"]
+    # Encoders see 2e-4 rad of swings of 1 rad, and 0.05 N m takes 1 % of 4.9 N m in each.
+    # What limits it is the half step of 0.25 ms by which commands are centred. 10 %.
+    assert found.findings[0].parameters["c"].value == pytest.approx(0.05, rel=0.1)
+    assert found.train == ("run_0", "run_1")
+    assert found.held_out == ("run_2",)
+    rmse = {model: by["hinge.position"] for model, by in found.held_out_rmse.items()}
+    assert rmse["corrected"] < 0.7 * min(rmse["nominal"], rmse["refitted"])
+    assert found.improvement_low90 > 0.0
+    assert "frictionloss" in found.corrected
+
+
+def test_a_recording_of_the_robot_as_described_is_consistent(
+    pendulum: Robot, recorded: Recorded
+) -> None:
+    found = diagnose(pendulum, runs(pendulum, recorded), seed=0)
+    consistent_with_itself(found)
+    assert found.verdict == "consistent"
+    assert found.findings == ()
+    assert max(found.probabilities, key=lambda name: found.probabilities[name]) == "none"
+
+
+@pytest.fixture(scope="module")
+def run(pendulum: Robot, recorded: Recorded) -> Recording:
+    return recorded(pendulum, start={"hinge": 0.5}, command=lambda times: np.sin(5.0 * times))
+
+
+def test_nothing_to_fit_is_refused(pendulum: Robot) -> None:
+    with pytest.raises(DiagnosisError, match="no recording to fit") as caught:
+        diagnose(pendulum, [])
+    assert caught.value.where == "morph.diagnose"
+    assert caught.value.fix
+
+
+@pytest.mark.parametrize(
+    ("setting", "what", "where"),
+    [
+        ({"horizon": math.nan}, "a horizon of nan s", "--horizon"),
+        ({"horizon": math.inf}, "a horizon of inf s", "--horizon"),
+        ({"horizon": 0.05}, r"a horizon of 0\.05 s", "--horizon"),
+        ({"budget": 0.0}, r"a budget of 0\.0 s", "--budget"),
+        ({"budget": math.nan}, "a budget of nan s", "--budget"),
+        ({"vary": {"weight": 0.1}}, "--vary weight", "robot pendulum"),
+    ],
+)
+def test_a_setting_out_of_range_is_refused(
+    pendulum: Robot, run: Recording, setting: dict[str, Any], what: str, where: str
+) -> None:
+    with pytest.raises(DiagnosisError, match=what) as caught:
+        diagnose(pendulum, [run], **setting)
+    assert caught.value.where == where
+    assert caught.value.fix
+
+
+def test_a_recording_too_short_to_show_anything_is_refused(pendulum: Robot, run: Recording) -> None:
+    with pytest.raises(DiagnosisError, match="friction shows only over half a second") as caught:
+        diagnose(pendulum, [between(run, 1.0, 1.4), replace(run, name="whole")])
+    assert caught.value.where == "recording run"
+
+
+@pytest.mark.parametrize("missing", ["hinge.command", "hinge.position"])
+def test_a_missing_channel_is_named(pendulum: Robot, run: Recording, missing: str) -> None:
+    channels = {name: c for name, c in run.channels.items() if name != missing}
+    with pytest.raises(RecordingError, match=f"no channel '{missing}'") as caught:
+        diagnose(pendulum, [replace(run, channels=channels)])
+    assert caught.value.where == "recording run"
+    assert "bind the missing one" in caught.value.fix
+
+
+def test_a_copy_is_refused_among_the_fitted_and_the_held_out(
+    pendulum: Robot, run: Recording
+) -> None:
+    copy = replace(run, name="copy")
+    for fitted, held_out in (([run, copy], []), ([run], [copy])):
+        with pytest.raises(RecordingError, match="'run' and 'copy' are identical"):
+            diagnose(pendulum, fitted, held_out=held_out)
