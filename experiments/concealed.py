@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
 import sys
 import time
 from concurrent.futures import ProcessPoolExecutor, as_completed
@@ -18,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from experiments.conceal import generate, make_cases, open_seal
+from morph.files import sha256, write_whole
 
 
 def diagnosed(case: Path) -> dict[str, Any]:
@@ -27,7 +27,8 @@ def diagnosed(case: Path) -> dict[str, Any]:
     from morph.record.binding import load_binding
     from morph.record.load import load as load_recordings
 
-    kept = case / f"answer_{os.environ.get('TAG', '')}.json"
+    sources = sorted((Path(__file__).parent.parent / "morph").rglob("*.py"))
+    kept = case / f"answer_{sha256(*sources)[:12]}.json"
     if kept.exists():
         found: dict[str, Any] = json.loads(kept.read_text())
         return found
@@ -35,7 +36,7 @@ def diagnosed(case: Path) -> dict[str, Any]:
     robot = load_robot(str(load_binding(folder / "recording.toml").robot))
     answer = diagnose(robot, load_recordings(folder, robot=robot)).as_json()
     answer["case"] = case.name
-    kept.write_text(json.dumps(answer))
+    write_whole(kept, json.dumps(answer))
     return answer
 
 
