@@ -72,6 +72,7 @@ def diagnose(
     step = step_for(parts.train, robot)
     train = [episode(recording, robot, step) for recording in parts.train]
     aside = [episode(recording, robot, step) for recording in parts.held_out]
+    scored = _scored(aside, horizon)
     nominal = Hypothesis(robot=robot, step=step, knobs=knobs(robot, vary))
     fitted_horizon = min(FIT_HORIZON, 0.5 * min(len(e.command) for e in train) * step)
     search = Search(
@@ -97,7 +98,7 @@ def diagnose(
             search=search,
             train=train,
             aside=aside,
-            scored=_scored(aside, horizon),
+            scored=scored,
             split=parts,
             horizon=horizon,
             seed=seed,

@@ -151,7 +151,7 @@ def episode(recording: Recording, robot: Robot, step: float) -> Episode:
         pairs = zip(channels, values, strict=True)
         return np.stack([np.interp(kept, c.time, value) for c, value in pairs], axis=1)
 
-    steps = int((end - start) / step)
+    steps = int((end - start) / step + 1e-6)
     # A semi-implicit step is a leapfrog: the force of step n carries the velocity from
     # half a step before it to half a step after, so its command is centred on it.
     drive = [held(channel, start - 0.5 * step, step, steps) for channel in commands]

@@ -17,6 +17,8 @@ from morph.sim.drive import received, unsensed
 from morph.sim.rollout import Variant
 from morph.sim.simulator import compiled
 
+FEWEST = 20
+"""Samples below which nothing is cut off an episode's ends."""
 HERTZ = 40.0
 """Rate at which motion is looked at; smoothed motion holds nothing faster."""
 
@@ -90,11 +92,30 @@ def needed(hypothesis: Hypothesis, point: Array, episode: Episode) -> Needed:
         strengths = np.array([getattr(effect, name) for name in effect.strengths])
         missing = missing - found.smooth(effect.regressor(motion) @ strengths)
     smooth_rate = found.smooth(motion.drive_rate)
-    return replace(
-        found,
-        missing=missing,
-        motion=replace(motion, drive=smooth_drive, drive_rate=smooth_rate),
+    motion = replace(motion, drive=smooth_drive, drive_rate=smooth_rate)
+    return _within(replace(found, missing=missing, motion=motion))
+
+
+def _within(found: Needed) -> Needed:
+    """Return what lies away from the ends, where smoothing makes up accelerations.
+
+    The filter's padding is felt for about 1.2 periods of its cutoff.
+    """
+    edge = 1.2 / found.episode.cutoff
+    inside = (found.time >= found.time[0] + edge) & (found.time <= found.time[-1] - edge)
+    if inside.sum() < FEWEST:
+        return found
+    whole = found.motion
+    motion = replace(
+        whole,
+        position=whole.position[inside],
+        velocity=whole.velocity[inside],
+        acceleration=whole.acceleration[inside],
+        drive=whole.drive[inside],
+        drive_rate=whole.drive_rate[inside],
+        stiffness=whole.stiffness[inside],
     )
+    return replace(found, time=found.time[inside], motion=motion, missing=found.missing[inside])
 
 
 def _at(command: Array, time: Array, step: float) -> Array:

@@ -59,10 +59,11 @@ def between(recording: Recording, start: float, end: float) -> Recording:
     """Return a stretch of a recording; a held command keeps what it held at the start."""
     channels = {}
     for name, channel in recording.channels.items():
-        first, last = np.searchsorted(channel.time, [start, end], side="left")
+        first = int(np.searchsorted(channel.time, start, side="left"))
+        last = int(np.searchsorted(channel.time, end, side="right"))
         if channel.hold:
             first = max(int(np.searchsorted(channel.time, start, side="right")) - 1, 0)
-        keep = slice(int(first), max(int(last), int(first) + 1))
+        keep = slice(first, max(last, first + 1))
         channels[name] = Channel(
             time=channel.time[keep], value=channel.value[keep], hold=channel.hold
         )

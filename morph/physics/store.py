@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import tomllib
 from collections.abc import Sequence
 from pathlib import Path
@@ -30,7 +31,8 @@ def load_effects(path: Path) -> tuple[Effect, ...]:
     fix = "write it as corrected.toml of a diagnosis is written"
     try:
         content = tomllib.loads(path.read_text())
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+    # A number of thousands of digits is refused by Python itself, as a ValueError.
+    except (OSError, ValueError) as error:
         raise EffectError(f"cannot be read: {error}", where=str(path), fix=fix) from error
     tables = content.get("effect", [])
     if content.get("schema") != "morph.effects/1" or not isinstance(tables, list):
@@ -62,11 +64,18 @@ def effect_of(table: object, *, where: str) -> Effect:
                 where=where,
                 fix="give the law's own parameters, in SI units",
             )
-        values[name] = float(value)
+        try:
+            values[name] = float(value)
+        except OverflowError as error:
+            raise EffectError(
+                f"{name} = a number of hundreds of digits is too large",
+                where=where,
+                fix="give it in SI units",
+            ) from error
     place = {"joint": "joint", "actuator": "actuator", "sensor": "channel"}[kind.kind]
     return kind(**{place: str(table["where"])}, **values)
 
 
 def _quoted(text: str) -> str:
-    escaped = text.replace("\\", "\\\\").replace('"', '\\"')
-    return f'"{escaped}"'
+    # A JSON string without what lies beyond the basic plane is a TOML string.
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import logging
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -82,11 +84,12 @@ def rollout(
     batch.bind("qpos")[:] = position
     batch.bind("qvel")[:] = velocity
     try:
-        if any(effect.stepped for effect in variants[0].effects):
-            q, v = _step_by_step(batch, variants, which, command)
-        else:
-            out = batch.rollout(steps, command, record=("qpos", "qvel"))
-            q, v = out["qpos"], out["qvel"]
+        with _quiet():
+            if any(effect.stepped for effect in variants[0].effects):
+                q, v = _step_by_step(batch, variants, which, command)
+            else:
+                out = batch.rollout(steps, command, record=("qpos", "qvel"))
+                q, v = out["qpos"], out["qvel"]
     except SimulationError as error:
         raise SimulationFailed(
             f"MuJoCo stopped: {error}",
@@ -96,6 +99,17 @@ def rollout(
     q = np.concatenate([position[:, None], q], axis=1)
     v = np.concatenate([velocity[:, None], v], axis=1)
     return q, v
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Send MuJoCo's own warnings to our log, not to the terminal and a file of its own."""
+    before = mujoco.get_mju_user_warning()
+    mujoco.set_mju_user_warning(logging.getLogger("morph.sim").info)
+    try:
+        yield
+    finally:
+        mujoco.set_mju_user_warning(before)
 
 
 def _step_by_step(

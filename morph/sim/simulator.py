@@ -48,8 +48,8 @@ class Simulator:
         step: Seconds a step; the effects' own limits allow 0.5 to 5 ms.
 
     Raises:
-        RobotError: An effect names a part that the robot does not have.
-        SimulationFailed: MuJoCo refuses the body under these effects.
+        SimulationFailed: An effect names a part that the robot does not have, the step is
+            out of range, or MuJoCo refuses the body under these effects.
     """
 
     def __init__(
@@ -64,6 +64,12 @@ class Simulator:
                     where=f"robot {robot.name}",
                     fix="name a part of this robot",
                 )
+        if not 1e-6 <= step <= 1.0:
+            raise SimulationFailed(
+                f"a step of {step} s is out of range, 1e-6 to 1",
+                where=f"robot {robot.name}",
+                fix="take 0.002 s, or less where the simulation is stiff",
+            )
         self.robot, self.effects, self.step = robot, effects, step
         self._variant = compiled(spec_of(robot, timestep=step), effects, robot)
 
@@ -92,8 +98,15 @@ class Simulator:
 
         Raises:
             RobotError: A name is not the robot's.
-            SimulationFailed: The simulation became unstable.
+            SimulationFailed: The simulation became unstable, or what it is told is no
+                number.
         """
+        if not 0.0 < seconds < 1e6:
+            raise SimulationFailed(
+                f"a run of {seconds} s is out of range, above 0 and below 1e6",
+                where=f"robot {self.robot.name}",
+                fix="give the seconds to run",
+            )
         model: Any = self.model
         steps = max(1, round(seconds / self.step))
         times: Array = np.asarray(self.step * np.arange(steps + 1), dtype=float)
@@ -106,7 +119,7 @@ class Simulator:
         channels = {}
         for actuator, told in (command or {}).items():
             index = model.actuator(self.robot.actuator(actuator).name).id
-            values = _values(told, times[:-1])
+            values = self._told(actuator, told, times[:-1])
             control[0, :, index] = received(self.effects, actuator, values, self.step)
             channels[f"{actuator}.command"] = Channel(time=times[:-1], value=values, hold=True)
         q, v = rollout(
@@ -129,10 +142,17 @@ class Simulator:
                     channels[channel] = Channel(time=times, value=reading)
         return Recording(name=name, channels=channels)
 
-
-def _values(command: Command, times: Array) -> Array:
-    if isinstance(command, Channel):
-        return command.at(times)
-    if callable(command):
-        return np.asarray(command(times), dtype=float)
-    return np.full(len(times), float(command))
+    def _told(self, actuator: str, command: Command, times: Array) -> Array:
+        if isinstance(command, Channel):
+            values = command.at(times)
+        elif callable(command):
+            values = np.asarray(command(times), dtype=float)
+        else:
+            values = np.full(len(times), float(command))
+        if values.shape != times.shape or not np.isfinite(values).all():
+            raise SimulationFailed(
+                f"its command is not one finite number for each of {len(times)} steps",
+                where=f"robot {self.robot.name}, actuator {actuator}",
+                fix="give a number, a channel, or a function of times (steps,) to (steps,)",
+            )
+        return values

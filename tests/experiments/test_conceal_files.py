@@ -12,6 +12,8 @@ from experiments.conceal import Case, conceal, generate, make_cases, open_seal
 from experiments.conceal.laws import LAWS
 from experiments.conceal.mechanisms import MECHANISMS
 from experiments.conceal.seal import SealError
+from morph.body.load import load
+from morph.record.load import load as load_recordings
 
 
 @pytest.fixture(scope="module")

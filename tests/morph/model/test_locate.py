@@ -19,10 +19,6 @@ from morph.record.recording import Recording
 
 Recorded = Callable[..., Recording]
 
-at_the_ends = pytest.mark.xfail(
-    reason="smoothing bends both ends of an episode, by up to all of gravity over 1.2 / cutoff",
-)
-
 
 def located(robot: Robot, recorded: Recorded, *effects: Effect, start: float = 1.5) -> Located:
     runs = [
@@ -37,7 +33,6 @@ def located(robot: Robot, recorded: Recorded, *effects: Effect, start: float = 1
     return locate(model, model.start, episodes, segments, predicted)
 
 
-@at_the_ends
 def test_friction_that_grows_with_speed_is_placed_where_it_is_fast(
     pendulum: Robot, recorded: Recorded
 ) -> None:
@@ -48,7 +43,6 @@ def test_friction_that_grows_with_speed_is_placed_where_it_is_fast(
     assert found.states.endswith(" rad/s")
 
 
-@at_the_ends
 def test_a_spring_that_pulls_to_one_side_is_placed_at_the_other(
     pendulum: Robot, recorded: Recorded
 ) -> None:

@@ -49,7 +49,7 @@ def test_episodes_are_cut_end_to_end(
 @pytest.mark.parametrize(
     "seconds",
     [
-        pytest.param(2.0, marks=pytest.mark.xfail(reason="799.9999999999993 steps count as 799")),
+        2.0,
         4.0,
     ],
 )

@@ -69,7 +69,6 @@ def test_a_held_command_keeps_what_it_held_when_a_stretch_begins() -> None:
     assert np.diff(position) == pytest.approx(0.01, abs=1e-12)
 
 
-@pytest.mark.xfail(reason="the last sample is left out, so a quarter of 4 s is 0.99 s")
 def test_the_last_quarter_ends_with_the_recording() -> None:
     only = recording("run", seconds=4.0)
     (aside,) = split([only]).held_out
