@@ -18,8 +18,11 @@ from morph.model.shooting import (
     sensitivity,
 )
 
-STEPS = (1.0, 0.5, 0.2, 0.05)
+SHARES = (1.0, 0.4, 0.1)
 """Shares of a Gauss-Newton step that are tried, all in one batch."""
+DAMPED = (1e-3, 1e-2, 1e-1, 1.0)
+"""Levenberg-Marquardt dampings that are tried beside them: they turn the step out of a
+narrow valley, where shares of it only shorten it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,13 +42,16 @@ class Room:
         """Return what a point costs for straying from the centre."""
         return float((self.trust * (point - self.centre) ** 2).sum())
 
-    def best_change(self, hessian: Array, slope: Array, point: Array) -> Array:
+    def best_change(
+        self, hessian: Array, slope: Array, point: Array, damping: float = 1e-9
+    ) -> Array:
         """Return the change d that minimises d.H.d - 2 g.d plus the price, within bounds.
 
         Entries that would leave their bounds are held there and the rest solved again.
+        Damping adds that share of H's diagonal (Marquardt 1963, SIAM J. 11(2), eq. 18).
         """
         whole = hessian + np.diag(self.trust)
-        whole = whole + np.diag(1e-9 * np.diag(whole) + 1e-12)
+        whole = whole + np.diag(damping * np.diag(whole) + 1e-12)
         pull = slope - self.trust * (point - self.centre)
         low, high = self.low - point, self.high - point
         change, held = np.zeros_like(point), np.zeros(len(point), dtype=bool)
@@ -142,9 +148,12 @@ def fit(
     around = sensitivity(hypothesis, segments, point, start, scale)
     for _ in range(iterations):
         curve = quadratic(segments, around, weight)
-        change = space.best_change(curve.hessian.sum(axis=0), curve.slope.sum(axis=0), point)
-        points = [point, *(point + share * change for share in STEPS)]
-        starts = [start, *(curve.starts_after(start, share * change, share) for share in STEPS)]
+        total = curve.hessian.sum(axis=0), curve.slope.sum(axis=0)
+        change = space.best_change(*total, point)
+        tried = [(share * change, share) for share in SHARES]
+        tried += [(space.best_change(*total, point, damping), 1.0) for damping in DAMPED]
+        points = [point, *(point + moved for moved, _ in tried)]
+        starts = [start, *(curve.starts_after(start, moved, share) for moved, share in tried)]
         read = predict(hypothesis, segments, points, starts)
         costs = [
             (weight * loss(segments, r, s, scale)).sum() + space.price(p)
