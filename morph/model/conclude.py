@@ -17,8 +17,8 @@ from morph.model.trial import try_all
 from morph.physics import EFFECTS
 from morph.physics.effect import Effect
 
-TWINS, OTHERS = 2, 1
-"""Rivals of each finding that are fitted in its place: twins at its part, and others."""
+RIVALS = 2
+"""Rivals of each finding that are fitted in its place, twins at its part first."""
 MANY = 4
 """With more findings than this, each meets one rival only: the likeliest twin."""
 MOST_SWAPS = 2
@@ -125,7 +125,7 @@ def _rivals(search: Search, without: Fit, effect: Effect) -> list[Effect]:
     rest = [o for o in others if o not in twins]
     if len(without.hypothesis.effects) >= MANY:
         return (twins or rest)[:1]
-    return twins[:TWINS] + rest[: OTHERS + max(0, TWINS - len(twins))]
+    return (twins + rest)[:RIVALS]
 
 
 def _of_interest(listed: Sequence[Suspect], effect: Effect) -> list[Suspect]:

@@ -9,6 +9,7 @@ import numpy as np
 
 from morph.arrays import JSON
 from morph.body.fulltext import fulltext
+from morph.model.episodes import gaps
 from morph.model.evidence import Evidence
 from morph.physics.effect import Effect
 
@@ -59,10 +60,12 @@ def notes(e: Evidence) -> tuple[str, ...]:
         for episode in (*e.train, *e.aside)
         for note in episode.recording.notes
     ]
+    said += [f"Joint {joint} does not move in any run that was fitted." for joint in e.still]
+    said += [f"{episode.name}: {gap}" for episode in (*e.train, *e.aside) for gap in gaps(episode)]
     for index, episode in enumerate(e.train):
         inside = e.search.segments.episode == index
-        weight = e.best.fit.weight
-        if len(weight) == len(inside) and inside.any():
+        weight = e.searched[1].fit.weight
+        if inside.any():
             typical = float(np.median(weight))
             if float(np.median(weight[inside])) < 0.5 * typical:
                 said.append(

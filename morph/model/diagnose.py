@@ -7,10 +7,9 @@ import time
 from collections.abc import Mapping, Sequence
 
 from morph.body.robot import Robot
-from morph.errors import DiagnosisError
 from morph.model.conclude import standings
 from morph.model.diagnosis import Diagnosis
-from morph.model.episodes import Episode, episode, step_for, stretches
+from morph.model.episodes import Episode, episode, moving_joints, step_for, stretches
 from morph.model.evidence import Evidence
 from morph.model.fit import fit, measure
 from morph.model.hypothesis import Hypothesis
@@ -19,6 +18,7 @@ from morph.model.search import Contender, Progress, Search
 from morph.model.segments import Segments, cut
 from morph.model.shooting import predict
 from morph.model.split import split
+from morph.model.usable import check_channels, check_motion, check_recordings, check_settings
 from morph.model.verdict import conclude
 from morph.record.distinct import check_distinct
 from morph.record.recording import Recording
@@ -64,11 +64,16 @@ def diagnose(
         RecordingError: A channel is missing, or two recordings are the same.
     """
     started = time.monotonic()
-    _check(recordings, horizon, budget)
+    check_settings(horizon, budget, seed)
+    check_recordings(recordings, held_out)
+    joints = moving_joints(robot)
+    for recording in (*recordings, *held_out):
+        check_channels(recording, robot, joints)
     say: Progress = progress or (lambda what, share: None)
     check_distinct((*recordings, *held_out))
     say("reading motion and noise", 0.02)
     parts = split(recordings, held_out)
+    still = check_motion(parts.train, joints)
     step = step_for(parts.train, robot)
     train = [episode(recording, robot, step) for recording in parts.train]
     aside = [episode(recording, robot, step) for recording in parts.held_out]
@@ -86,14 +91,15 @@ def diagnose(
     best = search.run(refitted)
     best, stands = standings(search, best, seed)
     say("fitting the corrected model at the horizon that is scored", 0.9)
-    refitted, best = _at_horizon(search, train, horizon, refitted, best)
+    longer = _at_horizon(search, train, horizon, refitted, best)
     say("opening the held-out runs", 0.95)
     return conclude(
         Evidence(
             robot=robot,
             nominal=nominal,
-            refitted=refitted,
-            best=best,
+            searched=(refitted, best),
+            refitted=longer[0],
+            best=longer[1],
             stands=stands,
             search=search,
             train=train,
@@ -101,29 +107,11 @@ def diagnose(
             scored=scored,
             split=parts,
             horizon=horizon,
+            still=still,
             seed=seed,
             started=started,
         )
     )
-
-
-def _check(recordings: Sequence[Recording], horizon: float | None, budget: float | None) -> None:
-    if not recordings:
-        raise DiagnosisError(
-            "there is no recording to fit",
-            where="morph.diagnose",
-            fix="give at least one recording of the robot in motion",
-        )
-    if horizon is not None and not (math.isfinite(horizon) and horizon >= 0.1):
-        raise DiagnosisError(
-            f"a horizon of {horizon} s is out of range",
-            where="--horizon",
-            fix="give at least 0.1 s, or `full`",
-        )
-    if budget is not None and not budget > 0.0:
-        raise DiagnosisError(
-            f"a budget of {budget} s is none", where="--budget", fix="give seconds above zero"
-        )
 
 
 def _scored(aside: list[Episode], horizon: float | None) -> Segments:

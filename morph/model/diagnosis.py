@@ -167,6 +167,8 @@ class Diagnosis:
         """Return the answer in words, a sentence each."""
         if self.verdict == "consistent":
             return ("The simulation explains these recordings: nothing was left out that shows.",)
+        if not self.findings and self.stopped_short:
+            return ("The budget ended before anything could be said surely.",)
         if not self.findings:
             return (
                 "The simulation does not explain these recordings, and no known effect does so "

@@ -17,6 +17,8 @@ from morph.sim.drive import held
 
 MOST_HERTZ = 100.0
 """Readings are thinned to about this rate: what a rollout of a second can tell apart."""
+QUIETEST = 1e-5
+"""rad or m: least noise that a sensor is credited with."""
 STRETCH = 5.0
 """Seconds of the stretches that stand for recordings too long to look at whole."""
 STATE_HERTZ = 15.0
@@ -161,7 +163,7 @@ def episode(recording: Recording, robot: Robot, step: float) -> Episode:
         command=np.stack(drive, axis=1) if drive else np.zeros((steps, 0)),
         time=kept - start,
         reading=on_clock([channel.value for channel in channels]),
-        noise=np.array([noise(channel.time, channel.value) for channel in channels]),
+        noise=_floored([noise(channel.time, channel.value) for channel in channels]),
         state=np.concatenate([on_clock([part[k] for part in quick]) for k in (0, 1)], axis=1),
         state_cutoff=light,
         position=on_clock([part[0] for part in smooth]),
@@ -169,6 +171,21 @@ def episode(recording: Recording, robot: Robot, step: float) -> Episode:
         acceleration=on_clock([part[2] for part in smooth]),
         cutoff=cutoff,
     )
+
+
+def _floored(noises: list[float]) -> Array:
+    """Return noises, none so small that one still or simulated joint outvotes the others."""
+    return np.maximum(noises, max(QUIETEST, 0.01 * max(noises)))
+
+
+def gaps(episode: Episode) -> list[str]:
+    """Return the stretches without readings in words; no rollout is scored across them."""
+    step = np.diff(episode.time)
+    longest = 20.0 * float(np.median(step))
+    return [
+        f"no reading for {step[i]:.3g} s after {episode.time[i]:.3g} s"
+        for i in np.flatnonzero(step > max(longest, 0.2))
+    ]
 
 
 def stretches(episodes: Sequence[Episode], seconds: float) -> list[Episode]:

@@ -21,10 +21,12 @@ class Evidence:
     """The description as given."""
     nominal: Hypothesis
     """The description with its own figures free."""
+    searched: tuple[Contender, Contender]
+    """The description refitted, and with every finding, both as the search left them."""
     refitted: Contender
-    """The same, fitted, nothing added."""
+    """The first of these, its figures fitted to longer rollouts where those are scored."""
     best: Contender
-    """The same with every finding, fitted."""
+    """The second, likewise."""
     stands: list[Standing]
     """Each finding beside its rivals; empty where the budget ended first."""
     search: Search
@@ -39,6 +41,8 @@ class Evidence:
     """How the recordings were set apart."""
     horizon: float | None
     """Seconds of those rollouts; None for whole episodes."""
+    still: tuple[str, ...]
+    """Joints that no training run moves."""
     seed: int
     """Of every draw."""
     started: float

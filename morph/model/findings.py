@@ -47,7 +47,7 @@ def _finding(
 ) -> Finding:
     rivals: list[Rival] = []
     episodes: tuple[str, ...] = tuple(episode.name for episode in e.train)
-    share, chance = 0.0, 0.5
+    share, chance = 0.0, _by_rounds(e, effect)
     if stand is not None:
         chance = stand.chances[effect.label]
         by_label = {c.fit.hypothesis.effects[-1].label: c for c in stand.rivals}
@@ -103,13 +103,25 @@ def chances(e: Evidence, verdict: str) -> dict[str, float]:
         elif verdict == "unknown":
             chances["unknown"] = 1.0
         return chances
+    for effect in e.best.fit.hypothesis.effects:
+        chances[effect.label] = _by_rounds(e, effect)
     for stand in e.stands:
         chances[stand.effect.label] = stand.chances[stand.effect.label]
-        chances["none"] = max(chances["none"], 0.0)
     if e.stands:
         chances["none"] = min(stand.chances["none"] for stand in e.stands)
-    chances["unknown"] = 1.0 if verdict == "unknown" else 0.0
+    if verdict == "unknown":
+        # The training runs speak for the findings and the held-out runs against them.
+        chances = {name: 0.5 * chance for name, chance in chances.items()}
+        chances["unknown"] = 0.5
     return chances
+
+
+def _by_rounds(e: Evidence, effect: Effect) -> float:
+    """Return how often a finding beat the model before it; 0 if no round says."""
+    for asked in e.search.rounds:
+        if asked.accepted and asked.finalists[0].fit.hypothesis.effects[-1].label == effect.label:
+            return float(np.mean(_drawn(e, asked.before.losses, asked.finalists[0].losses)))
+    return 0.0
 
 
 def _drawn(e: Evidence, before: Array, after: Array) -> Array:

@@ -18,9 +18,9 @@ from morph.model.shooting import (
     sensitivity,
 )
 
-SHARES = (1.0, 0.4, 0.1)
+SHARES = (1.0, 0.3)
 """Shares of a Gauss-Newton step that are tried, all in one batch."""
-DAMPED = (1e-3, 1e-2, 1e-1, 1.0)
+DAMPED = (1e-3, 3e-2, 1.0)
 """Levenberg-Marquardt dampings that are tried beside them: they turn the step out of a
 narrow valley, where shares of it only shorten it."""
 
@@ -152,20 +152,21 @@ def fit(
         change = space.best_change(*total, point)
         tried = [(share * change, share) for share in SHARES]
         tried += [(space.best_change(*total, point, damping), 1.0) for damping in DAMPED]
-        points = [point, *(point + moved for moved, _ in tried)]
-        starts = [start, *(curve.starts_after(start, moved, share) for moved, share in tried)]
+        points = [point + moved for moved, _ in tried]
+        starts = [curve.starts_after(start, moved, share) for moved, share in tried]
         read = predict(hypothesis, segments, points, starts)
         costs = [
             (weight * loss(segments, r, s, scale)).sum() + space.price(p)
             for r, s, p in zip(read, starts, points, strict=True)
         ]
         best = int(np.argmin(costs))
-        gained = costs[0] - costs[best]
-        if best == 0:
+        cost = (weight * around.loss(segments)).sum() + space.price(point)
+        gained = cost - costs[best]
+        if gained <= 0.0:
             break
         point, start = points[best], starts[best]
         around = sensitivity(hypothesis, segments, point, start, scale)
-        if gained < tolerance * costs[0]:
+        if gained < tolerance * cost:
             break
     return Fit(
         hypothesis=hypothesis.moved_to(point),

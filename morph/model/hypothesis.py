@@ -6,6 +6,7 @@ from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import Any
 
+import mujoco
 import numpy as np
 
 from morph.arrays import Array
@@ -15,6 +16,31 @@ from morph.model.knobs import Knob
 from morph.physics.effect import Effect
 from morph.sim.rollout import Variant
 from morph.sim.simulator import compiled
+
+BARE: dict[tuple[str, str, float], Any] = {}
+"""Specs without what does not move a robot, by hash and name of the robot and step."""
+
+
+def bare_spec(robot: Robot, step: float) -> Any:
+    """Return a robot's `mujoco.MjSpec` without shapes that touch nothing; copy it to edit.
+
+    Every step of MuJoCo places every shape, and looks for islands among constraints: on
+    small robots that takes a third of the time and changes no motion.
+    """
+    key = (robot.sha256 or robot.mjcf, robot.name, step)
+    if key not in BARE:
+        spec = spec_of(robot, timestep=step)
+        for geom in list(spec.geoms):
+            if geom.contype == 0 and geom.conaffinity == 0:
+                spec.delete(geom)
+        spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_ISLAND.value
+        try:
+            spec.copy().compile()
+        except ValueError:
+            # A tendon or a pair refers to a shape: keep them all.
+            spec = spec_of(robot, timestep=step)
+        BARE[key] = spec
+    return BARE[key]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -91,14 +117,17 @@ class Hypothesis:
 
     def spec_at(self, point: Array) -> Any:
         """Return the `mujoco.MjSpec` with the knobs turned, without the effects."""
-        spec = spec_of(self.robot, timestep=self.step)
+        return self._turned(spec_of(self.robot, timestep=self.step), point)
+
+    def at(self, point: Array) -> Variant:
+        """Return the simulation at a point; it moves as the whole one, and faster."""
+        spec = self._turned(bare_spec(self.robot, self.step).copy(), point)
+        return compiled(spec, self.effects_at(point), self.robot)
+
+    def _turned(self, spec: Any, point: Array) -> Any:
         for knob, value in zip(self.knobs, point, strict=False):
             knob.edit(spec, float(value))
         return spec
-
-    def at(self, point: Array) -> Variant:
-        """Return the simulation at a point."""
-        return compiled(self.spec_at(point), self.effects_at(point), self.robot)
 
     def adding(self, effect: Effect) -> Hypothesis:
         """Return the hypothesis with one more effect, which starts as it stands."""

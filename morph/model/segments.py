@@ -113,6 +113,16 @@ def _segments(episodes: Sequence[Episode], where: list[tuple[int, int]], steps: 
         when = [begin] * joints + [begin - 0.5 * step] * joints
         start = [np.interp(t, e.time, column) for t, column in zip(when, e.state.T, strict=True)]
         rows.append((inside, (e.time[inside] - begin) / step, e.reading[inside], start))
+    # A gap in the log leaves rollouts with few readings or none: they tell nothing.
+    typical = float(np.median([len(row[0]) for row in rows]))
+    kept = [i for i, row in enumerate(rows) if len(row[0]) >= max(2.0, 0.5 * typical)]
+    if not kept:
+        raise DiagnosisError(
+            f"no stretch of {steps * step:g} s holds enough readings",
+            where=", ".join(e.name for e in episodes),
+            fix="record at 10 readings a second or more, without gaps",
+        )
+    where, rows = [where[i] for i in kept], [rows[i] for i in kept]
     most = max(len(inside) for inside, _, _, _ in rows)
     valid = np.zeros((len(rows), most), dtype=bool)
     offset, reading = np.zeros((len(rows), most)), np.zeros((len(rows), most, joints))

@@ -156,6 +156,12 @@ class Sensitivity:
     start: Array
     """The starts, shape (segments, 2 joints)."""
 
+    def loss(self, segments: Segments) -> Array:
+        """Return each segment's squared error with its start's own cost, (segments,)."""
+        moved = segments.start - self.start
+        cost = (moved**2 * segments.start_trust).sum(axis=1)
+        return np.asarray((self.error**2).sum(axis=1) + cost)
+
 
 def sensitivity(
     hypothesis: Hypothesis, segments: Segments, point: Array, start: Array, scale: Array

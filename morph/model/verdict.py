@@ -44,7 +44,7 @@ def conclude(e: Evidence) -> Diagnosis:
     if worse:
         predicted["corrected"], errors["corrected"] = predicted["nominal"], errors["nominal"]
     kept = "corrected_plus_residual"
-    if kept in errors and size(kept) >= size("corrected"):
+    if kept in errors and (worse or size(kept) >= size("corrected")):
         errors.pop(kept)
     verdict = _verdict(e, gained, worse)
     beside, mjcf = corrected(e, worse)
@@ -110,9 +110,7 @@ def _residual(e: Evidence) -> tuple[LearnedResidual | None, Gain]:
     nothing = Gain(mean=0.0, low90=-np.inf)
     if e.search.out_of_time():
         return None, nothing
-    found, segments, fold = e.best.fit, e.search.segments, e.search.fold
-    if len(found.start) != len(segments):
-        found = replace(found, start=segments.start, weight=np.ones(len(segments)))
+    found, segments, fold = e.searched[1].fit, e.search.segments, e.search.fold
     losses = np.empty(len(segments))
     plain = predict(found.hypothesis, segments, [found.point], [found.start])[0]
     before = found.weight * loss(segments, plain, found.start, found.scale)
@@ -141,7 +139,6 @@ def _verdict(e: Evidence, gained: Gain, worse: bool) -> str:
 
 def _error_in_noise(e: Evidence) -> float:
     """Return the refitted model's mean squared training error in units of the noise."""
-    found, segments = e.refitted.fit, e.search.segments
-    start = found.start if len(found.start) == len(segments) else segments.start
-    read = predict(found.hypothesis, segments, [found.point], [start])[0]
+    found, segments = e.searched[0].fit, e.search.segments
+    read = predict(found.hypothesis, segments, [found.point], [found.start])[0]
     return float(np.max((rmse(segments, read) / segments.noise) ** 2))

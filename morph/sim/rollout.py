@@ -57,6 +57,8 @@ def rollout(
     position: Array,
     velocity: Array,
     command: Array,
+    *,
+    strict: bool = False,
 ) -> tuple[Array, Array]:
     """Return positions and velocities of many simulations, started and driven as told.
 
@@ -66,13 +68,14 @@ def rollout(
         position: Where each row starts, shape (rows, nq).
         velocity: How fast, shape (rows, nv).
         command: Controls, constant over each step, shape (rows, steps, nu).
+        strict: Whether an unstable row is an error instead.
 
     Returns:
         Positions (rows, steps + 1, nq) and velocities (rows, steps + 1, nv), the
         start included. A row that became unstable repeats its last state.
 
     Raises:
-        SimulationFailed: MuJoCo refused to step.
+        SimulationFailed: MuJoCo refused to step, or with `strict` a row became unstable.
     """
     rows, steps = command.shape[:2]
     batch = Batch(variants[0].model, rows, 2 if rows > 1 else 1)
@@ -96,6 +99,13 @@ def rollout(
             where=f"a batch of {rows} simulations of {steps} steps",
             fix="check the robot's masses and inertias, or take a smaller step",
         ) from error
+    # Of each warning MuJoCo keeps the last one's information and their number.
+    if strict and batch.warning[..., 1].any():
+        raise SimulationFailed(
+            "the simulation became unstable",
+            where=f"{steps} steps of {batch.model.opt.timestep:g} s",
+            fix="take a smaller step, or check masses, starts, commands and effects",
+        )
     q = np.concatenate([position[:, None], q], axis=1)
     v = np.concatenate([velocity[:, None], v], axis=1)
     return q, v

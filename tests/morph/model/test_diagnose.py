@@ -89,7 +89,7 @@ def run(pendulum: Robot, recorded: Recorded) -> Recording:
 def test_nothing_to_fit_is_refused(pendulum: Robot) -> None:
     with pytest.raises(DiagnosisError, match="no recording to fit") as caught:
         diagnose(pendulum, [])
-    assert caught.value.where == "morph.diagnose"
+    assert caught.value.where == "morph diagnose"
     assert caught.value.fix
 
 
@@ -125,7 +125,7 @@ def test_a_missing_channel_is_named(pendulum: Robot, run: Recording, missing: st
     with pytest.raises(RecordingError, match=f"no channel '{missing}'") as caught:
         diagnose(pendulum, [replace(run, channels=channels)])
     assert caught.value.where == "recording run"
-    assert "bind the missing one" in caught.value.fix
+    assert "bind " in caught.value.fix
 
 
 def test_a_copy_is_refused_among_the_fitted_and_the_held_out(
