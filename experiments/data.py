@@ -168,9 +168,15 @@ def main(arguments: list[str] | None = None) -> int:
     names = sorted({source.set for source in known})
     parser.add_argument("--set", choices=names, help="only this set (default: all)")
     parser.add_argument(
+        "--where", action="store_true", help="print the folder that the studies read, for --root"
+    )
+    parser.add_argument(
         "--check", action="store_true", help="only verify the files that the studies would read"
     )
     chosen = parser.parse_args(arguments)
+    if chosen.where:
+        print(data_root() / chosen.set if chosen.set else data_root())
+        return 0
     wanted = [source for source in known if chosen.set in (None, source.set)]
     root = data_root() if chosen.check else HERE / "data"
     try:

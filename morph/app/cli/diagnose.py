@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import shlex
 import sys
 import time
 from collections.abc import Sequence
@@ -152,17 +153,18 @@ def _vary(pairs: Sequence[str]) -> dict[str, float]:
 
 
 def _command(asked: Diagnose) -> str:
-    parts = ["morph diagnose", asked.robot, *map(str, asked.recordings), f"--out {asked.out}"]
+    """Return the command that gives this result again, wherever it is to be written."""
+    parts = ["morph", "diagnose", asked.robot, *map(str, asked.recordings), "--out", "DIR"]
     for option, values in (
         ("--held-out", asked.held_out),
         ("--only", asked.only),
         ("--vary", asked.vary),
     ):
-        if values:
-            parts.append(f"{option} {' '.join(values)}")
-    if asked.horizon != "1.0":
-        parts.append(f"--horizon {asked.horizon}")
-    return " ".join([*parts, f"--seed {asked.seed}"])
+        parts += [option, *values] if values else []
+    parts += ["--horizon", asked.horizon] if asked.horizon != "1.0" else []
+    parts += ["--root", str(asked.root)] if asked.root is not None else []
+    parts += ["--budget", f"{asked.budget:g}"] if asked.budget is not None else []
+    return shlex.join([*parts, "--seed", str(asked.seed)])
 
 
 class _Progress:

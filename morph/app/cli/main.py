@@ -6,6 +6,7 @@ import logging
 import os
 import sys
 from collections.abc import Sequence
+from io import TextIOWrapper
 from typing import Annotated
 
 import tyro
@@ -33,6 +34,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     written and says so; 130 interrupted.
     """
     logging.getLogger("morph").addHandler(logging.NullHandler())
+    for stream in (sys.stdout, sys.stderr):
+        # A name that the terminal cannot show is escaped, never an end to the work.
+        if isinstance(stream, TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
     asked: Diagnose | List = tyro.cli(
         Asked,
         prog="morph",
@@ -57,6 +62,12 @@ def main(argv: Sequence[str] | None = None) -> int:
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return DONE
+    except OSError as error:
+        sys.stderr.write(
+            f"error: standard output: {error.strerror or error}\n"
+            "  fix: what was found is in --out; print it elsewhere\n"
+        )
+        return UNUSABLE
 
 
 def entry() -> None:

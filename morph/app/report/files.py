@@ -51,7 +51,8 @@ def check_out(out: Path) -> None:
     """Refuse a place that a diagnosis must not be written to, before the work is done.
 
     Raises:
-        OutputError: `out` is a file, or a folder that holds something else.
+        OutputError: `out` is a file, a folder that holds something else, or a place where
+            nothing can be written.
     """
     with _as_ours(out):
         foreign = out.is_dir() and any(out.iterdir()) and not (out / FILES[-1]).is_file()
@@ -68,6 +69,15 @@ def check_out(out: Path) -> None:
             where=str(out),
             fix="name a new or an empty folder",
         )
+    standing = next(parent for parent in (out, *out.absolute().parents) if parent.exists())
+    try:
+        os.rmdir(tempfile.mkdtemp(dir=standing, prefix=".morph-"))
+    except OSError as error:
+        raise OutputError(
+            f"nothing can be written into {standing}: {error.strerror or error}",
+            where=str(out),
+            fix="name a folder that you may write to",
+        ) from error
 
 
 def _contents(diagnosis: Diagnosis) -> dict[str, str | bytes]:
