@@ -1,0 +1,120 @@
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from morph.body.load import load
+from morph.body.robot import Robot
+from morph.errors import DiagnosisError, RecordingError
+from morph.model.diagnose import diagnose
+from morph.model.episodes import episode, gaps
+from morph.model.segments import cut
+from morph.model.usable import check_channels, check_motion, check_recordings, check_settings
+from morph.record.recording import Channel, Recording
+
+Recorded = Callable[..., Recording]
+
+
+@pytest.fixture(scope="module")
+def swing(pendulum: Robot, recorded: Recorded) -> Recording:
+    return recorded(pendulum, start={"hinge": 0.8}, command=lambda t: np.sin(3.0 * t))
+
+
+def with_position(recording: Recording, time: object, value: object) -> Recording:
+    channel = Channel(time=np.asarray(time), value=np.asarray(value))
+    return replace(recording, channels={**recording.channels, "hinge.position": channel})
+
+
+def test_a_clock_that_jumps_is_refused_with_its_sample(pendulum: Robot, swing: Recording) -> None:
+    channel = swing.channel("hinge.position")
+    time = channel.time + np.where(np.arange(len(channel.time)) > 99, 1e7, 0.0)
+    with pytest.raises(RecordingError, match=r"jumps by 1e\+07 s after sample 99"):
+        check_channels(with_position(swing, time, channel.value), pendulum, ["hinge"])
+
+
+@pytest.mark.parametrize(("value", "what"), [(1e300, "reads 1e"), (np.nan, "NaN or infinity")])
+def test_positions_that_no_robot_has_are_refused(
+    pendulum: Robot, swing: Recording, value: float, what: str
+) -> None:
+    channel = swing.channel("hinge.position")
+    bad = channel.value.copy()
+    bad[7] = value
+    with pytest.raises(RecordingError, match=what):
+        diagnose(pendulum, [with_position(swing, channel.time, bad)])
+
+
+def test_a_robot_that_never_moves_is_refused(pendulum: Robot, swing: Recording) -> None:
+    channel = swing.channel("hinge.position")
+    still = with_position(swing, channel.time, 0.0 * channel.value)
+    with pytest.raises(DiagnosisError, match="no joint moves"):
+        diagnose(pendulum, [still])
+
+
+def test_one_still_joint_among_others_is_told_and_stops_nothing(recorded: Recorded) -> None:
+    robot = load("double_pendulum")
+    runs = []
+    for k in range(2):
+        # 40 N m/rad hold the elbow as a bolt would, to 0.02 rad, and the log shows zeros.
+        run = recorded(robot, start={"shoulder": 0.3 + 0.1 * k}, name=f"run_{k}", seconds=3.0)
+        elbow = run.channel("elbow.position")
+        bolted = Channel(time=elbow.time, value=0.0 * elbow.value)
+        runs.append(replace(run, channels={**run.channels, "elbow.position": bolted}))
+    assert check_motion(runs, ("shoulder", "elbow")) == ("elbow",)
+    found = diagnose(robot, runs, budget=2.0)
+    assert "Joint elbow does not move in any run that was fitted." in found.notes
+    assert all(np.isfinite(list(row.values())).all() for row in found.held_out_rmse.values())
+
+
+def test_rollouts_across_a_gap_are_left_out_and_the_gap_is_told(
+    pendulum: Robot, swing: Recording
+) -> None:
+    channel = swing.channel("hinge.position")
+    kept = (channel.time < 1.2) | (channel.time > 3.1)
+    holed = with_position(swing, channel.time[kept], channel.value[kept])
+    laid = episode(holed, pendulum, 0.004)
+    assert len(gaps(laid)) == 1
+    assert gaps(laid)[0].startswith("no reading for 1.9")
+    # Of the seconds 0-1, 1-2, 2-3, 3-4 the third holds nothing and the second a fifth.
+    assert cut([laid], 1.0).first.tolist() == [0, 750]
+
+
+@pytest.mark.parametrize(("train", "held_out"), [(["a", "a"], []), (["a"], ["a"])])
+def test_recordings_of_one_name_are_refused(
+    swing: Recording, train: list[str], held_out: list[str]
+) -> None:
+    with pytest.raises(DiagnosisError, match="several recordings are called a"):
+        check_recordings(
+            [replace(swing, name=name) for name in train],
+            [replace(swing, name=name) for name in held_out],
+        )
+
+
+def test_holding_everything_out_is_refused(swing: Recording) -> None:
+    with pytest.raises(DiagnosisError, match="every recording is held out"):
+        check_recordings([], [swing])
+
+
+def test_a_seed_below_zero_is_refused() -> None:
+    with pytest.raises(DiagnosisError, match="a seed of -1"):
+        check_settings(1.0, None, -1)
+
+
+@pytest.mark.parametrize("horizon", [1.0, 3.0, None])
+def test_clean_runs_are_clean_at_every_horizon(
+    pendulum: Robot, recorded: Recorded, horizon: float | None
+) -> None:
+    runs = [
+        recorded(
+            pendulum,
+            start={"hinge": 0.7 - 0.3 * k},
+            command=lambda t, k=k: np.sin((2.0 + 0.5 * k) * t),
+            seed=k,
+            name=f"run_{k}",
+        )
+        for k in range(3)
+    ]
+    found = diagnose(pendulum, runs, horizon=horizon)
+    assert (found.verdict, found.findings) == ("consistent", ())
