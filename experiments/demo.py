@@ -46,7 +46,9 @@ def main(arguments: list[str] | None = None) -> int:
     console.print((asked.out / "answer.txt").read_text().rstrip(), highlight=False, soft_wrap=True)
     # Only now, with the answer written, is the seal opened.
     console.print(
-        f"\n[bold]Truth, unsealed only now[/]: {truth_in_words(open_seal(case))}", highlight=False
+        f"\n[bold]Truth, unsealed only now[/]: {truth_in_words(open_seal(case))}",
+        highlight=False,
+        soft_wrap=True,
     )
     console.print(f"Open the report in a browser: {report.resolve()}", soft_wrap=True)
     return 0
