@@ -14,7 +14,7 @@ from morph.model.diagnosis import Diagnosis
 from morph.model.episodes import Episode, episode, step_for
 from morph.model.hypothesis import Hypothesis
 from morph.model.score import rmse, rollouts
-from morph.model.segments import cut
+from morph.model.segments import scored_segments
 from morph.physics.effect import Effect
 from morph.record.load import load as load_recordings
 from morph.record.recording import Recording
@@ -81,7 +81,7 @@ def errors(model: Model, episodes: Sequence[Episode], horizon: float | None) -> 
     hypothesis = Hypothesis(
         robot=model.robot, step=episodes[0].step, knobs=(), effects=model.effects
     )
-    segments = cut(episodes, horizon)
+    segments = scored_segments(episodes, horizon)
     predicted = rollouts({"model": (hypothesis, hypothesis.start)}, segments)["model"]
     joints = (joint.name for joint in model.robot.joints)
     return dict(zip(joints, map(float, rmse(segments, predicted)), strict=True))

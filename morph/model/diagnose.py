@@ -15,7 +15,7 @@ from morph.model.fit import fit, measure
 from morph.model.hypothesis import Hypothesis
 from morph.model.knobs import knobs
 from morph.model.search import Contender, Progress, Search
-from morph.model.segments import Segments, cut
+from morph.model.segments import cut, scored_segments
 from morph.model.shooting import predict
 from morph.model.split import split
 from morph.model.usable import check_channels, check_motion, check_recordings, check_settings
@@ -29,10 +29,6 @@ MOST_SEGMENTS = 48
 """Training rollouts; of longer recordings an even spread is fitted."""
 MOST_SCREENED = 80.0
 """Seconds of training motion that screening looks at; of more, an even spread."""
-EDGE = 0.15
-"""Seconds at the start of a held-out run in which no scored rollout starts."""
-MOST_SCORED = 240
-"""Held-out rollouts; of longer recordings an even spread is scored."""
 
 
 def diagnose(
@@ -77,7 +73,7 @@ def diagnose(
     step = step_for(parts.train, robot)
     train = [episode(recording, robot, step) for recording in parts.train]
     aside = [episode(recording, robot, step) for recording in parts.held_out]
-    scored = _scored(aside, horizon)
+    scored = scored_segments(aside, horizon)
     nominal = Hypothesis(robot=robot, step=step, knobs=knobs(robot, vary))
     fitted_horizon = min(FIT_HORIZON, 0.5 * min(len(e.command) for e in train) * step)
     search = Search(
@@ -112,12 +108,6 @@ def diagnose(
             started=started,
         )
     )
-
-
-def _scored(aside: list[Episode], horizon: float | None) -> Segments:
-    shortest = min(len(e.command) for e in aside) * aside[0].step
-    skip = EDGE if horizon is not None and shortest >= horizon + 2.0 * EDGE else 0.0
-    return cut(aside, horizon, most=MOST_SCORED, skip=skip)
 
 
 def _at_horizon(

@@ -11,6 +11,11 @@ from morph.arrays import Array, Integers, Mask
 from morph.errors import DiagnosisError
 from morph.model.episodes import Episode
 
+EDGE = 0.15
+"""Seconds at the start of a held-out run in which no scored rollout starts."""
+MOST_SCORED = 240
+"""Held-out rollouts; of longer recordings an even spread is scored."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Segments:
@@ -100,6 +105,13 @@ def cut(
     if most is not None and len(where) > most:
         where = [where[i] for i in np.linspace(0, len(where) - 1, most).round().astype(int)]
     return _segments(episodes, where, steps)
+
+
+def scored_segments(episodes: Sequence[Episode], horizon: float | None) -> Segments:
+    """Return the rollouts on which models are scored; see `cut` for what it takes and raises."""
+    shortest = min(len(e.command) for e in episodes) * episodes[0].step
+    skip = EDGE if horizon is not None and shortest >= horizon + 2.0 * EDGE else 0.0
+    return cut(episodes, horizon, most=MOST_SCORED, skip=skip)
 
 
 def _segments(episodes: Sequence[Episode], where: list[tuple[int, int]], steps: int) -> Segments:

@@ -18,6 +18,8 @@ FOREIGN = {
 
 LONGEST = 300
 """Lines; a file that nears it usually holds two ideas."""
+CONTRACT = "test_contract.py"
+"""One file tests all that a family promises, however much that is."""
 
 
 def tracked(pattern: str = "*") -> list[Path]:
@@ -57,7 +59,8 @@ def test_no_file_names(what: str) -> None:
 
 def test_no_file_is_too_long() -> None:
     lines = {file: len(file.read_text(encoding="utf-8").splitlines()) for file in tracked("*.py")}
-    assert {str(file.relative_to(ROOT)): n for file, n in lines.items() if n > LONGEST} == {}
+    long = {file: n for file, n in lines.items() if n > LONGEST and file.name != CONTRACT}
+    assert {str(file.relative_to(ROOT)): n for file, n in long.items()} == {}
 
 
 def test_every_module_says_what_it_is() -> None:

@@ -148,7 +148,7 @@ def test_a_file_is_refused(consistent: Diagnosis, tmp_path: Path) -> None:
 
 def test_a_folder_under_a_file_is_refused(consistent: Diagnosis, tmp_path: Path) -> None:
     (tmp_path / "file").write_text("precious")
-    with pytest.raises(OutputError, match="cannot write"):
+    with pytest.raises(OutputError, match="nothing can be written"):
         write_diagnosis(consistent, tmp_path / "file" / "out")
 
 
