@@ -48,11 +48,14 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--joints", nargs="+", default=["Rotation", "Wrist_Pitch"], help="to show")
     parser.add_argument("--every", type=int, default=3, help="hold out every n-th motion")
     parser.add_argument("--only", nargs="+", help="names of motions to use (default: all)")
+    parser.add_argument(
+        "--budget", type=float, help="seconds after which it answers (default: none)"
+    )
     parser.add_argument("--out", type=Path, help="folder for the diagnosis and its report")
     parser.add_argument("--json", action="store_true", help="print rows as JSON")
     asked = parser.parse_args(arguments)
     try:
-        found, moved = studied(asked.root, asked.every, asked.only)
+        found, moved = studied(asked.root, asked.every, asked.only, asked.budget)
         if asked.out:
             from morph.app.report.files import write_diagnosis
 
@@ -69,7 +72,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def studied(
-    root: Path | None, every: int, only: list[str] | None
+    root: Path | None, every: int, only: list[str] | None, budget: float | None = None
 ) -> tuple[Diagnosis, dict[str, Recording]]:
     """Return the diagnosis, and the held-out motions by name."""
     from experiments.data import data_root
@@ -87,6 +90,7 @@ def studied(
         train,
         held_out=aside,
         vary=VARY,
+        budget=budget,
         progress=lambda what, share: print(
             f"[{time.monotonic() - began:5.0f} s, {100 * share:3.0f} %] {what}", file=sys.stderr
         ),
