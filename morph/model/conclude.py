@@ -43,29 +43,42 @@ def standings(search: Search, best: Contender, seed: int) -> tuple[Contender, li
     """Return the final model with only the findings that it needs, and how each stands.
 
     A finding accepted early may be needless once others are in: each is taken out in
-    turn, the rest refitted, and it stays only if its absence surely costs.
+    turn, the rest refitted, and it stays only if its absence surely costs. Only then
+    does each meet its rivals.
     """
     if search.out_of_time():
         return best, []
-    kept: list[Standing] = []
-    index = swaps = 0
-    while index < len(best.fit.hypothesis.effects):
-        search.progress(
-            f"weighing {best.fit.hypothesis.effects[index].label} against its rivals", 0.8
-        )
-        without = _without(search, best.fit, index)
-        worth = gain(without.losses, best.losses, max(search.tries, 1))
-        if not (worth.sure and worth.mean >= MATERIAL) and len(best.fit.hypothesis.effects) > 1:
-            best, kept, index = without, [], 0
-            continue
-        stand = _stand(search, best, without, index, seed)
-        better = _better(search, best, stand)
-        if better is not None and swaps < MOST_SWAPS:
-            best, kept, index, swaps = better, [], 0, swaps + 1
-            continue
-        kept.append(stand)
-        index += 1
-    return best, kept
+    swaps = 0
+    while True:
+        best, without = _needed(search, best)
+        kept: list[Standing] = []
+        better: Contender | None = None
+        for index, absent in enumerate(without):
+            label = best.fit.hypothesis.effects[index].label
+            search.progress(f"weighing {label} against its rivals", 0.8)
+            stand = _stand(search, best, absent, index, seed)
+            better = _better(search, best, stand) if swaps < MOST_SWAPS else None
+            if better is not None:
+                break
+            kept.append(stand)
+        if better is None:
+            return best, kept
+        best, swaps = better, swaps + 1
+
+
+def _needed(search: Search, best: Contender) -> tuple[Contender, list[Contender]]:
+    """Return the model without needless findings, and that model without each of its own."""
+    search.progress("taking each finding out in turn", 0.78)
+    without: list[Contender] = []
+    while len(without) < len(best.fit.hypothesis.effects):
+        absent = _without(search, best.fit, len(without))
+        worth = gain(absent.losses, best.losses, max(search.tries, 1))
+        needless = not (worth.sure and worth.mean >= MATERIAL)
+        if needless and len(best.fit.hypothesis.effects) > 1:
+            best, without = absent, []
+        else:
+            without.append(absent)
+    return best, without
 
 
 def _better(search: Search, best: Contender, stand: Standing) -> Contender | None:
@@ -81,10 +94,12 @@ def _better(search: Search, best: Contender, stand: Standing) -> Contender | Non
 def _without(search: Search, found: Fit, index: int) -> Contender:
     effects = found.hypothesis.effects_at(found.point)
     fewer = replace(found.hypothesis, effects=effects[:index] + effects[index + 1 :])
-    return _fitted(search, found, fewer, 3)
+    return _fitted(search, found, fewer, 3, found.cost)
 
 
-def _fitted(search: Search, found: Fit, hypothesis: Hypothesis, iterations: int) -> Contender:
+def _fitted(
+    search: Search, found: Fit, hypothesis: Hypothesis, iterations: int, least: float
+) -> Contender:
     known = len(found.hypothesis.knobs)
     point = np.concatenate([found.point[:known], hypothesis.start[known:]])
     fitted = fit(
@@ -95,6 +110,7 @@ def _fitted(search: Search, found: Fit, hypothesis: Hypothesis, iterations: int)
         point=point,
         start=found.start,
         iterations=iterations,
+        beaten_by=least,
     )
     return Contender(fit=fitted, losses=validated(fitted, search.segments, search.fold))
 
@@ -105,7 +121,8 @@ def _stand(search: Search, best: Contender, without: Contender, index: int, seed
     for rival in _rivals(search, without.fit, effect):
         if search.out_of_time():
             break
-        rivals.append(_fitted(search, without.fit, without.fit.hypothesis.adding(rival), 3))
+        more = without.fit.hypothesis.adding(rival)
+        rivals.append(_fitted(search, without.fit, more, 3, best.fit.cost))
     losses: dict[str, Array] = {effect.label: best.losses, "none": without.losses}
     complexity = {effect.label: best.fit.hypothesis.free(), "none": without.fit.hypothesis.free()}
     for contender in rivals:

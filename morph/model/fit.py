@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,6 +24,9 @@ SHARES = (1.0, 0.3)
 DAMPED = (1e-3, 3e-2, 1.0)
 """Levenberg-Marquardt dampings that are tried beside them: they turn the step out of a
 narrow valley, where shares of it only shorten it."""
+
+FAR_BEHIND = 1.4
+"""Times a cost that is already reached: further behind, a fit is not worth finishing."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -129,6 +133,7 @@ def fit(
     start: Array | None = None,
     iterations: int = 6,
     tolerance: float = 2e-3,
+    beaten_by: float = math.inf,
 ) -> Fit:
     """Fit a hypothesis to segments by Gauss-Newton steps with batched line searches.
 
@@ -141,12 +146,14 @@ def fit(
         start: The segments' starts to begin with; default as smoothed.
         iterations: Most Gauss-Newton steps.
         tolerance: Relative gain in cost below which it stops.
+        beaten_by: A cost already reached elsewhere; a fit that is far from it after two
+            steps is left where it is.
     """
     point = hypothesis.start if point is None else point.copy()
     start = segments.start if start is None else start
     space = room(hypothesis, point)
     around = sensitivity(hypothesis, segments, point, start, scale)
-    for _ in range(iterations):
+    for step in range(iterations):
         curve = quadratic(segments, around, weight)
         total = curve.hessian.sum(axis=0), curve.slope.sum(axis=0)
         change = space.best_change(*total, point)
@@ -166,7 +173,7 @@ def fit(
             break
         point, start = points[best], starts[best]
         around = sensitivity(hypothesis, segments, point, start, scale)
-        if gained < tolerance * cost:
+        if gained < tolerance * cost or (step >= 1 and costs[best] > FAR_BEHIND * beaten_by):
             break
     return Fit(
         hypothesis=hypothesis.moved_to(point),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
@@ -116,11 +117,12 @@ class Search:
         listed = suspects(found.hypothesis, found.point, self.episodes)
         self.looked_at |= {suspect.effect.label for suspect in listed}
         tried = try_all(found, self.segments, _shortlist(listed))
-        finalists = []
+        finalists: list[Contender] = []
         for candidate in _with_simpler(tried):
             if self.out_of_time():
                 break
-            finalists.append(self._with(found, candidate.effect, candidate.point))
+            least = min((c.fit.cost for c in finalists), default=math.inf)
+            finalists.append(self._with(found, candidate.effect, candidate.point, least))
         finalists.sort(key=lambda c: c.total)
         finalists = _simplest_first(finalists, self.tries)
         if not finalists:
@@ -130,7 +132,7 @@ class Search:
         accepted = won.sure and won.mean >= MATERIAL and felt
         return Round(before=best, finalists=tuple(finalists), gain=won, accepted=accepted)
 
-    def _with(self, found: Fit, effect: Effect, point: Array) -> Contender:
+    def _with(self, found: Fit, effect: Effect, point: Array, least: float = math.inf) -> Contender:
         more = replace(found.hypothesis, effects=found.hypothesis.effects_at(point)).adding(effect)
         extended = np.concatenate([point, more.start[len(point) :]])
         fitted = fit(
@@ -141,6 +143,7 @@ class Search:
             point=extended,
             start=found.start,
             iterations=4,
+            beaten_by=least,
         )
         return Contender(fit=fitted, losses=validated(fitted, self.segments, self.fold))
 

@@ -14,9 +14,6 @@ from morph.model.segments import Segments
 from morph.model.shooting import Sensitivity, predict, quadratic, residual
 from morph.physics.effect import Effect
 
-SHARES = (1.0, 0.3)
-"""Shares of the strength that screening suggests, each tried."""
-
 
 @dataclass(frozen=True, kw_only=True)
 class Tried:
@@ -59,7 +56,7 @@ def _versions(suspect: Suspect) -> list[Effect]:
             replace(effect, **{scanned[0]: value})  # type: ignore[type-var]
             for value in known[scanned[0]].scan
         ]
-    return [*(_share(effect, share) for share in SHARES), suspect.typical]
+    return [effect, suspect.typical]
 
 
 def _share(effect: Effect, share: float) -> Effect:
