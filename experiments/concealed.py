@@ -126,7 +126,8 @@ def report(rows: list[dict[str, Any]], *, as_json: bool) -> None:
         place = sum(row["place"] for row in effects)
         rival = sum(row["right"] or row["rival"] for row in effects)
         always = max(
-            {row["truth"] for row in effects}, key=lambda t: sum(r["truth"] == t for r in effects)
+            sorted({row["truth"] for row in effects}),
+            key=lambda t: sum(r["truth"] == t for r in effects),
         )
         base = sum(row["truth"] == always for row in effects)
         print(
