@@ -54,6 +54,8 @@ def standings(search: Search, best: Contender, seed: int) -> tuple[Contender, li
         kept: list[Standing] = []
         better: Contender | None = None
         for index, absent in enumerate(without):
+            if search.out_of_time():
+                break
             label = best.fit.hypothesis.effects[index].label
             search.progress(f"weighing {label} against its rivals", 0.8)
             stand = _stand(search, best, absent, index, seed)
@@ -70,7 +72,7 @@ def _needed(search: Search, best: Contender) -> tuple[Contender, list[Contender]
     """Return the model without needless findings, and that model without each of its own."""
     search.progress("taking each finding out in turn", 0.78)
     without: list[Contender] = []
-    while len(without) < len(best.fit.hypothesis.effects):
+    while len(without) < len(best.fit.hypothesis.effects) and not search.out_of_time():
         absent = _without(search, best.fit, len(without))
         worth = gain(absent.losses, best.losses, max(search.tries, 1))
         needless = not (worth.sure and worth.mean >= MATERIAL)
@@ -163,6 +165,8 @@ def related(effect: Effect) -> set[str]:
 
 def experiment(effect: Effect, rival: str) -> str:
     """Return the experiment that tells a finding from a rival."""
+    if rival == effect.name:
+        return f"One part moved at a time, the others held: {effect.excited_by}"
     for kind in EFFECTS:
         if kind.name == rival and effect.name in kind.separate_by:
             return kind.separate_by[effect.name]

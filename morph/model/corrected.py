@@ -47,6 +47,7 @@ def data(e: Evidence) -> JSON:
         "samples": sum(recording.samples for recording in recordings),
         "dropped": sum(note.dropped for note in notes),
         "repaired": sum(note.repaired for note in notes),
+        # Two identical episodes are refused before any work, so none can be left here.
         "duplicates": [],
         "rollouts_fitted": len(e.search.segments),
         "rollouts_scored": len(e.scored),

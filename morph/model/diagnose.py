@@ -61,15 +61,11 @@ def diagnose(
     """
     started = time.monotonic()
     check_settings(horizon, budget, seed)
-    check_recordings(recordings, held_out)
-    joints = moving_joints(robot)
-    for recording in (*recordings, *held_out):
-        check_channels(recording, robot, joints)
+    _check(robot, recordings, held_out)
     say: Progress = progress or (lambda what, share: None)
-    check_distinct((*recordings, *held_out))
     say("reading motion and noise", 0.02)
     parts = split(recordings, held_out)
-    still = check_motion(parts.train, joints)
+    still = check_motion(parts.train, moving_joints(robot))
     step = step_for(parts.train, robot)
     train = [episode(recording, robot, step) for recording in parts.train]
     aside = [episode(recording, robot, step) for recording in parts.held_out]
@@ -110,6 +106,15 @@ def diagnose(
     )
 
 
+def _check(robot: Robot, train: Sequence[Recording], held_out: Sequence[Recording]) -> None:
+    """Refuse what cannot be diagnosed before any work is done."""
+    check_recordings(train, held_out)
+    joints = moving_joints(robot)
+    for recording in (*train, *held_out):
+        check_channels(recording, robot, joints)
+    check_distinct((*train, *held_out))
+
+
 def _at_horizon(
     search: Search,
     train: list[Episode],
@@ -120,7 +125,7 @@ def _at_horizon(
     """Return both models with their figures fitted to longer rollouts, if those are scored.
 
     Slow drifts show only there. Only figures move, never the choice of effects. Whole
-    episodes may diverge: where the longer fit does not lower the cost it is not taken.
+    episodes may diverge, so rollouts are at most three times those of the search.
     """
     fitted = search.segments.steps * search.segments.step
     if search.out_of_time() or (horizon is not None and horizon <= 1.5 * fitted):

@@ -57,11 +57,11 @@ def test_one_still_joint_among_others_is_told_and_stops_nothing(recorded: Record
     robot = load("double_pendulum")
     runs = []
     for k in range(2):
-        # 40 N m/rad hold the elbow as a bolt would, to 0.02 rad, and the log shows zeros.
+        # The log of a dead encoder: zeros, whatever the elbow does.
         run = recorded(robot, start={"shoulder": 0.3 + 0.1 * k}, name=f"run_{k}", seconds=3.0)
         elbow = run.channel("elbow.position")
-        bolted = Channel(time=elbow.time, value=0.0 * elbow.value)
-        runs.append(replace(run, channels={**run.channels, "elbow.position": bolted}))
+        dead = Channel(time=elbow.time, value=0.0 * elbow.value)
+        runs.append(replace(run, channels={**run.channels, "elbow.position": dead}))
     assert check_motion(runs, ("shoulder", "elbow")) == ("elbow",)
     found = diagnose(robot, runs, budget=2.0)
     assert "Joint elbow does not move in any run that was fitted." in found.notes
