@@ -1,0 +1,136 @@
+"""XML from strangers: parsed with the line of every element, and within bounds."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ElementTree
+from collections.abc import Iterator
+from xml.parsers import expat
+
+from morph.errors import RobotError
+
+MOST_BYTES = 32 * 2**20
+"""Longest description read, bytes; the longest known to us has 0.4 MiB."""
+
+DEEPEST = 200
+"""Deepest nesting. A chain of links nests no deeper than this in MJCF."""
+
+MOST_ELEMENTS = 200_000
+"""Most elements; a hundred times those of the largest robot known to us."""
+
+
+class Element(ElementTree.Element):
+    """An element that knows where it stands."""
+
+    file: str = ""
+    """The file that it was read from."""
+    line: int = 0
+    """Its line in that file, from 1."""
+
+    @property
+    def place(self) -> str:
+        """Its file and line, for a message."""
+        return f"{self.file}:{self.line}"
+
+    def children(self, *tags: str) -> Iterator[Element]:
+        """Yield the children with one of these tags, in order; all of them if none is given."""
+        for child in self:
+            if isinstance(child, Element) and (not tags or child.tag in tags):
+                yield child
+
+    def child(self, tag: str) -> Element | None:
+        """Return the first child with a tag, or None."""
+        return next(self.children(tag), None)
+
+    def everything(self) -> Iterator[Element]:
+        """Yield this element and all below it, in the order of the file."""
+        for element in self.iter():
+            if isinstance(element, Element):
+                yield element
+
+
+def parse(content: bytes, where: str) -> Element:
+    """Return the root element of an XML document.
+
+    No entity is expanded and nothing outside the text is opened.
+
+    Raises:
+        RobotError: It is not XML, declares entities, or is larger or deeper than
+            any description is; the line is named.
+    """
+    if len(content) > MOST_BYTES:
+        raise RobotError(
+            f"has {len(content)} bytes; a description has {MOST_BYTES} at most",
+            where=where,
+            fix="describe shapes in mesh files, not in the description",
+        )
+    if not content.strip():
+        raise RobotError("is empty", where=where, fix="give a description with a body in it")
+    if b"\0" in content[:4096] and not content.startswith((b"\xff\xfe", b"\xfe\xff")):
+        raise RobotError("is binary, not text", where=where, fix="give a description in UTF-8 XML")
+    return _Builder(where).build(content)
+
+
+class _Builder:
+    """Builds the tree while expat reads."""
+
+    def __init__(self, where: str) -> None:
+        self.where = where
+        self.root: Element | None = None
+        self.stack: list[Element] = []
+        self.count = 0
+        self.parser = expat.ParserCreate()
+        self.parser.buffer_text = True
+        self.parser.StartElementHandler = self._start
+        self.parser.EndElementHandler = self._end
+        self.parser.CharacterDataHandler = self._text
+        self.parser.EntityDeclHandler = self._entity
+
+    def build(self, content: bytes) -> Element:
+        try:
+            self.parser.Parse(content, True)
+        except expat.ExpatError as error:
+            raise RobotError(
+                f"is not XML: {expat.ErrorString(error.code)}",
+                where=f"{self.where}:{error.lineno}",
+                fix="correct the line; an XML checker shows what is open or misspelt",
+            ) from error
+        except ValueError as error:  # An encoding that Python does not know, or not its bytes.
+            raise RobotError(
+                f"is not XML: {error}", where=self.where, fix="save the description as UTF-8"
+            ) from error
+        if self.root is None:
+            raise RobotError("has no element", where=self.where, fix="give a description")
+        return self.root
+
+    def _here(self) -> str:
+        return f"{self.where}:{self.parser.CurrentLineNumber}"
+
+    def _start(self, tag: str, attributes: dict[str, str]) -> None:
+        element = Element(tag, attributes)
+        element.file, element.line = self.where, self.parser.CurrentLineNumber
+        self.count += 1
+        if len(self.stack) >= DEEPEST or self.count > MOST_ELEMENTS:
+            raise RobotError(
+                f"nests deeper than {DEEPEST} elements or has more than {MOST_ELEMENTS}",
+                where=self._here(),
+                fix="describe one robot, without generated filler",
+            )
+        if self.stack:
+            self.stack[-1].append(element)
+        else:
+            self.root = element
+        self.stack.append(element)
+
+    def _end(self, _tag: str) -> None:
+        self.stack.pop()
+
+    def _text(self, text: str) -> None:
+        if text.strip():
+            self.stack[-1].text = (self.stack[-1].text or "") + text
+
+    def _entity(self, name: str, *_declaration: object) -> None:
+        raise RobotError(
+            f"declares the entity {name!r}, and descriptions from strangers may not",
+            where=self._here(),
+            fix="write the text where the entity stands, and remove its declaration",
+        )
