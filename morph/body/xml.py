@@ -84,6 +84,7 @@ class _Builder:
         self.parser.EndElementHandler = self._end
         self.parser.CharacterDataHandler = self._text
         self.parser.EntityDeclHandler = self._entity
+        self.parser.StartDoctypeDeclHandler = self._doctype
 
     def build(self, content: bytes) -> Element:
         try:
@@ -127,6 +128,14 @@ class _Builder:
     def _text(self, text: str) -> None:
         if text.strip():
             self.stack[-1].text = (self.stack[-1].text or "") + text
+
+    def _doctype(self, name: str, system: str | None, *_rest: object) -> None:
+        if system is not None:
+            raise RobotError(
+                f"wants its document type {name!r} fetched from {system!r}",
+                where=self._here(),
+                fix="remove the DOCTYPE line; descriptions need none",
+            )
 
     def _entity(self, name: str, *_declaration: object) -> None:
         raise RobotError(
