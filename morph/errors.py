@@ -21,6 +21,18 @@ class RobotError(MorphError):
     """A description or a card cannot be used."""
 
 
+class MeshError(RobotError):
+    """A mesh file cannot be used.
+
+    Args:
+        code: Why: `mesh-lfs-stub`, `mesh-empty`, `mesh-unreadable` or `mesh-too-large`.
+    """
+
+    def __init__(self, what: str, *, where: str, fix: str, code: str) -> None:
+        super().__init__(what, where=where, fix=fix)
+        self.code = code
+
+
 class RecordingError(MorphError):
     """A recording or its binding cannot be used."""
 

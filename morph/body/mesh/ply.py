@@ -1,0 +1,189 @@
+"""Reading the corners and faces of PLY, ASCII and binary."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+import numpy as np
+
+from morph.arrays import Array, Integers
+from morph.body.mesh.limits import FACES, too_large, unreadable
+from morph.body.mesh.solid import Mesh
+
+TYPES = {
+    **dict.fromkeys(("char", "int8"), "i1"),
+    **dict.fromkeys(("uchar", "uint8"), "u1"),
+    **dict.fromkeys(("short", "int16"), "i2"),
+    **dict.fromkeys(("ushort", "uint16"), "u2"),
+    **dict.fromkeys(("int", "int32"), "i4"),
+    **dict.fromkeys(("uint", "uint32"), "u4"),
+    **dict.fromkeys(("float", "float32"), "f4"),
+    **dict.fromkeys(("double", "float64"), "f8"),
+}
+"""NumPy's name for each type that a PLY file may declare."""
+
+ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
+
+LINE = re.compile(rb"[^\n]*\n")
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Element:
+    name: str
+    count: int
+    properties: tuple[tuple[str, ...], ...]
+    """Each (type, name) or ("list", type of the count, type of the items, name)."""
+
+
+def read_ply(content: bytes, where: str) -> Mesh:
+    """Return the mesh in a PLY file; a polygon is cut from its first corner.
+
+    Raises:
+        MeshError: The header cannot be read, or promises what does not follow.
+    """
+    try:
+        order, elements, start = _header(content)
+        _check_counts(elements, len(content), where)
+        if order:
+            return _binary(content, start, order, elements)
+        return _ascii(content, start, elements)
+    except (ValueError, IndexError, KeyError, OverflowError) as error:
+        words = str(error) or "its header is not that of PLY"
+        raise unreadable(f"cannot be read as PLY: {words}", where) from error
+
+
+def _header(content: bytes) -> tuple[str, list[_Element], int]:
+    order, elements, at = "", [], 0
+    for found in LINE.finditer(content, 0, 65536):
+        words = found.group().decode("ascii", "replace").split()
+        at = found.end()
+        if found.start() == 0 and words != ["ply"]:
+            raise ValueError("it does not begin with ply")
+        if words[:1] == ["format"]:
+            order = ORDERS[words[1]]
+        elif words[:1] == ["element"]:
+            elements.append(_Element(name=words[1], count=int(words[2]), properties=()))
+        elif words[:1] == ["property"]:
+            last = elements[-1]
+            properties = (*last.properties, tuple(words[1:]))
+            elements[-1] = _Element(name=last.name, count=last.count, properties=properties)
+        elif words[:1] == ["end_header"]:
+            return order, elements, at
+    raise ValueError("its header does not end")
+
+
+def _check_counts(elements: list[_Element], size: int, where: str) -> None:
+    for element in elements:
+        if not 0 <= element.count <= size:
+            raise ValueError(f"it declares {element.count} of {element.name} in {size} bytes")
+        if element.name == "face" and element.count > FACES:
+            raise too_large(f"has {element.count} faces, of which {FACES} are allowed", where)
+
+
+def _binary(content: bytes, at: int, order: str, elements: list[_Element]) -> Mesh:
+    vertices, faces = np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64)
+    for element in elements:
+        if element.name == "face":
+            faces, at = _binary_faces(content, at, order, element)
+            continue
+        if any(kind[0] == "list" for kind in element.properties):
+            raise ValueError(f"{element.name} holds a list, as only faces may")
+        layout = np.dtype([(name, order + TYPES[kind]) for kind, name in element.properties])
+        rows = np.frombuffer(content, layout, count=element.count, offset=at)
+        at += element.count * layout.itemsize
+        if element.name == "vertex":
+            vertices = np.stack([rows[axis].astype(np.float64) for axis in "xyz"], axis=1)
+    return Mesh(vertices=vertices, faces=faces)
+
+
+def _binary_faces(content: bytes, at: int, order: str, element: _Element) -> tuple[Integers, int]:
+    if element.count == 0:
+        return np.zeros((0, 3), dtype=np.int64), at
+    # Nearly every file has triangles alone, which then lie in equal rows.
+    layout = _face_layout(element, order, 3)
+    if at + element.count * layout.itemsize <= len(content):
+        rows = np.frombuffer(content, layout, count=element.count, offset=at)
+        lists = [name for name in layout.names or () if name.startswith("count ")]
+        if all((rows[name] == 3).all() for name in lists):
+            corners = rows[_corners_of(element)].astype(np.int64)
+            return corners, at + element.count * layout.itemsize
+    found: list[Integers] = []
+    for _ in range(element.count):
+        polygon, at = _polygon(content, at, order, element)
+        found.append(_fan(polygon))
+    return np.concatenate(found), at
+
+
+def _face_layout(element: _Element, order: str, length: int) -> np.dtype[np.void]:
+    fields: list[tuple[object, ...]] = []
+    for kind in element.properties:
+        if kind[0] == "list":
+            _, count, item, name = kind
+            fields.append((f"count {name}", order + TYPES[count]))
+            fields.append((name, order + TYPES[item], (length,)))
+        else:
+            fields.append((kind[1], order + TYPES[kind[0]]))
+    return np.dtype(fields)
+
+
+def _corners_of(element: _Element) -> str:
+    for kind in element.properties:
+        if kind[0] == "list" and kind[3] in ("vertex_indices", "vertex_index"):
+            return kind[3]
+    raise ValueError("its faces have no vertex_indices")
+
+
+def _polygon(content: bytes, at: int, order: str, element: _Element) -> tuple[Integers, int]:
+    corners, wanted = np.zeros(0, dtype=np.int64), _corners_of(element)
+    for kind in element.properties:
+        if kind[0] != "list":
+            at += np.dtype(TYPES[kind[0]]).itemsize
+            continue
+        _, count, item, name = kind
+        size, each = np.dtype(order + TYPES[count]), np.dtype(order + TYPES[item])
+        length = int(np.frombuffer(content, size, count=1, offset=at)[0])
+        at += size.itemsize
+        if not 0 <= length <= len(content):
+            raise ValueError(f"a face has {length} corners")
+        values = np.frombuffer(content, each, count=length, offset=at)
+        at += length * each.itemsize
+        if name == wanted:
+            corners = values.astype(np.int64)
+    return corners, at
+
+
+def _fan(polygon: Integers) -> Integers:
+    first = np.full(max(len(polygon) - 2, 0), polygon[0] if len(polygon) else 0)
+    return np.stack([first, polygon[1:-1], polygon[2:]], axis=1)
+
+
+def _ascii(content: bytes, at: int, elements: list[_Element]) -> Mesh:
+    rows = (found.group().split() for found in LINE.finditer(content + b"\n", at))
+    rows = (row for row in rows if row)
+    vertices: Array = np.zeros((0, 3))
+    faces: list[Integers] = [np.zeros((0, 3), dtype=np.int64)]
+    for element in elements:
+        if element.name == "vertex":
+            columns = [[kind[-1] for kind in element.properties].index(axis) for axis in "xyz"]
+        for number in range(element.count):
+            row = next(rows, None)
+            if row is None:
+                raise ValueError(f"it ends at {element.name} {number} of {element.count}")
+            if element.name == "vertex":
+                if number == 0:
+                    vertices = np.empty((element.count, 3))
+                vertices[number] = [float(row[column]) for column in columns]
+            elif element.name == "face":
+                faces.append(_fan(_ascii_polygon(row, element)))
+    return Mesh(vertices=vertices, faces=np.concatenate(faces))
+
+
+def _ascii_polygon(row: list[bytes], element: _Element) -> Integers:
+    at, wanted = 0, _corners_of(element)
+    for kind in element.properties:
+        length = int(row[at]) if kind[0] == "list" else 0
+        if kind[-1] == wanted:
+            return np.array([int(word) for word in row[at + 1 : at + 1 + length]], dtype=np.int64)
+        at += 1 + length
+    raise ValueError("a face has no corners")
