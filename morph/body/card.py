@@ -67,9 +67,13 @@ class Closure:
     """A closed chain, which URDF cannot hold."""
 
     kind: str
-    """Its kind, such as `four-bar`."""
+    """`four-bar`, `planar` (any number of hinges) or `ball` (a ball pin, anywhere)."""
     bodies: tuple[str, ...]
-    """The links in it."""
+    """The links in it, in order; what the description lacks joins the last to the first."""
+    pin: tuple[float, ...] = ()
+    """The missing pin in the frame of the last link, m; found from the geometry if not given."""
+    pin_on_first: tuple[float, ...] = ()
+    """The same pin in the frame of the first link, m; taken from the home pose if not given."""
 
 
 @dataclass(frozen=True, kw_only=True)
