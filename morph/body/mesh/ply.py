@@ -8,20 +8,26 @@ from dataclasses import dataclass
 import numpy as np
 
 from morph.arrays import Array, Integers
+from morph.body.mesh.fan import fans
 from morph.body.mesh.limits import FACES, too_large, unreadable
 from morph.body.mesh.solid import Mesh
 
-TYPES = {
+WHOLE = {
     **dict.fromkeys(("char", "int8"), "i1"),
     **dict.fromkeys(("uchar", "uint8"), "u1"),
     **dict.fromkeys(("short", "int16"), "i2"),
     **dict.fromkeys(("ushort", "uint16"), "u2"),
     **dict.fromkeys(("int", "int32"), "i4"),
     **dict.fromkeys(("uint", "uint32"), "u4"),
+}
+"""NumPy's name for each type of whole numbers that a PLY file may declare."""
+
+TYPES = {
+    **WHOLE,
     **dict.fromkeys(("float", "float32"), "f4"),
     **dict.fromkeys(("double", "float64"), "f8"),
 }
-"""NumPy's name for each type that a PLY file may declare."""
+"""NumPy's name for each type."""
 
 ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
 
@@ -100,69 +106,57 @@ def _binary(content: bytes, at: int, order: str, elements: list[_Element]) -> Me
 def _binary_faces(content: bytes, at: int, order: str, element: _Element) -> tuple[Integers, int]:
     if element.count == 0:
         return np.zeros((0, 3), dtype=np.int64), at
-    # Nearly every file has triangles alone, which then lie in equal rows.
-    layout = _face_layout(element, order, 3)
-    if at + element.count * layout.itemsize <= len(content):
-        rows = np.frombuffer(content, layout, count=element.count, offset=at)
-        lists = [name for name in layout.names or () if name.startswith("count ")]
-        if all((rows[name] == 3).all() for name in lists):
-            corners = rows[_corners_of(element)].astype(np.int64)
-            return corners, at + element.count * layout.itemsize
+    wanted = _corners_of(element)
+    # In nearly every file all faces are alike, and so lie in rows like the first.
+    alike = _layout_of_first(content, at, order, element)
+    if at + element.count * alike.itemsize <= len(content):
+        rows = np.frombuffer(content, alike, count=element.count, offset=at)
+        counts = [name for name in alike.names or () if name.startswith("count ")]
+        if all((rows[name] == rows[name][0]).all() for name in counts):
+            corners = rows[wanted].astype(np.int64)
+            lengths = np.full(element.count, corners.shape[1])
+            return fans(corners.ravel(), lengths), at + element.count * alike.itemsize
     found: list[Integers] = []
     for _ in range(element.count):
-        polygon, at = _polygon(content, at, order, element)
-        found.append(_fan(polygon))
-    return np.concatenate(found), at
+        layout = _layout_of_first(content, at, order, element)
+        row = np.frombuffer(content, layout, count=1, offset=at)
+        found.append(row[wanted][0].astype(np.int64))
+        at += layout.itemsize
+    return fans(np.concatenate(found), np.array([len(each) for each in found])), at
 
 
-def _face_layout(element: _Element, order: str, length: int) -> np.dtype[np.void]:
+def _layout_of_first(content: bytes, at: int, order: str, element: _Element) -> np.dtype[np.void]:
+    """Return the layout of the face that begins at a byte."""
     fields: list[tuple[object, ...]] = []
     for kind in element.properties:
-        if kind[0] == "list":
-            _, count, item, name = kind
-            fields.append((f"count {name}", order + TYPES[count]))
-            fields.append((name, order + TYPES[item], (length,)))
-        else:
+        if kind[0] != "list":
             fields.append((kind[1], order + TYPES[kind[0]]))
+            at += np.dtype(TYPES[kind[0]]).itemsize
+            continue
+        _, count, item, name = kind
+        size, each = np.dtype(order + WHOLE[count]), np.dtype(order + TYPES[item])
+        length = int(np.frombuffer(content, size, count=1, offset=at)[0])
+        if not 0 <= length * each.itemsize <= len(content) - at:
+            raise ValueError(f"a face has {length} of {name}")
+        fields += [(f"count {name}", size), (name, each, (length,))]
+        at += size.itemsize + length * each.itemsize
     return np.dtype(fields)
 
 
 def _corners_of(element: _Element) -> str:
     for kind in element.properties:
         if kind[0] == "list" and kind[3] in ("vertex_indices", "vertex_index"):
+            if kind[2] not in WHOLE:
+                raise ValueError(f"its faces name corners by {kind[2]}, not by whole numbers")
             return kind[3]
     raise ValueError("its faces have no vertex_indices")
-
-
-def _polygon(content: bytes, at: int, order: str, element: _Element) -> tuple[Integers, int]:
-    corners, wanted = np.zeros(0, dtype=np.int64), _corners_of(element)
-    for kind in element.properties:
-        if kind[0] != "list":
-            at += np.dtype(TYPES[kind[0]]).itemsize
-            continue
-        _, count, item, name = kind
-        size, each = np.dtype(order + TYPES[count]), np.dtype(order + TYPES[item])
-        length = int(np.frombuffer(content, size, count=1, offset=at)[0])
-        at += size.itemsize
-        if not 0 <= length <= len(content):
-            raise ValueError(f"a face has {length} corners")
-        values = np.frombuffer(content, each, count=length, offset=at)
-        at += length * each.itemsize
-        if name == wanted:
-            corners = values.astype(np.int64)
-    return corners, at
-
-
-def _fan(polygon: Integers) -> Integers:
-    first = np.full(max(len(polygon) - 2, 0), polygon[0] if len(polygon) else 0)
-    return np.stack([first, polygon[1:-1], polygon[2:]], axis=1)
 
 
 def _ascii(content: bytes, at: int, elements: list[_Element]) -> Mesh:
     rows = (found.group().split() for found in LINE.finditer(content + b"\n", at))
     rows = (row for row in rows if row)
     vertices: Array = np.zeros((0, 3))
-    faces: list[Integers] = [np.zeros((0, 3), dtype=np.int64)]
+    polygons: list[Integers] = [np.zeros(0, dtype=np.int64)]
     for element in elements:
         if element.name == "vertex":
             columns = [[kind[-1] for kind in element.properties].index(axis) for axis in "xyz"]
@@ -175,8 +169,9 @@ def _ascii(content: bytes, at: int, elements: list[_Element]) -> Mesh:
                     vertices = np.empty((element.count, 3))
                 vertices[number] = [float(row[column]) for column in columns]
             elif element.name == "face":
-                faces.append(_fan(_ascii_polygon(row, element)))
-    return Mesh(vertices=vertices, faces=np.concatenate(faces))
+                polygons.append(_ascii_polygon(row, element))
+    lengths = np.array([len(each) for each in polygons])
+    return Mesh(vertices=vertices, faces=fans(np.concatenate(polygons), lengths))
 
 
 def _ascii_polygon(row: list[bytes], element: _Element) -> Integers:

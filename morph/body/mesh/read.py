@@ -6,17 +6,24 @@ from collections.abc import Callable
 
 import numpy as np
 
+from morph.body.mesh.collada import read_collada
 from morph.body.mesh.limits import FACES, FARTHEST, LARGEST, empty, too_large, unreadable
 from morph.body.mesh.obj import read_obj
 from morph.body.mesh.ply import read_ply
 from morph.body.mesh.solid import Mesh
+from morph.body.mesh.step import read_step
 from morph.body.mesh.stl import read_stl
+from morph.body.mesh.threemf import read_3mf
 from morph.errors import MeshError
 
 READERS: dict[str, Callable[[bytes, str], Mesh]] = {
     "stl": read_stl,
     "obj": read_obj,
     "ply": read_ply,
+    "3mf": read_3mf,
+    "dae": read_collada,
+    "step": read_step,
+    "stp": read_step,
 }
 """The reader for each ending."""
 
