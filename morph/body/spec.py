@@ -34,16 +34,20 @@ def spec_of(robot: Robot, *, timestep: float = 0.002) -> Any:
         A new spec, with the implicit-in-velocity integrator, and dry friction
         so stiff that a joint it holds does not creep.
     """
-    if robot.assets:
-        spec = mujoco.MjSpec.from_string(robot.mjcf, assets=dict(robot.assets))
-    else:
-        spec = _parsed(robot.mjcf).copy()
+    spec = bare_spec(robot)
     spec.option.timestep = timestep
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     for joint in spec.joints:
         joint.solref_friction = (FRICTION_TIME, 1.0)
         joint.solimp_friction = (FRICTION_IMPEDANCE, FRICTION_IMPEDANCE, 0.001, 0.5, 2.0)
     return spec
+
+
+def bare_spec(robot: Robot) -> Any:
+    """Return a robot as a new `mujoco.MjSpec` with nothing set for simulation."""
+    if robot.assets:
+        return mujoco.MjSpec.from_string(robot.mjcf, assets=dict(robot.assets))
+    return _parsed(robot.mjcf).copy()
 
 
 @lru_cache(maxsize=8)

@@ -1,0 +1,107 @@
+"""From a robot and operations to a robot, with where it came from."""
+
+from __future__ import annotations
+
+import re
+import tempfile
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path, PurePath
+from typing import Any
+
+from morph.body.card import Card, Checks
+from morph.body.normal import robot_of
+from morph.body.robot import Robot
+from morph.body.spec import bare_spec
+from morph.body.vary.operation import Operation
+from morph.body.vary.unhook import inventory
+from morph.files import sha256
+
+
+def vary(robot: Robot, *operations: Operation) -> Robot:
+    """Return a robot after operations, applied in order; the given one is not changed.
+
+    Its name tells the operations, its hash is of the first robot's and theirs.
+    It keeps its card, less what no longer holds: the checks, the motors of
+    actuators that are gone, and parameters of links that are gone.
+
+    Raises:
+        RobotError: An operation names a part that is not there or cannot be
+            changed so, or MuJoCo cannot use what comes of it.
+    """
+    if not operations:
+        return robot
+    spec = bare_spec(robot)
+    spec.modelname = robot.name
+    for operation in operations:
+        operation.apply(spec)
+    name = "+".join((robot.name, *map(str, operations)))
+    origin = robot.sha256 or sha256(robot.mjcf)
+    return rebuilt(spec, robot, name, sha256(origin, *(repr(each) for each in operations)))
+
+
+def removed(robot: Robot, *operations: Operation) -> tuple[str, ...]:
+    """Return what operations take out of a robot, such as `actuator 'slide'`, in order.
+
+    Raises:
+        RobotError: As `vary` does.
+    """
+    spec = bare_spec(robot)
+    spec.modelname = robot.name
+    before = inventory(spec)
+    for operation in operations:
+        operation.apply(spec)
+    after = set(inventory(spec))
+    return tuple(part for part in before if part not in after)
+
+
+def rebuilt(spec: Any, robot: Robot, name: str, digest: str) -> Robot:
+    """Return the Robot that an edited spec of another robot describes; the spec is used up.
+
+    Raises:
+        RobotError: MuJoCo cannot use it.
+    """
+    spec.modelname = name
+    with tempfile.TemporaryDirectory() as folder:
+        # robot_of reads a description's files from disk: a varied body has none there.
+        place = Path(folder) / "robot.xml"
+        place.write_text(robot.mjcf)
+        _unpack(spec, robot, Path(folder))
+        found = robot_of(spec, place, None)
+    actuators = {actuator.name for actuator in found.actuators}
+    links = {link.name for link in found.links}
+    joints = {joint.name for joint in found.joints}
+    return replace(
+        found,
+        name=name,
+        source=robot.source,
+        sha256=digest,
+        card=_card(robot.card, actuators.__contains__, (links | joints | {"*"}).__contains__),
+    )
+
+
+def _unpack(spec: Any, robot: Robot, folder: Path) -> None:
+    # robot_of puts a number before each file's name; the one it put there before goes.
+    spec.compiler.meshdir = spec.compiler.texturedir = ""
+    renamed: dict[str, str] = {}
+    for number, (name, content) in enumerate(robot.assets.items()):
+        path = folder / str(number) / re.sub(r"^\d+_", "", PurePath(name).name)
+        path.parent.mkdir()
+        path.write_bytes(content)
+        renamed[name] = f"{number}/{path.name}"
+    for element in (*spec.meshes, *spec.hfields, *spec.textures):
+        if element.file in renamed:
+            element.file = renamed[element.file]
+
+
+def _card(
+    card: Card | None, has_actuator: Callable[[str], bool], has_part: Callable[[str], bool]
+) -> Card | None:
+    if card is None:
+        return None
+    return replace(
+        card,
+        checks=Checks(),
+        motor=tuple(motor for motor in card.motor if has_actuator(motor.actuator)),
+        parameter=tuple(each for each in card.parameter if has_part(each.link)),
+    )
