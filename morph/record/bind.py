@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from pathlib import Path
 
 import numpy as np
 
 from morph.arrays import Array
 from morph.errors import RecordingError
-from morph.files import sha256, sha256_of_files
+from morph.files import sha256
 from morph.record.binding import Binding, Episode
 from morph.record.clean import clean
 from morph.record.column import Column
 from morph.record.read.any import read
+from morph.record.read.file import hash_of
+from morph.record.read.rosbag import is_bag
 from morph.record.read.table import Table
 from morph.record.recording import Channel, Note, Recording
 from morph.record.tracked import in_canonical_frames
@@ -35,8 +38,8 @@ def bind(episode: Episode, binding: Binding) -> Recording:
         for name, column in binding.columns.items()
         if name != "time" and not (episode.command and name in commands)
     }
-    table = read(episode.file, episode.key)
-    channels, notes = _channels(table, measured, binding)
+    tables = read(episode.file, episode.key, _wanted(measured, episode.file, binding))
+    channels, notes = _channels(tables, measured, binding)
     files = [episode.file]
     if episode.command is not None:
         if not commands:
@@ -45,17 +48,18 @@ def bind(episode: Episode, binding: Binding) -> Recording:
                 where=str(binding.path),
                 fix='add a line such as "hip.command" = { column = ... } to [columns]',
             )
-        sent, more = _channels(read(episode.command), commands, binding)
+        tables_sent = read(episode.command, wanted=_wanted(commands, episode.command, binding))
+        sent, more = _channels(tables_sent, commands, binding)
         channels, notes, files = {**channels, **sent}, notes + more, [*files, episode.command]
     recording = Recording(
         name=episode.name,
         channels=channels,
         session=episode.session,
         sources=tuple(files),
-        sha256=_hash(table) if episode.key is not None else sha256_of_files(files),
+        sha256=hash_of_arrays(tables) if episode.key is not None else hash_of(files),
         notes=notes,
     )
-    _check_overlap(recording)
+    check_overlap(recording)
     return recording
 
 
@@ -74,7 +78,81 @@ def channels_of(
     }, notes
 
 
+def hash_of_arrays(tables: Iterable[Table]) -> str:
+    """Return the hash of one episode's arrays: its file holds others too."""
+    return sha256(*(np.asarray(column).tobytes() for table in tables for column in table.columns))
+
+
+def check_overlap(recording: Recording) -> None:
+    """Refuse a recording whose channels share no time.
+
+    Raises:
+        RecordingError: One has ended before another begins.
+    """
+    if recording.seconds <= 0.0:
+        raise RecordingError(
+            "the commands and the measurements, or the topics, share no time: all channels have "
+            f"begun at {recording.start:.6g} s and the first ends at {recording.end:.6g} s",
+            where=", ".join(map(str, recording.sources)),
+            fix="check that all belong to one episode and that their clocks agree",
+        )
+
+
+def _wanted(columns: Mapping[str, Column], path: Path, binding: Binding) -> frozenset[str] | None:
+    """Return the names of the columns that a file is read for; None if one has only a number."""
+    bound = list(columns.values())
+    if "time" in binding.columns and not is_bag(path):
+        bound.append(binding.columns["time"])
+    names = [name for column in bound for name, _ in column.sources]
+    if is_bag(path):
+        # A bag's columns have no order, so that a number names none of them.
+        return frozenset(map(str, names))
+    texts = frozenset(name for name in names if isinstance(name, str))
+    return texts if len(texts) == len(set(names)) else None
+
+
 def _channels(
+    tables: tuple[Table, ...], columns: Mapping[str, Column], binding: Binding
+) -> tuple[dict[str, Channel], tuple[Note, ...]]:
+    """Return the channels bound to one file's columns, each on the clock of its table."""
+    shares: list[dict[str, Column]] = [{} for _ in tables]
+    for name, column in columns.items():
+        shares[_table_of(name, column, tables)][name] = column
+    channels: dict[str, Channel] = {}
+    notes: tuple[Note, ...] = ()
+    for table, share in zip(tables, shares, strict=True):
+        if share:
+            found, more = _on_one_clock(table, share, binding)
+            channels, notes = {**channels, **found}, notes + table.notes + more
+    return {name: channels[name] for name in _in_order(channels, columns)}, notes
+
+
+def _in_order(channels: Iterable[str], columns: Iterable[str]) -> list[str]:
+    """Return the channels in the order in which the binding names them."""
+    place = {name: at for at, name in enumerate(columns)}
+    return sorted(channels, key=lambda name: place.get(name, place.get(name.rpartition(".")[0], 0)))
+
+
+def _table_of(name: str, column: Column, tables: tuple[Table, ...]) -> int:
+    """Return which of a file's tables holds a channel's columns."""
+    if len(tables) == 1:
+        return 0
+    holders = {
+        at
+        for source, _ in column.sources
+        for at, table in enumerate(tables)
+        if source in table.names
+    }
+    if len(holders) != 1:
+        raise RecordingError(
+            f"{name} is bound to columns that do not share a clock",
+            where=f"{column.where}, for {tables[0].path}",
+            fix="bind columns of one topic, and of joints that the same messages name",
+        )
+    return holders.pop()
+
+
+def _on_one_clock(
     table: Table, columns: Mapping[str, Column], binding: Binding
 ) -> tuple[dict[str, Channel], tuple[Note, ...]]:
     blocks = {name: column.values(table) for name, column in columns.items()}
@@ -103,6 +181,8 @@ def _is_command(name: str, column: Column) -> bool:
 
 
 def _clock(table: Table, values: Mapping[str, Array], binding: Binding) -> Array:
+    if table.clock is not None:
+        return table.clock
     if binding.rate_hz is None:
         return binding.columns["time"].values(table)[:, 0]
     length = max((len(value) for value in values.values()), default=0)
@@ -132,18 +212,3 @@ def _fit(
             )
         )
     return tuple(notes)
-
-
-def _hash(table: Table) -> str:
-    """Return the hash of one episode's arrays: its file holds others too."""
-    return sha256(*(np.asarray(column).tobytes() for column in table.columns))
-
-
-def _check_overlap(recording: Recording) -> None:
-    if recording.seconds <= 0.0:
-        raise RecordingError(
-            f"the commands and the measurements share no time: all channels have begun at "
-            f"{recording.start:.6g} s and the first ends at {recording.end:.6g} s",
-            where=", ".join(map(str, recording.sources)),
-            fix="check that both files belong to one episode and that their clocks agree",
-        )

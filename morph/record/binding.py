@@ -13,6 +13,7 @@ from morph.errors import RecordingError
 from morph.record.column import Column, read_column
 from morph.record.entry import Entry
 from morph.record.read.file import read_bytes
+from morph.record.read.rosbag import is_bag
 
 HOLDS = ("zero-order",)
 """How commands on a clock of their own continue between their samples."""
@@ -27,7 +28,7 @@ class Episode:
     name: str
     """How reports call it."""
     key: str | None = None
-    """The array that holds it, in a file of one array per episode."""
+    """The array or group that holds it, in an NPZ or HDF5 file of several episodes."""
     session: str = ""
     """Same day and same setup."""
     command: Path | None = None
@@ -49,7 +50,7 @@ class Binding:
     episodes: tuple[Episode, ...]
     """The episodes, in the order of the file."""
     columns: Mapping[str, Column] = field(default_factory=dict)
-    """Each canonical channel's column; also `time`, unless `rate_hz` is given."""
+    """Each canonical channel's column; also `time`, without a rate and outside bags."""
 
 
 def load_binding(path: Path, *, root: Path | None = None) -> Binding:
@@ -76,20 +77,34 @@ def load_binding(path: Path, *, root: Path | None = None) -> Binding:
             "rate_hz",
             "keep the time column if the file has a clock, else rate_hz",
         )
-    if rate is None and "time" not in columns:
-        raise top.error(
-            "there is no clock",
-            "columns",
-            'add time = { column = ..., unit = "s" } to [columns], or rate_hz = ... at the top',
-        )
+    episodes = _episodes(top, folder)
+    _check_clock(top, episodes, rate is not None, "time" in columns)
     return Binding(
         path=path,
         root=folder,
         robot=top.text("robot"),
         rate_hz=rate,
-        episodes=_episodes(top, folder),
+        episodes=episodes,
         columns=columns,
     )
+
+
+def _check_clock(top: Entry, episodes: tuple[Episode, ...], rate: bool, time: bool) -> None:
+    """Refuse a binding whose files are left without a clock, or have one too many."""
+    files = [one.file for one in episodes] + [one.command for one in episodes if one.command]
+    clocked = [is_bag(file) for file in files]
+    if not all(clocked) and not (rate or time):
+        raise top.error(
+            "there is no clock",
+            "columns",
+            'add time = { column = ..., unit = "s" } to [columns], or rate_hz = ... at the top',
+        )
+    if all(clocked) and (rate or time):
+        raise top.error(
+            "a clock is bound, and every file is a bag, whose topics have clocks of their own",
+            "time" if time else "rate_hz",
+            "remove it: header stamps, or else the log's time, are the clock",
+        )
 
 
 def _parse(path: Path) -> Entry:

@@ -5,33 +5,57 @@ from __future__ import annotations
 from pathlib import Path
 
 from morph.errors import RecordingError
-from morph.files import sha256_of_files
-from morph.record.bind import channels_of
+from morph.record.bind import channels_of, check_overlap, hash_of_arrays
 from morph.record.binding import stem_of
 from morph.record.quantities import parse_channel
-from morph.record.read.any import read
-from morph.record.read.table import Table
+from morph.record.read.any import keys, read
+from morph.record.read.file import hash_of
+from morph.record.read.table import Table, listed
 from morph.record.recording import Channel, Note, Recording
+from morph.record.topics import read_topics
 
 CLOCK = ".time"
-"""The ending of a channel's own clock, in an NPZ file."""
+"""The ending of a channel's own clock, in an NPZ or HDF5 file."""
 
 
-def read_canonical(path: Path) -> Recording:
-    """Return the recording in a file with canonical column names.
+def read_canonical(path: Path) -> tuple[Recording, ...]:
+    """Return the recordings in a file with canonical names: one, or one per group of HDF5.
 
-    In an NPZ file a channel may stand beside its own clock, `<channel>.time`.
+    In an NPZ or HDF5 file a channel may stand beside its own clock, `<channel>.time`.
+    The topics of a bag have clocks of their own.
 
     Raises:
         RecordingError: A column is no channel, there is no clock, or the samples
             cannot be used.
     """
-    table = read(path)
+    return tuple(_episode(path, key) for key in keys(path))
+
+
+def _episode(path: Path, key: str | None) -> Recording:
+    tables = read(path, key)
+    if tables[0].clock is not None:
+        channels, notes = read_topics(tables)
+    else:
+        channels, notes = _channels(tables[0])
+    recording = Recording(
+        name=stem_of(path) + (f"_{key}" if key is not None else ""),
+        channels=channels,
+        sources=(path,),
+        sha256=hash_of_arrays(tables) if key is not None else hash_of((path,)),
+        notes=notes,
+    )
+    if tables[0].clock is not None:
+        check_overlap(recording)
+    return recording
+
+
+def _channels(table: Table) -> tuple[dict[str, Channel], tuple[Note, ...]]:
+    path = table.path
     names = [name for name in table.names if name != "time" and not _is_clock(name, table)]
     if not names or ("time" not in table.names and len(names) == len(table.names)):
         raise RecordingError(
             "the file has no channel names, or no column 'time'; its columns are "
-            + (", ".join(table.names[:30]) or "not named"),
+            + (listed(table.names) or "not named"),
             where=table.place(0) if table.lines is None else f"{path}, line 1",
             fix="name the columns time, <joint>.position, ... in SI, or bind them by a "
             "recording.toml",
@@ -40,7 +64,7 @@ def read_canonical(path: Path) -> Recording:
     for name in names:
         parse_channel(name, where=where)
     channels: dict[str, Channel] = {}
-    notes: tuple[Note, ...] = ()
+    notes = table.notes
     for clock, group in _groups(names, table).items():
         time = table.column(clock)
         values = {name: table.column(name) for name in group}
@@ -53,13 +77,7 @@ def read_canonical(path: Path) -> Recording:
                 )
         cleaned, found = channels_of(time, values, table)
         channels, notes = {**channels, **cleaned}, notes + found
-    return Recording(
-        name=stem_of(path),
-        channels={name: channels[name] for name in names},
-        sources=(path,),
-        sha256=sha256_of_files((path,)),
-        notes=notes,
-    )
+    return {name: channels[name] for name in names}, notes
 
 
 def _is_clock(name: str, table: Table) -> bool:

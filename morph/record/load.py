@@ -12,6 +12,7 @@ from morph.record.canonical import read_canonical
 from morph.record.distinct import check_distinct as check_distinct
 from morph.record.quantities import check_part, parse_channel
 from morph.record.read.any import ENDINGS, readable
+from morph.record.read.rosbag import is_bag_folder
 from morph.record.recording import Recording
 
 BINDING = "recording.toml"
@@ -24,8 +25,9 @@ def load(
     """Return every recording that a path stands for.
 
     Args:
-        path: A file with canonical names, a binding (`.toml`), a folder with a
-            `recording.toml`, or a folder of canonical files, taken in order of name.
+        path: A file or ROS 2 bag with canonical names, a binding (`.toml`), a folder
+            with a `recording.toml`, or a folder of canonical files and bags, taken
+            in order of name.
         robot: Whose parts every channel must name; None leaves them unchecked.
         root: Where a binding's files lie; overrides the binding's own `root`.
 
@@ -55,20 +57,22 @@ def _recordings(path: Path, root: Path | None) -> tuple[Recording, ...]:
     if path.suffix == ".toml":
         binding = load_binding(path, root=root)
         return tuple(bind(episode, binding) for episode in binding.episodes)
-    if not path.is_dir():
-        return (read_canonical(path),)
+    if not path.is_dir() or is_bag_folder(path):
+        return read_canonical(path)
     files = sorted(
-        one
-        for one in path.iterdir()
-        if one.is_file() and readable(one) and not one.name.startswith(".")
+        one for one in path.iterdir() if not one.name.startswith(".") and _is_recording(one)
     )
     if not files:
         raise RecordingError(
-            f"the folder has no {BINDING} and no file that ends in {', '.join(ENDINGS)}",
+            f"the folder has no {BINDING}, no bag, and no file that ends in {', '.join(ENDINGS)}",
             where=str(path),
             fix="name a folder with recordings, a recording, or a binding",
         )
-    return tuple(read_canonical(file) for file in files)
+    return tuple(recording for file in files for recording in read_canonical(file))
+
+
+def _is_recording(path: Path) -> bool:
+    return readable(path) and (path.is_file() or is_bag_folder(path))
 
 
 def _check_parts(recording: Recording, robot: Robot) -> None:

@@ -88,6 +88,15 @@ def parse_channel(name: str, *, where: str, whole: bool = False) -> ChannelName:
     )
 
 
+def is_channel(name: str) -> bool:
+    """Return whether a name is that of a channel."""
+    try:
+        parse_channel(name, where="")
+    except RecordingError:
+        return False
+    return True
+
+
 def check_part(channel: ChannelName, name: str, robot: Robot, *, where: str) -> None:
     """Refuse a channel whose part the robot does not have; sites are not checked.
 

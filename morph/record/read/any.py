@@ -1,31 +1,42 @@
-"""Reading a file by its ending."""
+"""Reading a file, or a bag, by its ending."""
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from pathlib import Path
 
 from morph.errors import RecordingError
 from morph.record.nearest import nearest
 from morph.record.read.csv import read_csv
+from morph.record.read.hdf5 import episodes_of, read_hdf5
 from morph.record.read.npz import read_npz
 from morph.record.read.parquet import read_parquet
+from morph.record.read.rosbag import ENDINGS as BAG_ENDINGS
+from morph.record.read.rosbag import is_bag, read_rosbag
 from morph.record.read.table import Table
 
-ENDINGS = (".csv", ".csv.gz", ".npz", ".parquet")
+HDF5_ENDINGS = (".h5", ".hdf5")
+"""The endings of HDF5 files."""
+ENDINGS = (".csv", ".csv.gz", ".npz", ".parquet", *HDF5_ENDINGS, *BAG_ENDINGS)
 """The endings of the files that can be read."""
 
 
 def readable(path: Path) -> bool:
-    """Return whether a file's ending is one of `ENDINGS`."""
-    return path.name.lower().endswith(ENDINGS)
+    """Return whether a path is a bag's folder, or a file whose ending is one of `ENDINGS`."""
+    return is_bag(path) or path.name.lower().endswith(ENDINGS)
 
 
-def read(path: Path, key: str | None = None) -> Table:
-    """Return a file's columns.
+def read(
+    path: Path, key: str | None = None, wanted: Collection[str] | None = None
+) -> tuple[Table, ...]:
+    """Return a file's columns; those of a bag in one table per clock, all others in one.
 
     Args:
-        path: The file; its ending says how it is read.
-        key: For an NPZ file with one array per episode, the array.
+        path: The file, or a bag's folder; the ending says how it is read.
+        key: For an NPZ or HDF5 file that holds several episodes, the array or the
+            group of one.
+        wanted: The columns that are needed. Bags and HDF5 files are read no
+            further; None reads all that can be read.
 
     Raises:
         RecordingError: The ending is unknown, the file cannot be read, or a key
@@ -39,11 +50,24 @@ def read(path: Path, key: str | None = None) -> Table:
             fix=f"the nearest are {nearest(path.suffix, ENDINGS)}; convert the file",
         )
     if name.endswith(".npz"):
-        return read_npz(path, key)
+        return (read_npz(path, key),)
+    if name.endswith(HDF5_ENDINGS):
+        return (read_hdf5(path, key, wanted),)
     if key is not None:
         raise RecordingError(
             f"the key {key!r} is given for a file without keys",
             where=str(path),
-            fix="remove the key; only NPZ files hold one array per episode",
+            fix="remove the key; only NPZ and HDF5 files hold several episodes",
         )
-    return read_parquet(path) if name.endswith(".parquet") else read_csv(path)
+    if is_bag(path):
+        return read_rosbag(path, wanted)
+    return (read_parquet(path) if name.endswith(".parquet") else read_csv(path),)
+
+
+def keys(path: Path) -> tuple[str | None, ...]:
+    """Return the keys of the episodes in a file that no binding describes; None for the whole.
+
+    Raises:
+        RecordingError: The file cannot be read.
+    """
+    return episodes_of(path) if path.name.lower().endswith(HDF5_ENDINGS) else (None,)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -10,6 +11,7 @@ import numpy as np
 from morph.arrays import Array, Integers
 from morph.errors import RecordingError
 from morph.record.nearest import nearest
+from morph.record.recording import Note
 
 Column = Array | tuple[str, ...]
 """Numbers of shape (rows,), lists of shape (rows, elements), or cells that are neither."""
@@ -26,15 +28,22 @@ class Table:
     columns: tuple[Column, ...]
     """The columns, in order; those of an NPZ may differ in length."""
     lines: Integers | None = None
-    """The line of each row, from 1; None where a file has no lines."""
+    """The line, or the topic's message, of each row, from 1; None where a file has neither."""
+    topic: str = ""
+    """The topic of a bag that the rows are messages of; empty for any other file."""
+    clock: Array | None = None
+    """When each row was taken, s; None where a column, or nothing, says so."""
+    notes: tuple[Note, ...] = ()
+    """What was not read, and which clock was taken."""
 
     def place(self, *rows: int) -> str:
         """Return the file and the lines, or samples, of some rows, for a message."""
         numbers = [int(self.lines[row]) if self.lines is not None else row for row in rows]
-        word = "sample" if self.lines is None else "line"
+        word = "sample" if self.lines is None else "message" if self.topic else "line"
         shown = ", ".join(str(number) for number in numbers[:5])
         more = f" and {len(numbers) - 5} more" if len(numbers) > 5 else ""
-        return f"{self.path}, {word}{'s' if len(numbers) > 1 else ''} {shown}{more}"
+        topic = f"topic {self.topic}, " if self.topic else ""
+        return f"{self.path}, {topic}{word}{'s' if len(numbers) > 1 else ''} {shown}{more}"
 
     def column(self, which: str | int, element: int | None = None) -> Array:
         """Return a column's numbers, shape (rows,); a missing cell is NaN.
@@ -72,7 +81,7 @@ class Table:
             return self.names.index(which)
         if isinstance(which, int) and 0 <= which < len(self.columns):
             return which
-        known = ", ".join(self.names) if self.names else "no names, only numbers"
+        known = listed(self.names) if self.names else "no names, only numbers"
         near = nearest(str(which), self.names) if self.names else "its number"
         raise RecordingError(
             f"there is no column {which!r}; the file has {len(self.columns)} columns: {known}",
@@ -88,6 +97,13 @@ class Table:
             fix="correct the cell, leave it empty if the sample is missing, "
             "or bind another column; cells that hold lists must all be equally long",
         )
+
+
+def listed(names: Iterable[str], *, most: int = 30) -> str:
+    """Return names for a message, the first of them if they are many."""
+    names = tuple(names)
+    more = f" and {len(names) - most} more" if len(names) > most else ""
+    return ", ".join(names[:most]) + more
 
 
 def number(cell: str) -> float:
