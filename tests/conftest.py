@@ -21,3 +21,16 @@ def recordings() -> Path:
             pytest.fail(reason)
         pytest.skip(reason)
     return folder
+
+
+@pytest.fixture(scope="session")
+def real_robots() -> Path:
+    """The folder of real descriptions; CI must have it, elsewhere its tests are skipped."""
+    named = os.environ.get("MORPH_ROBOTS")
+    folder = Path(named) if named else HERE.parent.parent / "shared" / "robots"
+    if not folder.is_dir():
+        reason = f"there are no real robots in {folder}; name them by MORPH_ROBOTS"
+        if os.environ.get("CI") == "true":
+            pytest.fail(reason)
+        pytest.skip(reason)
+    return folder

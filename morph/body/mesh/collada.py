@@ -12,6 +12,7 @@ from morph.arrays import Array, Integers
 from morph.body.mesh.fan import fans
 from morph.body.mesh.gather import Gathering
 from morph.body.mesh.limits import unreadable
+from morph.body.mesh.numbers import floats, integers
 from morph.body.mesh.solid import Mesh
 from morph.body.xml import Element, parse
 from morph.errors import MeshError, RobotError
@@ -115,13 +116,11 @@ class _Scene:
 
 
 def _numbers(element: Element | None) -> Array:
-    text = element.text if element is not None else None
-    return np.array((text or "").split(), dtype=np.float64)
+    return floats(element.text if element is not None else None)
 
 
 def _integers(element: Element | None) -> Integers:
-    text = element.text if element is not None else None
-    return np.array((text or "").split(), dtype=np.int64)
+    return integers(element.text if element is not None else None)
 
 
 def _moved(shift: Array) -> Array:

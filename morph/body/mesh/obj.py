@@ -11,6 +11,9 @@ import numpy as np
 from morph.body.mesh.limits import FACES, too_large, unreadable
 from morph.body.mesh.solid import Mesh
 
+LONGEST = 65536
+"""Longest line, bytes; a polygon of ten thousand corners fits."""
+
 
 def read_obj(content: bytes, where: str) -> Mesh:
     """Return the mesh in an OBJ file: its corners `v` and its polygons `f`.
@@ -20,12 +23,17 @@ def read_obj(content: bytes, where: str) -> Mesh:
     Raises:
         MeshError: A corner or a polygon cannot be read; the line is named.
     """
+    for start, most in ((b"\nf ", FACES), (b"\nv ", 3 * FACES)):
+        if content.count(start) > most:
+            raise too_large(f"has more than {most} lines {start.decode().strip()}", where)
     corners, triangles = array("d"), array("q")
     for number, line in enumerate(io.BytesIO(content), start=1):
-        words = line.split()
-        if not words or words[0] not in (b"v", b"f"):
+        if line[:2] not in (b"v ", b"f ", b"v\t", b"f\t"):
             continue
         try:
+            if len(line) > LONGEST:
+                raise ValueError
+            words = line.split()
             if words[0] == b"v":
                 x, y, z = words[1:4]
                 corners.extend((float(x), float(y), float(z)))
@@ -36,8 +44,8 @@ def read_obj(content: bytes, where: str) -> Mesh:
         if len(triangles) > 3 * FACES:
             raise too_large(f"has more than the {FACES} faces allowed", where)
     return Mesh(
-        vertices=np.array(corners, dtype=np.float64).reshape(-1, 3),
-        faces=np.array(triangles, dtype=np.int64).reshape(-1, 3),
+        vertices=np.frombuffer(corners, dtype=np.float64).reshape(-1, 3),
+        faces=np.frombuffer(triangles, dtype=np.int64).reshape(-1, 3),
     )
 
 

@@ -16,6 +16,7 @@ import numpy as np
 from morph.arrays import Array
 from morph.body.mesh.gather import Gathering
 from morph.body.mesh.limits import FACES, LARGEST, too_large, unreadable
+from morph.body.mesh.numbers import floats
 from morph.body.mesh.solid import Mesh
 
 UNITS = {
@@ -160,7 +161,7 @@ def _place(text: str | None) -> Array:
     # Twelve numbers, the columns of the matrix one after another: x' = R x + t.
     place = np.eye(4)
     if text:
-        place[:3] = np.array(text.split(), dtype=np.float64).reshape(4, 3).T
+        place[:3] = floats(text).reshape(4, 3).T
     return place
 
 
