@@ -64,9 +64,9 @@ def test_a_card_names_its_sources_and_only_parts_that_there_are(name: str) -> No
     assert robot.card is not None
     assert robot.card.source
     assert all(source.what and source.from_ for source in robot.card.source)
-    links = {link.name for link in robot.links}
+    parts = {link.name for link in robot.links} | {joint.name for joint in robot.joints} | {"*"}
     for parameter in robot.card.parameter:
-        assert parameter.link in links, parameter.name
+        assert parameter.link in parts, parameter.name
         assert parameter.operation in WORDS, parameter.name
         assert parameter.low < parameter.high, parameter.name
     if robot.card.water is not None:
