@@ -5,68 +5,20 @@ from __future__ import annotations
 import difflib
 import hashlib
 import xml.etree.ElementTree as ET
-from dataclasses import replace
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 
 import numpy as np
 import pytest
 import trimesh
 
 from experiments.plant import DEFECTS
-from experiments.plant.defect import Defect, Places, Planted
+from experiments.plant.defect import Planted
 from experiments.plant.description import Description
-from experiments.plant.draw import Chosen, draw, planted
-from experiments.plant.originals import PACKAGED, originals, packaged_root
-from experiments.planted import judged, main
+from experiments.plant.draw import Chosen, planted
 
 BY_NAME = {defect.name: defect for defect in DEFECTS}
-SHAPES = {
-    "torso": ((0.20, 0.12, 0.30), 5.0),
-    "thigh": ((0.05, 0.04, 0.30), 0.8),
-    "shin": ((0.04, 0.05, 0.30), 0.6),
-    "foot": ((0.20, 0.05, 0.03), 0.2),
-}
-"""Box in m and mass in kg of each part."""
-
-
-def _link(name: str, part: str, *, collision: bool) -> str:
-    (a, b, c), mass = SHAPES[part]
-    # A box of sides a, b, c: m (b^2 + c^2) / 12 about the first axis, and so on round.
-    moments = [mass * (p * p + q * q) / 12 for p, q in ((b, c), (a, c), (a, b))]
-    mesh = f'<geometry><mesh filename="package://biped/meshes/{part}.stl"/></geometry>'
-    touch = f'<collision><origin xyz="0 0 0"/>{mesh}</collision>' if collision else ""
-    return f"""<link name="{name}">
-      <inertial><origin xyz="0 0.01 0"/><mass value="{mass}"/>
-        <inertia ixx="{moments[0]:.9g}" ixy="0" ixz="0" iyy="{moments[1]:.9g}" iyz="0"
-                 izz="{moments[2]:.9g}"/></inertial>
-      <visual><origin xyz="0 0 0"/>{mesh}</visual>{touch}</link>"""
-
-
-def _joint(name: str, parent: str, child: str, xyz: str) -> str:
-    return f"""<joint name="{name}" type="revolute"><parent link="{parent}"/><child link="{child}"/>
-      <origin xyz="{xyz}" rpy="0 0 0"/><axis xyz="0 1 0"/>
-      <limit lower="-0.5" upper="1.2" effort="9" velocity="9"/></joint>"""
-
-
-@pytest.fixture
-def biped(tmp_path: Path) -> Description:
-    """Return a torso on two legs of three links, hips 0.08 m to the left and right."""
-    root = tmp_path / "own" / "biped"
-    (root / "meshes").mkdir(parents=True)
-    for part, (box, _) in SHAPES.items():
-        trimesh.creation.box(box).export(root / "meshes" / f"{part}.stl")
-    parts = [_link("torso", "torso", collision=True)]
-    for side, y in (("left", "0.08"), ("right", "-0.08")):
-        parts += [
-            _link(f"{side}_thigh", "thigh", collision=True),
-            _link(f"{side}_shin", "shin", collision=False),
-            _link(f"{side}_foot", "foot", collision=True),
-            _joint(f"{side}_hip", "torso", f"{side}_thigh", f"0 {y} -0.15"),
-            _joint(f"{side}_knee", f"{side}_thigh", f"{side}_shin", "0 0 -0.3"),
-            _joint(f"{side}_ankle", f"{side}_shin", f"{side}_foot", "0 0 -0.3"),
-        ]
-    (root / "biped.urdf").write_text(f'<robot name="biped"><!-- ours -->{"".join(parts)}</robot>')
-    return Description(name="biped", root=root, urdf=PurePosixPath("biped.urdf"))
+SHAPES = {"shin": (0.04, 0.05, 0.30), "foot": (0.20, 0.05, 0.03)}
+"""Boxes of the biped's parts in m, as in conftest.py."""
 
 
 def contents(root: Path) -> dict[str, bytes]:
@@ -385,7 +337,7 @@ def test_shapes_move_by_more_than_the_link_is_large(
     copy, _ = plant(biped, "moved-mesh-origin", variant, site, tmp_path)
     gone, come, files = changed(biped.root, copy.root)
     assert (len(gone), len(come), files) == (moved, moved, set())
-    size = float(np.linalg.norm(SHAPES["foot"][0]))
+    size = float(np.linalg.norm(SHAPES["foot"]))
     for line in come:
         away = [float(word) for word in line.removeprefix("origin xyz=").split()]
         assert 1.5 * size < np.linalg.norm(away) < 4.0 * size
@@ -394,10 +346,10 @@ def test_shapes_move_by_more_than_the_link_is_large(
 def test_a_mesh_moved_in_its_file_keeps_its_shape(biped: Description, tmp_path: Path) -> None:
     copy, _ = plant(biped, "moved-mesh-origin", "file", "left_shin", tmp_path)
     mesh = trimesh.load(copy.root / "meshes" / "shin.stl")
-    size = float(np.linalg.norm(SHAPES["shin"][0]))
+    size = float(np.linalg.norm(SHAPES["shin"]))
     assert 1.5 * size < np.linalg.norm(mesh.bounds.mean(axis=0)) < 4.0 * size
     # A 32-bit number of up to 1.3 m is good to 1e-7 m.
-    np.testing.assert_allclose(mesh.extents, SHAPES["shin"][0], atol=1e-6)
+    np.testing.assert_allclose(mesh.extents, SHAPES["shin"], atol=1e-6)
 
 
 @pytest.mark.parametrize("variant", BY_NAME["broken-inertia"].variants)
@@ -515,82 +467,3 @@ def test_every_variant_of_every_class_is_planted_above() -> None:
     every = {(defect.name, variant) for defect in DEFECTS for variant in defect.variants}
     assert {(row[0], row[1]) for row in SAID} | apart == every
     assert len(DEFECTS) == len(BY_NAME) == 15
-
-
-@pytest.mark.parametrize("defect", DEFECTS, ids=lambda one: one.name)
-def test_published_robots_have_ten_places_of_each_class_on_four_of_them(defect: Defect) -> None:
-    if not packaged_root().is_dir():
-        pytest.skip("example-robot-data is not installed")
-    packaged = [one for one in originals() if one.name in PACKAGED]
-    found = draw(defect, packaged, 10, np.random.default_rng(7))
-    assert len(found) == 10
-    assert len({one.original.name for one in found}) >= 4
-    assert len({(one.original.name, one.variant, one.site) for one in found}) == 10
-    assert found == draw(defect, packaged, 10, np.random.default_rng(7))
-
-
-def _finding(code: str, kind: str, name: str, what: str = "") -> dict[str, object]:
-    return {"code": code, "where": {"kind": kind, "name": name}, "what": what}
-
-
-PLANT = Planted(
-    defect="flipped-axis",
-    variant="negated",
-    robot="biped",
-    site="left_hip",
-    fact="",
-    did="",
-    places=Places(
-        parts=frozenset({"left_hip", "left_thigh"}),
-        meshes=frozenset({"thigh.stl"}),
-        partners=frozenset({"right_hip"}),
-    ),
-    codes=frozenset({"axis-flipped"}),
-    also=frozenset({"joint-axis"}),
-)
-
-
-@pytest.mark.parametrize(
-    ("finding", "named", "own", "twin"),
-    [
-        (_finding("axis-flipped", "joint", "left_hip"), True, True, False),
-        (_finding("joint-axis", "joint", "left_hip"), True, False, False),
-        (_finding("axis-flipped", "joint", "right_hip", "beside left_hip"), True, True, True),
-        (_finding("axis-flipped", "joint", "right_hip", "its twin"), False, False, False),
-        (_finding("axis-flipped", "joint", "left_knee"), False, False, False),
-        (_finding("axis-flipped", "robot", "left_hip"), False, False, False),
-        (_finding("limb-mirrored", "joint", "left_hip"), False, False, False),
-        (_finding("axis-flipped", "mesh", "package://a/Thigh.STL"), True, True, False),
-    ],
-)
-def test_a_defect_is_named_by_a_right_code_at_a_right_place(
-    finding: dict[str, object], named: bool, own: bool, twin: bool
-) -> None:
-    row = judged(PLANT, [], [finding], "repaired")
-    assert (row["named"], row["by_own_code"], row["by_twin_only"]) == (named, own, twin)
-    assert len(row["found"] + row["beside"] + row["elsewhere"]) == 1
-
-
-def test_what_the_original_had_already_names_nothing() -> None:
-    known = _finding("axis-flipped", "joint", "left_hip")
-    row = judged(PLANT, [known], [known], "repaired")
-    assert not row["named"]
-    assert row["known_before"] == ["axis-flipped"]
-    assert judged(replace(PLANT, codes=frozenset({"mimic"})), [known], [], "ok")["found"] == []
-
-
-def test_a_dry_run_says_where_the_defects_go(capsys: pytest.CaptureFixture[str]) -> None:
-    if not packaged_root().is_dir():
-        pytest.skip("example-robot-data is not installed")
-    assert main(["--dry", "--per-class", "2", "--defect", "lost-base"]) == 0
-    said = capsys.readouterr().out.splitlines()
-    assert len(said) == 2
-    assert all(line.startswith("lost-base") for line in said)
-
-
-def test_without_descriptions_the_study_says_what_to_do(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setattr("experiments.planted.originals", list)
-    assert main([]) == 2
-    assert "MORPH_ROBOTS" in capsys.readouterr().err
