@@ -10,6 +10,8 @@ from morph.body.vary.design import sweep as sweep
 from morph.body.vary.design import with_parameters as with_parameters
 from morph.body.vary.drop import Drop as Drop
 from morph.body.vary.heavier import Heavier as Heavier
+from morph.body.vary.interpolate import interpolate as interpolate
+from morph.body.vary.interpolate import path as path
 from morph.body.vary.lock import Lock as Lock
 from morph.body.vary.operation import Operation as Operation
 from morph.body.vary.operations import OPERATIONS as OPERATIONS
