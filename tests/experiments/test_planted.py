@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import xml.etree.ElementTree as ET
 from dataclasses import replace
+from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -11,7 +14,7 @@ from experiments.plant.originals import packaged_root
 from experiments.planted import judged, main
 
 
-def _finding(code: str, kind: str, name: str, what: str = "") -> dict[str, object]:
+def _finding(code: str, kind: str, name: str, what: str = "") -> dict[str, Any]:
     return {"code": code, "where": {"kind": kind, "name": name}, "what": what}
 
 
@@ -46,7 +49,7 @@ PLANT = Planted(
     ],
 )
 def test_a_defect_is_named_by_a_right_code_at_a_right_place(
-    finding: dict[str, object], named: bool, own: bool, twin: bool
+    finding: dict[str, Any], named: bool, own: bool, twin: bool
 ) -> None:
     row = judged(PLANT, [], [finding], "repaired")
     assert (row["named"], row["by_own_code"], row["by_twin_only"]) == (named, own, twin)
@@ -76,3 +79,25 @@ def test_without_descriptions_the_study_says_what_to_do(
     monkeypatch.setattr("experiments.planted.originals", list)
     assert main([]) == 2
     assert "MORPH_ROBOTS" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("talkative", [False, True])
+def test_an_importer_that_says_the_same_of_every_copy_names_nothing(
+    talkative: bool, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    if not packaged_root().is_dir():
+        pytest.skip("example-robot-data is not installed")
+
+    def same(path: Path) -> tuple[list[dict[str, Any]], str]:
+        links = [str(link.get("name")) for link in ET.parse(path).findall("link")]
+        said = [_finding("axis-flipped", "link", name) for name in links if talkative]
+        return said, "ok"
+
+    monkeypatch.setattr("experiments.planted.inspected", same)
+    asked = ["--quiet", "--per-class", "2", "--defect", "flipped-axis", "--defect", "lfs-stub"]
+    assert main(asked) == 0
+    said = capsys.readouterr().out
+    assert "all: 0/4 = 0.0%" in said
+    assert said.count("missed:") == 4
+    assert ("already in the original: axis-flipped" in said) == talkative
+    assert "new in originals that were only written anew: 0" in said
