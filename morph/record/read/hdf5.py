@@ -172,7 +172,8 @@ def _unfit(node: Any) -> str:
         return f"{OUTSIDE}: it is a view of other data sets or files"
     # Before any other look at it: text and objects of Python may need to be unpacked for one.
     if node.shape is None or node.dtype.kind not in "fiub":
-        return f"it holds {node.dtype}, no plain numbers"
+        kind = "nothing" if node.shape is None else node.dtype
+        return f"it holds {'text or objects' if kind == object else kind}, no plain numbers"
     return "" if node.ndim in (1, 2) else f"it has {node.ndim} dimensions"
 
 

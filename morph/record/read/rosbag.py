@@ -86,8 +86,10 @@ def _files(path: Path) -> tuple[list[Path], str]:
         lines = metadata.read_text(encoding="utf-8").splitlines()
     except UnicodeDecodeError as error:
         raise _metadata(metadata, f"byte {error.start} is no UTF-8") from error
-    said = dict(line.strip().lower().split(": ", 1) for line in lines if ": " in line)
-    mode, codec = (said.get(f"compression_{one}", "").strip("'\"") for one in ("mode", "format"))
+    said = {key.strip(): value for key, _, value in (line.partition(":") for line in lines)}
+    mode, codec = (
+        said.get(f"compression_{one}", "").strip().strip("'\"").lower() for one in ("mode", "format")
+    )
     if mode == "file":
         raise RecordingError(
             "the bag's files are compressed as a whole",
