@@ -30,9 +30,10 @@ DYNAMIXELS = (
     # Rhoban/bam, class MXActuator); at the usual P of 32, kp = 32 * 0.158 * stall.
     # kp of the AX: full torque at the default compliance slope, 32 steps of 0.29
     # degrees, so kp = stall / 0.162 rad.
-    # Armature: the MX-64's as identified (Rhoban/bam, params/mx64/m1.json); the MX-28's
-    # is the rotor of its maxon RE-max 17, 0.868 g cm2, times 193^2. For the AX no rotor
-    # is published; the same one is assumed, times 254^2.
+    # Armature: the MX-64's as identified (Rhoban/bam, params/mx64/m1.json). The maker
+    # says of the MX-28 only that its motor is a coreless maxon: it is assumed to be the
+    # RE-max 17, with a rotor of 0.868 g cm2, times 193^2. Of the AX no rotor is
+    # published; the same one is assumed, times 254^2.
     Servo(name="MX-28", kp=12.6, kv=0.434, limit=2.5, armature=0.00323),
     Servo(name="MX-64", kp=30.3, kv=0.909, limit=6.0, armature=0.012),
     Servo(name="AX-12", kp=9.26, kv=0.243, limit=1.5, armature=0.0056),
