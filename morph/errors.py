@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 
 class MorphError(Exception):
     """Base of every error that morph raises on purpose.
@@ -19,6 +21,18 @@ class MorphError(Exception):
 
 class RobotError(MorphError):
     """A description or a card cannot be used."""
+
+
+class DescriptionRefused(RobotError):
+    """A description holds no robot that can be simulated.
+
+    Args:
+        findings: Everything found in it, `morph.body.finding.Finding` each.
+    """
+
+    def __init__(self, what: str, *, where: str, fix: str, findings: tuple[Any, ...]) -> None:
+        super().__init__(what, where=where, fix=fix)
+        self.findings = findings
 
 
 class MeshError(RobotError):

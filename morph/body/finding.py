@@ -71,6 +71,7 @@ CODES: dict[str, str] = {
     "inertia-broken": "An inertia is not positive definite, or breaks the triangle inequality.",
     "inertia-swapped": "An inertia fits the link's shape only with its axes exchanged.",
     "inertia-oversized": "A mass is spread wider than the link's shape is.",
+    "inertia-undersized": "A mass is packed far tighter than the link's shape is.",
     "mass-volume": "A mass does not fit the volume of the link's shape.",
     "mass-asymmetric": "A left and a right part differ in mass or inertia.",
     # Limits.
@@ -89,6 +90,7 @@ CODES: dict[str, str] = {
     "mesh-inside-out": "A mesh's faces look inward: its volume is negative.",
     "mesh-open": "A mesh is not closed, so that its volume is a guess.",
     "mesh-units": "A mesh is a thousand times larger or smaller than its robot.",
+    "length-units": "A link stands a thousand times further away than its neighbours.",
     "mesh-moved": "A mesh lies away from the mass of its link, or from its other shapes.",
     "shape-size": "A box, cylinder or sphere has no size.",
     # Symmetry and pose.

@@ -6,13 +6,9 @@ from pathlib import Path
 
 from morph.body import shelf
 from morph.body.card import Card, load_card
-from morph.body.mjcf import read_mjcf
+from morph.body.description import read_description
 from morph.body.robot import Robot
-from morph.body.urdf import read_urdf
 from morph.errors import RobotError
-
-READERS = {".xml": read_mjcf, ".mjcf": read_mjcf, ".urdf": read_urdf}
-"""The reader for each suffix."""
 
 TOLERANCE = 1e-9
 """How near the mass must come to that of the card, kg."""
@@ -21,27 +17,46 @@ FREEDOMS = {"hinge": 1, "slide": 1, "ball": 3, "free": 6}
 """Degrees of freedom of each kind of joint."""
 
 
-def load(robot: str | Path) -> Robot:
-    """Return a robot.
+def load(robot: str | Path, *, base: str | None = None, folder: str | Path | None = None) -> Robot:
+    """Return a robot; `robot.findings` says what was repaired in its description.
 
     Args:
-        robot: A name on the shelf, a folder with a `card.toml`, or an `.xml`,
-            `.mjcf` or `.urdf` file. A file's card is used if it names the file.
+        robot: A name on the shelf, a folder with a `card.toml`, or a URDF, xacro or
+            MJCF file, or an assembly of meshes in TOML. A file's card is used if
+            it names the file.
+        base: `fixed`, `floating` or `board`: how it stands in the world, where a
+            URDF does not say; it comes before the card's.
+        folder: The folder outside which nothing is read; by default the
+            description's own.
 
     Raises:
         RobotError: There is no such robot, its files cannot be used, or it is
-            not what its card says.
+            not what its card says. If it is a DescriptionRefused, its findings say
+            everything that is wrong.
+    """
+    path, card = find(robot)
+    found = read_description(path, card, base=base, folder=Path(folder) if folder else None)
+    if card is not None and base is None:
+        _check(found, card)
+    return found
+
+
+def find(robot: str | Path) -> tuple[Path, Card | None]:
+    """Return the description that a name, a folder or a file means, and its card.
+
+    Raises:
+        RobotError: There is no such robot, or its card cannot be used.
     """
     path = _path(robot)
     if path.is_dir():
         card = load_card(path / "card.toml")
-        return _read(path / card.description, card)
+        return path / card.description, card
     beside = path.parent / "card.toml"
-    if beside.is_file() and path.is_file():
+    if beside.is_file() and path.is_file() and path.name != "card.toml":
         card = load_card(beside)
         if (path.parent / card.description).resolve() == path.resolve():
-            return _read(path, card)
-    return _read(path, None)
+            return path, card
+    return path, None
 
 
 def _path(robot: str | Path) -> Path:
@@ -52,41 +67,6 @@ def _path(robot: str | Path) -> Path:
         if not path.exists() and not path.suffix:
             return shelf.find(robot)
     return path
-
-
-def _read(path: Path, card: Card | None) -> Robot:
-    if path.suffix not in READERS:
-        raise RobotError(
-            f"files that end in {path.suffix or 'nothing'!r} cannot be read",
-            where=str(path),
-            fix=f"give a file that ends in {', '.join(READERS)}",
-        )
-    _check_text(path)
-    found = READERS[path.suffix](path, card)
-    if card is not None:
-        _check(found, card)
-    return found
-
-
-def _check_text(path: Path) -> None:
-    try:
-        content = path.read_bytes()
-    except OSError as error:
-        raise RobotError(
-            f"cannot be read: {error.strerror or error}",
-            where=str(path),
-            fix=f"give a file that exists, or a name on the shelf: {', '.join(shelf.names())}",
-        ) from error
-    if not content.strip():
-        raise RobotError("is empty", where=str(path), fix="give a description with a body in it")
-    try:
-        text = content.decode()
-    except UnicodeDecodeError:
-        text = "\0"
-    if "\0" in text:
-        raise RobotError(
-            "is binary, not text", where=str(path), fix="give a description in UTF-8 XML"
-        )
 
 
 def _check(robot: Robot, card: Card) -> None:

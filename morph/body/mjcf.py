@@ -1,24 +1,108 @@
-"""Reading a body from MJCF."""
+"""Reading MJCF: files resolved inside its folder, parts mended that MuJoCo would refuse."""
 
 from __future__ import annotations
 
+import xml.etree.ElementTree as ElementTree
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import mujoco
+import numpy as np
 
 from morph.body.card import Card
+from morph.body.check.collision import overlaps, self_collisions
+from morph.body.check.fit import check_fit
+from morph.body.check.meshes import check_meshes
+from morph.body.check.symmetry import check_symmetry
+from morph.body.finding import Finding
+from morph.body.inertia import is_physical, mended
+from morph.body.mjcf_draft import Lines, draft_of
+from morph.body.mjcf_files import gather
 from morph.body.normal import refused, robot_of
+from morph.body.paths import Files
+from morph.body.refusal import about_file, refusal
 from morph.body.robot import Robot
+from morph.body.xml import Element
+from morph.errors import RobotError
 
 
-def read_mjcf(path: Path, card: Card | None = None) -> Robot:
-    """Return the robot that an MJCF file describes.
+def robot_from_mjcf(tree: Element, path: Path, files: Files, card: Card | None) -> Robot:
+    """Return the robot that an MJCF file describes, with everything found in it.
 
     Raises:
-        RobotError: MuJoCo cannot read or compile the file.
+        DescriptionRefused: It holds something that no description may, or that
+            cannot be simulated.
     """
+    lines = Lines(tree, path)
+    tree, assets, findings = gather(tree, path, files, lines)
     try:
-        spec = mujoco.MjSpec.from_file(str(path))
-    except ValueError as error:
-        raise refused(error, path) from error
-    return robot_of(spec, path, card)
+        text = ElementTree.tostring(tree, encoding="unicode")
+        spec = mujoco.MjSpec.from_string(text, assets=assets)
+        findings += _mend(spec, lines)
+        if len(spec.bodies) < 2:
+            fix = "describe at least one <body> in <worldbody>"
+            raise RobotError("holds no body", where=str(path), fix=fix)
+        robot = robot_of(spec, path, card, assets)
+    except (ValueError, RobotError) as error:
+        told = error if isinstance(error, RobotError) else refused(error, path)
+        code = "duplicate-name" if "repeated name" in str(told) else "engine-refused"
+        raise refusal([*findings, about_file(told, path, code=code)]) from error
+    draft = draft_of(robot, path, lines)
+    looked = check_meshes(draft)[1] + check_fit(draft) + check_symmetry(draft)
+    looked += self_collisions(draft, overlaps(draft))
+    findings += [_unchanged(finding) for finding in looked]
+    return replace(robot, findings=tuple(findings))
+
+
+def _unchanged(finding: Finding) -> Finding:
+    # MJCF says itself what touches what and how large meshes are: it is only told.
+    if finding.severity == "info":
+        return finding
+    return replace(finding, severity="info", done="nothing")
+
+
+def _mend(spec: Any, lines: Lines) -> list[Finding]:
+    """Mend inertias that no body has; return what was found."""
+    findings = []
+    for body in spec.bodies[1:]:
+        if not body.explicitinertial or spec.compiler.balanceinertia:
+            continue
+        given = _inertia(body)
+        if given is None or not np.any(given) or is_physical(given):
+            continue
+        nearest = mended(given)
+        severity = "refused" if nearest is None else "repaired"
+        moments = ", ".join(f"{value:.4g}" for value in np.linalg.eigvalsh(given))
+        findings.append(
+            Finding(
+                code="inertia-broken",
+                severity="refused" if nearest is None else "repaired",
+                where=lines.place("body", body.name),
+                what=f"no body has the principal moments {moments} kg m2",
+                done="nothing" if severity == "refused" else "the nearest possible was taken",
+                fix="recompute it in CAD; the sum of any two principal moments exceeds the third",
+            )
+        )
+        if nearest is not None:
+            body.fullinertia = nearest[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
+            body.inertia = np.zeros(3)
+            body.iquat = (1.0, 0.0, 0.0, 0.0)
+            body.ialt.type = mujoco.mjtOrientation.mjORIENTATION_QUAT
+    return findings
+
+
+def _inertia(body: Any) -> Any:
+    full = np.array(body.fullinertia)
+    if np.isfinite(full[0]):
+        xx, yy, zz, xy, xz, yz = full
+        return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    # A turned frame turns the axes and leaves the principal moments: enough to tell.
+    if body.ialt.type != mujoco.mjtOrientation.mjORIENTATION_QUAT:
+        return None
+    turn = np.zeros(9)
+    quat = np.array(body.iquat, dtype=float)
+    mujoco.mju_normalize4(quat)
+    mujoco.mju_quat2Mat(turn, quat)
+    axes = turn.reshape(3, 3)
+    return axes @ np.diag(body.inertia) @ axes.T

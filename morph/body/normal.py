@@ -10,7 +10,7 @@ import numpy as np
 
 from morph.body.card import Card
 from morph.body.fulltext import fulltext
-from morph.body.robot import Actuator, Joint, Link, Robot
+from morph.body.robot import Actuator, Joint, Link, Loop, Robot, Sensor
 from morph.errors import RobotError
 from morph.files import sha256
 
@@ -40,15 +40,26 @@ def refused(error: Exception, source: Path) -> RobotError:
     )
 
 
-def robot_of(spec: Any, source: Path, card: Card | None) -> Robot:
+def robot_of(
+    spec: Any, source: Path, card: Card | None, assets: dict[str, bytes] | None = None
+) -> Robot:
     """Return the Robot that a `mujoco.MjSpec` describes; the spec is used up.
+
+    Args:
+        spec: The spec.
+        source: The file that it was read from.
+        card: What the shelf knows about it.
+        assets: The content of the files that the spec names, by name; None: they
+            lie beside the source.
 
     Raises:
         RobotError: The spec does not compile, a mesh cannot be read, or an
             actuator drives no joint.
     """
     _name_the_unnamed(spec)
-    assets = _embed(spec, source)
+    if assets is None:
+        assets = _embed(spec, source)
+    spec.assets = assets
     model = compiled(spec, source)
     _settle_inertias(spec, model)
     name = spec.modelname if spec.modelname not in ("", UNNAMED) else source.stem
@@ -63,6 +74,8 @@ def robot_of(spec: Any, source: Path, card: Card | None) -> Robot:
         source=source,
         sha256=sha256(source, card_text, *(assets[key] for key in sorted(assets))),
         card=card,
+        sensors=tuple(_sensor(model, index) for index in range(model.nsensor)),
+        loops=tuple(_loop(model, index) for index in range(model.neq) if _closes(model, index)),
     )
 
 
@@ -108,7 +121,6 @@ def _embed(spec: Any, source: Path) -> dict[str, bytes]:
                 element.file = f"{len(assets)}_{path.name}"
                 assets[element.file] = _bytes(path, source)
     spec.compiler.meshdir = spec.compiler.texturedir = ""
-    spec.assets = assets
     return assets
 
 
@@ -137,7 +149,20 @@ def _link(model: Any, index: int) -> Link:
             float(inertia[row, column])
             for row, column in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
         ),
+        parent=model.body(model.body_parentid[index]).name,
+        shapes=tuple(_shapes(model, index)),
     )
+
+
+def _shapes(model: Any, body: int) -> list[str]:
+    first = model.body_geomadr[body]
+    geoms = range(first, first + model.body_geomnum[body])
+    words = []
+    for geom in geoms:
+        kind = mujoco.mjtGeom(model.geom_type[geom]).name.removeprefix("mjGEOM_").lower()
+        touches = model.geom_contype[geom] or model.geom_conaffinity[geom]
+        words.append(f"{'collision' if touches else 'visual'} {kind}")
+    return sorted(words, reverse=True)
 
 
 def _joint(model: Any, index: int) -> Joint:
@@ -148,12 +173,36 @@ def _joint(model: Any, index: int) -> Joint:
         mujoco.mjtJoint.mjJNT_HINGE: "hinge",
     }
     low, high = model.jnt_range[index].tolist()
+    x, y, z = model.jnt_axis[index].tolist()
+    strongest = float(np.abs(model.jnt_actfrcrange[index]).max())
     return Joint(
         name=model.joint(index).name,
         kind=kinds[mujoco.mjtJoint(model.jnt_type[index])],
         link=model.body(model.jnt_bodyid[index]).name,
         limits=(low, high) if model.jnt_limited[index] else None,
+        axis=(x, y, z),
+        effort=strongest if model.jnt_actfrclimited[index] else None,
     )
+
+
+def _sensor(model: Any, index: int) -> Sensor:
+    kind = mujoco.mjtSensor(model.sensor_type[index]).name.removeprefix("mjSENS_").lower()
+    sort, part = model.sensor_objtype[index], model.sensor_objid[index]
+    name = mujoco.mj_id2name(model, sort, part) if part >= 0 else None
+    return Sensor(name=model.sensor(index).name, kind=kind, part=name or "")
+
+
+def _closes(model: Any, index: int) -> bool:
+    return model.eq_type[index] in (mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD)
+
+
+def _loop(model: Any, index: int) -> Loop:
+    ends = model.eq_obj1id[index], model.eq_obj2id[index]
+    if model.eq_objtype[index] == mujoco.mjtObj.mjOBJ_SITE:
+        ends = tuple(model.site_bodyid[end] for end in ends)
+    kind = "weld" if model.eq_type[index] == mujoco.mjtEq.mjEQ_WELD else "connect"
+    first, second = (model.body(int(end)).name for end in ends)
+    return Loop(name=model.equality(index).name, kind=kind, links=(first, second))
 
 
 def _actuator(model: Any, index: int, source: Path) -> Actuator:
@@ -168,7 +217,22 @@ def _actuator(model: Any, index: int, source: Path) -> Actuator:
         name=name,
         joint=model.joint(model.actuator_trnid[index, 0]).name,
         kind="position" if _is_servo(model, index) else "motor",
+        limit=_limit(model, index),
     )
+
+
+def _limit(model: Any, index: int) -> float | None:
+    joint = model.actuator_trnid[index, 0]
+    gear = abs(float(model.actuator_gear[index, 0]))
+    gain = float(model.actuator_gainprm[index, 0])
+    limits = []
+    if model.actuator_forcelimited[index]:
+        limits.append(gear * float(np.abs(model.actuator_forcerange[index]).max()))
+    if model.actuator_ctrllimited[index] and not _is_servo(model, index):
+        limits.append(gear * abs(gain) * float(np.abs(model.actuator_ctrlrange[index]).max()))
+    if model.jnt_actfrclimited[joint]:
+        limits.append(float(np.abs(model.jnt_actfrcrange[joint]).max()))
+    return min(limits, default=None)
 
 
 def _is_servo(model: Any, index: int) -> bool:

@@ -11,6 +11,7 @@ from morph.errors import RobotError
 
 if TYPE_CHECKING:
     from morph.body.card import Card
+    from morph.body.finding import Finding
 
 Part = TypeVar("Part", "Link", "Joint", "Actuator")
 
@@ -27,6 +28,24 @@ class Link:
     """Centre of mass in the link's frame, m."""
     inertia: tuple[float, ...]
     """About the centre of mass, in the link's frame, kg m2: xx, yy, zz, xy, xz, yz."""
+    inertia_from: str = "description"
+    """Where the inertia comes from: `measured`, `description`, `mesh x density` or `none`."""
+    parent: str = "world"
+    """The link that it hangs from."""
+    shapes: tuple[str, ...] = ()
+    """Its shapes, visual first: `visual mesh`, `collision box` and so on."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Mimic:
+    """A joint that follows another: position = ratio * other + offset."""
+
+    joint: str
+    """The joint that it follows."""
+    ratio: float
+    """Movement per movement of the other."""
+    offset: float
+    """Position where the other is at zero, rad or m."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,6 +60,14 @@ class Joint:
     """The link that it moves."""
     limits: tuple[float, float] | None = None
     """Range, rad or m; None if it turns freely."""
+    axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    """What it turns about or slides along, in the link's frame."""
+    effort: float | None = None
+    """Greatest effort of its motors, N m or N; None if not given."""
+    velocity: float | None = None
+    """Greatest speed, rad/s or m/s; None if not given; MuJoCo does not hold it."""
+    mimic: Mimic | None = None
+    """Set if it follows another joint."""
 
     @property
     def unit(self) -> str:
@@ -63,6 +90,32 @@ class Actuator:
     """The joint that it drives."""
     kind: str
     """`motor` (command is an effort) or `position` (command is a position)."""
+    limit: float | None = None
+    """Greatest effort at the joint, N m or N; None if none is given."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sensor:
+    """What the description measures."""
+
+    name: str
+    """Its name."""
+    kind: str
+    """MuJoCo's name of its kind, such as `gyro`."""
+    part: str
+    """The joint, site or body that it measures."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Loop:
+    """A closed chain: two links that a constraint holds together."""
+
+    name: str
+    """Its name."""
+    kind: str
+    """`connect` (a pin) or `weld`."""
+    links: tuple[str, str]
+    """The two links."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -87,6 +140,12 @@ class Robot:
     """Hash of the description and its card."""
     card: Card | None = None
     """What the shelf knows about it."""
+    sensors: tuple[Sensor, ...] = ()
+    """Every sensor."""
+    loops: tuple[Loop, ...] = ()
+    """Every closed chain."""
+    findings: tuple[Finding, ...] = ()
+    """What the importer found in the description."""
 
     def joint(self, name: str) -> Joint:
         """Return a joint by its name.

@@ -1,86 +1,250 @@
-"""Reading a body from URDF, which has no actuators: the card's motors give them."""
+"""Reading URDF into a draft, as it stands; the checks say what is wrong with it."""
 
 from __future__ import annotations
 
-import xml.etree.ElementTree as ElementTree
+import difflib
 from pathlib import Path
-from typing import Any
 
-import mujoco
+import numpy as np
 
-from morph.body.card import Card, Motor
-from morph.body.normal import refused, robot_of
-from morph.body.robot import Robot
-from morph.body.servo import SERVOS, servo
+from morph.body.draft import MOVING, Draft, DraftJoint, DraftLink, Mimic, Pose, Shape
+from morph.body.finding import Finding, Where
+from morph.body.numbers import maybe_number, number, numbers, rotation
+from morph.body.xml import Element
 from morph.errors import RobotError
 
-MOVING = (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE)
-"""The joints that a motor can drive."""
+MOST_LINKS = 2000
+"""Most links; ten times those of the largest robot known to us."""
+
+KNOWN = {
+    "robot": ("link", "joint", "material", "transmission", "gazebo", "mujoco", "sensor"),
+    "link": ("inertial", "visual", "collision", "self_collision_checking", "contact", "gazebo"),
+    "joint": (
+        *("origin", "parent", "child", "axis", "limit", "dynamics", "mimic", "calibration"),
+        *("safety_controller", "gazebo", "hardwareInterface"),
+    ),
+    "inertial": ("origin", "mass", "inertia"),
+}
+"""The children that URDF gives each element; a prefix such as `drake:` marks another's."""
 
 
-def read_urdf(path: Path, card: Card | None = None) -> Robot:
-    """Return the robot that a URDF file describes.
-
-    The actuators are those of the card; without a card, each moving joint has
-    an ideal motor that bears its name.
+def draft_urdf(tree: Element, path: Path) -> tuple[Draft, list[Finding]]:
+    """Return the draft that a URDF states, and what its text alone shows.
 
     Raises:
-        RobotError: MuJoCo cannot read or compile the file, or a motor of the
-            card names a joint or a model that there is not.
+        RobotError: The text cannot be understood: no robot, an attribute that is no
+            number, a name that is missing; the line is named.
     """
-    try:
-        tree = ElementTree.fromstring(path.read_bytes())
-        _keep_everything(tree)
-        # MuJoCo finds meshes beside the file that it reads; the text has no
-        # place, so robot_of reads them instead.
-        spec = mujoco.MjSpec.from_string(ElementTree.tostring(tree, encoding="unicode"))
-    except (ElementTree.ParseError, ValueError) as error:
-        raise refused(error, path) from error
-    if card and card.base != "fixed":
-        spec.worldbody.first_body().add_freejoint(name="root")
-    joints = {joint.name: joint for joint in spec.joints if joint.type in MOVING}
-    motors = card.motor if card and card.motor else tuple(Motor(actuator=name) for name in joints)
-    for motor in motors:
-        _add(spec, motor, joints, path)
-    return robot_of(spec, path, card)
-
-
-def _keep_everything(tree: ElementTree.Element) -> None:
-    # By default MuJoCo drops a URDF's visual shapes, melts links without a
-    # joint into their parents, and drops the folders of mesh files.
-    extension = tree.find("mujoco")
-    if extension is None:
-        extension = ElementTree.SubElement(tree, "mujoco")
-    compiler = extension.find("compiler")
-    if compiler is None:
-        compiler = ElementTree.SubElement(extension, "compiler")
-    for key in ("discardvisual", "fusestatic", "strippath"):
-        compiler.attrib.setdefault(key, "false")
-
-
-def _add(spec: Any, motor: Motor, joints: dict[str, Any], path: Path) -> None:
-    if motor.actuator not in joints:
+    if tree.tag != "robot":
         raise RobotError(
-            f"the motor {motor.actuator!r} names no moving joint; there are {', '.join(joints)}",
-            where=str(path.parent / "card.toml"),
-            fix="name the motor as the joint it drives",
+            f"its first element is <{tree.tag}>, not <robot>",
+            where=tree.place,
+            fix="give a URDF or an MJCF; convert an SDF with gz sdf or a tool of its maker",
         )
-    added = spec.add_actuator(
-        name=motor.actuator, target=motor.actuator, trntype=mujoco.mjtTrn.mjTRN_JOINT
+    findings = _strangers(tree)
+    colours = {
+        material.get("name", ""): colour
+        for material in tree.children("material")
+        if (colour := _colour(material, {})) is not None
+    }
+    links = tuple(_link(element, colours) for element in tree.children("link"))
+    joints = []
+    for element in tree.children("joint"):
+        joint, noted = _joint(element, path)
+        joints.append(joint)
+        findings.extend(noted)
+    if len(links) > MOST_LINKS:
+        raise RobotError(
+            f"has {len(links)} links; a robot has {MOST_LINKS} at most",
+            where=tree.place,
+            fix="describe one robot a file",
+        )
+    if not links:
+        raise RobotError("has no link", where=tree.place, fix="describe at least one <link>")
+    name = tree.get("name") or path.stem
+    return Draft(name=name, file=path, links=links, joints=tuple(joints)), findings
+
+
+def _strangers(tree: Element) -> list[Finding]:
+    found = []
+    for parent in (tree, *tree.everything()):
+        allowed = KNOWN.get(parent.tag)
+        if allowed is None or (parent is not tree and parent.tag == "robot"):
+            continue
+        for child in parent.children():
+            if child.tag in allowed:
+                continue
+            near = difflib.get_close_matches(child.tag, allowed, n=1, cutoff=0.75)
+            if near and ":" not in child.tag:
+                fix = f"write <{near[0]}>, or remove it"
+                found.append(_stranger(parent, child, f"no element of URDF; <{near[0]}> is", fix))
+            elif child.tag.startswith("xacro:") and child.tag != "xacro:property":
+                fix = "expand the file with xacro, or give the .xacro file"
+                found.append(_stranger(parent, child, "a macro that was not expanded", fix))
+    return found
+
+
+def _stranger(parent: Element, child: Element, what: str, fix: str) -> Finding:
+    kind = parent.tag if parent.tag in ("link", "joint") else "robot"
+    name = parent.get("name", parent.tag)
+    return Finding(
+        code="unknown-element",
+        severity="info",
+        where=Where(kind=kind, name=name, file=child.file, line=child.line),
+        what=f"<{child.tag}> is {what}",
+        done="it was left out",
+        fix=fix,
     )
-    model = servo(motor.model)
-    if model is not None:
-        added.set_to_position(kp=model.kp, kv=model.kv)
-        limit = motor.limit or model.limit
-        added.forcelimited, added.forcerange = True, (-limit, limit)
-        joints[motor.actuator].armature = model.armature
-    elif motor.model == "ideal":
-        added.set_to_motor()
-        if motor.limit is not None:
-            added.ctrllimited, added.ctrlrange = True, (-motor.limit, motor.limit)
-    else:
+
+
+def _named(element: Element) -> str:
+    name = element.get("name", "")
+    if not name.strip():
         raise RobotError(
-            f"no motor model is called {motor.model!r}",
-            where=str(path.parent / "card.toml"),
-            fix=f"use ideal or one of {', '.join(known.name for known in SERVOS)}",
+            f"a <{element.tag}> has no name", where=element.place, fix="give it a name of its own"
         )
+    if "\0" in name or len(name) > 200:
+        raise RobotError(
+            f"the name {name[:40]!r}... has {len(name)} characters",
+            where=element.place,
+            fix="give it a shorter name",
+        )
+    return name
+
+
+def _pose(element: Element | None) -> Pose:
+    origin = None if element is None else element.child("origin")
+    if origin is None:
+        return Pose()
+    roll, pitch, yaw = numbers(origin, "rpy", 3, (0, 0, 0)).tolist()
+    return Pose(position=numbers(origin, "xyz", 3, (0, 0, 0)), rotation=rotation(roll, pitch, yaw))
+
+
+def _link(element: Element, colours: dict[str, tuple[float, ...]]) -> DraftLink:
+    name = _named(element)
+    shapes = [
+        shape
+        for role in ("visual", "collision")
+        for child in element.children(role)
+        if (shape := _shape(child, role, colours)) is not None
+    ]
+    inertial = element.child("inertial")
+    mass = inertia = None
+    frame = _pose(inertial)
+    if inertial is not None:
+        held = inertial.child("mass")
+        mass = None if held is None else number(held, "value", 0.0)
+        held = inertial.child("inertia")
+        if held is not None:
+            xx, yy, zz, xy, xz, yz = (
+                number(held, key, 0.0) for key in ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
+            )
+            along = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+            inertia = frame.rotation @ along @ frame.rotation.T
+            inertia = (inertia + inertia.T) / 2
+    return DraftLink(
+        name=name,
+        mass=mass,
+        com=frame.position,
+        inertia=inertia,
+        inertia_from="description" if mass else "none",
+        shapes=tuple(shapes),
+        line=element.line,
+    )
+
+
+def _shape(element: Element, role: str, colours: dict[str, tuple[float, ...]]) -> Shape | None:
+    geometry = element.child("geometry")
+    if geometry is None:
+        return None
+    held = next(geometry.children("mesh", "box", "sphere", "cylinder", "capsule"), None)
+    if held is None:
+        return None
+    size: tuple[float, ...] = ()
+    if held.tag == "box":
+        size = tuple(numbers(held, "size", 3, (0, 0, 0)).tolist())
+    elif held.tag != "mesh":
+        size = (number(held, "radius", 0.0),)
+        if held.tag != "sphere":
+            size = (*size, number(held, "length", 0.0))
+    x, y, z = numbers(held, "scale", 3, (1, 1, 1)).tolist()
+    material = element.child("material")
+    colour = None if material is None else _colour(material, colours)
+    return Shape(
+        role=role,
+        kind=held.tag,
+        pose=_pose(element),
+        size=size,
+        file=held.get("filename", "") if held.tag == "mesh" else "",
+        scale=(x, y, z),
+        colour=None if colour is None else (colour[0], colour[1], colour[2], colour[3]),
+        line=held.line,
+    )
+
+
+def _colour(material: Element, known: dict[str, tuple[float, ...]]) -> tuple[float, ...] | None:
+    held = material.child("color")
+    if held is None:
+        return known.get(material.get("name", ""))
+    return tuple(np.clip(numbers(held, "rgba", 4, (0.7, 0.7, 0.7, 1)), 0, 1).tolist())
+
+
+def _end(element: Element, tag: str) -> str:
+    held = element.child(tag)
+    return "" if held is None else held.get("link", "")
+
+
+def _joint(element: Element, path: Path) -> tuple[DraftJoint, list[Finding]]:
+    name, kind = _named(element), element.get("type", "")
+    findings = []
+    if kind not in (*MOVING, "fixed") or kind == "ball":
+        near = difflib.get_close_matches(kind, (*MOVING, "fixed"), n=1, cutoff=0.0)
+        raise RobotError(
+            f"the joint {name!r} is of the type {kind!r}, which URDF does not know",
+            where=element.place,
+            fix=f"write {near[0] if near else 'revolute'}, or another type of URDF",
+        )
+    axis = element.child("axis")
+    limit, dynamics = element.child("limit"), element.child("dynamics")
+    mimic = element.child("mimic")
+    vector = np.array((1.0, 0, 0)) if axis is None else numbers(axis, "xyz", 3, (1, 0, 0))
+    length = float(np.linalg.norm(vector))
+    if kind not in ("fixed", "floating") and abs(length - 1) > 1e-3:
+        findings.append(_axis(name, vector, length, path, axis.line if axis is not None else 0))
+    return (
+        DraftJoint(
+            name=name,
+            kind=kind,
+            parent=_end(element, "parent"),
+            child=_end(element, "child"),
+            pose=_pose(element),
+            axis=vector / length if length > 0 else np.array((1.0, 0, 0)),
+            lower=None if limit is None else maybe_number(limit, "lower"),
+            upper=None if limit is None else maybe_number(limit, "upper"),
+            effort=None if limit is None else maybe_number(limit, "effort"),
+            velocity=None if limit is None else maybe_number(limit, "velocity"),
+            damping=0.0 if dynamics is None else number(dynamics, "damping", 0.0),
+            friction=0.0 if dynamics is None else number(dynamics, "friction", 0.0),
+            mimic=None
+            if mimic is None
+            else Mimic(
+                joint=mimic.get("joint", ""),
+                ratio=number(mimic, "multiplier", 1.0),
+                offset=number(mimic, "offset", 0.0),
+            ),
+            line=element.line,
+        ),
+        findings,
+    )
+
+
+def _axis(name: str, vector: np.ndarray, length: float, path: Path, line: int) -> Finding:
+    zero = length == 0
+    return Finding(
+        code="joint-axis",
+        severity="refused" if zero else "repaired",
+        where=Where(kind="joint", name=name, file=str(path), line=line),
+        what=f"its axis is {' '.join(f'{value:g}' for value in vector)}, of length {length:g}",
+        done="nothing" if zero else "the axis was brought to length 1",
+        fix="give the direction that it turns about or slides along, of length 1",
+    )

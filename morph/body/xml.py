@@ -70,6 +70,17 @@ def parse(content: bytes, where: str) -> Element:
     return _Builder(where).build(content)
 
 
+INVALID_TOKEN = expat.errors.codes[expat.errors.XML_ERROR_INVALID_TOKEN]
+
+
+def _is_text(content: bytes) -> bool:
+    try:
+        content.decode()
+    except UnicodeDecodeError:
+        return False
+    return True
+
+
 class _Builder:
     """Builds the tree while expat reads."""
 
@@ -90,6 +101,10 @@ class _Builder:
         try:
             self.parser.Parse(content, True)
         except expat.ExpatError as error:
+            if error.code == INVALID_TOKEN and not _is_text(content):
+                raise RobotError(
+                    "is binary, not text", where=self.where, fix="give a description in UTF-8 XML"
+                ) from error
             raise RobotError(
                 f"is not XML: {expat.ErrorString(error.code)}",
                 where=f"{self.where}:{error.lineno}",

@@ -17,6 +17,15 @@ from morph.body.spec import spec_of
 from morph.body.twin import twin_of
 from morph.errors import RobotError
 
+# Pinocchio counts a free joint's velocities in other axes, and makes one joint of several
+# on one body; test_shelf_bodies.py holds those bodies against it too.
+PLAIN = [
+    name
+    for name in shelf.names()
+    if len({joint.link for joint in load(name).joints}) == len(load(name).joints)
+    and all(joint.kind in ("hinge", "slide") for joint in load(name).joints)
+]
+
 # Both use doubles; forces here are at most about 100 N m, so rounding is 1e-13.
 TOLERANCE = 1e-9
 
@@ -27,13 +36,13 @@ def states(model: Any) -> list[tuple[Array, Array, Array]]:
     return [tuple(rng.normal(size=(3, model.nv))) for _ in range(10)]
 
 
-@pytest.mark.parametrize("name", shelf.names())
+@pytest.mark.parametrize("name", PLAIN)
 def test_both_have_the_same_joints(name: str) -> None:
     robot = load(name)
     assert list(twin_of(robot).names)[1:] == [joint.name for joint in robot.joints]
 
 
-@pytest.mark.parametrize("name", shelf.names())
+@pytest.mark.parametrize("name", PLAIN)
 def test_both_have_the_same_mass_matrix_and_bias(name: str) -> None:
     model, twin = spec_of(load(name)).compile(), twin_of(load(name))
     data, notes = mujoco.MjData(model), twin.createData()
@@ -48,7 +57,7 @@ def test_both_have_the_same_mass_matrix_and_bias(name: str) -> None:
         assert np.abs(bias - data.qfrc_bias).max() < TOLERANCE
 
 
-@pytest.mark.parametrize("name", shelf.names())
+@pytest.mark.parametrize("name", PLAIN)
 def test_both_need_the_same_torque_for_the_same_motion(name: str) -> None:
     spec = spec_of(load(name))
     # Pinocchio knows neither damping nor the stops of a joint.

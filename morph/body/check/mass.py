@@ -1,0 +1,200 @@
+"""Whether every link has a mass and an inertia that some body could have."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from morph.arrays import Array
+from morph.body.check.place import at_link
+from morph.body.draft import Draft, DraftLink
+from morph.body.finding import Finding
+from morph.body.inertia import ball, is_physical, mended
+from morph.body.solids import Solid, solid, together
+
+DENSITY = 1000.0
+"""Assumed density where a description gives a shape and no mass, kg/m3: that of water."""
+
+TOKEN_MASS, TOKEN_SIZE = 1e-6, 0.01
+"""Mass, kg, and radius of gyration, m, of a link that moves and has neither mass nor shape."""
+
+
+LIGHTEST, LEAST = 1e-12, 1e-13
+"""Mass, kg, and inertia, kg m2, below which MuJoCo moves nothing (mjMINVAL 1e-15), with room."""
+
+
+def check_mass(draft: Draft) -> tuple[Draft, list[Finding]]:
+    """Return the draft with masses and inertias that MuJoCo can move, and what was wrong."""
+    heads, alone = _moving(draft)
+    findings: list[Finding] = []
+    changed = {}
+    for link in draft.links:
+        mended_link, found = _link(draft, link, link.name in heads, link.name in alone)
+        changed[link.name] = mended_link
+        findings.extend(found)
+    return draft.with_links(changed), findings
+
+
+def shape_of(link: DraftLink, *, hull: bool = False) -> Solid | None:
+    """Return the solid of a link's collision shapes, or of its visual ones; None without any."""
+    for role in ("collision", "visual"):
+        shapes = (shape for shape in link.shapes if shape.role == role)
+        found = together(one for shape in shapes if (one := solid(shape, hull=hull)) is not None)
+        if found is not None:
+            return found
+    return None
+
+
+def _moving(draft: Draft) -> tuple[set[str], set[str]]:
+    """Return the links that bear a moving joint; and those that have no mass with it.
+
+    What is welded to a link counts with it.
+    """
+    above = draft.joint_above()
+    head = {}
+    for link in draft.links:
+        name = link.name
+        while name in above and above[name].kind == "fixed":
+            name = above[name].parent
+        head[link.name] = name
+    heavy = {
+        head[link.name]
+        for link in draft.links
+        if (link.mass or 0.0) > LIGHTEST
+        and (link.inertia is None or np.trace(link.inertia) == 0 or np.trace(link.inertia) > LEAST)
+    }
+    heads = {name for name in head.values() if name in above}
+    return heads, heads - heavy
+
+
+def _link(
+    draft: Draft, link: DraftLink, moves: bool, alone: bool
+) -> tuple[DraftLink, list[Finding]]:
+    mass = link.mass or 0.0
+    if mass < 0:
+        return _negative(draft, link)
+    if mass == 0 or (alone and mass <= LIGHTEST):
+        return _massless(draft, link, alone)
+    if link.inertia is None or not np.any(link.inertia):
+        return _no_inertia(draft, link, mass)
+    if alone and abs(np.trace(link.inertia)) <= LEAST:
+        return _no_inertia(draft, link, mass)
+    thin = moves and float(np.linalg.eigvalsh(link.inertia)[0]) <= LEAST
+    if is_physical(link.inertia) and not thin:
+        return link, []
+    return _broken(draft, link, mass, link.inertia)
+
+
+def _from_shape(link: DraftLink, mass: float | None = None) -> DraftLink | None:
+    found = shape_of(link)
+    if found is None:
+        return None
+    density = DENSITY if mass is None else mass / found.volume
+    inertia = found.inertia * density
+    if not is_physical(inertia):
+        return None
+    return replace(
+        link,
+        mass=found.volume * density,
+        com=found.com if mass is None else link.com,
+        inertia=inertia,
+        inertia_from="mesh x density",
+    )
+
+
+def _negative(draft: Draft, link: DraftLink) -> tuple[DraftLink, list[Finding]]:
+    other = _from_shape(link)
+    finding = Finding(
+        code="inertia-broken",
+        severity="refused" if other is None else "repaired",
+        where=at_link(draft, link),
+        what=f"its mass is {link.mass:g} kg, which no body has",
+        done="nothing" if other is None else _taken(other),
+        fix="write the mass that a scale shows",
+    )
+    return other or link, [finding]
+
+
+def _taken(link: DraftLink) -> str:
+    return f"its shape at {DENSITY:g} kg/m3 was taken: {link.mass:.4g} kg"
+
+
+def _massless(draft: Draft, link: DraftLink, alone: bool) -> tuple[DraftLink, list[Finding]]:
+    if not alone:
+        if not link.shapes:
+            return replace(link, mass=0.0, inertia_from="none"), []
+        return replace(link, mass=0.0, inertia_from="none"), [
+            Finding(
+                code="mass-missing",
+                severity="info",
+                where=at_link(draft, link),
+                what="it has a shape and no mass",
+                done="it stayed massless, as what it is fixed to is weighed without it",
+                fix="give it an <inertial>, unless the mass is counted in a neighbour",
+            )
+        ]
+    other = _from_shape(link)
+    if other is None:
+        other = replace(
+            link,
+            mass=TOKEN_MASS,
+            inertia=np.eye(3) * TOKEN_MASS * TOKEN_SIZE**2,
+            inertia_from="none",
+        )
+        done = f"it got {TOKEN_MASS:g} kg, as what has no mass cannot be moved"
+    else:
+        done = _taken(other)
+    return other, [
+        Finding(
+            code="mass-missing",
+            severity="repaired",
+            where=at_link(draft, link),
+            what="it moves and has no mass, nor has anything fixed to it",
+            done=done,
+            fix="give it an <inertial> with its mass and inertia",
+        )
+    ]
+
+
+def _no_inertia(draft: Draft, link: DraftLink, mass: float) -> tuple[DraftLink, list[Finding]]:
+    other = _from_shape(link, mass)
+    done = "its shape, filled evenly with that mass, was taken"
+    if other is None:
+        other = replace(link, inertia=ball(mass, DENSITY), inertia_from="none")
+        done = f"that of a ball of {DENSITY:g} kg/m3 was taken"
+    return other, [
+        Finding(
+            code="inertia-missing",
+            severity="repaired",
+            where=at_link(draft, link),
+            what=f"it weighs {mass:g} kg and has no rotational inertia",
+            done=done,
+            fix="give its <inertia>, from CAD or from its shape",
+        )
+    ]
+
+
+def _broken(
+    draft: Draft, link: DraftLink, mass: float, inertia: Array
+) -> tuple[DraftLink, list[Finding]]:
+    moments = np.linalg.eigvalsh(inertia)
+    shown = ", ".join(f"{value:.4g}" for value in moments)
+    kind = "are not all positive" if moments[0] <= LEAST else "break the triangle inequality"
+    nearest = mended(inertia)
+    if nearest is not None and np.linalg.eigvalsh(nearest)[0] > LEAST:
+        other, done = replace(link, inertia=nearest), "the nearest possible inertia was taken: "
+    else:
+        other = _from_shape(link, mass) or replace(link, inertia=ball(mass, DENSITY))
+        done = "that of its shape or of a ball was taken: "
+    after = ", ".join(f"{value:.4g}" for value in np.linalg.eigvalsh(np.array(other.inertia)))
+    return other, [
+        Finding(
+            code="inertia-broken",
+            severity="repaired",
+            where=at_link(draft, link),
+            what=f"its principal moments {shown} kg m2 {kind}",
+            done=done + after,
+            fix="recompute it in CAD; the sum of any two principal moments exceeds the third",
+        )
+    ]

@@ -1,0 +1,199 @@
+"""Whether left and right twins mirror each other."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from morph.arrays import Array
+from morph.body.check.place import at_joint, at_link
+from morph.body.check.sides import normal_between, slide, turn, twins
+from morph.body.draft import MOVING, Draft, DraftJoint
+from morph.body.finding import Finding
+
+PARALLEL = 0.9
+"""Cosine above which two axes are taken for parallel."""
+
+SIDEWAYS, SAME = 0.05, 0.03
+"""Part of an offset that leads sideways and so tells sides apart; and what counts as equal."""
+
+UNEQUAL = 1.5
+"""Ratio of twins' masses, or of their principal moments, that is told."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Pair:
+    """A joint and its twin, at home in the world."""
+
+    left: DraftJoint
+    right: DraftJoint
+    offsets: tuple[Array, Array]
+    """From their parents' origins, in the world's axes, m."""
+    axes: tuple[Array, Array]
+    """Their axes."""
+
+
+def check_symmetry(draft: Draft) -> list[Finding]:
+    """Return the joints and links that break the mirror symmetry the others have."""
+    pairs = _pairs(draft)
+    findings = _coincident(draft, pairs)
+    if pairs:
+        normal = normal_between(
+            np.array([pair.offsets[0] for pair in pairs]),
+            np.array([pair.offsets[1] for pair in pairs]),
+        )
+        if normal is not None:
+            told = {finding.where.name for finding in findings}
+            findings += [f for f in _copies(draft, pairs, normal) if f.where.name not in told]
+            findings += _turns(draft, pairs, normal)
+    return findings + _masses(draft)
+
+
+def _pairs(draft: Draft) -> list[Pair]:
+    home = draft.home()
+    joints = {joint.name: joint for joint in draft.joints}
+    links = dict(twins(link.name for link in draft.links))
+    sided = {*links, *links.values()}
+    pairs = []
+    for one, other in twins(joints):
+        left, right = joints[one], joints[other]
+        if left.kind != right.kind or links.get(left.parent, left.parent) != right.parent:
+            continue
+        # The fingers of a left hand mirror each other at another plane.
+        if left.parent == right.parent and left.parent in sided:
+            continue
+        poses = home[left.child], home[right.child]
+        pairs.append(
+            Pair(
+                left=left,
+                right=right,
+                offsets=(
+                    home[left.parent].rotation @ left.pose.position,
+                    home[right.parent].rotation @ right.pose.position,
+                ),
+                axes=(poses[0].rotation @ left.axis, poses[1].rotation @ right.axis),
+            )
+        )
+    return pairs
+
+
+def _coincident(draft: Draft, pairs: list[Pair]) -> list[Finding]:
+    """Return twins of one parent that stand in one place, off the middle."""
+    findings = []
+    for pair in pairs:
+        offset = pair.left.pose.position
+        apart = float(np.linalg.norm(pair.offsets[0] - pair.offsets[1]))
+        if pair.left.parent != pair.right.parent or apart > 1e-4:
+            continue
+        # ROS, REP 103: y points to the left.
+        side = float(offset[1])
+        if abs(side) < 1e-2 * max(float(np.linalg.norm(offset)), 1e-6):
+            continue
+        wrong = pair.left if side < 0 else pair.right
+        twin = pair.right if side < 0 else pair.left
+        findings.append(_mirrored(draft, wrong, twin, "stands in one place with it"))
+    return findings
+
+
+def _mirrored(draft: Draft, joint: DraftJoint, twin: DraftJoint, how: str) -> Finding:
+    return Finding(
+        code="limb-mirrored",
+        severity="info",
+        where=at_joint(draft, joint),
+        what=f"its twin is {twin.name!r}, and it {how}",
+        fix="check the sign of its <origin> across the robot",
+    )
+
+
+def _copies(draft: Draft, pairs: list[Pair], normal: Array) -> list[Finding]:
+    """Return the joints that copy their twin's offset where the others mirror it."""
+    mirrored, copied = 0, []
+    for pair in pairs:
+        left, right = pair.offsets
+        size = float(np.linalg.norm(right))
+        if abs(right @ normal) < max(SIDEWAYS * size, 1e-3):
+            continue
+        if np.linalg.norm(left - slide(normal, right)) < SAME * size:
+            mirrored += 1
+        elif np.linalg.norm(left - right) < SAME * size:
+            copied.append(pair)
+    if 2 * len(copied) > mirrored:
+        return []
+    findings = []
+    for pair in copied:
+        # The normal points from right to left, so the one that steps back is wrong
+        # where the pair starts; further down, the one unlike what hangs above it.
+        swap = float(pair.offsets[0] @ normal) > 0
+        wrong, twin = (pair.right, pair.left) if swap else (pair.left, pair.right)
+        how = "steps to the same side, where the others mirror each other"
+        findings.append(_mirrored(draft, wrong, twin, how))
+    return findings
+
+
+def _turns(draft: Draft, pairs: list[Pair], normal: Array) -> list[Finding]:
+    groups: dict[tuple[bool, bool], list[tuple[Pair, int]]] = {}
+    for pair in pairs:
+        if pair.left.kind not in MOVING or pair.left.kind in ("floating", "planar", "ball"):
+            continue
+        slides = pair.left.kind == "prismatic"
+        image = slide(normal, pair.axes[1]) if slides else turn(normal, pair.axes[1])
+        same = float(image @ pair.axes[0])
+        if abs(same) > PARALLEL:
+            across = abs(float(pair.axes[0] @ normal)) > 0.7
+            groups.setdefault((slides, across), []).append((pair, 1 if same > 0 else -1))
+    findings = []
+    for group in groups.values():
+        total = sum(sign for _, sign in group)
+        # A convention needs three twins that follow it for each one that does not.
+        odd = [pair for pair, sign in group if sign * total < 0]
+        if odd and len(group) >= 3 and 3 * len(odd) <= len(group) - len(odd) + 1:
+            findings += [_flipped(draft, pair, pairs) for pair in odd]
+    return findings
+
+
+def _flipped(draft: Draft, pair: Pair, pairs: list[Pair]) -> Finding:
+    wrong, twin = (pair.left, pair.right)
+    if _lonely(pair, pairs, 1) > _lonely(pair, pairs, 0):
+        wrong, twin = twin, wrong
+    return Finding(
+        code="axis-flipped",
+        severity="info",
+        where=at_joint(draft, wrong),
+        what=f"it and {twin.name!r} turn against the convention of the other left and right joints",
+        fix="turn the axis of one of the two over, or its motor's sign",
+    )
+
+
+def _lonely(pair: Pair, pairs: list[Pair], side: int) -> float:
+    """Return by how much the other parallel joints of a side point the other way."""
+    others = [p.axes[side] @ pair.axes[side] for p in pairs if p is not pair]
+    return -float(sum(np.sign(dot) for dot in others if abs(dot) > PARALLEL))
+
+
+def _masses(draft: Draft) -> list[Finding]:
+    links = {link.name: link for link in draft.links}
+    findings = []
+    for one, other in twins(links):
+        left, right = links[one], links[other]
+        if left.inertia_from != "description" or right.inertia_from != "description":
+            continue
+        if left.inertia is None or right.inertia is None or not left.mass or not right.mass:
+            continue
+        moments = np.linalg.eigvalsh(left.inertia), np.linalg.eigvalsh(right.inertia)
+        if moments[0][0] <= 0 or moments[1][0] <= 0:
+            continue
+        ratios = np.append(moments[0] / moments[1], left.mass / right.mass)
+        worst = float(np.exp(np.abs(np.log(ratios)).max()))
+        if worst > UNEQUAL:
+            findings.append(
+                Finding(
+                    code="mass-asymmetric",
+                    severity="info",
+                    where=at_link(draft, left),
+                    what=f"its mass or inertia differs {worst:.3g} times from that of {other!r}: "
+                    f"{left.mass:.4g} and {right.mass:.4g} kg",
+                    fix="check which of the two is right",
+                )
+            )
+    return findings

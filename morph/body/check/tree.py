@@ -1,0 +1,173 @@
+"""Whether links and joints make one tree."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import replace
+
+from morph.body.check.place import at_joint, at_link
+from morph.body.draft import Draft, DraftJoint, DraftLink
+from morph.body.finding import Finding
+
+WORLD = "world"
+"""What descriptions call what does not move."""
+
+
+def check_tree(draft: Draft) -> tuple[Draft, list[Finding]]:
+    """Return the draft as one tree, or findings that refuse it.
+
+    Joints that share a name get names of their own. Links that share a name, a
+    joint without its links, a circle and several bases have no safe repair.
+    """
+    draft, findings = _joint_names(draft)
+    draft, found = _world(draft)
+    findings += found
+    refusals = [*_link_names(draft), *_dangling(draft), *_circles(draft)]
+    if not refusals:
+        refusals = _bases(draft)
+    return draft, [*findings, *refusals]
+
+
+def _joint_names(draft: Draft) -> tuple[Draft, list[Finding]]:
+    seen: Counter[str] = Counter()
+    taken = {joint.name for joint in draft.joints}
+    joints, findings = [], []
+    for joint in draft.joints:
+        seen[joint.name] += 1
+        if seen[joint.name] > 1:
+            number = seen[joint.name]
+            while f"{joint.name}_{number}" in taken:
+                number += 1
+            name = f"{joint.name}_{number}"
+            taken.add(name)
+            findings.append(
+                Finding(
+                    code="duplicate-name",
+                    severity="repaired",
+                    where=at_joint(draft, joint),
+                    what=f"it is the joint number {seen[joint.name]} of this name",
+                    done=f"it was called {name!r}",
+                    fix="give each joint a name of its own",
+                )
+            )
+            joint = replace(joint, name=name)
+        joints.append(joint)
+    return replace(draft, joints=tuple(joints)), findings
+
+
+def _link_names(draft: Draft) -> list[Finding]:
+    seen: set[str] = set()
+    findings = []
+    for link in draft.links:
+        if link.name in seen:
+            findings.append(
+                Finding(
+                    code="duplicate-name",
+                    severity="refused",
+                    where=at_link(draft, link),
+                    what="it is the second link of this name, so joints may mean either",
+                    fix="give each link a name of its own",
+                )
+            )
+        seen.add(link.name)
+    return findings
+
+
+def _world(draft: Draft) -> tuple[Draft, list[Finding]]:
+    """Return the draft with the link `world`, if joints hang from it and it is not there."""
+    if any(link.name == WORLD for link in draft.links):
+        return draft, []
+    hanging = [joint for joint in draft.joints if joint.parent == WORLD]
+    findings = [
+        Finding(
+            code="dangling-joint",
+            severity="repaired",
+            where=at_joint(draft, joint),
+            what=f"its parent {WORLD!r} is no link of the description",
+            done="it was tied to the world",
+            fix=f'add <link name="{WORLD}"/>',
+        )
+        for joint in hanging
+    ]
+    if hanging:
+        draft = replace(draft, links=(DraftLink(name=WORLD), *draft.links))
+    return draft, findings
+
+
+def _dangling(draft: Draft) -> list[Finding]:
+    known = {link.name for link in draft.links}
+    findings = []
+    for joint in draft.joints:
+        for end, name in (("parent", joint.parent), ("child", joint.child)):
+            if name not in known:
+                what = f"its {end} {name!r} is no link" if name else f"it names no {end}"
+                findings.append(
+                    Finding(
+                        code="dangling-joint",
+                        severity="refused",
+                        where=at_joint(draft, joint),
+                        what=what,
+                        fix=f"name a link that is there as its {end}, or remove the joint",
+                    )
+                )
+    return findings
+
+
+def _circles(draft: Draft) -> list[Finding]:
+    findings = []
+    above: dict[str, DraftJoint] = {}
+    for joint in draft.joints:
+        if joint.child in above and joint.child:
+            other = above[joint.child]
+            findings.append(_circle(draft, joint, f"{joint.child!r} hangs from {other.name!r} too"))
+        else:
+            above[joint.child] = joint
+    state: dict[str, bool] = {}
+    for link in draft.links:
+        walk = []
+        name = link.name
+        while name in above and name not in state:
+            state[name] = False
+            walk.append(name)
+            name = above[name].parent
+        if state.get(name) is False:
+            loop = " -> ".join([*reversed(walk[walk.index(name) :]), name])
+            findings.append(_circle(draft, above[name], f"links hang in a circle: {loop[:300]}"))
+        for name in walk:
+            state[name] = True
+    return findings
+
+
+def _circle(draft: Draft, joint: DraftJoint, what: str) -> Finding:
+    return Finding(
+        code="cyclic-tree",
+        severity="refused",
+        where=at_joint(draft, joint),
+        what=what,
+        fix="cut the circle at one joint; close it by a [[closure]] in card.toml",
+    )
+
+
+def _bases(draft: Draft) -> list[Finding]:
+    roots = draft.roots()
+    if len(roots) == 1:
+        return []
+    poses = dict.fromkeys(roots, 0)
+    above = draft.joint_above()
+    for link in draft.links:
+        name = link.name
+        while name in above:
+            name = above[name].parent
+        poses[name] += 1
+    main = max(poses, key=lambda root: poses[root])
+    return [
+        Finding(
+            code="lost-base",
+            severity="refused",
+            where=at_link(draft, draft.link(root)),
+            what=f"no joint ties it to {main!r}; it is the base of {poses[root]} links of its own",
+            fix=f"join it to {main!r} or to a link below, or describe it in a file of its own",
+        )
+        for root in roots
+        if root != main
+    ]

@@ -1,0 +1,110 @@
+"""From a file, whatever it holds, to a Robot or a refusal with all that was found."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from morph.body.card import Card
+from morph.body.paths import Files
+from morph.body.refusal import about_file, refusal
+from morph.body.robot import Robot
+from morph.body.xml import MOST_BYTES, Element, parse
+from morph.errors import DescriptionRefused, RobotError
+
+ENDINGS = (".urdf", ".xacro", ".xml", ".mjcf", ".toml")
+"""Endings of the files that describe a robot: `.toml` is a table of joints between meshes."""
+
+BASES = ("fixed", "floating", "board")
+"""How a body may stand in the world."""
+
+
+def read_description(
+    path: Path, card: Card | None = None, *, base: str | None = None, folder: Path | None = None
+) -> Robot:
+    """Return the robot that a file describes.
+
+    Args:
+        path: A URDF, xacro or MJCF file, or an assembly of meshes in TOML.
+        card: What the shelf knows about it.
+        base: `fixed`, `floating` or `board`; it comes before the card's.
+        folder: The folder outside which nothing is read; by default the
+            description's own (`morph.body.paths.own_folder`).
+
+    Raises:
+        DescriptionRefused: There is no robot in it; its findings say why.
+    """
+    base = base or (card.base if card else None)
+    if base is not None and base not in BASES:
+        raise RobotError(
+            f"a base cannot be {base!r}", where=str(path), fix=f"use {', '.join(BASES)}"
+        )
+    try:
+        return _read(path, card, base, folder)
+    except DescriptionRefused:
+        raise
+    except RobotError as error:
+        # A refusal without findings is one finding: about the file.
+        raise refusal([about_file(error, path)]) from error
+    except RecursionError as error:
+        nested = RobotError("nests too deeply", where=str(path), fix="describe one robot")
+        raise refusal([about_file(nested, path)]) from error
+
+
+def _read(path: Path, card: Card | None, base: str | None, folder: Path | None) -> Robot:
+    if path.suffix.lower() not in ENDINGS:
+        raise RobotError(
+            f"files that end in {path.suffix or 'nothing'!r} cannot be read",
+            where=str(path),
+            fix=f"give a file that ends in {', '.join(ENDINGS)}",
+        )
+    files = Files(path, folder)
+    content = read_text(path)
+    if path.suffix.lower() == ".toml":
+        from morph.body.cad import read_cad
+        from morph.body.urdf_robot import robot_from_draft
+
+        return robot_from_draft(read_cad(path), [], files, card, base)
+    tree = parse(content, str(path))
+    # Macros in a file that calls itself URDF count only if there is nothing else.
+    macros = any(child.tag.startswith("xacro:") for child in tree.children())
+    if path.suffix.lower() == ".xacro" or (macros and tree.child("link") is None):
+        from morph.body.xacro import expand
+
+        tree = parse(expand(path, files.folder), str(path))
+    return _by_root(tree, path, files, card, base)
+
+
+def _by_root(tree: Element, path: Path, files: Files, card: Card | None, base: str | None) -> Robot:
+    if tree.tag == "mujoco":
+        from morph.body.mjcf import robot_from_mjcf
+
+        return robot_from_mjcf(tree, path, files, card)
+    from morph.body.urdf import draft_urdf
+    from morph.body.urdf_robot import robot_from_draft
+
+    draft, findings = draft_urdf(tree, path)
+    return robot_from_draft(draft, findings, files, card, base)
+
+
+def read_text(path: Path) -> bytes:
+    """Return a description's bytes.
+
+    Raises:
+        RobotError: The file cannot be read, is no plain file, or is too large.
+    """
+    try:
+        if path.exists() and not path.is_file():
+            raise RobotError("is no file", where=str(path), fix="give the file itself")
+        if path.stat().st_size > MOST_BYTES:
+            raise RobotError(
+                f"has {path.stat().st_size} bytes; a description has {MOST_BYTES} at most",
+                where=str(path),
+                fix="describe shapes in mesh files, not in the description",
+            )
+        return path.read_bytes()
+    except (OSError, ValueError) as error:
+        raise RobotError(
+            f"cannot be read: {getattr(error, 'strerror', None) or error}",
+            where=str(path),
+            fix="give a file that exists, or a name that `morph list robots` shows",
+        ) from error

@@ -1,0 +1,149 @@
+"""Finding the files that a description names, inside its own folder and nowhere else."""
+
+from __future__ import annotations
+
+import os
+import xml.etree.ElementTree as ElementTree
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path, PurePosixPath
+
+MARKS = ("package.xml", "manifest.xml", "model.config", "card.toml", "CMakeLists.txt")
+"""Files that mark a description's outermost folder."""
+
+INNER = ("urdf", "robots", "robot", "xacro", "mjcf", "urdfs", "model", "models", "xml", "scenes")
+"""Folders that hold descriptions beside the folder of their meshes."""
+
+MOST_FILES = 20_000
+"""Most files looked at in a folder; more is not a robot's folder but a disk."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Found:
+    """What became of a path."""
+
+    path: Path | None
+    """The file; None if there is none, or it must not be read."""
+    how: str
+    """`exact`, `package` (its package is this folder), `case`, `moved`, `missing` or `outside`."""
+
+
+def own_folder(description: Path) -> Path:
+    """Return the outermost folder that belongs to a description.
+
+    That is the nearest folder above it with a mark of a package; without one,
+    the folder of the file, or the one above if it is called `urdf`, `robots`
+    or the like.
+    """
+    start = description.resolve().parent
+    for folder in (start, *list(start.parents)[:3]):
+        if any((folder / mark).is_file() for mark in MARKS):
+            return folder
+    return start.parent if start.name.lower() in INNER else start
+
+
+class Files:
+    """The files of one description, indexed once when first needed."""
+
+    def __init__(self, description: Path, folder: Path | None = None) -> None:
+        self.beside = description.resolve().parent
+        self.folder = (folder or own_folder(description)).resolve()
+
+    def find(self, written: str, inner: str = "") -> Found:
+        """Return the file that a description means.
+
+        Args:
+            written: The path as the description writes it, with any scheme.
+            inner: A folder that relative paths start from, such as MJCF's meshdir.
+        """
+        scheme, rest = _parts(written)
+        if "\0" in rest or not rest.strip("/. "):
+            return Found(path=None, how="missing")
+        if scheme in ("", "file"):
+            plain = Path(os.path.normpath(self.beside / inner / rest))
+        elif rest.partition("/")[0] in self.packages:
+            plain = Path(os.path.normpath(self.folder / rest.partition("/")[2]))
+        else:
+            plain = None
+        if plain is not None:
+            if self._mine(plain) and plain.is_file():
+                return Found(path=plain, how="exact")
+            if not self._within(plain):
+                near = self._search(PurePosixPath(rest))
+                return near if near.path is not None else Found(path=None, how="outside")
+            if plain.exists() and not self._mine(plain):
+                return Found(path=None, how="outside")
+        return self._search(PurePosixPath(rest))
+
+    @cached_property
+    def packages(self) -> frozenset[str]:
+        """The names by which descriptions may call this folder."""
+        names = {self.folder.name}
+        for mark in ("package.xml", "manifest.xml"):
+            try:
+                content = (self.folder / mark).read_bytes()[:65536]
+                if b"<!" not in content.replace(b"<!--", b""):
+                    found = ElementTree.fromstring(content).findtext("name")
+                    names.add((found or "").strip())
+            except (OSError, ElementTree.ParseError):
+                continue
+        return frozenset(names - {""})
+
+    @cached_property
+    def _index(self) -> dict[str, list[Path]]:
+        index: dict[str, list[Path]] = {}
+        count = 0
+        for folder, folders, names in os.walk(self.folder):
+            folders[:] = sorted(name for name in folders if not name.startswith("."))
+            for name in sorted(names):
+                index.setdefault(name.lower(), []).append(Path(folder) / name)
+                count += 1
+            if count > MOST_FILES:
+                break
+        return index
+
+    def _search(self, wanted: PurePosixPath) -> Found:
+        best: tuple[int, int, int, str] | None = None
+        chosen: Path | None = None
+        for path in self._index.get(wanted.name.lower(), ()):
+            relative = path.relative_to(self.folder)
+            alike, exact = _common(wanted.parts, relative.parts)
+            rank = (alike, exact, -len(relative.parts), str(relative))
+            if (best is None or rank[:3] > best[:3]) and self._mine(path) and path.is_file():
+                best, chosen = rank, path
+        if best is None or chosen is None:
+            return Found(path=None, how="missing")
+        shown = tuple(part for part in wanted.parts if part not in ("..", ".", "/"))
+        whole = best[0] >= min(len(shown), len(chosen.relative_to(self.folder).parts))
+        if best[1] < best[0]:
+            return Found(path=chosen, how="case")
+        return Found(path=chosen, how="package" if whole else "moved")
+
+    def _within(self, path: Path) -> bool:
+        return path == self.folder or self.folder in path.parents
+
+    def _mine(self, path: Path) -> bool:
+        # A link may lead anywhere; only its end counts.
+        try:
+            return self._within(path) and self._within(path.resolve(strict=True))
+        except (OSError, RuntimeError):
+            return False
+
+
+def _parts(written: str) -> tuple[str, str]:
+    text = written.strip().replace("\\", "/")
+    scheme, mark, rest = text.partition("://")
+    if not mark:
+        return "", text
+    return scheme.lower(), rest
+
+
+def _common(wanted: tuple[str, ...], there: tuple[str, ...]) -> tuple[int, int]:
+    """Return how many last parts agree, and how many agree in their capitals too."""
+    alike = exact = 0
+    for one, other in zip(reversed(wanted), reversed(there), strict=False):
+        if one.lower() != other.lower():
+            break
+        alike += 1
+        exact += one == other
+    return alike, exact

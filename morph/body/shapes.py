@@ -1,0 +1,163 @@
+"""Reading the mesh files that a draft's shapes name; what cannot be read is left out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+from morph.body.draft import Draft, DraftLink, Shape
+from morph.body.finding import Finding, Severity, Where
+from morph.body.mesh import Mesh, read_mesh
+from morph.body.paths import Files, Found
+from morph.errors import MeshError
+
+MOST_BYTES = 512 * 2**20
+"""Most that all meshes of one description may hold, bytes."""
+
+
+def read_shapes(draft: Draft, files: Files) -> tuple[Draft, list[Finding]]:
+    """Return the draft with the content of its meshes, and what was found on the way.
+
+    A shape whose file is missing or damaged stays in the draft without a mesh,
+    so that checks know of it; the robot is built without it.
+    """
+    reader = _Reader(draft, files)
+    changed = {link.name: reader.link(link) for link in draft.links}
+    return draft.with_links(changed), reader.findings
+
+
+class _Reader:
+    """Reads each file once and reports each fault once for each link."""
+
+    def __init__(self, draft: Draft, files: Files) -> None:
+        self.draft, self.files = draft, files
+        self.findings: list[Finding] = []
+        self.read: dict[Path, Mesh | MeshError] = {}
+        self.bytes = 0
+        self.told: set[tuple[str, str, str]] = set()
+
+    def link(self, link: DraftLink) -> DraftLink:
+        shapes = tuple(
+            self.shape(shape, link) if shape.kind == "mesh" and shape.mesh is None else shape
+            for shape in link.shapes
+        )
+        return replace(link, shapes=shapes)
+
+    def shape(self, shape: Shape, link: DraftLink) -> Shape:
+        found = self.files.find(shape.file)
+        if how := HOW.get(found.how):
+            self.tell(link, shape, *how(shape, found, self.files.folder))
+        if found.path is None:
+            return shape
+        if found.path not in self.read:
+            self.read[found.path] = self.content(found.path)
+        content = self.read[found.path]
+        if isinstance(content, MeshError):
+            self.tell(
+                link,
+                shape,
+                content.code,
+                "repaired",
+                f"{found.path.name} {content.what}",
+                "the shape was left out",
+                content.fix,
+            )
+            return replace(shape, path=found.path)
+        return replace(shape, path=found.path, mesh=content)
+
+    def content(self, path: Path) -> Mesh | MeshError:
+        try:
+            size = path.stat().st_size
+            self.bytes += size
+            if self.bytes > MOST_BYTES:
+                raise MeshError(
+                    f"makes the meshes hold more than {MOST_BYTES} bytes",
+                    where=str(path),
+                    fix="give coarser meshes",
+                    code="mesh-too-large",
+                )
+            return read_mesh(path.read_bytes(), path.suffix, str(path))
+        except MeshError as error:
+            return error
+        except OSError as error:
+            return MeshError(
+                f"cannot be read: {error.strerror or error}",
+                where=str(path),
+                fix="allow reading it",
+                code="mesh-unreadable",
+            )
+
+    def tell(
+        self,
+        link: DraftLink,
+        shape: Shape,
+        code: str,
+        severity: Severity,
+        what: str,
+        done: str,
+        fix: str,
+    ) -> None:
+        if (link.name, code, shape.file) in self.told:
+            return
+        self.told.add((link.name, code, shape.file))
+        where = Where(kind="link", name=link.name, file=str(self.draft.file), line=shape.line)
+        self.findings.append(
+            Finding(code=code, severity=severity, where=where, what=what, done=done, fix=fix)
+        )
+
+
+Said = tuple[str, Severity, str, str, str]
+
+
+def _missing(shape: Shape, _found: Found, folder: Path) -> Said:
+    return (
+        "mesh-missing",
+        "repaired",
+        f"the mesh {shape.file!r} is nowhere in {folder}",
+        "the shape was left out",
+        "put the file there, or correct its name",
+    )
+
+
+def _outside(shape: Shape, _found: Found, folder: Path) -> Said:
+    return (
+        "mesh-outside",
+        "repaired",
+        f"the mesh {shape.file!r} lies outside {folder}, where nothing is read",
+        "the shape was left out",
+        "put the file into the description's folder",
+    )
+
+
+def _case(shape: Shape, found: Found, folder: Path) -> Said:
+    return (
+        "mesh-case",
+        "repaired",
+        f"the mesh {shape.file!r} is there as {_shown(found, folder)!r}",
+        "that file was taken",
+        "write its name with the same capitals; most systems tell them apart",
+    )
+
+
+def _moved(shape: Shape, found: Found, folder: Path) -> Said:
+    return (
+        "mesh-path",
+        "repaired",
+        f"the mesh {shape.file!r} is not where its path says, but at {_shown(found, folder)!r}",
+        "that file was taken",
+        "correct the path",
+    )
+
+
+def _shown(found: Found, folder: Path) -> str:
+    return "" if found.path is None else str(found.path.relative_to(folder))
+
+
+HOW: dict[str, Callable[[Shape, Found, Path], Said]] = {
+    "missing": _missing,
+    "outside": _outside,
+    "case": _case,
+    "moved": _moved,
+}
+"""What to say of each way in which a path is not what it should be."""
