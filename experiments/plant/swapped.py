@@ -28,8 +28,8 @@ class SwappedInertia(Defect):
 
     def codes(self, variant: str) -> frozenset[str]:
         """Return the codes that name it: a foreign block fits neither the size nor the volume."""
-        foreign = {"mass-volume", "inertia-oversized"} if variant == "two links" else set()
-        return frozenset({"inertia-swapped"} | foreign)
+        foreign = {"mass-volume", "inertia-oversized", "inertia-undersized"}
+        return frozenset({"inertia-swapped"} | (foreign if variant == "two links" else set()))
 
     def also(self, variant: str) -> frozenset[str]:
         """Return the code that says that it is not as its twin's."""

@@ -38,8 +38,17 @@ class UnitSwap(Defect):
 
     def codes(self, variant: str) -> frozenset[str]:
         """Return the codes of findings that name it."""
-        named = {"mass in g": "mass-volume", "centre in mm": "mesh-moved"}
-        return frozenset({named.get(variant, "mesh-units")})
+        named = {
+            "mass in g": {"mass-volume"},
+            "centre in mm": {"length-units", "mesh-moved"},
+            "joint in mm": {"length-units"},
+        }
+        return frozenset(named.get(variant, {"mesh-units"}))
+
+    def also(self, variant: str) -> frozenset[str]:
+        """Return codes that say the same with other words."""
+        named = {"mass in g": {"inertia-undersized"}, "joint in mm": {"mesh-units"}}
+        return frozenset(named.get(variant, ()))
 
     def sites(self, original: Description, variant: str) -> list[str]:
         """Return links, or the joints whose origin is in millimetres."""
