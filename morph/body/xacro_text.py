@@ -28,8 +28,8 @@ def tokens(text: str, where: str) -> Iterator[tuple[Kind, str]]:
         match = TOKEN.match(text, position)
         if match is None:
             raise RobotError(
-                f"has a dollar sign at {text[position : position + 40]!r} that opens no bracket, or one "
-                "that is not closed",
+                f"has a dollar sign at {text[position : position + 40]!r} that opens no "
+                "bracket, or one that is not closed",
                 where=where,
                 fix="close the bracket, or write $$ for a dollar sign",
             )
