@@ -8,7 +8,8 @@ from morph.body.card import Card
 from morph.body.paths import Files
 from morph.body.refusal import about_file, refusal
 from morph.body.robot import Robot
-from morph.body.xml import MOST_BYTES, Element, parse
+from morph.body.source import source_tree
+from morph.body.xml import Element
 from morph.errors import DescriptionRefused, RobotError
 
 ENDINGS = (".urdf", ".xacro", ".xml", ".mjcf", ".toml")
@@ -58,20 +59,12 @@ def _read(path: Path, card: Card | None, base: str | None, folder: Path | None) 
             fix=f"give a file that ends in {', '.join(ENDINGS)}",
         )
     files = Files(path, folder)
-    content = read_text(path)
     if path.suffix.lower() == ".toml":
         from morph.body.cad import read_cad
         from morph.body.urdf_robot import robot_from_draft
 
         return robot_from_draft(read_cad(path), [], files, card, base)
-    tree = parse(content, str(path))
-    # Macros in a file that calls itself URDF count only if there is nothing else.
-    macros = any(child.tag.startswith("xacro:") for child in tree.children())
-    if path.suffix.lower() == ".xacro" or (macros and tree.child("link") is None):
-        from morph.body.xacro import expand
-
-        tree = parse(expand(path, files.folder), str(path))
-    return _by_root(tree, path, files, card, base)
+    return _by_root(source_tree(path, files), path, files, card, base)
 
 
 def _by_root(tree: Element, path: Path, files: Files, card: Card | None, base: str | None) -> Robot:
@@ -84,27 +77,3 @@ def _by_root(tree: Element, path: Path, files: Files, card: Card | None, base: s
 
     draft, findings = draft_urdf(tree, path)
     return robot_from_draft(draft, findings, files, card, base)
-
-
-def read_text(path: Path) -> bytes:
-    """Return a description's bytes.
-
-    Raises:
-        RobotError: The file cannot be read, is no plain file, or is too large.
-    """
-    try:
-        if path.exists() and not path.is_file():
-            raise RobotError("is no file", where=str(path), fix="give the file itself")
-        if path.stat().st_size > MOST_BYTES:
-            raise RobotError(
-                f"has {path.stat().st_size} bytes; a description has {MOST_BYTES} at most",
-                where=str(path),
-                fix="describe shapes in mesh files, not in the description",
-            )
-        return path.read_bytes()
-    except (OSError, ValueError) as error:
-        raise RobotError(
-            f"cannot be read: {getattr(error, 'strerror', None) or error}",
-            where=str(path),
-            fix="give a file that exists, or a name that `morph list robots` shows",
-        ) from error

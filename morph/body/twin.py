@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import tempfile
 import xml.etree.ElementTree as ElementTree
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +15,19 @@ import pinocchio
 
 from morph.body.robot import Robot
 from morph.errors import RobotError
+
+
+@contextmanager
+def _silent() -> Iterator[None]:
+    """Drop what a C library writes to the terminal: it says the same in its exception."""
+    kept, nothing = os.dup(2), os.open(os.devnull, os.O_WRONLY)
+    try:
+        os.dup2(nothing, 2)
+        yield
+    finally:
+        os.dup2(kept, 2)
+        os.close(kept)
+        os.close(nothing)
 
 
 def twin_of(robot: Robot) -> Any:
@@ -42,3 +58,32 @@ def twin_of(robot: Robot) -> Any:
     gravity = "0 0 -9.81" if option is None else option.get("gravity", "0 0 -9.81")
     model.gravity.linear = np.array(gravity.split(), dtype=float)
     return model
+
+
+def twin_of_source(robot: Robot) -> Any:
+    """Return Pinocchio's own reading of the file that a robot came from.
+
+    Of a URDF it is the file itself, expanded if it is xacro, with a free root if
+    the robot floats; of all else what morph made of it.
+
+    Raises:
+        RobotError: Pinocchio cannot read it.
+    """
+    if robot.source is None or robot.source.suffix.lower() not in (".urdf", ".xacro"):
+        return twin_of(robot)
+    from morph.body.paths import Files
+    from morph.body.source import source_tree
+
+    tree = source_tree(robot.source, Files(robot.source))
+    text = ElementTree.tostring(tree, encoding="unicode")
+    floats = bool(robot.joints) and robot.joints[0].kind == "free"
+    root = (pinocchio.JointModelFreeFlyer(),) if floats else ()
+    try:
+        with _silent():
+            return pinocchio.buildModelFromXML(text, *root)
+    except (ValueError, RuntimeError) as error:
+        raise RobotError(
+            f"Pinocchio cannot read it: {error}",
+            where=str(robot.source),
+            fix="correct what Pinocchio names",
+        ) from error

@@ -21,7 +21,7 @@ class Diagnose:
     recordings: Annotated[
         tyro.conf.Positional[tuple[Path, ...]], tyro.conf.arg(metavar="RECORDING ...")
     ]
-    """Files or folders: CSV, NPZ, Parquet with canonical columns, or a recording.toml."""
+    """Files or folders: CSV, NPZ, Parquet, HDF5, MCAP, ROS 2 bags; or a recording.toml."""
     out: Path
     """Folder for diagnosis.json, report.html and the corrected model."""
     held_out: tuple[str, ...] = ()
@@ -55,3 +55,45 @@ class List:
     """robots: the shelf. effects: the physics that can be simulated and found."""
     json: bool = False
     """Print JSON."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Inspect:
+    """Show what a robot is, what is wrong with its description, and what was done about it.
+
+    Exit status 0: ok or repaired; 2: refused, or with --strict anything but ok.
+
+    Example: morph inspect robots/poppy.urdf --base floating
+    """
+
+    robot: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="ROBOT")]
+    """A description (URDF, xacro, MJCF, assembly.toml), a robot folder, or a name on the shelf."""
+    base: Literal["fixed", "floating", "board"] | None = None
+    """How it stands in the world, where the description does not say."""
+    folder: Path | None = None
+    """Folder outside which nothing is read; by default the description's own."""
+    strict: bool = False
+    """Exit with status 2 if anything was repaired."""
+    json: bool = False
+    """Print JSON, by the schema morph.inspection/1."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Convert:
+    """Write a clean description of a robot that MuJoCo, Pinocchio and yourdfpy load alike.
+
+    Example: morph convert poppy.urdf --to mjcf --out poppy
+    """
+
+    robot: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="ROBOT")]
+    """A description (URDF, xacro, MJCF, assembly.toml), a robot folder, or a name on the shelf."""
+    to: Literal["mjcf", "urdf"]
+    """The format to write."""
+    out: Path
+    """Folder for the description, its meshes and what was found."""
+    base: Literal["fixed", "floating", "board"] | None = None
+    """How it stands in the world, where the description does not say."""
+    folder: Path | None = None
+    """Folder outside which nothing is read; by default the description's own."""
+    json: bool = False
+    """Print what was written as JSON."""

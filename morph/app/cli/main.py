@@ -11,7 +11,7 @@ from typing import Annotated
 
 import tyro
 
-from morph.app.cli.arguments import Diagnose, List
+from morph.app.cli.arguments import Convert, Diagnose, Inspect, List
 from morph.errors import MorphError
 
 DONE, UNUSABLE, STOPPED_SHORT, INTERRUPTED = 0, 2, 3, 130
@@ -19,11 +19,14 @@ DONE, UNUSABLE, STOPPED_SHORT, INTERRUPTED = 0, 2, 3, 130
 
 Asked = (
     Annotated[Diagnose, tyro.conf.subcommand("diagnose")]
+    | Annotated[Inspect, tyro.conf.subcommand("inspect")]
+    | Annotated[Convert, tyro.conf.subcommand("convert")]
     | Annotated[List, tyro.conf.subcommand("list")]
 )
 
 SUMMARY = """Compare the robot you think you have with what your robot did.
 
+Example: morph inspect poppy.urdf
 Example: morph diagnose double_pendulum rig.toml --out report"""
 
 
@@ -38,7 +41,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         # A name that the terminal cannot show is escaped, never an end to the work.
         if isinstance(stream, TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
-    asked: Diagnose | List = tyro.cli(
+    asked: Diagnose | Inspect | Convert | List = tyro.cli(
         Asked,
         prog="morph",
         description=SUMMARY,
@@ -46,13 +49,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         config=(tyro.conf.OmitSubcommandPrefixes, tyro.conf.OmitArgPrefixes),
     )
     try:
-        if isinstance(asked, List):
-            from morph.app.cli.list import run_list
-
-            return run_list(asked)
-        from morph.app.cli.diagnose import run_diagnose
-
-        return run_diagnose(asked)
+        return _run(asked)
     except MorphError as error:
         sys.stderr.write(f"error: {error}\n")
         return UNUSABLE
@@ -68,6 +65,24 @@ def main(argv: Sequence[str] | None = None) -> int:
             "  fix: what was found is in --out; print it elsewhere\n"
         )
         return UNUSABLE
+
+
+def _run(asked: Diagnose | Inspect | Convert | List) -> int:
+    if isinstance(asked, List):
+        from morph.app.cli.list import run_list
+
+        return run_list(asked)
+    if isinstance(asked, Inspect):
+        from morph.app.cli.inspect import run_inspect
+
+        return run_inspect(asked)
+    if isinstance(asked, Convert):
+        from morph.app.cli.convert import run_convert
+
+        return run_convert(asked)
+    from morph.app.cli.diagnose import run_diagnose
+
+    return run_diagnose(asked)
 
 
 def entry() -> None:

@@ -122,15 +122,18 @@ def _taken(link: DraftLink) -> str:
 
 def _massless(draft: Draft, link: DraftLink, alone: bool) -> tuple[DraftLink, list[Finding]]:
     if not alone:
-        if not link.shapes:
-            return replace(link, mass=0.0, inertia_from="none"), []
-        return replace(link, mass=0.0, inertia_from="none"), [
+        spun = link.inertia is not None and bool(np.any(link.inertia))
+        bare = replace(link, mass=0.0, inertia=None, inertia_from="none")
+        if not link.shapes and not spun:
+            return bare, []
+        done = "its inertia was left out" if spun else "it stayed massless"
+        return bare, [
             Finding(
                 code="mass-missing",
-                severity="info",
+                severity="repaired" if spun else "info",
                 where=at_link(draft, link),
-                what="it has a shape and no mass",
-                done="it stayed massless, as what it is fixed to is weighed without it",
+                what=f"it has {'an inertia' if spun else 'a shape'} and no mass",
+                done=f"{done}, as what it is fixed to is weighed without it",
                 fix="give it an <inertial>, unless the mass is counted in a neighbour",
             )
         ]

@@ -1,0 +1,119 @@
+"""Whether MuJoCo simulates what Pinocchio reads in the same description."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from morph.arrays import Array
+from morph.body.finding import Finding, Where
+from morph.body.robot import Robot
+from morph.body.spec import spec_of
+from morph.errors import RobotError
+
+TOLERANCE = 1e-9
+"""Greatest relative difference of mass, centre of mass and inertia."""
+
+EXPLAIN = frozenset(
+    ["mass-missing", "inertia-missing", "inertia-broken", "limit-range", "joint-axis", "mimic"]
+)
+"""Repairs that change mass, inertia or joints, and so explain a difference."""
+
+MOST_LINKS = 500
+"""Most links of a description that Pinocchio is asked about."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Reading:
+    """What an engine makes of a body, at home."""
+
+    mass: float
+    """kg, of all links."""
+    com: Array
+    """m, shape (3,)."""
+    eigenvalues: Array
+    """Of the joint-space inertia without rotors, ascending, shape (dof,)."""
+
+
+def disagreement(robot: Robot) -> list[Finding]:
+    """Return a finding if the two disagree and no repair explains it."""
+    repaired = {finding.code for finding in robot.findings if finding.severity == "repaired"}
+    if len(robot.links) > MOST_LINKS:
+        return []
+    other = read_by_pinocchio(robot)
+    if other is None:
+        return []
+    worst = difference(read_by_mujoco(robot), other)
+    if worst <= TOLERANCE or repaired & EXPLAIN:
+        return []
+    return [
+        Finding(
+            code="agreement",
+            severity="info",
+            where=Where(kind="robot", name=robot.name, file=str(robot.source or "")),
+            what=f"mass, centre of mass or inertia differ by {worst:.2g} of their size",
+            fix="look at what the two leave out; report it to morph if the file is right",
+        )
+    ]
+
+
+def difference(one: Reading, other: Reading) -> float:
+    """Return the greatest relative difference of two readings; infinite if dof differ."""
+    if len(one.eigenvalues) != len(other.eigenvalues):
+        return float("inf")
+    pairs = [(np.array([one.mass]), np.array([other.mass])), (one.eigenvalues, other.eigenvalues)]
+    worst = [float(np.abs(a - b).max() / np.abs(b).max()) for a, b in pairs if len(b) and np.any(b)]
+    # A centre of mass has no size of its own; a metre stands for it.
+    worst.append(float(np.abs(one.com - other.com).max()))
+    return max(worst)
+
+
+def read_by_mujoco(robot: Robot) -> Reading:
+    """Return what MuJoCo simulates."""
+    spec = spec_of(robot)
+    for joint in spec.joints:
+        joint.armature = 0.0
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    full = np.zeros((model.nv, model.nv))
+    mujoco.mj_fullM(model, data, full)
+    masses = model.body_mass[1:]
+    return Reading(
+        mass=float(masses.sum()),
+        com=_centre(masses, data.xipos[1:]),
+        eigenvalues=np.linalg.eigvalsh(full) if model.nv else np.zeros(0),
+    )
+
+
+def read_by_pinocchio(robot: Robot) -> Reading | None:
+    """Return what Pinocchio reads in the robot's own file; None if it cannot."""
+    import pinocchio
+
+    from morph.body.twin import twin_of_source
+
+    try:
+        model = twin_of_source(robot)
+    except RobotError:
+        return None
+    data = model.createData()
+    home = pinocchio.neutral(model)
+    pinocchio.forwardKinematics(model, data, home)
+    masses = np.array([inertia.mass for inertia in model.inertias])
+    centres = [data.oMi[k].act(model.inertias[k].lever) for k in range(model.njoints)]
+    upper = np.triu(pinocchio.crba(model, data, home)) if model.nv else np.zeros((0, 0))
+    full = upper + np.triu(upper, 1).T - np.diag(model.armature)
+    return Reading(
+        mass=float(masses.sum()),
+        com=_centre(masses, np.array(centres)),
+        eigenvalues=np.linalg.eigvalsh(full) if model.nv else np.zeros(0),
+    )
+
+
+def _centre(masses: Any, centres: Array) -> Array:
+    total = float(np.sum(masses))
+    centre: Array = masses @ centres / total if total > 0 else np.zeros(3)
+    return centre

@@ -1,0 +1,154 @@
+"""What a body is and what is wrong with its description, without an exception."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any, Literal
+
+import mujoco
+import numpy as np
+
+from morph.body.finding import Finding
+from morph.body.load import load
+from morph.body.refusal import about_file
+from morph.body.robot import Robot
+from morph.body.spec import spec_of
+from morph.errors import DescriptionRefused, RobotError
+
+SCHEMA = "morph.inspection/1"
+"""Name and version of what `as_json` gives back."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Inspection:
+    """A body as it was found."""
+
+    name: str
+    """The robot's name, or the file's if there is no robot."""
+    findings: tuple[Finding, ...]
+    """Everything found, in the order of the checks."""
+    robot: Robot | None
+    """The robot; None if it was refused."""
+    com: tuple[float, float, float] | None = None
+    """Centre of mass at home, in the world, m."""
+    dof: int = 0
+    """Degrees of freedom."""
+    reach: float = 0.0
+    """Furthest that any part is from the base at home, m."""
+
+    @property
+    def verdict(self) -> Literal["ok", "repaired", "refused"]:
+        """`ok`, `repaired` (the robot differs from its description) or `refused`."""
+        severities = {finding.severity for finding in self.findings}
+        if self.robot is None or "refused" in severities:
+            return "refused"
+        return "repaired" if "repaired" in severities else "ok"
+
+    def as_json(self) -> dict[str, Any]:
+        """Return it as JSON holds it, by the schema `morph.inspection/1`."""
+        robot = self.robot
+        return {
+            "schema": SCHEMA,
+            "name": self.name,
+            "mass_kg": None if robot is None else robot.mass,
+            "com_m": None if self.com is None else list(self.com),
+            "dof": self.dof,
+            "reach_m": self.reach,
+            "links": [] if robot is None else [_link(link) for link in robot.links],
+            "joints": [] if robot is None else [_joint(joint) for joint in robot.joints],
+            "actuators": [] if robot is None else [asdict(part) for part in robot.actuators],
+            "sensors": [] if robot is None else [asdict(part) for part in robot.sensors],
+            "closures": [] if robot is None else [asdict(part) for part in robot.loops],
+            "findings": [finding.as_json() for finding in self.findings],
+            "verdict": self.verdict,
+        }
+
+
+def inspect_robot(
+    robot: str | Path,
+    *,
+    base: str | None = None,
+    folder: str | Path | None = None,
+    second_opinion: bool = True,
+) -> Inspection:
+    """Return what a body is and what was found in its description.
+
+    Args:
+        robot: As `morph.load` takes it.
+        base: As `morph.load` takes it.
+        folder: As `morph.load` takes it.
+        second_opinion: Whether Pinocchio reads the description too, and a
+            disagreement that no repair explains is a finding.
+    """
+    try:
+        found = load(robot, base=base, folder=folder)
+    except RobotError as error:
+        return _refused(robot, error)
+    findings = list(found.findings)
+    if second_opinion:
+        from morph.body.agreement import disagreement
+
+        findings += disagreement(found)
+    model = spec_of(found).compile()
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    mujoco.mj_comPos(model, data)
+    x, y, z = data.subtree_com[0].tolist()
+    return Inspection(
+        name=found.name,
+        findings=tuple(findings),
+        robot=replace(found, findings=tuple(findings)),
+        com=(x, y, z),
+        dof=int(model.nv),
+        reach=_reach(model, data),
+    )
+
+
+def _refused(robot: str | Path, error: RobotError) -> Inspection:
+    path = Path(robot)
+    if not isinstance(error, DescriptionRefused):
+        return Inspection(name=path.stem, findings=(about_file(error, path),), robot=None)
+    return Inspection(name=path.stem, findings=error.findings, robot=None)
+
+
+def _reach(model: Any, data: Any) -> float:
+    """Return how far the furthest corner of a geom's box, or origin of a link, is from the base."""
+    if model.nbody < 2:
+        return 0.0
+    base = data.xpos[1]
+    points = [data.xpos[1:]]
+    corners = np.array(np.meshgrid((-1, 1), (-1, 1), (-1, 1))).reshape(3, -1).T
+    for geom in range(model.ngeom):
+        if model.geom_type[geom] in (mujoco.mjtGeom.mjGEOM_PLANE, mujoco.mjtGeom.mjGEOM_HFIELD):
+            continue
+        centre, half = model.geom_aabb[geom, :3], model.geom_aabb[geom, 3:]
+        turn = data.geom_xmat[geom].reshape(3, 3)
+        points.append((centre + corners * half) @ turn.T + data.geom_xpos[geom])
+    return float(np.linalg.norm(np.concatenate(points) - base, axis=1).max())
+
+
+def _link(link: Any) -> dict[str, Any]:
+    return {
+        "name": link.name,
+        "parent": link.parent,
+        "mass_kg": link.mass,
+        "com_m": list(link.com),
+        "inertia_kg_m2": list(link.inertia),
+        "inertia_from": link.inertia_from,
+        "shapes": list(link.shapes),
+    }
+
+
+def _joint(joint: Any) -> dict[str, Any]:
+    return {
+        "name": joint.name,
+        "kind": joint.kind,
+        "link": joint.link,
+        "axis": list(joint.axis),
+        "limits": None if joint.limits is None else list(joint.limits),
+        "effort": joint.effort,
+        "velocity": joint.velocity,
+        "unit": joint.unit,
+        "mimic": None if joint.mimic is None else asdict(joint.mimic),
+    }
