@@ -8,7 +8,7 @@ from morph.errors import RecordingError
 from morph.record.bind import channels_of, check_overlap, hash_of_arrays
 from morph.record.binding import stem_of
 from morph.record.quantities import parse_channel
-from morph.record.read.any import keys, read
+from morph.record.read.any import read_all
 from morph.record.read.file import hash_of
 from morph.record.read.table import Table, listed
 from morph.record.recording import Channel, Note, Recording
@@ -28,11 +28,10 @@ def read_canonical(path: Path) -> tuple[Recording, ...]:
         RecordingError: A column is no channel, there is no clock, or the samples
             cannot be used.
     """
-    return tuple(_episode(path, key) for key in keys(path))
+    return tuple(_episode(path, key, tables) for key, tables in read_all(path))
 
 
-def _episode(path: Path, key: str | None) -> Recording:
-    tables = read(path, key)
+def _episode(path: Path, key: str | None, tables: tuple[Table, ...]) -> Recording:
     if tables[0].clock is not None:
         channels, notes = read_topics(tables)
     else:

@@ -8,7 +8,7 @@ from pathlib import Path
 from morph.errors import RecordingError
 from morph.record.nearest import nearest
 from morph.record.read.csv import read_csv
-from morph.record.read.hdf5 import episodes_of, read_hdf5
+from morph.record.read.hdf5 import read_episodes, read_hdf5
 from morph.record.read.npz import read_npz
 from morph.record.read.parquet import read_parquet
 from morph.record.read.rosbag import ENDINGS as BAG_ENDINGS
@@ -64,10 +64,14 @@ def read(
     return (read_parquet(path) if name.endswith(".parquet") else read_csv(path),)
 
 
-def keys(path: Path) -> tuple[str | None, ...]:
-    """Return the keys of the episodes in a file that no binding describes; None for the whole.
+def read_all(path: Path) -> tuple[tuple[str | None, tuple[Table, ...]], ...]:
+    """Return the columns of each episode in a file that no binding describes, with its key.
+
+    Only an HDF5 file has several; the key of any other is None.
 
     Raises:
-        RecordingError: The file cannot be read.
+        RecordingError: The ending is unknown, or the file cannot be read.
     """
-    return episodes_of(path) if path.name.lower().endswith(HDF5_ENDINGS) else (None,)
+    if path.name.lower().endswith(HDF5_ENDINGS):
+        return tuple((key, (table,)) for key, table in read_episodes(path))
+    return ((None, read(path)),)

@@ -1,31 +1,34 @@
-"""Reading HDF5 files: a data set is a column, and a group is an episode.
-
-Nothing outside the file is opened: links to other files, raw data kept in other files and virtual
-data sets are refused. Every declared size is checked before memory is taken.
-"""
+"""Reading HDF5 files, in a process of its own: on damaged bytes HDF5 may end the one it runs in."""
 
 from __future__ import annotations
 
+import contextlib
+import json
 import math
+import os
+import signal
+import subprocess
+import sys
 from collections.abc import Collection, Iterator
-from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 
 from morph.arrays import Array
 from morph.errors import RecordingError
-from morph.record.nearest import nearest
-from morph.record.read.file import MOST_BYTES, MOST_COLUMNS, size_of
-from morph.record.read.inflate import check_chunks
-from morph.record.read.table import Table, listed
+from morph.record.read.file import MOST_BYTES, size_of
+from morph.record.read.table import Table
 from morph.record.recording import Note
 
-DEEPEST = 32
-"""How deep groups may lie within each other."""
-OUTSIDE = "it lies outside the file"
-"""What the reason of a data set that is not in the file begins with."""
+MOST_LINE = 64 * 1024**2
+"""The longest line of an answer, in bytes: ten thousand names and what is said of them."""
+
+# Neither the user's settings nor the folder that they stand in have a say in what is imported.
+COMMAND = (
+    "import json, sys; sys.path[:] = json.loads(sys.argv[1]); "
+    "from morph.record.read.hdf5_child import main; main()"
+)
 
 
 def read_hdf5(path: Path, key: str | None = None, wanted: Collection[str] | None = None) -> Table:
@@ -43,186 +46,108 @@ def read_hdf5(path: Path, key: str | None = None, wanted: Collection[str] | None
         RecordingError: The file is missing, empty or damaged, has no such group or
             column, reaches outside itself, or declares absurd sizes.
     """
-    with _opened(path) as file:
-        node = file if key is None else _keyed(file, key, path)
-        if not _is_group(node):
-            (values,) = _numbers({str(key): node}, path)
-            columns = tuple(values.T) if values.ndim == 2 else (values,)
-            return Table(path=path, names=(), columns=columns)
-        found, other = _sorted_out(node, path)
-        if wanted is None:
-            return _all(found, other, path)
-        for name in sorted(set(wanted) - set(found)):
-            raise _missing(name, found, other, path)
-        found = {name: one for name, one in found.items() if name in wanted}
-        return Table(path=path, names=tuple(found), columns=_numbers(found, path))
+    names = None if wanted is None else sorted(wanted)
+    ((_, table),) = _ask(path, {"key": key, "wanted": names, "every": False})
+    return table
 
 
-def episodes_of(path: Path) -> tuple[str | None, ...]:
-    """Return the keys of a file's episodes; None alone where the file is one episode.
+def read_episodes(path: Path) -> tuple[tuple[str | None, Table], ...]:
+    """Return the columns of each episode in an HDF5 file, with its key.
 
-    A file whose top level has groups and no numbers has an episode in each group.
+    A file whose top level has groups and no numbers has an episode in each group;
+    any other is one episode, and its key is None.
 
     Raises:
-        RecordingError: The file is missing, empty or damaged.
+        RecordingError: As for `read_hdf5`.
     """
-    with _opened(path) as file:
-        nodes = {name: _entry(file, name) for name in file}
-        groups = tuple(name for name, node in nodes.items() if _is_group(node))
-        numbers = any(not _is_group(node) and not _unfit(node) for node in nodes.values())
-        return (None,) if numbers or not groups else groups
+    return _ask(path, {"key": None, "wanted": None, "every": True})
 
 
-@contextmanager
-def _opened(path: Path) -> Iterator[Any]:
-    """Give the file; whatever HDF5 stumbles over becomes an error of ours."""
+def _ask(path: Path, request: dict[str, Any]) -> tuple[tuple[str | None, Table], ...]:
+    """Return what the process finds in a file."""
     size_of(path)
-    import h5py
-
     try:
-        with h5py.File(path, "r", locking=False) as file:
-            yield file
-    except RecordingError:
-        raise
-    # h5py raises a dozen unrelated errors on damaged bytes.
-    except Exception as error:
-        raise RecordingError(
-            f"the file is truncated, damaged or not HDF5: {str(error)[:200]}",
-            where=str(path),
-            fix="copy the file again, or write it again",
-        ) from error
-
-
-def _is_group(node: Any) -> bool:
-    import h5py
-
-    return isinstance(node, h5py.Group)
-
-
-def _entry(group: Any, name: str) -> Any:
-    """Return what stands in a group under a name, or why it is not followed."""
-    import h5py
-
-    link = group.get(name, getlink=True)
-    if isinstance(link, h5py.ExternalLink):
-        return f"{OUTSIDE}: it is a link to {link.filename!r}"
-    if not isinstance(link, h5py.HardLink):
-        return "it is a link; name what it points to"
-    return group[name]
-
-
-def _keyed(file: Any, key: str, path: Path) -> Any:
-    """Return the group or data set of a key, going from group to group inside the file."""
-    node = file
-    for name in filter(None, key.split("/")):
-        if not _is_group(node) or name not in node:
-            known = list(node) if _is_group(node) else []
-            raise RecordingError(
-                f"there is no group {key!r}; {node.name!r} holds {listed(known) or 'none'}",
-                where=str(path),
-                fix=f"name a group that is there; the nearest are {nearest(name, known)}",
-            )
-        node = _entry(node, name)
-        why = node if isinstance(node, str) else "" if _is_group(node) else _unfit(node)
-        if why:
-            raise _refused(key, why, path)
-    return node
-
-
-def _sorted_out(group: Any, path: Path) -> tuple[dict[str, Any], dict[str, str]]:
-    """Return the data sets of plain numbers in a group, and why all else is no column."""
-    found: dict[str, Any] = {}
-    other: dict[str, str] = {}
-    for name, node in _inside(group, "", frozenset()):
-        if len(found) + len(other) >= MOST_COLUMNS:
-            raise _refused(group.name, f"it holds more than {MOST_COLUMNS} data sets", path)
-        why = _unfit(node)
-        if why:
-            other[name] = why
-        else:
-            found[name] = node
-    return found, other
-
-
-def _inside(group: Any, prefix: str, above: frozenset[int]) -> Iterator[tuple[str, Any]]:
-    """Give what lies in a group and in those below it, by its path."""
-    import h5py
-
-    # A group may be linked from below itself; its address tells that it is the same.
-    above |= {h5py.h5o.get_info(group.id).addr}
-    for name in group:
-        node, path = _entry(group, name), prefix + name
-        if not _is_group(node):
-            yield path, node
-        elif h5py.h5o.get_info(node.id).addr in above or len(above) >= DEEPEST:
-            yield path, "it is a group within itself, or too deep"
-        else:
-            yield from _inside(node, f"{path}/", above)
-
-
-def _unfit(node: Any) -> str:
-    """Return why something in a file is no column, or nothing if it is one."""
-    import h5py
-
-    if isinstance(node, str):
-        return node
-    if not isinstance(node, h5py.Dataset):
-        return "it is no data set"
-    if node.is_virtual or node.external:
-        return f"{OUTSIDE}: it is a view of other data sets or files"
-    # Before any other look at it: text and objects of Python may need to be unpacked for one.
-    if node.shape is None or node.dtype.kind not in "fiub":
-        kind = "nothing" if node.shape is None else node.dtype
-        return f"it holds {'text or objects' if kind == object else kind}, no plain numbers"
-    return "" if node.ndim in (1, 2) else f"it has {node.ndim} dimensions"
-
-
-def _all(found: dict[str, Any], other: dict[str, str], path: Path) -> Table:
-    """Return all columns, with a note on what is none."""
-    for name, why in other.items():
-        if why.startswith(OUTSIDE):
-            raise _refused(name, why, path)
-    if not found:
-        raise RecordingError(
-            "the file holds no data set of numbers of one or two dimensions",
-            where=str(path),
-            fix="save the samples as data sets of shape (rows,) or (rows, columns)",
+        process = subprocess.Popen(
+            [sys.executable, "-I", "-S", "-B", "-X", "utf8", "-c", COMMAND, json.dumps(_paths())],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            # Threads that only reckon would take address space from the limit.
+            env={key: os.environ[key] for key in ("LD_LIBRARY_PATH",) if key in os.environ}
+            | {"OPENBLAS_NUM_THREADS": "1"},
+            start_new_session=True,
         )
-    each = listed((f"{name} ({why})" for name, why in other.items()), most=10)
-    notes = (Note(what=f"not read: {each}", where=str(path)),) if other else ()
-    return Table(path=path, names=tuple(found), columns=_numbers(found, path), notes=notes)
+    except OSError as error:
+        raise RecordingError(
+            f"reading HDF5 needs a process, and there is none: {error.strerror or error}",
+            where=str(path),
+            fix="close other programs, or save the recording as NPZ",
+        ) from error
+    with process:
+        try:
+            if process.stdin is None or process.stdout is None:
+                return ()
+            with contextlib.suppress(BrokenPipeError), process.stdin as stdin:
+                stdin.write(json.dumps({"path": str(path), **request}).encode())
+            return tuple(_tables(process.stdout, path))
+        finally:
+            with contextlib.suppress(ProcessLookupError, PermissionError):
+                os.killpg(process.pid, signal.SIGKILL)
 
 
-def _numbers(found: dict[str, Any], path: Path) -> tuple[Array, ...]:
-    """Return the numbers of data sets, as long as all of them together are of sane size."""
-    total = 0
-    for name, one in found.items():
-        total += math.prod(one.shape) * max(one.dtype.itemsize, 8)
-        if total > MOST_BYTES:
-            shape = " x ".join(map(str, one.shape))
-            why = f"with its {shape} numbers the columns take more than {MOST_BYTES >> 30} GiB"
-            raise _refused(name, why, path)
-        why = check_chunks(one)
-        if why:
-            raise _refused(name, why, path)
-    with np.errstate(over="ignore"):
-        return tuple(np.asarray(one[()]).astype(np.float64) for one in found.values())
+def _tables(answer: Any, path: Path) -> Iterator[tuple[str | None, Table]]:
+    """Give each episode of an answer.
+
+    Raises:
+        RecordingError: The answer is an error, or breaks off.
+    """
+    while "end" not in (line := _line(answer, path)):
+        columns = [_numbers(answer, path) for _ in line["names"]]
+        names = tuple(line["names"])
+        if not line["named"]:
+            names = ()
+            columns = list(columns[0].T) if columns[0].ndim == 2 else columns
+        notes = (Note(what=line["note"], where=str(path)),) if line["note"] else ()
+        yield line["key"], Table(path=path, names=names, columns=tuple(columns), notes=notes)
 
 
-def _missing(name: str, found: dict[str, Any], other: dict[str, str], path: Path) -> RecordingError:
-    if name in other:
-        return _refused(name, other[name], path)
+def _numbers(answer: BinaryIO, path: Path) -> Array:
+    """Return the next column of an answer."""
+    shape = tuple(_line(answer, path)["shape"])
+    if math.prod(shape) * 8 > MOST_BYTES:
+        raise _damaged(path, f"a column of {shape} numbers")
+    numbers = np.empty(shape)
+    left = numbers.reshape(-1).view(np.uint8).data
+    while left:
+        count = answer.readinto(left)  # type: ignore[attr-defined]
+        if not count:
+            raise _damaged(path, "HDF5 gives up on it")
+        left = left[count:]
+    return numbers
+
+
+def _line(answer: BinaryIO, path: Path) -> dict[str, Any]:
+    """Return the next line of an answer."""
+    text = answer.readline(MOST_LINE)
+    if not text.endswith(b"\n"):
+        raise _damaged(path, "HDF5 gives up on it")
+    line: dict[str, Any] = json.loads(text)
+    if "what" in line:
+        if "fix" not in line:
+            raise _damaged(path, line["what"])
+        raise RecordingError(line["what"], where=line["where"], fix=line["fix"])
+    return line
+
+
+def _damaged(path: Path, what: str) -> RecordingError:
     return RecordingError(
-        f"there is no column {name!r}; the columns are {listed(found) or 'none'}",
+        f"the file is truncated, damaged or not HDF5: {what}",
         where=str(path),
-        fix=f"name a column that is there; the nearest are {nearest(name, found)}",
+        fix="copy the file again, or write it again",
     )
 
 
-def _refused(name: str, why: str, path: Path) -> RecordingError:
-    return RecordingError(
-        f"{name} cannot be read: {why}",
-        where=f"{path}, {name}",
-        fix="write the samples into the file itself, as plain numbers of shape (rows,) or "
-        "(rows, columns), plain or packed by gzip (`h5repack -f GZIP=4`)",
-    )
+def _paths() -> list[str]:
+    """Return where modules are found; never the folder that the user happens to stand in."""
+    home = str(Path(__file__).resolve().parents[3])
+    return [*(path for path in sys.path if path), home]

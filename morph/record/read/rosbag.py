@@ -87,9 +87,8 @@ def _files(path: Path) -> tuple[list[Path], str]:
     except UnicodeDecodeError as error:
         raise _metadata(metadata, f"byte {error.start} is no UTF-8") from error
     said = {key.strip(): value for key, _, value in (line.partition(":") for line in lines)}
-    mode, codec = (
-        said.get(f"compression_{one}", "").strip().strip("'\"").lower() for one in ("mode", "format")
-    )
+    packing = [said.get(f"compression_{one}", "") for one in ("mode", "format")]
+    mode, codec = (one.strip().strip("'\"").lower() for one in packing)
     if mode == "file":
         raise RecordingError(
             "the bag's files are compressed as a whole",

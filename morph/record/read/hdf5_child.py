@@ -1,0 +1,72 @@
+"""The process that reads one HDF5 file: what HDF5 does to itself there, it does to nobody else."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+MEMORY_BYTES = 6 * 2**30
+"""Address space of the process: a column as it is stored and as numbers, and the libraries."""
+CPU_SECONDS = 10
+"""Time of computing after which the system ends the process, for a small file."""
+BYTES_A_SECOND = 10_000_000
+"""How much of a large file is read for each second more."""
+
+
+def main() -> None:
+    """Read what standard input asks for; write lines of JSON, and numbers after those of columns.
+
+    Lines are `{"key", "named", "names", "note"}` for an episode, then for each of its
+    data sets `{"shape"}` and its numbers as they stand in memory; `{"what", "where",
+    "fix"}` for an error, and `{"end": true}`.
+    """
+    request = json.loads(sys.stdin.buffer.read())
+    path = Path(request["path"])
+    _limit(path)
+    from morph.errors import RecordingError
+
+    try:
+        _read(request, path)
+        _say({"end": True})
+    except RecordingError as error:
+        _say({"what": error.what, "where": error.where, "fix": error.fix})
+    # h5py raises a dozen unrelated errors on damaged bytes.
+    except Exception as error:
+        _say({"what": str(error)[:200] or type(error).__name__})
+    sys.stdout.buffer.flush()
+
+
+def _read(request: dict[str, Any], path: Path) -> None:
+    import h5py
+
+    from morph.record.read.hdf5_file import blocks_in, numbers_of
+
+    with h5py.File(path, "r", locking=False) as file:
+        for block in blocks_in(file, path, request["key"], request["wanted"], request["every"]):
+            names = list(block.columns)
+            _say({"key": block.key, "named": block.named, "names": names, "note": block.note})
+            for numbers in numbers_of(block, path):
+                _say({"shape": numbers.shape})
+                sys.stdout.buffer.write(numbers.tobytes())
+
+
+def _say(line: dict[str, Any]) -> None:
+    sys.stdout.buffer.write(json.dumps(line).encode() + b"\n")
+
+
+def _limit(path: Path) -> None:
+    import resource
+
+    seconds = CPU_SECONDS + path.stat().st_size // BYTES_A_SECOND
+    for what, most in (
+        (resource.RLIMIT_AS, MEMORY_BYTES),
+        (resource.RLIMIT_CPU, seconds),
+        (resource.RLIMIT_FSIZE, 0),
+        (resource.RLIMIT_CORE, 0),
+        (resource.RLIMIT_NOFILE, 32),
+    ):
+        hard = resource.getrlimit(what)[1]
+        least = most if hard == resource.RLIM_INFINITY else min(most, hard)
+        resource.setrlimit(what, (least, least))

@@ -1,0 +1,209 @@
+"""What an HDF5 file holds: a data set is a column, and a group is an episode.
+
+Nothing outside the file is opened: links to other files, raw data kept in other files and virtual
+data sets are refused. Every declared size is checked before memory is taken. Damaged bytes may end
+HDF5 and the process with it, so that `morph.record.read.hdf5_child` runs this in one of its own.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from morph.arrays import Array
+from morph.errors import RecordingError
+from morph.record.nearest import nearest
+from morph.record.read.file import MOST_BYTES, MOST_COLUMNS
+from morph.record.read.inflate import check_chunks
+from morph.record.read.table import listed
+
+DEEPEST = 32
+"""How deep groups may lie within each other."""
+OUTSIDE = "it lies outside the file"
+"""What the reason of a data set that is not in the file begins with."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Block:
+    """The columns of one episode, before their numbers are read."""
+
+    key: str | None
+    """The group or data set; None for the whole file."""
+    named: bool
+    """Whether columns have names; those of a single data set have numbers only."""
+    columns: dict[str, Any]
+    """The data sets by their paths."""
+    note: str = ""
+    """What was not read, and why; empty if all was."""
+
+
+def blocks_in(
+    file: Any, path: Path, key: str | None, wanted: Collection[str] | None, every: bool
+) -> list[Block]:
+    """Return the episodes of a file that is open: one, or with `every` those of all groups.
+
+    Raises:
+        RecordingError: There is no such group or column, or it cannot be used.
+    """
+    keys = _episodes(file) if every else (key,)
+    return [_block(file, one, wanted, path) for one in keys]
+
+
+def numbers_of(block: Block, path: Path) -> Iterator[Array]:
+    """Give the numbers of an episode's columns, one data set after another.
+
+    Raises:
+        RecordingError: Their sizes, or how they are packed, are not to be trusted.
+    """
+    total = 0
+    for name, one in block.columns.items():
+        total += math.prod(one.shape) * max(one.dtype.itemsize, 8)
+        if total > MOST_BYTES:
+            shape = " x ".join(map(str, one.shape))
+            why = f"with its {shape} numbers the columns take more than {MOST_BYTES >> 30} GiB"
+            raise _refused(name, why, path)
+        why = check_chunks(one)
+        if why:
+            raise _refused(name, why, path)
+    for one in block.columns.values():
+        with np.errstate(over="ignore"):
+            yield np.asarray(one[()]).astype(np.float64)
+
+
+def _block(file: Any, key: str | None, wanted: Collection[str] | None, path: Path) -> Block:
+    node = file if key is None else _keyed(file, key, path)
+    if not _is_group(node):
+        return Block(key=key, named=False, columns={str(key): node})
+    found, other = _sorted_out(node, path)
+    if wanted is None:
+        return Block(key=key, named=True, columns=found, note=_note(found, other, path))
+    for name in sorted(set(wanted) - set(found)):
+        raise _missing(name, found, other, path)
+    columns = {name: one for name, one in found.items() if name in wanted}
+    return Block(key=key, named=True, columns=columns)
+
+
+def _episodes(file: Any) -> tuple[str | None, ...]:
+    """Return the groups at the top, or None alone where there are numbers or no group."""
+    nodes = {name: _entry(file, name) for name in file}
+    groups = tuple(name for name, node in nodes.items() if _is_group(node))
+    numbers = any(not _is_group(node) and not _unfit(node) for node in nodes.values())
+    return (None,) if numbers or not groups else groups
+
+
+def _is_group(node: Any) -> bool:
+    return isinstance(node, h5py.Group)
+
+
+def _entry(group: Any, name: str) -> Any:
+    """Return what stands in a group under a name, or why it is not followed."""
+    link = group.get(name, getlink=True)
+    if isinstance(link, h5py.ExternalLink):
+        return f"{OUTSIDE}: it is a link to {link.filename!r}"
+    if not isinstance(link, h5py.HardLink):
+        return "it is a link; name what it points to"
+    return group[name]
+
+
+def _keyed(file: Any, key: str, path: Path) -> Any:
+    """Return the group or data set of a key, going from group to group inside the file."""
+    node = file
+    for name in filter(None, key.split("/")):
+        if not _is_group(node) or name not in node:
+            known = list(node) if _is_group(node) else []
+            raise RecordingError(
+                f"there is no group {key!r}; {node.name!r} holds {listed(known) or 'none'}",
+                where=str(path),
+                fix=f"name a group that is there; the nearest are {nearest(name, known)}",
+            )
+        node = _entry(node, name)
+        why = node if isinstance(node, str) else "" if _is_group(node) else _unfit(node)
+        if why:
+            raise _refused(key, why, path)
+    return node
+
+
+def _sorted_out(group: Any, path: Path) -> tuple[dict[str, Any], dict[str, str]]:
+    """Return the data sets of plain numbers in a group, and why all else is no column."""
+    found: dict[str, Any] = {}
+    other: dict[str, str] = {}
+    for name, node in _inside(group, "", frozenset()):
+        if len(found) + len(other) >= MOST_COLUMNS:
+            raise _refused(group.name, f"it holds more than {MOST_COLUMNS} data sets", path)
+        why = _unfit(node)
+        if why:
+            other[name] = why
+        else:
+            found[name] = node
+    return found, other
+
+
+def _inside(group: Any, prefix: str, above: frozenset[int]) -> Iterator[tuple[str, Any]]:
+    """Give what lies in a group and in those below it, by its path."""
+    # A group may be linked from below itself; its address tells that it is the same.
+    above |= {h5py.h5o.get_info(group.id).addr}
+    for name in group:
+        node, path = _entry(group, name), prefix + name
+        if not _is_group(node):
+            yield path, node
+        elif h5py.h5o.get_info(node.id).addr in above or len(above) >= DEEPEST:
+            yield path, "it is a group within itself, or too deep"
+        else:
+            yield from _inside(node, f"{path}/", above)
+
+
+def _unfit(node: Any) -> str:
+    """Return why something in a file is no column, or nothing if it is one."""
+    if isinstance(node, str):
+        return node
+    if not isinstance(node, h5py.Dataset):
+        return "it is no data set"
+    if node.is_virtual or node.external:
+        return f"{OUTSIDE}: it is a view of other data sets or files"
+    # Before any other look at it: text and objects of Python may need to be unpacked for one.
+    if node.shape is None:
+        return "it holds nothing"
+    if node.dtype.kind not in "fiub":
+        held = "text or objects" if node.dtype.kind in "OSU" else node.dtype
+        return f"it holds {held}, no plain numbers"
+    return "" if node.ndim in (1, 2) else f"it has {node.ndim} dimensions"
+
+
+def _note(found: dict[str, Any], other: dict[str, str], path: Path) -> str:
+    """Return what to say of that which is no column; refuse what lies outside of the file."""
+    for name, why in other.items():
+        if why.startswith(OUTSIDE):
+            raise _refused(name, why, path)
+    if not found:
+        raise RecordingError(
+            "the file holds no data set of numbers of one or two dimensions",
+            where=str(path),
+            fix="save the samples as data sets of shape (rows,) or (rows, columns)",
+        )
+    each = listed((f"{name} ({why})" for name, why in other.items()), most=10)
+    return f"not read: {each}" if other else ""
+
+
+def _missing(name: str, found: dict[str, Any], other: dict[str, str], path: Path) -> RecordingError:
+    if name in other:
+        return _refused(name, other[name], path)
+    return RecordingError(
+        f"there is no column {name!r}; the columns are {listed(found) or 'none'}",
+        where=str(path),
+        fix=f"name a column that is there; the nearest are {nearest(name, found)}",
+    )
+
+
+def _refused(name: str, why: str, path: Path) -> RecordingError:
+    return RecordingError(
+        f"{name} cannot be read: {why}",
+        where=f"{path}, {name}",
+        fix="write the samples into the file itself, as plain numbers of shape (rows,) or "
+        "(rows, columns), plain or packed by gzip (`h5repack -f GZIP=4`)",
+    )
