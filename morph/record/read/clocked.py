@@ -22,7 +22,7 @@ import numpy as np
 from morph.arrays import Array, Integers
 from morph.errors import RecordingError
 from morph.record.read.file import MOST_COLUMNS
-from morph.record.read.messages import ARRAY, NAMED, plain
+from morph.record.read.messages import ARRAY, NAMED, POSE, plain
 from morph.record.read.table import Table, listed
 from morph.record.read.topic import Topic
 from morph.record.recording import Note
@@ -52,6 +52,8 @@ def tables_of(topic: Topic, packed: Sequence[tuple[int, bytes]], path: Path) -> 
     if plain(topic.kind) == ARRAY:
         blocks = {topic.name: (np.arange(len(messages)), _lists(messages, place))}
     else:
+        if plain(topic.kind) == POSE:
+            _check_frame(messages, place)
         blocks, silent = _blocks(topic, messages, place)
         notes += silent
     groups: dict[bytes, list[str]] = {}
@@ -158,6 +160,19 @@ def _blocks(
         else:
             columns[f"{topic.name}:{name}"] = (index[order], values[order])
     return columns, _silence(silent, place)
+
+
+def _check_frame(messages: list[Any], place: str) -> None:
+    """Refuse poses of one body that are seen from several frames."""
+    first = messages[0].header.frame_id
+    for at, message in enumerate(messages):
+        if message.header.frame_id != first:
+            raise RecordingError(
+                f"the pose is in frame {message.header.frame_id!r}, the first of the topic in "
+                f"{first!r}",
+                where=f"{place}, message {at + 1}",
+                fix="publish all poses of a body in one frame that is fixed to the world",
+            )
 
 
 def _check_number(columns: dict[str, Any], place: str) -> None:

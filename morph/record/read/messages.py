@@ -81,9 +81,11 @@ def _pose(message: Any, topic: str, place: str) -> Values:
 
 ARRAY = "std_msgs/Float64MultiArray"
 """The type whose numbers only a binding can name."""
+POSE = "geometry_msgs/PoseStamped"
+"""The type whose messages name the frame that a body is seen from."""
 NAMED: dict[str, Callable[[Any, str, str], Values]] = {
     "sensor_msgs/JointState": _joint_state,
     "sensor_msgs/Imu": _imu,
-    "geometry_msgs/PoseStamped": _pose,
+    POSE: _pose,
 }
 """The types whose messages say what they hold, each with how a message is read."""

@@ -165,6 +165,10 @@ def spoilt(ros: SimpleNamespace, how: str) -> list:
         "apart": [("/a", JOINTS, good), ("/hip/command", ARRAY, [
             (at, array([1.0])) for at, _ in late
         ])],
+        "frames": [("/a", POSE, [
+            (at, ros.pose(at + 1, "odom" if at == 7 else "map", (0, 0, 0), (1, 0, 0, 0)))
+            for at in range(12)
+        ])],
         "no part": [("/a", JOINTS, [(at, joints(at + 1, [""], [1.0])) for at in range(12)])],
     }[how]  # fmt: skip
 
@@ -184,6 +188,7 @@ def spoilt(ros: SimpleNamespace, how: str) -> list:
         ("back", "the clock runs backwards at 1 of 21", "topic /a, message 21"),
         ("infinite", "hip.position is infinite in 1 of 21", "topic /a, message 21"),
         ("apart", "share no time", "run"),
+        ("frames", "in frame 'odom', the first of the topic in 'map'", "topic /a, message 8"),
         ("no part", "'.position' names no known quantity", "topic /a, message 1"),
     ],
 )
