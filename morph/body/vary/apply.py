@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import re
 import tempfile
 from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path, PurePath
+from pathlib import Path
 from typing import Any
 
 from morph.body.card import Card, Checks
@@ -15,6 +14,7 @@ from morph.body.robot import Robot
 from morph.body.spec import bare_spec
 from morph.body.vary.operation import Operation
 from morph.body.vary.unhook import inventory
+from morph.errors import RobotError
 from morph.files import sha256
 
 
@@ -63,11 +63,13 @@ def rebuilt(spec: Any, robot: Robot, name: str, digest: str) -> Robot:
     """
     spec.modelname = name
     with tempfile.TemporaryDirectory() as folder:
-        # robot_of reads a description's files from disk: a varied body has none there.
+        # robot_of hashes a description's file: a varied body has none of its own.
         place = Path(folder) / "robot.xml"
         place.write_text(robot.mjcf)
-        _unpack(spec, robot, Path(folder))
-        found = robot_of(spec, place, None)
+        try:
+            found = robot_of(spec, place, None, dict(robot.assets))
+        except RobotError as error:
+            raise RobotError(error.what, where=f"robot {name}", fix=error.fix) from error
     actuators = {actuator.name for actuator in found.actuators}
     links = {link.name for link in found.links}
     joints = {joint.name for joint in found.joints}
@@ -78,20 +80,6 @@ def rebuilt(spec: Any, robot: Robot, name: str, digest: str) -> Robot:
         sha256=digest,
         card=_card(robot.card, actuators.__contains__, (links | joints | {"*"}).__contains__),
     )
-
-
-def _unpack(spec: Any, robot: Robot, folder: Path) -> None:
-    # robot_of puts a number before each file's name; the one it put there before goes.
-    spec.compiler.meshdir = spec.compiler.texturedir = ""
-    renamed: dict[str, str] = {}
-    for number, (name, content) in enumerate(robot.assets.items()):
-        path = folder / str(number) / re.sub(r"^\d+_", "", PurePath(name).name)
-        path.parent.mkdir()
-        path.write_bytes(content)
-        renamed[name] = f"{number}/{path.name}"
-    for element in (*spec.meshes, *spec.hfields, *spec.textures):
-        if element.file in renamed:
-            element.file = renamed[element.file]
 
 
 def _card(

@@ -10,13 +10,19 @@ from numpy.typing import ArrayLike
 
 from morph.arrays import Array
 from morph.body.vary.pseudo import between, pseudo_inertia, set_pseudo_inertia
-from morph.errors import RobotError
 
 JOINT_NUMBERS = (
-    "pos", "range", "ref", "springref", "stiffness", "damping", "armature", "frictionloss",
-    "margin", "actfrcrange", "solref_limit", "solimp_limit", "solref_friction", "solimp_friction",
+    "pos", "ref", "springref", "stiffness", "damping", "armature", "frictionloss", "margin",
+    "solref_limit", "solimp_limit", "solref_friction", "solimp_friction",
 )  # fmt: skip
-ACTUATOR_NUMBERS = ("gear", "ctrlrange", "forcerange", "actrange", "gainprm", "biasprm", "dynprm")
+ACTUATOR_NUMBERS = ("gear", "gainprm", "biasprm", "dynprm")
+JOINT_LIMITS = {"range": "limited", "actfrcrange": "actfrclimited"}
+ACTUATOR_LIMITS = {
+    "ctrlrange": "ctrllimited",
+    "forcerange": "forcelimited",
+    "actrange": "actlimited",
+}
+"""Ranges, each with the field that says whether it holds."""
 SHAPE_NUMBERS = ("pos", "size")
 OPTION_NUMBERS = ("gravity", "wind", "magnetic", "density", "viscosity")
 
@@ -64,18 +70,13 @@ def copy_inertia(body: Any, source: Any) -> None:
 
 
 def blend_joint(joint: Any, first: Any, second: Any, fraction: float) -> None:
-    """Set a joint's numbers; a range that only one body has is taken from it.
-
-    Raises:
-        RobotError: The axes are opposite, so that no way between them is shorter.
-    """
+    """Set a joint's numbers."""
     if joint.type != mujoco.mjtJoint.mjJNT_FREE:
-        joint.axis = _direction(joint.name, first.axis, second.axis, fraction)
+        joint.axis = _direction(first.axis, second.axis, fraction)
     for field in JOINT_NUMBERS:
-        one, other = getattr(first, field), getattr(second, field)
-        if field in ("range", "actfrcrange"):
-            one, other = (one if np.any(one) else other), (other if np.any(other) else one)
-        setattr(joint, field, straight(one, other, fraction))
+        ends = getattr(first, field), getattr(second, field)
+        setattr(joint, field, straight(*ends, fraction))
+    blend_limits(joint, first, second, fraction, JOINT_LIMITS)
 
 
 def blend_actuator(actuator: Any, first: Any, second: Any, fraction: float) -> None:
@@ -85,6 +86,36 @@ def blend_actuator(actuator: Any, first: Any, second: Any, fraction: float) -> N
         for field in ACTUATOR_NUMBERS:
             ends = getattr(first, field), getattr(second, field)
             setattr(actuator, field, straight(*ends, fraction))
+        blend_limits(actuator, first, second, fraction, ACTUATOR_LIMITS)
+
+
+def blend_limits(
+    part: Any, first: Any, second: Any, fraction: float, limits: dict[str, str]
+) -> None:
+    """Set ranges; one that only one end has is c + (range - c) / presence: at 0, none.
+
+    c is where the joint stands at home, and zero for efforts and commands.
+    """
+    for field, flag in limits.items():
+        ends = [getattr(each, field) for each in (first, second)]
+        holds = [_holds(each, field, flag) for each in (first, second)]
+        value = straight(ends[0], ends[1], fraction)
+        presence = (1 - fraction) * holds[0] + fraction * holds[1]
+        if any(holds) and not all(holds):
+            centre = part.ref if field == "range" else 0.0
+            value = np.zeros(2)
+            if presence > 0:
+                value = centre + (ends[holds.index(True)] - centre) / presence
+        yes, no = mujoco.mjtLimited.mjLIMITED_TRUE, mujoco.mjtLimited.mjLIMITED_FALSE
+        setattr(part, flag, yes if presence > 0 else no)
+        setattr(part, field, value)
+
+
+def _holds(part: Any, field: str, flag: str) -> bool:
+    limited = mujoco.mjtLimited(int(getattr(part, flag)))
+    if limited == mujoco.mjtLimited.mjLIMITED_AUTO:
+        return bool(np.any(getattr(part, field)))
+    return bool(limited == mujoco.mjtLimited.mjLIMITED_TRUE)
 
 
 def blend_shapes(body: Any, first: Any, second: Any, fraction: float) -> None:
@@ -124,17 +155,11 @@ def _same_inertia(first: Any, second: Any) -> bool:
     return all(np.array_equal(getattr(first, each), getattr(second, each)) for each in fields)
 
 
-def _direction(name: str, first: ArrayLike, second: ArrayLike, fraction: float) -> Array:
+def _direction(first: ArrayLike, second: ArrayLike, fraction: float) -> Array:
     one, other = np.asarray(first, dtype=float), np.asarray(second, dtype=float)
     if fraction in (0.0, 1.0) or (one == other).all():
         return (other if fraction == 1.0 else one).copy()
     one, other = one / np.linalg.norm(one), other / np.linalg.norm(other)
-    if one @ other < -1 + 1e-9:
-        raise RobotError(
-            f"its axis is {one.tolist()} in one body and the opposite in the other",
-            where=f"joint {name!r}",
-            fix="turn one axis around, or give a mapping that leaves its link unmatched",
-        )
     return _arc(one, other, fraction)
 
 

@@ -14,7 +14,11 @@ that the joint would have without it,
 
 (MuJoCo documentation, Computation, Solver parameters: a1 + d (b v + k r) =
 (1 - d) a0, with b = 2 / (d T) and k = 1 / (d T)^2). At w = 0 the joint stands
-still to MuJoCo's least softness; at w = 1 there is no constraint.
+still to MuJoCo's least softness; at w = 1 there is no constraint. MuJoCo's
+constraint is as soft as the joint moves lightly by itself, and absent links in
+a row move most lightly against each other. So the joint also gets a rotor
+inertia of m l^2 (1 - w)^3, with m the mass of the robot and l = 0.1 m: where
+the joint stands still it has no effect, and where it does not it has gone.
 """
 
 from __future__ import annotations
@@ -26,10 +30,15 @@ import numpy as np
 
 from morph.body.vary.affine import Affine, stretch_shape
 from morph.body.vary.blend import copy_inertia, straight, turned
-from morph.errors import RobotError
 
 SMALLEST = 0.03
-"""s0: its mass is 3e-5 and its inertia 2e-8 of the whole link's, far above MuJoCo's least."""
+"""s0: its mass is 3e-5 and its inertia 2e-8 of the whole link's."""
+
+LEAST = 1e-12
+"""Inertia that an absent link keeps about every axis, kg m2: MuJoCo refuses 1e-15."""
+
+LEVER = 0.1
+"""l: m, the size of a limb."""
 
 RELEASE = 0.1
 """T1: s, a time in which bodies of a metre hardly move."""
@@ -50,11 +59,12 @@ JOINT_FIELDS = {
     "solimp_limit": 0.0,
 }  # fmt: skip
 """What makes a hinge, with the power of s by which it goes."""
-ACTUATOR_FIELDS = {
-    "trntype": 0.0, "gaintype": 0.0, "biastype": 0.0, "dyntype": 0.0, "ctrlspec": 0.0, "gear": 0.0,
-    "ctrllimited": 0.0, "ctrlrange": 0.0, "forcelimited": 0.0, "forcerange": 4.0, "actlimited": 0.0,
-    "actrange": 0.0, "actdim": 0.0, "dynprm": 0.0, "gainprm": 4.0, "biasprm": 4.0,
-}  # fmt: skip
+ACTUATOR_FIELDS = (
+    "trntype", "gaintype", "biastype", "dyntype", "ctrlspec", "gear", "ctrllimited", "ctrlrange",
+    "forcelimited", "actlimited", "actrange", "actdim", "dynprm",
+)  # fmt: skip
+EFFORTS = ("forcerange", "gainprm", "biasprm")
+"""What makes an actuator, and what of it is an effort."""
 GEOM_FIELDS = (
     "type", "pos", "quat", "size", "contype", "conaffinity", "condim", "priority", "friction",
     "solmix", "solref", "solimp", "margin", "gap", "rgba", "group", "fluid_ellipsoid",
@@ -72,7 +82,7 @@ def fade_body(spec: Any, body: Any, source: Any, presence: float, s: float) -> N
     copy_inertia(body, source)
     if body.explicitinertial:
         body.mass, body.ipos = body.mass * s**3, body.ipos * s
-        body.inertia = body.inertia * s**5
+        body.inertia = body.inertia * s**5 + LEAST * (1 - presence)
     body.gravcomp = source.gravcomp
     if not body.geoms:
         _draw(body, source)
@@ -91,17 +101,7 @@ def place_between(body: Any, source: Any, presence: float) -> None:
 
 
 def fade_joint(joint: Any, source: Any, s: float) -> None:
-    """Give a joint the numbers of another at the scale s.
-
-    Raises:
-        RobotError: It is no hinge or slide, so that no such lock holds it.
-    """
-    if source.type not in MOVING:
-        raise RobotError(
-            "one body has a free or ball joint there, and the other does not",
-            where=f"joint {source.name!r}",
-            fix="lock that joint first, or give both bodies one",
-        )
+    """Give a joint the numbers of another at the scale s."""
     slide = source.type == mujoco.mjtJoint.mjJNT_SLIDE
     for field, power in JOINT_FIELDS.items():
         setattr(joint, field, _scaled(getattr(source, field), s**power))
@@ -114,24 +114,62 @@ def fade_joint(joint: Any, source: Any, s: float) -> None:
             setattr(joint, field, _scaled(getattr(source, field), s**power))
 
 
-def fade_actuator(actuator: Any, source: Any, slide: bool, s: float) -> None:
-    """Give an actuator the law of another, with the efforts of the scale s."""
-    for field, power in ACTUATOR_FIELDS.items():
-        # On a slide efforts are forces, which go as s^3.
-        factor = s ** (power - 1 if slide and power else power)
-        setattr(actuator, field, _scaled(getattr(source, field), factor))
+def fade_actuator(actuator: Any, source: Any, effort: float) -> None:
+    """Give an actuator the law of another, with its efforts times a factor."""
+    for field in ACTUATOR_FIELDS:
+        setattr(actuator, field, getattr(source, field))
+    for field in EFFORTS:
+        setattr(actuator, field, getattr(source, field) * effort)
+    if effort == 0.0:
+        actuator.forcelimited = mujoco.mjtLimited.mjLIMITED_FALSE
 
 
-def lock_by_constraint(spec: Any, joint: str, presence: float) -> None:
-    """Lock a joint, the less the more of it is there; not at all where it is whole."""
-    if presence == 1.0:
-        return
+def effort_at(s: float, *, slide: bool) -> float:
+    """Return by what efforts at a joint go with a size s: torques s^4, forces s^3."""
+    return s**3 if slide else s**4
+
+
+def lock_by_constraint(spec: Any, joint: Any, presence: float, mass: float) -> None:
+    """Lock a hinge or slide, the less the more of it is there; not at all where it is whole.
+
+    Args:
+        spec: The body between.
+        joint: The joint.
+        presence: w, 0 to 1.
+        mass: m: of the robot, kg.
+    """
+    if presence < 1.0:
+        square = 1.0 if joint.type == mujoco.mjtJoint.mjJNT_SLIDE else LEVER**2
+        joint.armature = joint.armature + mass * square * (1 - presence) ** 3
+        lock = spec.add_equality(
+            name=f"fading {joint.name}", type=mujoco.mjtEq.mjEQ_JOINT, name1=joint.name
+        )
+        lock.objtype = mujoco.mjtObj.mjOBJ_JOINT
+        lock.data = np.zeros(len(lock.data))
+        _soften(lock, presence)
+
+
+def weld_by_constraint(spec: Any, joint: Any, presence: float, mass: float) -> None:
+    """Lock a free or ball joint in the same way: its link is welded to what carries it, at home."""
+    if presence < 1.0:
+        body = joint.parent
+        joint.armature = joint.armature + mass * (1 - presence) ** 3
+        weld = spec.add_equality(
+            name=f"fading {joint.name}",
+            type=mujoco.mjtEq.mjEQ_WELD,
+            name1=body.name,
+            name2=body.parent.name,
+        )
+        weld.objtype = mujoco.mjtObj.mjOBJ_BODY
+        # Anchor and relative pose are zero: MuJoCo takes them as they stand at home.
+        weld.data = (*np.zeros(10), 1.0, *np.zeros(len(weld.data) - 11))
+        _soften(weld, presence)
+
+
+def _soften(lock: Any, presence: float) -> None:
     T = max(RELEASE * presence / (1 - presence), STIFFEST)
     d = min(max(1 - presence, 1 - HARDEST), HARDEST)
-    lock = spec.add_equality(name=f"fading {joint}", type=mujoco.mjtEq.mjEQ_JOINT, name1=joint)
-    lock.objtype = mujoco.mjtObj.mjOBJ_JOINT
-    lock.active, lock.data = True, np.zeros(len(lock.data))
-    lock.solref, lock.solimp = (T, 1.0), (d, d, 0.001, 0.5, 2.0)
+    lock.active, lock.solref, lock.solimp = True, (T, 1.0), (d, d, 0.001, 0.5, 2.0)
 
 
 def _draw(body: Any, source: Any) -> None:

@@ -8,6 +8,7 @@ from typing import Any
 
 import mujoco
 
+from morph.body.fulltext import fulltext
 from morph.body.robot import Robot
 from morph.body.spec import bare_spec
 from morph.body.vary.apply import rebuilt
@@ -19,16 +20,21 @@ from morph.body.vary.blend import (
     blend_shapes,
 )
 from morph.body.vary.fade import (
+    MOVING,
     SMALLEST,
+    effort_at,
     fade_actuator,
     fade_body,
     fade_joint,
     lock_by_constraint,
     place_between,
     size_at,
+    weld_by_constraint,
 )
+from morph.body.vary.loops import fade_loops
 from morph.body.vary.match import match
 from morph.body.vary.rename import renamed
+from morph.body.vary.signs import opposite, reverse
 from morph.body.vary.union import Union, skeleton, union
 from morph.errors import RobotError
 from morph.files import sha256
@@ -48,8 +54,10 @@ def interpolate(
     orientations by slerp, and inertias through bodies that can exist, masses
     in geometric steps (pseudo.py). A part that only one has grows or shrinks
     (fade.py), so that all bodies on one way have the same links, joints and
-    actuators, in the same order and by the first body's names. What has no
-    numbers between, such as meshes, materials, sensors and closed loops, is
+    actuators, in the same order and by the first body's names. Where a joint's
+    axes point more than 90 degrees apart, the second body's position, force
+    and command of it count the other way: q' = -q. What has no
+    numbers between, such as meshes, materials and sensors, is
     that of the nearer body.
 
     At fraction 0 it moves as the first robot, at 1 as the second: exactly, if
@@ -69,7 +77,7 @@ def interpolate(
 
     Raises:
         RobotError: The fraction lies outside 0 to 1, no tree holds both
-            bodies, opposite axes were matched, or a free joint has no counterpart.
+            bodies, or an axis that differs cannot be turned.
     """
     return _Way.of(first, second, mapping, smallest).at(fraction)
 
@@ -108,6 +116,7 @@ class _Way:
     second: Robot
     tree: Union
     smallest: float
+    mass: float
     origin: str
 
     @staticmethod
@@ -119,12 +128,15 @@ class _Way:
             )
         one, other = bare_spec(first), bare_spec(second)
         one.modelname, other.modelname = first.name, second.name
-        twin = replace(second, mjcf=renamed(second.mjcf, match(one, other, mapping)))
+        twin = _beside(one, replace(second, mjcf=renamed(second.mjcf, match(one, other, mapping))))
         tree = union(one, bare_spec(twin))
         ends = [robot.sha256 or sha256(robot.mjcf) for robot in (first, second)]
         given = "" if mapping is None else repr(sorted(mapping.items()))
         origin = sha256(*ends, given, repr(smallest))
-        return _Way(first=first, second=twin, tree=tree, smallest=smallest, origin=origin)
+        mass = max(first.mass, second.mass)
+        return _Way(
+            first=first, second=twin, tree=tree, smallest=smallest, mass=mass, origin=origin
+        )
 
     def at(self, fraction: float) -> Robot:
         name = f"{self.first.name}~{self.second.name}({fraction:.6g})"
@@ -140,6 +152,7 @@ class _Way:
             self._link(spec, ends, link, fraction)
         for actuator, joint in self.tree.actuators.items():
             self._actuator(spec, ends, actuator, joint, fraction)
+        fade_loops(spec, ends, fraction, self._sizes(ends, fraction))
         return rebuilt(spec, nearer, name, sha256(self.origin, repr(float(fraction))))
 
     def _link(self, spec: Any, ends: tuple[Any, Any], name: str, fraction: float) -> None:
@@ -179,7 +192,18 @@ class _Way:
         fade_joint(joint, source, s)
         if link_is_whole:
             joint.pos = source.pos.copy()
-        lock_by_constraint(spec, name, presence)
+        if joint.type in MOVING:
+            lock_by_constraint(spec, joint, presence, self.mass)
+        else:
+            weld_by_constraint(spec, joint, presence, self.mass)
+
+    def _sizes(self, ends: tuple[Any, Any], fraction: float) -> dict[str, float]:
+        sizes: dict[str, float] = {}
+        for name in self.tree.parents:
+            twins = ends[0].body(name), ends[1].body(name)
+            if not all(twins):
+                sizes[name] = size_at(_only(twins, fraction)[0], self.smallest)
+        return sizes
 
     def _actuator(
         self, spec: Any, ends: tuple[Any, Any], name: str, joint: str, fraction: float
@@ -190,8 +214,24 @@ class _Way:
             blend_actuator(actuator, *twins, fraction)
             return
         presence, source = _only(twins, fraction)
-        slide = spec.joint(joint).type == mujoco.mjtJoint.mjJNT_SLIDE
-        fade_actuator(actuator, source, slide, size_at(presence, self.smallest))
+        if all((ends[0].joint(joint), ends[1].joint(joint))):
+            fade_actuator(actuator, source, presence)
+        else:
+            slide = spec.joint(joint).type == mujoco.mjtJoint.mjJNT_SLIDE
+            s = size_at(presence, self.smallest)
+            fade_actuator(actuator, source, effort_at(s, slide=slide))
+
+
+def _beside(first: Any, second: Robot) -> Robot:
+    # The second body as it counts its joints when it counts them as the first does.
+    spec = bare_spec(second)
+    turned = opposite(first, spec)
+    if not turned:
+        return second
+    for joint in turned:
+        reverse(spec, joint)
+    spec.compile()
+    return replace(second, mjcf=fulltext(spec))
 
 
 def _only(twins: tuple[Any, Any], fraction: float) -> tuple[float, Any]:

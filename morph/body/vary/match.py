@@ -30,8 +30,9 @@ def match(first: Any, second: Any, mapping: Mapping[str, str] | None) -> Match:
 
     Links are those of the mapping. Without one they are those of equal names,
     and then, below every pair, the children whose joints are of equal kinds,
-    those first whose subtrees are most alike in size. A pair's joints are
-    matched by kind, in order, and a joint's actuators in order.
+    those first whose subtrees are most alike in size; not if pairs below them
+    would then cross. A pair's joints are matched by kind, in order, and a
+    joint's actuators in order.
 
     Raises:
         RobotError: The mapping names a link that is not there, or one twice.
@@ -80,10 +81,12 @@ def _found(first: Any, second: Any) -> dict[str, str]:
         left = [name for name in ours[one] if name not in pairs]
         right = [name for name in theirs[other] if name not in pairs.values()]
         candidates = sorted(
-            (abs(_size(ours, a) - _size(theirs, b)), abs(i - j), a, b)
+            (abs(len(_below(ours, a)) - len(_below(theirs, b))), abs(i - j), a, b)
             for i, a in enumerate(left)
             for j, b in enumerate(right)
             if _kinds(link(first, a)) == _kinds(link(second, b))
+            and {pairs[x] for x in _below(ours, a) if x in pairs}
+            == {y for y in _below(theirs, b) if y in pairs.values()}
         )
         for _, _, a, b in candidates:
             if a not in pairs and b not in pairs.values():
@@ -99,8 +102,8 @@ def _children(spec: Any) -> dict[str, list[str]]:
     return found
 
 
-def _size(children: dict[str, list[str]], name: str) -> int:
-    return 1 + sum(_size(children, child) for child in children[name])
+def _below(children: dict[str, list[str]], name: str) -> list[str]:
+    return [name, *(each for child in children[name] for each in _below(children, child))]
 
 
 def _kinds(body: Any) -> list[int]:

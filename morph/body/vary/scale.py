@@ -34,7 +34,8 @@ class Scale(Operation):
     Shapes, sites, cameras and the travel of the link's own slides scale with
     it. Motors, springs, dampers, friction and armature stay. A loop that a
     constraint closes stays closed at home: its anchor goes along with the
-    link, and the other link takes hold of it there.
+    link, and the other link takes hold of it there. A pin between two sites
+    moves with the sites: if they part, the constraint pulls them together.
 
     `*` scales every link about the world's origin, where the body stands.
     """
