@@ -9,6 +9,7 @@ import mujoco
 import numpy as np
 
 from morph.arrays import Array
+from morph.body.check.place import WORLD
 from morph.body.draft import Draft, DraftJoint, DraftLink, Shape
 from morph.body.mesh import Mesh, as_stl
 
@@ -19,9 +20,6 @@ GREY = (0.7, 0.7, 0.7, 1.0)
 """Colour of a shape that has none."""
 
 HINGE, SLIDE = mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE
-
-WORLD = "world"
-"""MuJoCo's name for what does not move; a root link of this name is that."""
 
 
 def spec_from(draft: Draft, base: str) -> tuple[Any, dict[str, bytes]]:

@@ -23,6 +23,9 @@ KINDS = {
 }
 """Geoms that a draft can hold; planes and height fields are the world's."""
 
+SHOWN = 2
+"""Last group of geoms that MuJoCo's viewers show unasked."""
+
 JOINTS = {
     mujoco.mjtJoint.mjJNT_FREE: "floating",
     mujoco.mjtJoint.mjJNT_BALL: "ball",
@@ -56,10 +59,8 @@ class Lines:
         return Where(kind=kind, name=name, file=element.file, line=element.line)
 
 
-def draft_of(robot: Robot, path: Path, lines: Lines) -> Draft:
+def draft_of(robot: Robot, model: Any, path: Path, lines: Lines) -> Draft:
     """Return a robot's draft: masses and shapes as MuJoCo compiled them."""
-    spec = mujoco.MjSpec.from_string(robot.mjcf, assets=dict(robot.assets))
-    model = spec.compile()
     links, joints = [], []
     for body in range(1, model.nbody):
         name = model.body(body).name
@@ -92,11 +93,10 @@ def _shapes(model: Any, body: int) -> tuple[Shape, ...]:
         kind = KINDS.get(mujoco.mjtGeom(model.geom_type[geom]))
         if kind is None:
             continue
-        touches = model.geom_contype[geom] or model.geom_conaffinity[geom]
         size = model.geom_size[geom]
-        shapes.append(
+        shapes += [
             Shape(
-                role="collision" if touches else "visual",
+                role=role,
                 kind=kind,
                 pose=_pose(model.geom_pos[geom], model.geom_quat[geom]),
                 size={
@@ -107,8 +107,19 @@ def _shapes(model: Any, body: int) -> tuple[Shape, ...]:
                 file=model.mesh(model.geom_dataid[geom]).name if kind == "mesh" else "",
                 mesh=_mesh(model, model.geom_dataid[geom]) if kind == "mesh" else None,
             )
-        )
+            for role in roles(model, geom)
+        ]
     return tuple(shapes)
+
+
+def roles(model: Any, geom: int) -> list[str]:
+    """Return `visual`, `collision` or both.
+
+    What MuJoCo's viewers show is meant to be seen, whether it touches or not.
+    """
+    touches = model.geom_contype[geom] or model.geom_conaffinity[geom]
+    shown = not touches or model.geom_group[geom] <= SHOWN
+    return ["visual"] * bool(shown) + ["collision"] * bool(touches)
 
 
 def _mesh(model: Any, mesh: int) -> Mesh:
@@ -141,3 +152,16 @@ def _joints(model: Any, body: int, lines: Lines) -> list[DraftJoint]:
             line=lines.place("joint", title).line,
         )
     ]
+
+
+def touching(model: Any) -> set[frozenset[str]]:
+    """Return the pairs of bodies between which MuJoCo sees contacts at home."""
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    mujoco.mj_comPos(model, data)
+    mujoco.mj_collision(model, data)
+    pairs = set()
+    for contact in data.contact[: data.ncon]:
+        ends = (model.body(model.geom_bodyid[geom]).name for geom in contact.geom)
+        pairs.add(frozenset(ends))
+    return pairs

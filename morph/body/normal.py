@@ -83,14 +83,13 @@ def _settle_inertias(spec: Any, model: Any) -> None:
     # Inertias are written as MuJoCo compiled them, so that no later reader
     # derives them from geoms again, nor scales or mends them again.
     for body in spec.bodies[1:]:
-        if model.body_mass[body.id] > 0:
-            body.mass = float(model.body_mass[body.id])
-            body.ipos = model.body_ipos[body.id]
-            body.iquat = model.body_iquat[body.id]
-            body.inertia = model.body_inertia[body.id]
-            body.fullinertia = np.full(6, np.nan)
-            body.ialt.type = mujoco.mjtOrientation.mjORIENTATION_QUAT
-            body.explicitinertial = True
+        body.mass = float(model.body_mass[body.id])
+        body.ipos = model.body_ipos[body.id]
+        body.iquat = model.body_iquat[body.id]
+        body.inertia = model.body_inertia[body.id]
+        body.fullinertia = np.full(6, np.nan)
+        body.ialt.type = mujoco.mjtOrientation.mjORIENTATION_QUAT
+        body.explicitinertial = True
     compiler = spec.compiler
     compiler.inertiafromgeom = mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_FALSE
     compiler.balanceinertia = False

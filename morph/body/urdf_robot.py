@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from morph.body.build import WORLD, spec_from
+from morph.body.build import spec_from
 from morph.body.card import Card
 from morph.body.check import check
 from morph.body.check.collision import overlaps, self_collisions
-from morph.body.check.place import at_robot
+from morph.body.check.place import WORLD, at_robot
 from morph.body.draft import Draft
 from morph.body.finding import Finding
 from morph.body.linkage import close_chain

@@ -34,6 +34,15 @@ DEEPEST = 600
 LONGEST_PARAMS = 10_000
 """Characters in a macro's list of parameters."""
 
+ORIGINAL: dict[str, Callable[..., Any]] = {
+    name: getattr(xacro, name)
+    for name in (
+        *("eval_all", "process_include", "grab_property", "grab_macro", "handle_macro_call"),
+        *("check_attrs", "reqd_attrs"),
+    )
+}
+"""Functions of xacro that stay, each in a wrapping that knows the place."""
+
 LESS = "describe one robot: fewer and shorter macros and properties"
 
 MACRO_ARG = re.compile(
@@ -112,12 +121,10 @@ class _Expansion:
             "is_valid_name": lambda name: name.isidentifier(),
             "print_location": lambda: None,
             "warning": lambda *_, **__: None,
-            "eval_all": self._placed(xacro.eval_all),
         }
-        for name in ("check_attrs", "reqd_attrs"):
-            changed[name] = self._noted(getattr(xacro, name))
-        for name in ("process_include", "grab_property", "grab_macro", "handle_macro_call"):
-            changed[name] = self._placed(getattr(xacro, name))
+        for name, function in ORIGINAL.items():
+            wrap = self._noted if name.endswith("_attrs") else self._placed
+            changed[name] = wrap(function)
         for name, value in changed.items():
             setattr(xacro, name, value)
 

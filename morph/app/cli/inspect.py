@@ -110,6 +110,13 @@ def _table(console: Console, head: tuple[str, ...], rows: list[tuple[str, ...]])
     console.print()
 
 
+def _place(finding: Finding) -> str:
+    where = finding.where
+    if where.kind == "file":
+        return f"{where.file}:{where.line}" if where.line else where.file
+    return f"{where.kind} {where.name}" + (f" (line {where.line})" if where.line else "")
+
+
 def _grouped(findings: tuple[Finding, ...]) -> list[list[Finding]]:
     groups: dict[tuple[str, str, str, str], list[Finding]] = defaultdict(list)
     for finding in findings:
@@ -124,7 +131,7 @@ def _show_group(console: Console, group: list[Finding]) -> None:
     first = group[0]
     lines = [f"{first.severity}  {first.code}: {CODES[first.code]}"]
     for finding in group[:PLACES]:
-        lines.append(f"    {finding.where}: {finding.what}")
+        lines.append(f"    {_place(finding)}: {finding.what}")
     if len(group) > PLACES:
         lines.append(f"    ... and {len(group) - PLACES} more; --json lists all")
     if first.done != "nothing":

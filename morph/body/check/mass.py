@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from morph.arrays import Array
-from morph.body.check.place import at_link
+from morph.body.check.place import WORLD, at_link
 from morph.body.draft import Draft, DraftLink
 from morph.body.finding import Finding
 from morph.body.inertia import ball, is_physical, mended
@@ -20,7 +20,7 @@ TOKEN_MASS, TOKEN_SIZE = 1e-6, 0.01
 """Mass, kg, and radius of gyration, m, of a link that moves and has neither mass nor shape."""
 
 
-LIGHTEST, LEAST = 1e-12, 1e-13
+LIGHTEST, LEAST = 1e-13, 1e-14
 """Mass, kg, and inertia, kg m2, below which MuJoCo moves nothing (mjMINVAL 1e-15), with room."""
 
 
@@ -124,7 +124,7 @@ def _massless(draft: Draft, link: DraftLink, alone: bool) -> tuple[DraftLink, li
     if not alone:
         spun = link.inertia is not None and bool(np.any(link.inertia))
         bare = replace(link, mass=0.0, inertia=None, inertia_from="none")
-        if not link.shapes and not spun:
+        if link.name == WORLD or (not link.shapes and not spun):
             return bare, []
         done = "its inertia was left out" if spun else "it stayed massless"
         return bare, [

@@ -5,6 +5,9 @@ from __future__ import annotations
 from morph.body.draft import Draft, DraftJoint, DraftLink
 from morph.body.finding import Where
 
+WORLD = "world"
+"""What descriptions, and MuJoCo, call what does not move."""
+
 
 def at_link(draft: Draft, link: DraftLink, line: int = 0) -> Where:
     """Return the place of a link, or of a line in it."""

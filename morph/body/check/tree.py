@@ -5,12 +5,9 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import replace
 
-from morph.body.check.place import at_joint, at_link
+from morph.body.check.place import WORLD, at_joint, at_link
 from morph.body.draft import Draft, DraftJoint, DraftLink
 from morph.body.finding import Finding
-
-WORLD = "world"
-"""What descriptions call what does not move."""
 
 
 def check_tree(draft: Draft) -> tuple[Draft, list[Finding]]:
