@@ -8,6 +8,7 @@ import numpy as np
 
 from experiments.plant.description import Description, joint_in, link_in
 from experiments.plant.measure import inertial, solid, triangles
+from morph.arrays import Array
 
 
 def measured(description: Description, kind: str, name: str) -> str:
@@ -36,10 +37,8 @@ def _of_link(description: Description, name: str) -> str:
     count = len(element.findall("visual")) + len(element.findall("collision"))
     words = [f"{count} shapes"]
     if mass:
-        moments = np.linalg.eigvalsh(mass.moment)
-        words.append(
-            f"{mass.mass:.4g} kg, principal moments {np.array2string(moments, precision=3)}"
-        )
+        moments: Array = np.linalg.eigvalsh(mass.moment).astype(np.float64)
+        words.append(f"{mass.mass:.4g} kg, principal moments {_short(moments)}")
     else:
         words.append("no mass")
     if shape:
@@ -50,6 +49,10 @@ def _of_link(description: Description, name: str) -> str:
         words.append(
             f"{mass.mass / shape.volume:.0f} kg/m^3, gyration {gyration:.3f} m, "
             f"centre {max(float(outside), 0.0):.3f} m outside the box"
+        )
+        own: Array = np.diag(mass.turn @ mass.moment @ mass.turn.T) / mass.mass
+        words.append(
+            f"xx yy zz of unit mass {_short(own)}, of the hull {_short(np.diag(shape.moment))}"
         )
     return "; ".join(words)
 
@@ -64,3 +67,7 @@ def _of_mesh(description: Description, uri: str) -> str:
         f"signed volume {1e6 * mesh.volume:.4g} cm^3 of scale 1, extent "
         f"{np.array2string(np.asarray(mesh.extents), precision=3)}"
     )
+
+
+def _short(values: Array) -> str:
+    return " ".join(f"{value:.2g}" for value in values)

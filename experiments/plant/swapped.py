@@ -42,7 +42,7 @@ class SwappedInertia(Defect):
     def fact(self, original: Description, site: str, variant: str) -> str:
         """Return how shape and figures agree now, and would contradict afterwards."""
         shape, mass = solid(original, site), inertial(original, site)
-        if shape is None or mass is None or not sound(mass.moment):
+        if shape is None or mass is None or not _good(mass, shape):
             return ""
         if variant == "two links":
             other = _unlike(original, site)
@@ -103,12 +103,20 @@ def _swap_shows(mass: Inertial, shape: Solid, pair: tuple[str, str]) -> str:
     return f"{pair[0]}/{pair[1]} {said:.2g}, of the shape {measured:.2g}"
 
 
+def _good(mass: Inertial, shape: Solid) -> bool:
+    """Return whether a body can have the inertia, and it is as wide as its shape within twice."""
+    wide = float(np.trace(mass.moment) / mass.mass / np.trace(shape.moment))
+    return sound(mass.moment) and 1 / 4 < wide < 4
+
+
 def _unlike(original: Description, site: str) -> str:
     """Return the first link, quite different in mass and in volume, whose block cannot fit."""
     mass, shape = inertial(original, site), solid(original, site)
     for other in original.links:
         theirs, body = inertial(original, other), solid(original, other)
         if mass is None or shape is None or theirs is None or body is None:
+            continue
+        if not _good(theirs, body):
             continue
         ratio = min(theirs.mass / mass.mass, body.volume / shape.volume)
         if ratio > QUITE_DIFFERENT and _contradiction(original, site, other):
