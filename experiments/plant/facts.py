@@ -8,6 +8,7 @@ import numpy as np
 
 from experiments.plant.description import Description, joint_in, link_in
 from experiments.plant.measure import inertial, solid, triangles
+from experiments.plant.sides import joint_at
 from morph.arrays import Array
 
 
@@ -26,7 +27,7 @@ def _of_joint(description: Description, name: str) -> str:
     joint = joint_in(description.robot, name)
     limit, axis = joint.find("limit"), joint.find("axis")
     return (
-        f"{joint.get('type')}, axis {'default' if axis is None else axis.get('xyz')}, "
+        f"{joint.get('type')} at {_short(joint_at(description, name))} m from the base, axis {'default' if axis is None else axis.get('xyz')}, "
         f"limit {'none' if limit is None else dict(limit.attrib)}"
     )
 

@@ -86,7 +86,7 @@ def _report_originals(before: dict[str, JSON]) -> None:
     print(f"originals: {len(before)} descriptions, {len(findings)} findings by code")
     for code, times in sorted(Counter(f["code"] for _, f, _ in findings).items()):
         print(f"  {times:4} x {code}")
-    planted_codes = set().union(*(d.codes(v) for d in DEFECTS for v in d.variants))
+    planted_codes = set().union(*(d.codes(v) | d.also(v) for d in DEFECTS for v in d.variants))
     print("originals: findings with a code of the fifteen classes, to be verified")
     for name, finding, fact in findings:
         if finding["code"] in planted_codes:
