@@ -75,15 +75,16 @@ class Description:
         A `package://` path is looked for with its first folders left out, one after
         another, from the folder of the URDF upward to the root.
         """
+        return next((place for place in self._places(uri) if place.is_file()), None)
+
+    def _places(self, uri: str) -> Iterator[Path]:
+        """Yield where a mesh of this path may be, the likeliest place first."""
         parts = PurePosixPath(uri.split("://")[-1].lstrip("/")).parts
         folders = [self.path.parent, *self.path.parent.parents]
         folders = folders[: folders.index(self.root) + 1]
         for start in range(len(parts)):
             for folder in folders:
-                file = folder.joinpath(*parts[start:])
-                if file.is_file():
-                    return file
-        return None
+                yield folder.joinpath(*parts[start:])
 
     def meshes(self, link: str) -> list[str]:
         """Return the paths of a link's meshes as the URDF gives them, each once."""
@@ -97,10 +98,16 @@ class Description:
         ]
 
     def files(self) -> Iterator[Path]:
-        """Return the URDF and every mesh of it that is there, each once."""
+        """Return the URDF and every mesh of it that is there, in whatever capitals, each once."""
         yield self.path
+        small = {str(path).lower(): path for path in sorted(self.root.rglob("*")) if path.is_file()}
         uris = dict.fromkeys(mesh.get("filename", "") for mesh in self.robot.iter("mesh"))
-        yield from dict.fromkeys(file for uri in uris if (file := self.file_of(uri)))
+        found = (
+            self.file_of(uri)
+            or next((small[p] for q in self._places(uri) if (p := str(q).lower()) in small), None)
+            for uri in uris
+        )
+        yield from dict.fromkeys(file for file in found if file)
 
     def copy_to(self, folder: Path) -> Description:
         """Return the same description copied, byte for byte, into a folder of its own."""

@@ -27,7 +27,8 @@ def _of_joint(description: Description, name: str) -> str:
     joint = joint_in(description.robot, name)
     limit, axis = joint.find("limit"), joint.find("axis")
     return (
-        f"{joint.get('type')} at {_short(joint_at(description, name))} m from the base, axis {'default' if axis is None else axis.get('xyz')}, "
+        f"{joint.get('type')} at {_short(joint_at(description, name))} m from the base, "
+        f"axis {'default' if axis is None else axis.get('xyz')}, "
         f"limit {'none' if limit is None else dict(limit.attrib)}"
     )
 

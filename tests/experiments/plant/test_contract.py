@@ -292,6 +292,12 @@ def test_an_unplanted_copy_is_the_original_byte_for_byte(
     assert contents(biped.copy_to(tmp_path / "copy").root) == contents(biped.root)
 
 
+def test_a_mesh_in_other_capitals_is_copied_too(biped: Description, tmp_path: Path) -> None:
+    shin = biped.root / "meshes" / "shin.stl"
+    shin.rename(shin.with_name("Shin.STL"))
+    assert contents(biped.copy_to(tmp_path / "copy").root) == contents(biped.root)
+
+
 def test_a_copy_written_anew_says_what_the_original_says(
     biped: Description, tmp_path: Path
 ) -> None:
