@@ -8,15 +8,19 @@ from typing import Any, ClassVar
 import mujoco
 import numpy as np
 
+from morph.body.draft import Shape
+from morph.body.solids import solid
 from morph.body.vary.keys import keeping_keys
 from morph.body.vary.operation import Operation
 from morph.body.vary.part import link, links
-from morph.body.vary.solid import SHAPES, solid_inertia
 
 WORLD = "world"
 """The parent of a link that stands by itself."""
 
 JOINTS = {"hinge": mujoco.mjtJoint.mjJNT_HINGE, "slide": mujoco.mjtJoint.mjJNT_SLIDE}
+SIZES = {"box": 3, "sphere": 1, "cylinder": 2, "capsule": 2}
+"""How many sizes each shape takes."""
+
 GEOMS = {
     "box": mujoco.mjtGeom.mjGEOM_BOX,
     "sphere": mujoco.mjtGeom.mjGEOM_SPHERE,
@@ -29,7 +33,7 @@ GEOMS = {
 class Add(Operation):
     """A link more: a uniform solid that hangs on another by a joint, or fast.
 
-    Its inertia is that of the solid (solid.py) about its centre of mass. The
+    Its inertia is that of the solid (solids.py) about its centre of mass. The
     joint's axis runs through the origin of the link's frame. What is not said
     here is zero, whatever the description's own defaults are.
     """
@@ -75,9 +79,9 @@ class Add(Operation):
         self.check_length("limits", 0, 2)
         numbers = ("position", "centre", "axis", "quaternion", "limits", "size")
         self.check_finite(*numbers, "damping", "armature", "motor")
-        if self.shape not in SHAPES:
-            raise self.refuse(f"shape is {self.shape!r}", f"choose one of {', '.join(SHAPES)}")
-        self.check_length("size", SHAPES[self.shape])
+        if self.shape not in SIZES:
+            raise self.refuse(f"shape is {self.shape!r}", f"choose one of {', '.join(SIZES)}")
+        self.check_length("size", SIZES[self.shape])
         if min(self.size) <= 0 or not any(self.quaternion):
             raise self.refuse("it has no extent or no direction", "give sizes above 0")
         if self.kind not in JOINTS:
@@ -115,7 +119,10 @@ class Add(Operation):
         turn = np.array(self.quaternion) / np.linalg.norm(self.quaternion)
         body = parent.add_body(name=self.link, pos=self.position, quat=turn)
         body.mass, body.ipos, body.explicitinertial = self.mass, self.centre, True
-        body.inertia = solid_inertia(self.shape, self.size, self.mass)
+        unit = solid(Shape(role="collision", kind=self.shape, size=self.size))
+        if unit is None:
+            raise self.refuse(f"its size {self.size} has no volume", "give it larger sizes")
+        body.inertia = np.diag(unit.inertia) * self.mass / unit.volume
         half = {1: self.size, 2: (self.size[0], self.size[-1] / 2)}
         size = half.get(len(self.size), tuple(edge / 2 for edge in self.size))
         geom = body.add_geom(type=GEOMS[self.shape], pos=self.centre)

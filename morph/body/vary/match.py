@@ -111,13 +111,14 @@ def _kinds(body: Any) -> list[int]:
 
 
 def _joints(one: Any, other: Any) -> list[tuple[str, str]]:
+    # In order on both sides: what follows a joint moves with it.
     left = list(other.joints)
     pairs = []
     for joint in one.joints:
-        twin = next((each for each in left if each.type == joint.type), None)
-        if twin is not None:
-            left.remove(twin)
-            pairs.append((joint.name, twin.name))
+        at = next((i for i, each in enumerate(left) if each.type == joint.type), None)
+        if at is not None:
+            pairs.append((joint.name, left[at].name))
+            left = left[at + 1 :]
     return pairs
 
 

@@ -7,6 +7,8 @@ import xml.etree.ElementTree as ElementTree
 from dataclasses import dataclass
 from typing import Any
 
+import mujoco
+
 from morph.body.vary.match import WORLD, parents
 from morph.errors import RobotError
 
@@ -34,11 +36,12 @@ def union(first: Any, second: Any) -> Union:
     of the first body, then those of the second.
 
     Raises:
-        RobotError: A link of both hangs on different links of both, or no
-            tree holds both bodies.
+        RobotError: A link of both hangs on different links of both, no tree
+            holds both bodies, or a link would have a free joint and others.
     """
     ours, theirs = parents(first), parents(second)
     found = ours | {name: parent for name, parent in theirs.items() if name not in ours}
+    joints = {name: _joints(name, first, second) for name in found}
     placed: dict[str, str] = {}
     between: set[str] = set()
     for name in (name for name in ours if name in theirs):
@@ -53,9 +56,12 @@ def union(first: Any, second: Any) -> Union:
         for child, parent in itertools.pairwise(row):
             if placed.setdefault(child, parent) != parent:
                 raise _tangled(child, f"it would hang on {placed[child]!r} and on {parent!r}")
+    tree = _ordered(found | placed)
+    for name, parent in tree.items():
+        _check_freedoms(name, parent, [first.joint(j) or second.joint(j) for j in joints[name]])
     return Union(
-        parents=_ordered(found | placed),
-        joints={name: _joints(name, first, second) for name in found},
+        parents=tree,
+        joints=joints,
         actuators=_actuators(first, second),
         between=frozenset(between),
     )
@@ -92,6 +98,14 @@ def skeleton(mjcf: str, tree: Union) -> str:
     return ElementTree.tostring(root, encoding="unicode")
 
 
+FREEDOMS = {
+    mujoco.mjtJoint.mjJNT_FREE: 6,
+    mujoco.mjtJoint.mjJNT_BALL: 3,
+    mujoco.mjtJoint.mjJNT_SLIDE: 1,
+    mujoco.mjtJoint.mjJNT_HINGE: 1,
+}
+"""Degrees of freedom of each kind of joint."""
+
 JOINTS = ("joint", "freejoint")
 """The elements that are joints of a body."""
 
@@ -101,6 +115,19 @@ def _row(name: str, tree: dict[str, str], other: dict[str, str]) -> list[str]:
     while row[-1] != WORLD and row[-1] not in other:
         row.append(tree[row[-1]])
     return row
+
+
+def _check_freedoms(name: str, parent: str, joints: list[Any]) -> None:
+    free = sum(FREEDOMS[joint.type] for joint in joints)
+    floats = any(joint.type == mujoco.mjtJoint.mjJNT_FREE for joint in joints)
+    if free > 6 or (floats and (len(joints) > 1 or parent != WORLD)):
+        raise RobotError(
+            f"between the bodies it would move by {', '.join(repr(j.name) for j in joints)} "
+            f"on {parent!r}, which no link can",
+            where=f"link {name!r}",
+            fix="describe how it moves by the same kinds of joints in both bodies, or give a "
+            "mapping that leaves it unmatched",
+        )
 
 
 def _ordered(tree: dict[str, str]) -> dict[str, str]:
@@ -115,11 +142,15 @@ def _ordered(tree: dict[str, str]) -> dict[str, str]:
 
 
 def _joints(name: str, first: Any, second: Any) -> list[str]:
+    # Each body's own order is kept: what follows a joint moves with it.
+    bodies = first.body(name), second.body(name)
+    ours, theirs = ([str(each.name) for each in (body.joints if body else ())] for body in bodies)
     found: list[str] = []
-    for spec in (first, second):
-        body = spec.body(name)
-        found += [each.name for each in (body.joints if body else ()) if each.name not in found]
-    return found
+    for joint in ours:
+        if joint in theirs:
+            found += [each for each in theirs[: theirs.index(joint)] if each not in found]
+        found.append(joint)
+    return found + [each for each in theirs if each not in found]
 
 
 def _actuators(first: Any, second: Any) -> dict[str, str]:
