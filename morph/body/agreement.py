@@ -10,6 +10,7 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.body.finding import Finding, Where
+from morph.body.quiet import quiet
 from morph.body.robot import Robot
 from morph.body.spec import spec_of
 from morph.errors import RobotError
@@ -76,9 +77,16 @@ def read_by_mujoco(robot: Robot) -> Reading:
     spec = spec_of(robot)
     for joint in spec.joints:
         joint.armature = 0.0
-    model = spec.compile()
-    data = mujoco.MjData(model)
-    mujoco.mj_forward(model, data)
+    for geom in list(spec.geoms):
+        spec.delete(geom)
+    with quiet():
+        model = spec.compile()
+        data = mujoco.MjData(model)
+        # Pinocchio's home has a free root at the origin.
+        for joint in np.flatnonzero(model.jnt_type == mujoco.mjtJoint.mjJNT_FREE):
+            address = model.jnt_qposadr[joint]
+            data.qpos[address : address + 7] = (0, 0, 0, 1, 0, 0, 0)
+        mujoco.mj_forward(model, data)
     full = np.zeros((model.nv, model.nv))
     mujoco.mj_fullM(model, data, full)
     masses = model.body_mass[1:]

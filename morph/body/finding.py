@@ -100,6 +100,7 @@ CODES: dict[str, str] = {
     # The files themselves.
     "file-refused": "A file cannot be read, or holds what no description may.",
     "engine-refused": "MuJoCo cannot use what was read.",
+    "engine-warning": "MuJoCo warns of something in what was read.",
     "unsupported": "A part of the description that morph does not model was left out.",
     "agreement": "MuJoCo and Pinocchio disagree about the robot.",
 }

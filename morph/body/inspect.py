@@ -11,6 +11,7 @@ import numpy as np
 
 from morph.body.finding import Finding
 from morph.body.load import load
+from morph.body.quiet import quiet
 from morph.body.refusal import about_file
 from morph.body.robot import Robot
 from morph.body.spec import spec_of
@@ -90,10 +91,14 @@ def inspect_robot(
         from morph.body.agreement import disagreement
 
         findings += disagreement(found)
-    model = spec_of(found).compile()
-    data = mujoco.MjData(model)
-    mujoco.mj_kinematics(model, data)
-    mujoco.mj_comPos(model, data)
+    spec = spec_of(found)
+    for geom in spec.geoms:
+        geom.contype = geom.conaffinity = 0  # So that MuJoCo computes no hulls.
+    with quiet():
+        model = spec.compile()
+        data = mujoco.MjData(model)
+        mujoco.mj_kinematics(model, data)
+        mujoco.mj_comPos(model, data)
     x, y, z = data.subtree_com[0].tolist()
     return Inspection(
         name=found.name,

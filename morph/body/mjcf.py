@@ -21,6 +21,7 @@ from morph.body.mjcf_draft import Lines, draft_of, touching
 from morph.body.mjcf_files import gather
 from morph.body.normal import refused, robot_of
 from morph.body.paths import Files
+from morph.body.quiet import quiet
 from morph.body.refusal import about_file, refusal
 from morph.body.robot import Robot
 from morph.body.spec import spec_of
@@ -49,14 +50,15 @@ def robot_from_mjcf(tree: Element, path: Path, files: Files, card: Card | None) 
         told = error if isinstance(error, RobotError) else refused(error, path)
         code = "duplicate-name" if "repeated name" in str(told) else "engine-refused"
         raise refusal([*findings, about_file(told, path, code=code)]) from error
-    model = spec_of(robot).compile()
+    with quiet():
+        model = spec_of(robot).compile()
     draft = draft_of(robot, model, path, lines)
     looked = check_meshes(draft)[1] + check_fit(draft) + check_symmetry(draft)
     pairs = touching(model)
     apart = [pair for pair in overlaps(draft) if frozenset((pair.one, pair.other)) in pairs]
     looked += self_collisions(draft, apart)
     findings += [_unchanged(finding) for finding in looked]
-    return replace(robot, findings=tuple(findings))
+    return replace(robot, findings=(*findings, *robot.findings))
 
 
 def _unchanged(finding: Finding) -> Finding:

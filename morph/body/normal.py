@@ -9,7 +9,9 @@ import mujoco
 import numpy as np
 
 from morph.body.card import Card
+from morph.body.finding import Finding, Where
 from morph.body.fulltext import fulltext
+from morph.body.quiet import quiet
 from morph.body.robot import Actuator, Joint, Link, Loop, Robot, Sensor
 from morph.errors import RobotError
 from morph.files import sha256
@@ -60,7 +62,8 @@ def robot_of(
     if assets is None:
         assets = _embed(spec, source)
     spec.assets = assets
-    model = compiled(spec, source)
+    with quiet() as warned:
+        model = compiled(spec, source)
     _settle_inertias(spec, model)
     name = spec.modelname if spec.modelname not in ("", UNNAMED) else source.stem
     card_text = (source.parent / "card.toml").read_bytes() if card else b""
@@ -74,8 +77,19 @@ def robot_of(
         source=source,
         sha256=sha256(source, card_text, *(assets[key] for key in sorted(assets))),
         card=card,
+        findings=tuple(_warning(words, spec.modelname, source) for words in warned),
         sensors=tuple(_sensor(model, index) for index in range(model.nsensor)),
         loops=tuple(_loop(model, index) for index in range(model.neq) if _closes(model, index)),
+    )
+
+
+def _warning(words: str, name: str, source: Path) -> Finding:
+    return Finding(
+        code="engine-warning",
+        severity="info",
+        where=Where(kind="robot", name=name, file=str(source)),
+        what=f"MuJoCo warns: {words}",
+        fix="correct what it names; tiny masses far down a chain make a matrix near singular",
     )
 
 

@@ -44,7 +44,7 @@ def robot_from_draft(
     for closure in card.closure if card else ():
         close_chain(spec, closure, str(draft.file))
     robot = robot_of(spec, draft.file, card, assets)
-    return replace(_enriched(robot, draft), findings=tuple(findings))
+    return replace(_enriched(robot, draft), findings=(*findings, *robot.findings))
 
 
 def _assumed(draft: Draft) -> list[Finding]:

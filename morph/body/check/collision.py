@@ -20,7 +20,7 @@ SHRUNK = 0.97
 FEWEST = 3
 """Points of one shape that must lie inside the other."""
 
-WORK = 400_000
+WORK = 120_000
 """Most pairs of a point and a face that are looked at for two shapes."""
 
 
