@@ -7,6 +7,7 @@ from morph.body.vary.apply import removed as removed
 from morph.body.vary.apply import vary as vary
 from morph.body.vary.design import from_vector as from_vector
 from morph.body.vary.design import sweep as sweep
+from morph.body.vary.design import tunable as tunable
 from morph.body.vary.design import with_parameters as with_parameters
 from morph.body.vary.drop import Drop as Drop
 from morph.body.vary.heavier import Heavier as Heavier

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from morph.body.card import Parameter
 from morph.body.robot import Robot
 from morph.body.vary.apply import vary
+from morph.body.vary.lock import Lock
 from morph.body.vary.operation import Operation
 from morph.body.vary.operations import kind_of
 from morph.body.vary.part import unknown
@@ -45,18 +46,24 @@ def with_parameters(robot: Robot, values: Mapping[str, float]) -> Robot:
     )
 
 
-def from_vector(robot: Robot, x: ArrayLike) -> Robot:
-    """Return a robot with all parameters of its card set: low + x (high - low).
+def from_vector(robot: Robot, x: ArrayLike, names: Sequence[str] | None = None) -> Robot:
+    """Return a robot with parameters of its card set to low + x (high - low).
 
     Args:
         robot: The robot; its card names the parameters.
-        x: One number from 0 to 1 per parameter, in the card's order.
+        x: One number from 0 to 1 per parameter.
+        names: The parameters, in the order of x; None: `tunable(robot)`.
 
     Raises:
-        RobotError: There are more or fewer numbers than parameters, or one
-            lies outside 0 to 1.
+        RobotError: The card has no such parameter, there are more or fewer
+            numbers than parameters, or one lies outside 0 to 1.
     """
-    parameters = _parameters(robot)
+    known = {parameter.name: parameter for parameter in _parameters(robot)}
+    wanted = tunable(robot) if names is None else tuple(names)
+    for name in wanted:
+        if name not in known:
+            raise unknown("parameter", name, known, _where(robot))
+    parameters = [known[name] for name in wanted]
     shares = np.atleast_1d(np.asarray(x, dtype=float))
     if shares.shape != (len(parameters),):
         raise RobotError(
@@ -77,6 +84,14 @@ def from_vector(robot: Robot, x: ArrayLike) -> Robot:
             for each, share in zip(parameters, shares.tolist(), strict=True)
         },
     )
+
+
+def tunable(robot: Robot) -> tuple[str, ...]:
+    """Return the parameters of a robot's card that an optimiser can turn, in the card's order.
+
+    That is all but locks: whatever its value, a lock takes a joint away.
+    """
+    return tuple(each.name for each in _parameters(robot) if each.operation != Lock.name)
 
 
 def sweep(robot: Robot, grid: Mapping[str, Sequence[float]]) -> Iterator[Robot]:

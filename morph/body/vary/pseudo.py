@@ -64,12 +64,20 @@ def between(first: Array, second: Array, fraction: float) -> Array:
     """
     if fraction in (0.0, 1.0) or (first == second).all():
         return (second if fraction == 1.0 else first).copy()
-    try:
-        logs = [_logarithms(J) for J in (first, second)]
-    except np.linalg.LinAlgError:
+    if _flat(first) or _flat(second):
         straight: Array = (1 - fraction) * first + fraction * second
         return straight
+    logs = [_logarithms(J) for J in (first, second)]
     return _from_logarithms((1 - fraction) * logs[0] + fraction * logs[1])
+
+
+def _flat(J: Array) -> bool:
+    # Rounding alone leaves a flat body a thickness of 1e-8 of its extent.
+    if J[3, 3] <= 0:
+        return True
+    centre = J[:3, 3] / J[3, 3]
+    moments = np.linalg.eigvalsh(J[:3, :3] - J[3, 3] * np.outer(centre, centre))
+    return bool(moments[0] <= 1e-12 * moments[-1])
 
 
 def _logarithms(J: Array) -> Array:
