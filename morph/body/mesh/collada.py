@@ -102,10 +102,8 @@ class _Scene:
                 yield positions, fans(corners, _integers(primitive.child("vcount")))
 
     def _positions(self, vertices: Element) -> Array:
-        position = next(
-            each for each in vertices.children("input") if each.get("semantic") == "POSITION"
-        )
-        source = self._target(position, "source")
+        inputs = {each.get("semantic", ""): each for each in vertices.children("input")}
+        source = self._target(inputs["POSITION"], "source")
         values = _numbers(source.child("float_array"))
         accessor = source.find("technique_common/accessor")
         stride = int(accessor.get("stride", "1")) if accessor is not None else 3
@@ -131,8 +129,11 @@ def _moved(shift: Array) -> Array:
 
 def _turned(numbers: Array) -> Array:
     # Rodrigues: R = I + sin(angle) K + (1 - cos(angle)) K K, K the cross product with the axis.
-    x, y, z, degrees = numbers
-    axis = np.array((x, y, z)) / math.sqrt(x * x + y * y + z * z)
+    x, y, z, degrees = numbers.tolist()
+    length = math.hypot(x, y, z)
+    if length == 0.0:
+        return np.eye(4)
+    axis = np.array((x, y, z)) / length
     cross = np.cross(np.eye(3), axis)  # Its rows, e x axis, are those of the matrix K.
     angle, place = math.radians(degrees), np.eye(4)
     place[:3, :3] += math.sin(angle) * cross + (1.0 - math.cos(angle)) * cross @ cross

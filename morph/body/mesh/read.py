@@ -65,7 +65,9 @@ def read_mesh(content: bytes, ending: str, where: str) -> Mesh:
         raise too_large(f"has {len(content)} bytes, of which {LARGEST} are allowed", where)
     if not content.strip():
         raise empty("is empty", where)
-    mesh = reader(content, where)
+    # Numbers that overflow under a transform are found below, as corners that are nowhere.
+    with np.errstate(over="ignore", invalid="ignore"):
+        mesh = reader(content, where)
     _check(mesh, where)
     return mesh
 

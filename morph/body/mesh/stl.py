@@ -29,7 +29,7 @@ def read_stl(content: bytes, where: str) -> Mesh:
         MeshError: It is neither kind of STL, or is too large.
     """
     declared = int.from_bytes(content[80:HEADER], "little") if len(content) >= HEADER else -1
-    if HEADER + TRIANGLE.itemsize * declared == len(content):
+    if declared >= 0 and HEADER + TRIANGLE.itemsize * declared == len(content):
         corners = np.frombuffer(content, TRIANGLE, count=declared, offset=HEADER)["corners"]
         return _soup(corners.reshape(-1, 3).astype(np.float64))
     if content.lstrip()[:5].lower() == b"solid" and b"\0" not in content[:1024]:

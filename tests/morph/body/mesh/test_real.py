@@ -58,12 +58,12 @@ def test_trimesh_finds_the_same_volume_centre_and_inertia(real_robots: Path) -> 
 def test_the_meshes_of_poppy_and_their_facts_take_under_half_a_second(real_robots: Path) -> None:
     contents = meshes(real_robots / "poppy_humanoid")
     best, faces = np.inf, 0
-    # The best of three, for the machine may be doing other things.
+    # Seconds of the processor, the best of three, for the machine may be doing other things.
     for _ in range(3):
-        start = time.perf_counter()
+        start = time.process_time()
         found = [read_mesh(content, path.suffix, str(path)) for path, content in contents.items()]
         facts = [(mesh.volume, mesh.com, mesh.inertia, mesh.watertight) for mesh in found]
-        best = min(best, time.perf_counter() - start)
+        best = min(best, time.process_time() - start)
         faces = sum(len(mesh.faces) for mesh in found)
     assert len(facts) >= 52
     assert faces > 120_000
