@@ -10,7 +10,7 @@ from typing import Any
 
 from morph.body.card import Card, Checks
 from morph.body.normal import robot_of
-from morph.body.robot import Robot
+from morph.body.robot import Mimic, Robot
 from morph.body.spec import bare_spec
 from morph.body.vary.operation import Operation
 from morph.body.vary.unhook import inventory
@@ -37,7 +37,8 @@ def vary(robot: Robot, *operations: Operation) -> Robot:
         operation.apply(spec)
     name = "+".join((robot.name, *map(str, operations)))
     origin = robot.sha256 or sha256(robot.mjcf)
-    return rebuilt(spec, robot, name, sha256(origin, *(repr(each) for each in operations)))
+    digest = sha256(origin, *(repr(each) for each in operations))
+    return _remembering(rebuilt(spec, robot, name, digest), robot)
 
 
 def removed(robot: Robot, *operations: Operation) -> tuple[str, ...]:
@@ -80,6 +81,33 @@ def rebuilt(spec: Any, robot: Robot, name: str, digest: str) -> Robot:
         sha256=digest,
         card=_card(robot.card, actuators.__contains__, (links | joints | {"*"}).__contains__),
     )
+
+
+def _remembering(varied: Robot, robot: Robot) -> Robot:
+    # What the importer knows and MJCF cannot hold.
+    links = {link.name: link for link in robot.links}
+    joints = {joint.name: joint for joint in robot.joints}
+    left = {joint.name for joint in varied.joints}
+    return replace(
+        varied,
+        findings=robot.findings,
+        links=tuple(
+            replace(link, inertia_from=links[link.name].inertia_from)
+            if link.name in links
+            else link
+            for link in varied.links
+        ),
+        joints=tuple(
+            replace(joint, velocity=known.velocity, mimic=_kept(known.mimic, left))
+            if (known := joints.get(joint.name)) is not None
+            else joint
+            for joint in varied.joints
+        ),
+    )
+
+
+def _kept(mimic: Mimic | None, joints: set[str]) -> Mimic | None:
+    return mimic if mimic is not None and mimic.joint in joints else None
 
 
 def _card(

@@ -11,7 +11,7 @@ import pytest
 
 from morph.body.card import Card, Checks, Parameter
 from morph.body.load import load
-from morph.body.robot import Robot
+from morph.body.robot import Mimic, Robot
 from morph.body.vary import (
     OPERATIONS,
     Add,
@@ -60,6 +60,21 @@ def test_the_robot_given_is_not_changed(robot: Robot) -> None:
     before = robot.mjcf
     vary(robot, Scale(link="*", factor=2.0), Lock(joint="slide"))
     assert robot.mjcf == before == load("cartpole").mjcf
+
+
+def test_what_mjcf_cannot_hold_comes_along(robot: Robot) -> None:
+    measured = replace(robot.link("pole"), inertia_from="measured")
+    fast = replace(
+        robot.joint("hinge"), velocity=7.0, mimic=Mimic(joint="slide", ratio=2, offset=0)
+    )
+    known = replace(
+        robot, links=(robot.link("cart"), measured), joints=(robot.joint("slide"), fast)
+    )
+    longer = vary(known, Scale(link="pole", factor=2.0))
+    assert longer.link("pole").inertia_from == "measured"
+    assert longer.joint("hinge").velocity == 7.0
+    assert longer.joint("hinge").mimic == fast.mimic
+    assert vary(known, Lock(joint="slide")).joint("hinge").mimic is None
 
 
 def test_a_card_forgets_what_no_longer_holds(robot: Robot) -> None:
