@@ -131,10 +131,14 @@ class Folder:
 
     def _near(self, path: Path, where: str) -> Path:
         """Return a path, or, if it is not there, the one file whose path ends as it does."""
-        if path.exists():
+        # Not Path.exists, which fails on a name that is too long for any file.
+        if os.path.exists(path):
             return path
         relative = path.relative_to(self.root)
-        found = Files(path, self.root).find(f"package://{relative}")
+        try:
+            found = Files(path, self.root).find(f"package://{relative}")
+        except OSError as error:
+            raise _unusable(str(relative), f"it is no file: {error.strerror}", where) from error
         if found.path is None or found.how == "case":
             return path
         return self.inside(found.path, where)

@@ -80,6 +80,12 @@ OUTSIDE = {
     "include through a linked folder": '<xacro:include filename="linked/secret.xacro"/>',
     "pattern through a linked folder": '<xacro:include filename="li*/secret.xacro"/>'
     '<xacro:include filename="lin*.xacro"/>',
+    "include of a name too long": f'<xacro:include filename="{"9" * 400}"/>',
+    "include of a path too long": f'<xacro:include filename="{"9/" * 4000}"/>',
+    "include of a long pattern": f'<xacro:include filename="{"*/" * 4000}"/><xacro:nobody/>',
+    "include of a zero": "<xacro:include filename=\"${'\\x00'}\"/>",
+    "include of half a character": "<xacro:include filename=\"${'\\ud800'}\"/>",
+    "find of a long name": f'<xacro:include filename="$(find {"a" * 5000})/x"/>',
     "include of itself": '<xacro:include filename="robot.urdf.xacro"/>',
     "yaml outside": link("${load_yaml('../../outside/secret.yaml')}"),
     "yaml outside by namespace": link("${xacro.load_yaml('/etc/passwd')}"),
