@@ -118,14 +118,19 @@ def _refused(robot: str | Path, error: RobotError) -> Inspection:
 
 
 def _reach(model: Any, data: Any) -> float:
-    """Return how far the furthest corner of a geom's box, or origin of a link, is from the base."""
+    """Return how far the furthest corner of a geom's box, or origin of a link, is from the base.
+
+    What stands in the world, ground and walls, is no part of the robot.
+    """
     if model.nbody < 2:
         return 0.0
     base = data.xpos[1]
     points = [data.xpos[1:]]
     corners = np.array(np.meshgrid((-1, 1), (-1, 1), (-1, 1))).reshape(3, -1).T
     for geom in range(model.ngeom):
-        if model.geom_type[geom] in (mujoco.mjtGeom.mjGEOM_PLANE, mujoco.mjtGeom.mjGEOM_HFIELD):
+        kind = mujoco.mjtGeom(model.geom_type[geom])
+        ground = kind in (mujoco.mjtGeom.mjGEOM_PLANE, mujoco.mjtGeom.mjGEOM_HFIELD)
+        if ground or model.geom_bodyid[geom] == 0:
             continue
         centre, half = model.geom_aabb[geom, :3], model.geom_aabb[geom, 3:]
         turn = data.geom_xmat[geom].reshape(3, 3)

@@ -4,22 +4,38 @@ from __future__ import annotations
 
 import json
 import sys
-from collections import defaultdict
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from morph.app.cli.arguments import Inspect
+from morph.app.cli.words import TIE, harmless, paragraph, table, width
 
 if TYPE_CHECKING:
     from rich.console import Console
 
     from morph.body.finding import Finding
     from morph.body.inspect import Inspection
-    from morph.body.robot import Robot
+    from morph.body.robot import Actuator, Joint, Robot
 
 OK, UNUSABLE = 0, 2
 
 PLACES = 8
-"""Places of one code that are named before the rest is counted."""
+"""Places of one finding that are named before the rest is counted."""
+
+LONGEST_NAME = 120
+"""Letters of a name that are shown; JSON has it whole."""
+
+MEANS = {
+    "ok": "nothing was changed",
+    "repaired": "the robot differs from its description where it says repaired",
+    "refused": "there is no robot to simulate",
+}
+"""What each verdict means."""
+
+COLOURS = {"refused": "bold red", "repaired": "yellow", "info": "cyan"}
+"""Of a severity, where the terminal shows colours."""
+
+ORDER = tuple(COLOURS)
 
 
 def run_inspect(asked: Inspect) -> int:
@@ -38,103 +54,200 @@ def run_inspect(asked: Inspect) -> int:
 def _show(found: Inspection) -> None:
     from rich.console import Console
 
-    console = Console(soft_wrap=True, highlight=False)
+    console, columns = Console(soft_wrap=True, highlight=False, emoji=False), width()
     if found.robot is not None:
-        _show_robot(console, found, found.robot)
-    for finding_group in _grouped(found.findings):
-        _show_group(console, finding_group)
-    console.print(_closing(found), markup=False)
-
-
-def _closing(found: Inspection) -> str:
+        for line in _head(found, found.robot):
+            _print(console, *paragraph(line, 2, columns))
+        for part in (_links, _joints, _chains):
+            _print_table(console, part(found.robot, columns))
+        if sensors := _sensors(found.robot, columns):
+            _print(console, *sensors, "")
+    for group in _grouped(found.findings):
+        _show_group(console, group, columns)
     counts = [
         f"{number} {severity}"
-        for severity in ("refused", "repaired", "info")
-        if (number := sum(f.severity == severity for f in found.findings))
+        for severity in ORDER
+        if (number := sum(each.severity == severity for each in found.findings))
     ]
-    return f"{found.name}: {found.verdict}" + (f" ({', '.join(counts)})" if counts else "")
+    told = f" ({', '.join(counts)})" if counts else ""
+    closing = f"{_name(found.name)}: {found.verdict}, {MEANS[found.verdict]}{told}"
+    _print(console, *paragraph(closing, 2, columns))
 
 
-def _show_robot(console: Console, found: Inspection, robot: Robot) -> None:
-    com = ", ".join(f"{value:.4g}" for value in found.com or ())
-    console.print(
-        f"{found.name}: {robot.mass:.6g} kg, {found.dof} degrees of freedom, "
-        f"centre of mass at ({com}) m, reach {found.reach:.3g} m",
-        markup=False,
+def _head(found: Inspection, robot: Robot) -> list[str]:
+    x, y, z = (_rounded(value) for value in found.com or ())
+    counted = (
+        _many(len(robot.links), "link", "links"),
+        _many(len(robot.joints), "joint", "joints"),
+        _many(found.dof, "degree of freedom", "degrees of freedom"),
     )
-    rows = [
-        (link.name, link.parent, f"{link.mass:.4g}", link.inertia_from, _tally(link.shapes))
-        for link in robot.links
-    ]
-    _table(console, ("link", "hangs from", "kg", "inertia from", "shapes"), rows)
-    limits = {actuator.joint: actuator for actuator in robot.actuators}
+    lines = [f"{_name(found.name)}: {robot.mass:.6g} kg, " + ", ".join(counted)]
+    if robot.loops:
+        lines[0] += f" before {_many(len(robot.loops), 'closed chain', 'closed chains')}"
+    if robot.source is not None:
+        lines.append(f"  read from {harmless(str(robot.source))}")
+    lines.append(f"  centre of mass at home ({x}, {y}, {z}) m, reach {found.reach:.3g} m")
+    sources = {link.inertia_from for link in robot.links if link.mass}
+    if len(sources) == 1:
+        lines.append(f"  inertias: from the {sources.pop()}" if sources != {"measured"} else "")
+    return [*filter(None, lines), ""]
+
+
+def _name(text: str) -> str:
+    return harmless(text, LONGEST_NAME)
+
+
+def _many(number: int, one: str, more: str) -> str:
+    return f"{number} {one if number == 1 else more}"
+
+
+def _rounded(value: float) -> str:
+    """Return a length to four digits; what is below a nanometre is rounding, and zero."""
+    return f"{0.0 if abs(value) < 1e-9 else value:.4g}"
+
+
+def _links(robot: Robot, columns: int | None) -> list[str]:
+    sources = {link.inertia_from for link in robot.links if link.mass}
     rows = [
         (
-            joint.name,
+            _name(link.name),
+            _name(link.parent),
+            f"{link.mass:.4g}",
+            link.inertia_from if len(sources) > 1 else "",
+            _tally(link.shapes, "visual"),
+            _tally(link.shapes, "collision"),
+        )
+        for link in robot.links
+    ]
+    head = ("link", "hangs from", "kg", "inertia from", "visual", "collision")
+    return table(head, _aligned(rows, 2), columns=columns)
+
+
+def _joints(robot: Robot, columns: int | None) -> list[str]:
+    drives = {actuator.joint: actuator for actuator in robot.actuators}
+    rows = [
+        (
+            _name(joint.name),
             joint.kind,
-            joint.link,
-            "free" if joint.limits is None else "{:.3g} to {:.3g}".format(*joint.limits),
-            _strength(joint, limits.get(joint.name)),
-            "" if joint.velocity is None else f"{joint.velocity:.3g} {joint.unit}/s",
+            _name(joint.link),
+            _range(joint),
+            _drive(joint, drives.get(joint.name)),
+            "" if joint.velocity is None else f"{joint.velocity:.4g} {joint.unit}/s",
         )
         for joint in robot.joints
     ]
-    _table(console, ("joint", "kind", "moves", "range", "driven by", "speed"), rows)
+    head = ("joint", "kind", "moves", "range", "driven by", "speed")
+    return table(head, rows, columns=columns) if rows else []
 
 
-def _strength(joint: Any, actuator: Any) -> str:
+def _range(joint: Joint) -> str:
+    if joint.limits is None:
+        return "unlimited"
+    low, high = joint.limits
+    return f"{low:.3g} to {high:.3g} {joint.unit}"
+
+
+def _drive(joint: Joint, actuator: Actuator | None) -> str:
     if joint.mimic is not None:
-        return f"follows {joint.mimic.joint}"
+        return f"follows {_name(joint.mimic.joint)}"
     if actuator is None:
-        return "nothing"
-    if actuator.limit is None:
-        return str(actuator.kind)
-    return f"{actuator.kind}, {actuator.limit:.3g} {joint.effort_unit}"
+        return ""
+    kind = {"position": "servo"}.get(actuator.kind, actuator.kind)
+    return kind if actuator.limit is None else f"{kind} {actuator.limit:.4g} {joint.effort_unit}"
 
 
-def _tally(shapes: tuple[str, ...]) -> str:
-    counted = {shape: shapes.count(shape) for shape in shapes}
-    return ", ".join(f"{n} {shape}" if n > 1 else shape for shape, n in counted.items())
+def _chains(robot: Robot, columns: int | None) -> list[str]:
+    held = {"connect": "pinned", "weld": "welded"}
+    rows = [
+        (
+            _name(loop.name),
+            _name(loop.links[0]),
+            held.get(loop.kind, loop.kind),
+            _name(loop.links[1]),
+        )
+        for loop in robot.loops
+    ]
+    return table(("closed chain", "link", "is", "to"), rows, columns=columns) if rows else []
 
 
-def _table(console: Console, head: tuple[str, ...], rows: list[tuple[str, ...]]) -> None:
-    from rich.table import Table
-    from rich.text import Text
+def _sensors(robot: Robot, columns: int | None) -> list[str]:
+    kinds = [sensor.kind for sensor in robot.sensors]
+    told = ", ".join(f"{kinds.count(kind)} {kind}" for kind in dict.fromkeys(kinds))
+    return paragraph(f"sensors: {told}", 2, columns) if kinds else []
 
-    table = Table(box=None, pad_edge=False, header_style="bold")
-    for name in head:
-        table.add_column(name, overflow="fold")
-    for row in rows:
-        table.add_row(*(Text(cell) for cell in row))
-    console.print(table, soft_wrap=False)
-    console.print()
+
+def _tally(shapes: tuple[str, ...], role: str) -> str:
+    kinds = [kind for shape in shapes for first, _, kind in [shape.partition(" ")] if first == role]
+    counted = {kind: kinds.count(kind) for kind in kinds}
+    return ", ".join(f"{number} {kind}" for kind, number in counted.items())
+
+
+def _aligned(rows: Sequence[tuple[str, ...]], at: int) -> list[tuple[str, ...]]:
+    """Return rows whose numbers in one column stand with their points below each other."""
+    before = max((len(row[at].partition(".")[0]) for row in rows), default=0)
+    return [
+        (*row[:at], " " * (before - len(row[at].partition(".")[0])) + row[at], *row[at + 1 :])
+        for row in rows
+    ]
+
+
+def _grouped(findings: tuple[Finding, ...]) -> list[list[Finding]]:
+    groups: dict[tuple[str, str], list[Finding]] = {}
+    for finding in findings:
+        groups.setdefault((finding.severity, finding.code), []).append(finding)
+    return sorted(groups.values(), key=lambda group: ORDER.index(group[0].severity))
+
+
+def _show_group(console: Console, group: list[Finding], columns: int | None) -> None:
+    """Print the findings of one code: what is common to all of them is said once."""
+    from morph.body.finding import CODES
+
+    severity, code = group[0].severity, group[0].code
+    title, *more = paragraph(f"{severity}  {code}: {CODES[code]}", 4, columns)
+    console.print(f"[{COLOURS[severity]}]{severity}[/]", end="")
+    _print(console, title.removeprefix(severity), *more)
+    alike: dict[tuple[str, str, str], list[Finding]] = {}
+    for finding in group:
+        alike.setdefault((finding.what, finding.done, finding.fix), []).append(finding)
+    done = {finding.done for finding in group}
+    fixes = {finding.fix for finding in group}
+    lines = []
+    for (what, how, fix), same in list(alike.items())[:PLACES]:
+        lines.append(f"    {_places(same)}: {what}")
+        lines += [f"      done: {how}"] * (len(done) > 1 and how != "nothing")
+        lines += [f"      fix: {fix}"] * (len(fixes) > 1)
+    hidden = sum(len(same) for same in list(alike.values())[PLACES:])
+    lines += [f"    ... and {hidden} more; --json lists all"] * bool(hidden)
+    lines += [f"    done: {group[0].done}"] * (len(done) == 1 and group[0].done != "nothing")
+    lines += [f"    fix: {group[0].fix}"] * (len(fixes) == 1)
+    for line in lines:
+        _print(console, *paragraph(harmless(line), 8, columns))
+    _print(console, "")
+
+
+def _places(findings: list[Finding]) -> str:
+    """Return where one and the same was found: `link a (line 3), b (line 9)`."""
+    named = [_place(finding) for finding in findings[:PLACES]]
+    kind = findings[0].where.kind
+    shown = [named[0], *(name.removeprefix(f"{kind} ") for name in named[1:])]
+    more = len(findings) - len(shown)
+    return ", ".join(shown) + (f" and {more} more" if more else "")
 
 
 def _place(finding: Finding) -> str:
     where = finding.where
     if where.kind == "file":
         return f"{where.file}:{where.line}" if where.line else where.file
-    return f"{where.kind} {where.name}" + (f" (line {where.line})" if where.line else "")
+    line = f"{TIE}(line{TIE}{where.line})" if where.line else ""
+    return f"{where.kind} {_name(where.name)}{line}"
 
 
-def _grouped(findings: tuple[Finding, ...]) -> list[list[Finding]]:
-    groups: dict[tuple[str, str, str, str], list[Finding]] = defaultdict(list)
-    for finding in findings:
-        groups[finding.severity, finding.code, finding.done, finding.fix].append(finding)
-    order = ("refused", "repaired", "info")
-    return sorted(groups.values(), key=lambda group: order.index(group[0].severity))
+def _print_table(console: Console, lines: list[str]) -> None:
+    if lines:
+        console.print(lines[0], style="bold", markup=False)
+        _print(console, *lines[1:], "")
 
 
-def _show_group(console: Console, group: list[Finding]) -> None:
-    from morph.body.finding import CODES
-
-    first = group[0]
-    lines = [f"{first.severity}  {first.code}: {CODES[first.code]}"]
-    for finding in group[:PLACES]:
-        lines.append(f"    {_place(finding)}: {finding.what}")
-    if len(group) > PLACES:
-        lines.append(f"    ... and {len(group) - PLACES} more; --json lists all")
-    if first.done != "nothing":
-        lines.append(f"    done: {first.done}")
-    lines.append(f"    fix: {first.fix}")
-    console.print("\n".join(lines) + "\n", markup=False)
+def _print(console: Console, *lines: str) -> None:
+    for line in lines:
+        console.print(line, markup=False)
