@@ -206,7 +206,9 @@ def _sensor(model: Any, index: int) -> Sensor:
 
 
 def _closes(model: Any, index: int) -> bool:
-    return model.eq_type[index] in (mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD)
+    # A number of numpy's is in no tuple of MuJoCo's names: it must be one itself.
+    kind = mujoco.mjtEq(model.eq_type[index])
+    return kind in (mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD)
 
 
 def _loop(model: Any, index: int) -> Loop:
