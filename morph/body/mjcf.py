@@ -11,10 +11,9 @@ import mujoco
 import numpy as np
 
 from morph.body.card import Card
+from morph.body.check import LOOKS
 from morph.body.check.collision import overlaps, self_collisions
-from morph.body.check.fit import check_fit
 from morph.body.check.meshes import check_meshes
-from morph.body.check.symmetry import check_symmetry
 from morph.body.finding import Finding
 from morph.body.inertia import is_physical, mended
 from morph.body.mjcf_draft import Lines, draft_of, touching
@@ -53,7 +52,9 @@ def robot_from_mjcf(tree: Element, path: Path, files: Files, card: Card | None) 
     with quiet():
         model = spec_of(robot).compile()
     draft = draft_of(robot, model, path, lines)
-    looked = check_meshes(draft)[1] + check_fit(draft) + check_symmetry(draft)
+    looked = check_meshes(draft)[1]
+    for look in LOOKS:
+        looked += look(draft)
     pairs = touching(model)
     apart = [pair for pair in overlaps(draft) if frozenset((pair.one, pair.other)) in pairs]
     looked += self_collisions(draft, apart)

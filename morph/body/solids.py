@@ -51,6 +51,12 @@ def diagonal(box: Array) -> float:
     return float(np.linalg.norm(box[1] - box[0]))
 
 
+def away(point: Array, box: Array) -> float:
+    """Return the distance of a point from a box, m; 0 inside."""
+    outside = np.maximum(np.maximum(box[0] - point, point - box[1]), 0.0)
+    return float(np.linalg.norm(outside))
+
+
 def solid(shape: Shape, *, hull: bool = False) -> Solid | None:
     """Return the solid of a shape; None if it has no volume, or no mesh.
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from morph.body.check.fit import check_fit
+from morph.body.check.lengths import check_lengths
 from morph.body.check.limits import check_limits
 from morph.body.check.mass import check_mass
 from morph.body.check.meshes import check_meshes
@@ -17,7 +18,7 @@ from morph.body.shapes import read_shapes
 REPAIRS = (check_meshes, check_limits, check_mimic)
 """Checks that may give back a mended draft, in this order, once it is one tree."""
 
-LOOKS = (check_fit, check_symmetry)
+LOOKS = (check_lengths, check_fit, check_symmetry)
 """Checks that only look."""
 
 

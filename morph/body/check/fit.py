@@ -10,7 +10,7 @@ from morph.arrays import Array
 from morph.body.check.place import at_link
 from morph.body.draft import Draft, DraftLink
 from morph.body.finding import Finding
-from morph.body.solids import Solid, corners, parallel, solid, together
+from morph.body.solids import Solid, away, bounds, corners, parallel, solid, together
 
 LIGHTEST, HEAVIEST = 1.0, 25_000.0
 """Mean densities of what robots are made of, kg/m3: above air's 1.2, below osmium's 22 590."""
@@ -21,19 +21,29 @@ OTHERS = 200.0
 WORTH = 0.01
 """Part of the robot's mass, or volume, below which a part is not looked at."""
 
-WIDEST, NARROWEST = 1.5, 0.01
+NEGLIGIBLE = 1e-3
+"""Part of the robot's mass below which a link's inertia is a token, as of a sensor's frame."""
+
+WIDEST, NARROWEST = 1.1, 0.01
 """An inertia as a multiple of what all mass at the shape's rim has, and of the filled shape's."""
 
-UNALIKE, ALIKE = 0.3, 0.3
-"""How far an inertia must be from the shape's, and how much nearer with axes exchanged."""
+UNALIKE, ALIKE = 0.3, 0.35
+"""How far an inertia must be from the shape's, and which part of that with axes exchanged.
+
+Distances of tensors with a trace of 1; two rods across each other are 0.71 apart.
+"""
+
+UNEVEN = 0.15
+"""How far a shape's inertia must be from a ball's, so that its axes can be told."""
 
 
 def check_fit(draft: Draft) -> list[Finding]:
     """Return the links whose mass or inertia does not belong to a body of their shape."""
     hulls = {link.name: found for link in draft.links if (found := _hull(link)) is not None}
     findings = _densities(draft, hulls)
+    least = NEGLIGIBLE * sum(link.mass or 0.0 for link in draft.links)
     for link in draft.links:
-        if link.name in hulls and link.inertia_from == "description":
+        if link.name in hulls and link.inertia_from == "description" and (link.mass or 0) > least:
             findings.extend(_inertia(draft, link, hulls[link.name]))
     return findings
 
@@ -96,7 +106,10 @@ def _inertia(draft: Draft, link: DraftLink, hull: Solid) -> list[Finding]:
         return [_size(draft, link, "inertia-oversized", largest**0.5, float(reach))]
     if largest < NARROWEST * filled:
         return [_size(draft, link, "inertia-undersized", largest**0.5, float(filled**0.5))]
-    exchanged = swapped(link.inertia, about)
+    box = bounds(link.shapes)
+    # Where the shape lies beside the mass, it says nothing of its axes.
+    beside = box is None or away(link.com, box) > 0
+    exchanged = None if beside else swapped(link.inertia, about)
     if exchanged is None:
         return []
     return [
@@ -128,7 +141,7 @@ def swapped(inertia: Array, shape: Array) -> str | None:
     """
     given, wanted = inertia / np.trace(inertia), shape / np.trace(shape)
     distance = float(np.linalg.norm(given - wanted))
-    if distance < UNALIKE * float(np.linalg.norm(wanted - np.eye(3) / 3)) or distance < 0.1:
+    if distance < UNALIKE or float(np.linalg.norm(wanted - np.eye(3) / 3)) < UNEVEN:
         return None
     best, order = min(
         (float(np.linalg.norm(given[np.ix_(p, p)] - wanted)), p) for p in permutations(range(3))

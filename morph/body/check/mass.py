@@ -58,12 +58,7 @@ def _moving(draft: Draft) -> tuple[set[str], set[str]]:
         while name in above and above[name].kind == "fixed":
             name = above[name].parent
         head[link.name] = name
-    heavy = {
-        head[link.name]
-        for link in draft.links
-        if (link.mass or 0.0) > LIGHTEST
-        and (link.inertia is None or np.trace(link.inertia) == 0 or np.trace(link.inertia) > LEAST)
-    }
+    heavy = {head[link.name] for link in draft.links if _is_heavy(link)}
     heads = {name for name in head.values() if name in above}
     return heads, heads - heavy
 
@@ -74,11 +69,9 @@ def _link(
     mass = link.mass or 0.0
     if mass < 0:
         return _negative(draft, link)
-    if mass == 0 or (alone and mass <= LIGHTEST):
+    if mass == 0 or (alone and not _is_heavy(link)):
         return _massless(draft, link, alone)
     if link.inertia is None or not np.any(link.inertia):
-        return _no_inertia(draft, link, mass)
-    if alone and abs(np.trace(link.inertia)) <= LEAST:
         return _no_inertia(draft, link, mass)
     thin = moves and float(np.linalg.eigvalsh(link.inertia)[0]) <= LEAST
     if is_physical(link.inertia) and not thin:
@@ -153,7 +146,8 @@ def _massless(draft: Draft, link: DraftLink, alone: bool) -> tuple[DraftLink, li
             code="mass-missing",
             severity="repaired",
             where=at_link(draft, link),
-            what="it moves and has no mass, nor has anything fixed to it",
+            what=f"it moves and has {'no' if not link.mass else 'next to no'} mass, nor has "
+            "anything fixed to it",
             done=done,
             fix="give it an <inertial> with its mass and inertia",
         )

@@ -10,7 +10,7 @@ from morph.arrays import Array
 from morph.body.check.place import at_link
 from morph.body.draft import Draft, DraftLink, Shape
 from morph.body.finding import Finding, Severity
-from morph.body.solids import bounds, diagonal
+from morph.body.solids import away, bounds, diagonal
 
 THOUSAND = 1000.0
 """Millimetres in a metre: the only mistake of units that is mended."""
@@ -199,12 +199,6 @@ def _apart(
         "nothing",
         "correct the <origin> of the shape, or that of the inertia",
     )
-
-
-def away(point: Array, box: Array) -> float:
-    """Return the distance of a point from a box, m; 0 inside."""
-    outside = np.maximum(np.maximum(box[0] - point, point - box[1]), 0.0)
-    return float(np.linalg.norm(outside))
 
 
 def _gap(one: Array, other: Array) -> float:

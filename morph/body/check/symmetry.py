@@ -9,7 +9,7 @@ import numpy as np
 from morph.arrays import Array
 from morph.body.check.place import at_joint, at_link
 from morph.body.check.sides import normal_between, slide, turn, twins
-from morph.body.draft import MOVING, Draft, DraftJoint
+from morph.body.draft import Draft, DraftJoint
 from morph.body.finding import Finding
 
 PARALLEL = 0.9
@@ -17,6 +17,9 @@ PARALLEL = 0.9
 
 SIDEWAYS, SAME = 0.05, 0.03
 """Part of an offset that leads sideways and so tells sides apart; and what counts as equal."""
+
+EQUAL = 0.05
+"""Difference of two limits, as a part of the range, that counts as none."""
 
 UNEQUAL = 1.5
 """Ratio of twins' masses, or of their principal moments, that is told."""
@@ -109,7 +112,10 @@ def _mirrored(draft: Draft, joint: DraftJoint, twin: DraftJoint, how: str) -> Fi
 def _copies(draft: Draft, pairs: list[Pair], normal: Array) -> list[Finding]:
     """Return the joints that copy their twin's offset where the others mirror it."""
     mirrored, copied = 0, []
+    limbs = _limbs(draft)
     for pair in pairs:
+        if pair.left.child not in limbs:
+            continue
         left, right = pair.offsets
         size = float(np.linalg.norm(right))
         if abs(right @ normal) < max(SIDEWAYS * size, 1e-3):
@@ -131,28 +137,72 @@ def _copies(draft: Draft, pairs: list[Pair], normal: Array) -> list[Finding]:
     return findings
 
 
+def _limbs(draft: Draft) -> set[str]:
+    """Return the links that a joint moves, or that carry one: not mounts of sensors."""
+    above = draft.joint_above()
+    limbs: set[str] = set()
+    for joint in draft.joints:
+        name = joint.child if joint.kind != "fixed" else ""
+        while name in above and name not in limbs:
+            limbs.add(name)
+            name = above[name].parent
+    return limbs
+
+
 def _turns(draft: Draft, pairs: list[Pair], normal: Array) -> list[Finding]:
+    findings = []
     groups: dict[tuple[bool, bool], list[tuple[Pair, int]]] = {}
     for pair in pairs:
-        if pair.left.kind not in MOVING or pair.left.kind in ("floating", "planar", "ball"):
+        if pair.left.kind not in ("revolute", "continuous", "prismatic"):
             continue
         slides = pair.left.kind == "prismatic"
-        image = slide(normal, pair.axes[1]) if slides else turn(normal, pair.axes[1])
+        image = (slide if slides else turn)(normal, pair.axes[1])
         same = float(image @ pair.axes[0])
-        if abs(same) > PARALLEL:
+        if abs(same) <= PARALLEL:
+            continue
+        sign = 1 if same > 0 else -1
+        meant = _by_limits(pair)
+        if meant == -sign:
+            findings.append(_flipped(draft, pair, pairs, "but their ranges say the other"))
+        # Axes that the ranges bear out break no convention.
+        elif meant == 0:
             across = abs(float(pair.axes[0] @ normal)) > 0.7
-            groups.setdefault((slides, across), []).append((pair, 1 if same > 0 else -1))
-    findings = []
-    for group in groups.values():
-        total = sum(sign for _, sign in group)
-        # A convention needs three twins that follow it for each one that does not.
-        odd = [pair for pair, sign in group if sign * total < 0]
-        if odd and len(group) >= 3 and 3 * len(odd) <= len(group) - len(odd) + 1:
-            findings += [_flipped(draft, pair, pairs) for pair in odd]
+            groups.setdefault((slides, across), []).append((pair, sign))
+    for (slides, across), group in groups.items():
+        for pair in _odd(group, pitch=across and not slides):
+            findings.append(_flipped(draft, pair, pairs, "unlike the other left and right joints"))
     return findings
 
 
-def _flipped(draft: Draft, pair: Pair, pairs: list[Pair]) -> Finding:
+def _by_limits(pair: Pair) -> int:
+    """Return 1 if the ranges say that equal positions mirror each other, -1 if opposite ones do.
+
+    0 if they do not say: there are none, both fit, or neither.
+    """
+    ranges = [(joint.lower, joint.upper) for joint in (pair.left, pair.right)]
+    if None in ranges[0] or None in ranges[1] or pair.left.kind == "continuous":
+        return 0
+    (low, high), other = np.array(ranges, dtype=float)
+    width = max(high - low, 1e-9)
+    equal = np.abs(other - (low, high)).max() < EQUAL * width
+    opposite = np.abs(other - (-high, -low)).max() < EQUAL * width
+    return int(equal) - int(opposite)
+
+
+def _odd(group: list[tuple[Pair, int]], *, pitch: bool) -> list[Pair]:
+    """Return the pairs that break a convention: three keep it for each that does not.
+
+    Where only one other joint keeps it, pitch joints of twins are expected to turn
+    the same way.
+    """
+    total = sum(sign for _, sign in group)
+    odd = [pair for pair, sign in group if sign * total < 0]
+    if len(group) == 2 and total == 0 and pitch:
+        return [pair for pair, sign in group if sign < 0]
+    return odd if len(group) >= 3 and 3 * len(odd) <= len(group) - len(odd) + 1 else []
+
+
+def _flipped(draft: Draft, pair: Pair, pairs: list[Pair], why: str) -> Finding:
     wrong, twin = (pair.left, pair.right)
     if _lonely(pair, pairs, 1) > _lonely(pair, pairs, 0):
         wrong, twin = twin, wrong
@@ -160,8 +210,8 @@ def _flipped(draft: Draft, pair: Pair, pairs: list[Pair]) -> Finding:
         code="axis-flipped",
         severity="info",
         where=at_joint(draft, wrong),
-        what=f"it and {twin.name!r} turn against the convention of the other left and right joints",
-        fix="turn the axis of one of the two over, or its motor's sign",
+        what=f"its axis and that of {twin.name!r} are turned one way, {why}",
+        fix="turn the axis of one of the two over, or its motor's sign and range",
     )
 
 

@@ -19,9 +19,10 @@ def check_tree(draft: Draft) -> tuple[Draft, list[Finding]]:
     draft, findings = _joint_names(draft)
     draft, found = _world(draft)
     findings += found
-    refusals = [*_link_names(draft), *_dangling(draft), *_circles(draft)]
-    if not refusals:
-        refusals = _bases(draft)
+    # Each of these misleads the ones after it.
+    refusals: list[Finding] = []
+    for look in (_link_names, _dangling, _circles, _bases):
+        refusals = refusals or look(draft)
     return draft, [*findings, *refusals]
 
 
