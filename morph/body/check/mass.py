@@ -63,6 +63,16 @@ def _moving(draft: Draft) -> tuple[set[str], set[str]]:
     return heads, heads - heavy
 
 
+def _is_heavy(link: DraftLink) -> bool:
+    """Return whether MuJoCo can move a link by its own mass."""
+    mass = link.mass or 0.0
+    if mass <= LIGHTEST:
+        return False
+    given = link.inertia is not None and np.any(link.inertia)
+    inertia = link.inertia if given else ball(mass, DENSITY)
+    return float(np.trace(np.asarray(inertia))) > LEAST
+
+
 def _link(
     draft: Draft, link: DraftLink, moves: bool, alone: bool
 ) -> tuple[DraftLink, list[Finding]]:
