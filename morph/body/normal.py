@@ -97,6 +97,10 @@ def _settle_inertias(spec: Any, model: Any) -> None:
     # Inertias are written as MuJoCo compiled them, so that no later reader
     # derives them from geoms again, nor scales or mends them again.
     for body in spec.bodies[1:]:
+        ground = mujoco.mjtGeom.mjGEOM_HFIELD in [geom.type for geom in body.geoms]
+        if ground and not body.explicitinertial and not model.body_weldid[body.id]:
+            # MuJoCo weighs a field of hills at tons; it is no part of a robot.
+            model.body_mass[body.id], model.body_inertia[body.id] = 0.0, 0.0
         body.mass = float(model.body_mass[body.id])
         body.ipos = model.body_ipos[body.id]
         body.iquat = model.body_iquat[body.id]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import xml.etree.ElementTree as ElementTree
 from typing import Any
 
@@ -10,18 +9,21 @@ import mujoco
 import numpy as np
 
 from morph.arrays import Array
-from morph.body.mesh import Mesh, as_stl
-from morph.body.mjcf_draft import roles
-from morph.body.robot import Robot
+from morph.body.quiet import quiet
+from morph.body.robot import Joint, Robot
+from morph.body.urdf_omissions import few, omissions
+from morph.body.urdf_shapes import Shapes, matrix, number, numbers, origin
 
 TOKEN = 1e-12
 """Mass, kg, and inertia, kg m2, of a link between two joints on one body: nobody moves less."""
 
+LEAST = 2e-14
+"""Least principal moment written, kg m2: MuJoCo takes no URDF with one below 1e-14."""
+
 WORLD = "world"
 """The root link, which ties the base: without it MuJoCo drops the base's mass."""
 
-KINDS = {mujoco.mjtJoint.mjJNT_HINGE: "revolute", mujoco.mjtJoint.mjJNT_SLIDE: "prismatic"}
-"""What URDF calls MuJoCo's joints."""
+HINGE, SLIDE = mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE
 
 FAR = 50.0
 """Range of a slide without limits, m: URDF wants one."""
@@ -29,41 +31,54 @@ FAR = 50.0
 STRONG = 1e3
 """Effort, N m or N, and speed, rad/s or m/s, where none is given: URDF wants both."""
 
+AXES = {"x": 0, "y": 1, "z": 2}
+PAIRS = (("x", "x"), ("x", "y"), ("x", "z"), ("y", "y"), ("y", "z"), ("z", "z"))
+
 
 def urdf_text(robot: Robot, meshes: str) -> tuple[str, dict[str, bytes], tuple[str, ...]]:
     """Return a robot as URDF, the mesh files that it names, and what it cannot hold.
+
+    Every joint is at zero where the robot is at home.
 
     Args:
         robot: The robot.
         meshes: The folder that the URDF names mesh files in.
     """
     spec = mujoco.MjSpec.from_string(robot.mjcf, assets=dict(robot.assets))
-    writer = _Writer(robot, spec.compile(), meshes)
+    with quiet():
+        model = spec.compile()
+    writer = _Writer(robot, model, Shapes(model, meshes))
     writer.write()
     ElementTree.indent(writer.tree)
     text = '<?xml version="1.0"?>\n' + ElementTree.tostring(writer.tree, encoding="unicode") + "\n"
-    return text, writer.assets, tuple(dict.fromkeys(writer.left_out))
+    left_out = [*writer.left_out, *writer.shapes.left_out, *omissions(robot, model)]
+    return text, writer.shapes.assets, tuple(dict.fromkeys(left_out))
 
 
 class _Writer:
     """Writes links and joints in the order of the tree."""
 
-    def __init__(self, robot: Robot, model: Any, meshes: str) -> None:
-        self.robot, self.model, self.meshes = robot, model, meshes
+    def __init__(self, robot: Robot, model: Any, shapes: Shapes) -> None:
+        self.robot, self.model, self.shapes = robot, model, shapes
         self.tree = ElementTree.Element("robot", name=robot.name)
-        self.assets: dict[str, bytes] = {}
         self.left_out: list[str] = []
+        self.unlimited: list[str] = []
+        self.links = {WORLD, *(link.name for link in robot.links)}
+        self.joints = {joint.name for joint in robot.joints}
+        self.follows = self._follows()
 
     def write(self) -> None:
-        # Read by MuJoCo alone: keep every link, look and folder.
+        # Read by MuJoCo alone: keep every link, look and folder, and weigh no shape.
         extension = ElementTree.SubElement(self.tree, "mujoco")
-        kept = {"fusestatic": "false", "discardvisual": "false", "strippath": "false"}
-        ElementTree.SubElement(extension, "compiler", {**kept, "balanceinertia": "false"})
+        kept = ("fusestatic", "discardvisual", "strippath", "balanceinertia", "inertiafromgeom")
+        ElementTree.SubElement(extension, "compiler", dict.fromkeys(kept, "false"))
         world = ElementTree.SubElement(self.tree, "link", name=WORLD)
-        self.shapes(world, 0, np.zeros(3))
+        self.shapes.add(world, 0, np.zeros(3))
         for body in range(1, self.model.nbody):
             self.body(body)
-        self.omissions()
+        if self.unlimited:
+            named = few(self.unlimited)
+            self.left_out.append(f"that no limit of effort or of speed is known of {named}")
 
     def body(self, body: int) -> None:
         model = self.model
@@ -73,20 +88,23 @@ class _Writer:
         # URDF turns a link about its own origin, MuJoCo about an anchor: shift the frame.
         turn = matrix(model.body_quat[body])
         anchor = model.jnt_pos[joints[-1]] if len(joints) else np.zeros(3)
-        place = model.body_pos[body] - turn_parent(model, body)
+        place = model.body_pos[body] - anchor_of(model, model.body_parentid[body])
+        before = np.zeros(3)
         for count, joint in enumerate(joints):
             last = count == len(joints) - 1
-            child = name if last else f"{name}_{count + 1}"
-            pose = (place + turn @ anchor, turn) if count == 0 else (np.zeros(3), np.eye(3))
+            child = name if last else unused(f"{name}_{count + 1}", self.links)
+            here = model.jnt_pos[joint]
+            pose = (place + turn @ here, turn) if count == 0 else (here - before, np.eye(3))
             self.joint(joint, parent, child, pose)
             if not last:
                 self.token(child)
-            parent = child
+            parent, before = child, here
         if not len(joints):
-            self.link_joint(f"{name} is fixed", "fixed", parent, name, (place, turn))
+            title = unused(f"{name} is fixed", self.joints)
+            self.link_joint(title, "fixed", parent, name, (place, turn))
         link = ElementTree.SubElement(self.tree, "link", name=name)
         self.inertia(link, body, anchor)
-        self.shapes(link, body, anchor)
+        self.shapes.add(link, body, anchor)
 
     def link_joint(
         self, name: str, kind: str, parent: str, child: str, pose: tuple[Array, Array]
@@ -104,38 +122,57 @@ class _Writer:
         if sort == mujoco.mjtJoint.mjJNT_BALL:
             self.ball(name, parent, child, pose)
             return
-        if sort not in KINDS:
+        if sort not in (HINGE, SLIDE):
             self.link_joint(name, "floating", parent, child, pose)
             return
         known = self.robot.joint(name)
-        kind = "continuous" if sort == 3 and known.limits is None else KINDS[sort]
+        kind = "prismatic" if sort == SLIDE else "revolute" if known.limits else "continuous"
         element = self.link_joint(name, kind, parent, child, pose)
         ElementTree.SubElement(element, "axis", xyz=numbers(model.jnt_axis[joint]))
-        low, high = known.limits or (-FAR, FAR)
-        if known.limits is None and kind == "prismatic":
-            self.left_out.append(f"that {name!r} slides without end: {FAR:g} m each way")
-        limit = {} if kind == "continuous" else {"lower": number(low), "upper": number(high)}
-        effort, speed = known.effort, known.velocity
-        driven = [a.limit for a in self.robot.actuators if a.joint == name and a.limit]
-        limit["effort"] = number(effort or max(driven, default=0.0) or STRONG)
-        limit["velocity"] = number(speed or STRONG)
-        ElementTree.SubElement(element, "limit", limit)
+        self.limit(element, joint, known)
         address = model.jnt_dofadr[joint]
-        damping, friction = model.dof_damping[address], model.dof_frictionloss[address]
+        damping, friction = np.ravel(model.dof_damping[address]), model.dof_frictionloss[address]
         if np.any(damping) or friction:
-            first = float(np.ravel(damping)[0])
-            held = {"damping": number(first), "friction": number(float(friction))}
+            held = {"damping": number(damping[0]), "friction": number(float(friction))}
             ElementTree.SubElement(element, "dynamics", held)
-        if known.mimic is not None:
-            held = {"joint": known.mimic.joint, "multiplier": number(known.mimic.ratio)}
-            ElementTree.SubElement(element, "mimic", {**held, "offset": number(known.mimic.offset)})
+        if np.any(damping[1:]):
+            self.left_out.append(f"how the damping of {name!r} grows with speed")
+        if joint in self.follows:
+            other, ratio, offset = self.follows[joint]
+            held = {"joint": other, "multiplier": number(ratio), "offset": number(offset)}
+            ElementTree.SubElement(element, "mimic", held)
+
+    def limit(self, element: ElementTree.Element, joint: int, known: Joint) -> None:
+        """Add a joint's `<limit>`, its range as seen from home."""
+        home = float(self.model.qpos0[self.model.jnt_qposadr[joint]])
+        held = {}
+        if known.limits is not None:
+            held = {
+                "lower": number(known.limits[0] - home),
+                "upper": number(known.limits[1] - home),
+            }
+        elif known.kind == "slide":
+            held = {"lower": number(-FAR), "upper": number(FAR)}
+            self.left_out.append(f"that {known.name!r} slides without end: {FAR:g} m each way")
+        if home:
+            self.left_out.append(f"that {known.name!r} stands at {home:.4g} at home: zero is there")
+        driven = [each.limit for each in self.robot.actuators if each.joint == known.name]
+        effort = known.effort or max((limit for limit in driven if limit), default=None)
+        if effort is None or known.velocity is None:
+            self.unlimited.append(known.name)
+        held["effort"] = number(STRONG if effort is None else effort)
+        held["velocity"] = number(known.velocity or STRONG)
+        ElementTree.SubElement(element, "limit", held)
 
     def ball(self, name: str, parent: str, child: str, pose: tuple[Array, Array]) -> None:
         self.left_out.append(f"the ball joint {name!r}, which became three hinges")
         for letter, axis in zip("xyz", np.eye(3), strict=True):
-            end = child if letter == "z" else f"{child}_about_{letter}"
-            element = self.link_joint(f"{name}_about_{letter}", "continuous", parent, end, pose)
+            end = child if letter == "z" else unused(f"{child}_about_{letter}", self.links)
+            title = unused(f"{name}_about_{letter}", self.joints)
+            element = self.link_joint(title, "continuous", parent, end, pose)
             ElementTree.SubElement(element, "axis", xyz=numbers(axis))
+            held = {"effort": number(STRONG), "velocity": number(STRONG)}
+            ElementTree.SubElement(element, "limit", held)
             if end != child:
                 self.token(end)
             parent, pose = end, (np.zeros(3), np.eye(3))
@@ -155,141 +192,42 @@ class _Writer:
         origin(inertial, model.body_ipos[body] - anchor, np.eye(3))
         ElementTree.SubElement(inertial, "mass", value=number(float(model.body_mass[body])))
         axes = matrix(model.body_iquat[body])
-        full = axes @ np.diag(model.body_inertia[body]) @ axes.T
-        moments = {f"i{a}{b}": number(float(full[XYZ[a], XYZ[b]])) for a, b in PAIRS}
+        full = axes @ np.diag(np.maximum(model.body_inertia[body], LEAST)) @ axes.T
+        moments = {f"i{a}{b}": number(float(full[AXES[a], AXES[b]])) for a, b in PAIRS}
         ElementTree.SubElement(inertial, "inertia", moments)
 
-    def shapes(self, link: ElementTree.Element, body: int, anchor: Array) -> None:
+    def _follows(self) -> dict[int, tuple[str, float, float]]:
+        """Return, for each joint that follows another in proportion, the other, ratio, offset."""
         model = self.model
-        first = model.body_geomadr[body]
-        for geom in range(first, first + model.body_geomnum[body]) if first >= 0 else ():
-            turn = matrix(model.geom_quat[geom])
-            place = model.geom_pos[geom] - anchor
-            for role in roles(model, geom):
-                for shape, along in self.primitives(geom):
-                    element = ElementTree.SubElement(link, role)
-                    origin(element, place + turn @ np.array((0.0, 0.0, along)), turn)
-                    ElementTree.SubElement(element, "geometry").append(shape)
-                    if role == "visual":
-                        self.colour(element, geom)
-
-    def primitives(self, geom: int) -> list[tuple[ElementTree.Element, float]]:
-        """Return a geom as URDF's shapes, each with its height along the geom's axis."""
-        model, element = self.model, ElementTree.Element
-        a, b, c = model.geom_size[geom].tolist()
-        kind = mujoco.mjtGeom(model.geom_type[geom])
-        if kind == mujoco.mjtGeom.mjGEOM_BOX:
-            return [(element("box", size=numbers((2 * a, 2 * b, 2 * c))), 0.0)]
-        if kind == mujoco.mjtGeom.mjGEOM_SPHERE:
-            return [(element("sphere", radius=number(a)), 0.0)]
-        if kind in (mujoco.mjtGeom.mjGEOM_CYLINDER, mujoco.mjtGeom.mjGEOM_CAPSULE):
-            parts = [(element("cylinder", radius=number(a), length=number(2 * b)), 0.0)]
-            if kind == mujoco.mjtGeom.mjGEOM_CAPSULE:
-                parts += [(element("sphere", radius=number(a)), end) for end in (-b, b)]
-            return parts
-        if kind == mujoco.mjtGeom.mjGEOM_MESH:
-            return [(element("mesh", filename=self.mesh(model.geom_dataid[geom])), 0.0)]
-        if kind == mujoco.mjtGeom.mjGEOM_ELLIPSOID:
-            file = f"ellipsoid_{geom}.stl"
-            self.assets[file] = as_stl(ellipsoid(a, b, c))
-            return [(element("mesh", filename=f"{self.meshes}/{file}"), 0.0)]
-        self.left_out.append(f"a shape of the kind {kind.name.removeprefix('mjGEOM_').lower()}")
-        return []
-
-    def mesh(self, mesh: int) -> str:
-        model = self.model
-        vertex, face = model.mesh_vertadr[mesh], model.mesh_faceadr[mesh]
-        file = f"{mesh}_{model.mesh(mesh).name}.stl".replace("/", "_")
-        self.assets[file] = as_stl(
-            Mesh(
-                vertices=model.mesh_vert[vertex : vertex + model.mesh_vertnum[mesh]].astype(float),
-                faces=model.mesh_face[face : face + model.mesh_facenum[mesh]].astype(np.int64),
-            )
-        )
-        return f"{self.meshes}/{file}"
-
-    def colour(self, element: ElementTree.Element, geom: int) -> None:
-        model = self.model
-        held = model.geom_matid[geom]
-        rgba = model.geom_rgba[geom] if held < 0 else model.mat_rgba[held]
-        material = ElementTree.SubElement(element, "material", name=f"colour_{geom}")
-        ElementTree.SubElement(material, "color", rgba=numbers(rgba))
-
-    def omissions(self) -> None:
-        model, robot = self.model, self.robot
-        servos = [actuator.name for actuator in robot.actuators if actuator.kind == "position"]
-        if servos:
-            self.left_out.append(f"the gains of {len(servos)} servos")
-        if np.any(model.dof_armature):
-            self.left_out.append("the rotors' inertia (armature)")
-        if np.any(model.jnt_stiffness):
-            self.left_out.append("the joints' springs")
-        for loop in robot.loops:
-            self.left_out.append(f"the closed chain {loop.name or ' and '.join(loop.links)}")
-        if robot.sensors:
-            self.left_out.append(f"{len(robot.sensors)} sensors")
+        found = {}
+        for index in range(model.neq):
+            kind = mujoco.mjtEq(model.eq_type[index])
+            if kind != mujoco.mjtEq.mjEQ_JOINT or not model.eq_active0[index]:
+                continue
+            first, second = int(model.eq_obj1id[index]), int(model.eq_obj2id[index])
+            offset, ratio, *higher = model.eq_data[index, :5].tolist()
+            name = model.joint(first).name
+            if second < 0 or any(higher):
+                self.left_out.append(f"how {name!r} is tied")
+            else:
+                found[first] = (model.joint(second).name, ratio, offset)
+        return found
 
 
-XYZ = {"x": 0, "y": 1, "z": 2}
-PAIRS = ("xx", "xy", "xz", "yy", "yz", "zz")
+def unused(name: str, taken: set[str]) -> str:
+    """Return a name, or one like it, that nothing has; from now on it is taken."""
+    free, count = name, 1
+    while free in taken:
+        count += 1
+        free = f"{name}_{count}"
+    taken.add(free)
+    return free
 
 
-def ellipsoid(a: float, b: float, c: float) -> Mesh:
-    """Return an ellipsoid's mesh of 16 by 8 patches, with the half axes a, b and c."""
-    turns, rises = np.linspace(0, 2 * np.pi, 17)[:-1], np.linspace(-np.pi / 2, np.pi / 2, 9)
-    rows = [
-        [(np.cos(r) * np.cos(t), np.cos(r) * np.sin(t), np.sin(r)) for t in turns] for r in rises
-    ]
-    points = np.array(rows).reshape(-1, 3) * (a, b, c)
-    index = np.arange(9 * 16).reshape(9, 16)
-    low, high = index[:-1], index[1:]
-    right, above = np.roll(low, -1, axis=1), np.roll(high, -1, axis=1)
-    first = np.stack([low, right, above], axis=-1)[1:].reshape(-1, 3)
-    second = np.stack([low, above, high], axis=-1)[:-1].reshape(-1, 3)
-    return Mesh(vertices=points, faces=np.concatenate([first, second]))
-
-
-def turn_parent(model: Any, body: int) -> Array:
-    """Return by how much the parent's frame was shifted to its joint's anchor, m."""
-    parent = model.body_parentid[body]
-    count = model.body_jntnum[parent]
+def anchor_of(model: Any, body: int) -> Array:
+    """Return by how much a body's frame was shifted to its last joint's anchor, m."""
+    count = model.body_jntnum[body]
     if not count:
         return np.zeros(3)
-    anchor: Array = model.jnt_pos[model.body_jntadr[parent] + count - 1]
+    anchor: Array = model.jnt_pos[model.body_jntadr[body] + count - 1]
     return anchor
-
-
-def matrix(quaternion: Array) -> Array:
-    """Return a quaternion w, x, y, z as a rotation matrix, shape (3, 3)."""
-    turn = np.zeros(9)
-    mujoco.mju_quat2Mat(turn, quaternion)
-    return turn.reshape(3, 3)
-
-
-def angles(turn: Array) -> tuple[float, float, float]:
-    """Return a rotation matrix as URDF's roll, pitch and yaw, rad.
-
-    The inverse of `morph.body.numbers.rotation`; straight up or down, roll is 0.
-    """
-    across = math.hypot(turn[0, 0], turn[1, 0])
-    pitch = math.atan2(-turn[2, 0], across)
-    if across < 1e-12:
-        return 0.0, pitch, math.atan2(-turn[0, 1], turn[1, 1])
-    roll = math.atan2(turn[2, 1], turn[2, 2])
-    return roll, pitch, math.atan2(turn[1, 0], turn[0, 0])
-
-
-def origin(element: ElementTree.Element, place: Array, turn: Array) -> None:
-    """Add an `<origin>`."""
-    held = {"xyz": numbers(place), "rpy": numbers(angles(turn))}
-    ElementTree.SubElement(element, "origin", held)
-
-
-def number(value: float) -> str:
-    """Return a number from whose text the same double comes back."""
-    return repr(float(value) + 0.0)
-
-
-def numbers(values: Any) -> str:
-    """Return numbers, with a space between them."""
-    return " ".join(number(value) for value in values)
