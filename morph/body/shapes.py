@@ -8,12 +8,15 @@ from pathlib import Path
 
 from morph.body.draft import Draft, DraftLink, Shape
 from morph.body.finding import Finding, Severity, Where
-from morph.body.mesh import Mesh, read_mesh
+from morph.body.mesh import Mesh, read_mesh, thinned
 from morph.body.paths import Files, Found
 from morph.errors import MeshError
 
 MOST_BYTES = 512 * 2**20
 """Most that all meshes of one description may hold, bytes."""
+
+MOST_FACES = 100_000
+"""Most faces of a mesh that is handed on; MuJoCo's reader of STL refuses more than 200 000."""
 
 
 def read_shapes(draft: Draft, files: Files) -> tuple[Draft, list[Finding]]:
@@ -34,6 +37,7 @@ class _Reader:
         self.draft, self.files = draft, files
         self.findings: list[Finding] = []
         self.read: dict[Path, Mesh | MeshError] = {}
+        self.thin: set[Path] = set()
         self.bytes = 0
         self.told: set[tuple[str, str, str]] = set()
 
@@ -64,6 +68,13 @@ class _Reader:
                 content.fix,
             )
             return replace(shape, path=found.path)
+        if found.path in self.thin:
+            what = f"{found.path.name} has more than {MOST_FACES} faces, which MuJoCo cannot take"
+            self.tell(
+                *(link, shape, "mesh-too-large", "repaired", what),
+                f"it was thinned to {len(content.faces)}",
+                "export it coarser",
+            )
         return replace(shape, path=found.path, mesh=content)
 
     def content(self, path: Path) -> Mesh | MeshError:
@@ -77,7 +88,7 @@ class _Reader:
                     fix="give coarser meshes",
                     code="mesh-too-large",
                 )
-            return read_mesh(path.read_bytes(), path.suffix, str(path))
+            mesh = read_mesh(path.read_bytes(), path.suffix, str(path))
         except MeshError as error:
             return error
         except OSError as error:
@@ -87,6 +98,9 @@ class _Reader:
                 fix="allow reading it",
                 code="mesh-unreadable",
             )
+        if len(mesh.faces) > MOST_FACES:
+            self.thin.add(path)
+        return thinned(mesh, MOST_FACES)
 
     def tell(
         self,

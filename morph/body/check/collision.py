@@ -20,6 +20,9 @@ SHRUNK = 0.97
 FEWEST = 3
 """Points of one shape that must lie inside the other."""
 
+MOST_POINTS = 1000
+"""Most points of a shape that are held against another's convex hull."""
+
 WORK = 120_000
 """Most pairs of a point and a face that are looked at for two shapes."""
 
@@ -127,6 +130,7 @@ def _reaches(one: Placed, other: Placed) -> bool:
     local = (points[close] - other.pose.position) @ other.pose.rotation
     mesh = other.shape.mesh
     if mesh is not None:
+        local = local[:: max(1, len(local) // MOST_POINTS)]
         local = local[_in_hull(mesh, local / np.array(other.shape.scale))]
         most = max(4 * FEWEST, min(300, WORK // len(mesh.faces)))
         local = local[:: max(1, len(local) // most)]

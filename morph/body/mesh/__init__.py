@@ -2,5 +2,6 @@
 
 from morph.body.mesh.read import read_mesh as read_mesh
 from morph.body.mesh.solid import Mesh as Mesh
+from morph.body.mesh.thin import thinned as thinned
 from morph.body.mesh.write import as_obj as as_obj
 from morph.body.mesh.write import as_stl as as_stl

@@ -11,11 +11,14 @@ import numpy as np
 from morph.arrays import Array, Integers
 from morph.body.mesh.fan import fans
 from morph.body.mesh.gather import Gathering
-from morph.body.mesh.limits import unreadable
+from morph.body.mesh.limits import LARGEST, unreadable
 from morph.body.mesh.numbers import floats, integers
 from morph.body.mesh.solid import Mesh
 from morph.body.xml import Element, parse
 from morph.errors import MeshError, RobotError
+
+MOST_ELEMENTS = 400_000
+"""Most elements: some files have one for each polygon."""
 
 
 def read_collada(content: bytes, where: str) -> Mesh:
@@ -31,7 +34,8 @@ def read_collada(content: bytes, where: str) -> Mesh:
         MeshError: It is not XML, or refers to what it does not hold.
     """
     try:
-        return _Scene(parse(content, where), where).mesh()
+        tree = parse(content, where, most=LARGEST, elements=MOST_ELEMENTS)
+        return _Scene(tree, where).mesh()
     except MeshError:
         raise
     except RobotError as error:
