@@ -20,6 +20,9 @@ TOKEN = 1e-12
 LEAST = 2e-14
 """Least principal moment written, kg m2: MuJoCo takes no URDF with one below 1e-14."""
 
+MARGIN = 1e-11
+"""By how much, of the greatest moment, the other two exceed it."""
+
 WORLD = "world"
 """The root link, which ties the base: without it MuJoCo drops the base's mass."""
 
@@ -192,7 +195,7 @@ class _Writer:
         origin(inertial, model.body_ipos[body] - anchor, np.eye(3))
         ElementTree.SubElement(inertial, "mass", value=number(float(model.body_mass[body])))
         axes = matrix(model.body_iquat[body])
-        full = axes @ np.diag(np.maximum(model.body_inertia[body], LEAST)) @ axes.T
+        full = axes @ np.diag(writable(model.body_inertia[body])) @ axes.T
         moments = {f"i{a}{b}": number(float(full[AXES[a], AXES[b]])) for a, b in PAIRS}
         ElementTree.SubElement(inertial, "inertia", moments)
 
@@ -212,6 +215,18 @@ class _Writer:
             else:
                 found[first] = (model.joint(second).name, ratio, offset)
         return found
+
+
+def writable(moments: Array) -> Array:
+    """Return principal moments, kg m2, that still are a body's once they are read back.
+
+    The moments of a flat body lie on the edge of what is possible, A + B = C, and
+    readers that take the full inertia apart again err by a few parts in 1e12.
+    """
+    held = np.maximum(moments, LEAST)
+    lack = held.max() * (2.0 + MARGIN) - held.sum()
+    held[np.argmin(held)] += max(lack, 0.0)
+    return held
 
 
 def unused(name: str, taken: set[str]) -> str:
