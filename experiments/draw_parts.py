@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from manifold3d import Manifold  # type: ignore[import-not-found]
+from manifold3d import Manifold
 
 from morph.body.mesh import Mesh, as_stl
 from morph.files import write_whole

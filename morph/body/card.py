@@ -63,6 +63,16 @@ class Motor:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Measured:
+    """What a scale showed; it comes before what the description says."""
+
+    link: str
+    """The link that was weighed."""
+    mass_kg: float
+    """Its mass, kg; its inertia is scaled with it."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class Closure:
     """A closed chain, which URDF cannot hold."""
 
@@ -142,6 +152,8 @@ class Card:
     """Only for bodies that swim."""
     motor: tuple[Motor, ...] = ()
     """One per actuator."""
+    measured: tuple[Measured, ...] = ()
+    """Links that were weighed."""
     closure: tuple[Closure, ...] = ()
     """Closed chains."""
     parameter: tuple[Parameter, ...] = ()

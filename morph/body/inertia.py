@@ -6,6 +6,9 @@ import numpy as np
 
 from morph.arrays import Array
 
+DENSITY = 1000.0
+"""Density assumed where a description gives a shape and no mass, kg/m3: that of water."""
+
 ROUNDING = 1e-12
 """Relative slack of the triangle inequality: that of sums of doubles, with room."""
 

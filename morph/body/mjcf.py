@@ -16,6 +16,7 @@ from morph.body.check.collision import overlaps, self_collisions
 from morph.body.check.meshes import check_meshes
 from morph.body.finding import Finding
 from morph.body.inertia import is_physical, mended
+from morph.body.measured import marked, weigh
 from morph.body.mjcf_draft import Lines, draft_of, touching
 from morph.body.mjcf_files import gather
 from morph.body.normal import refused, robot_of
@@ -45,6 +46,9 @@ def robot_from_mjcf(tree: Element, path: Path, files: Files, card: Card | None) 
             fix = "describe at least one <body> in <worldbody>"
             raise RobotError("holds no body", where=str(path), fix=fix)
         robot = robot_of(spec, path, card, assets)
+        if card and card.measured:
+            weigh(spec, card, str(path.parent / "card.toml"))
+            robot = marked(robot_of(spec, path, card, assets))
     except (ValueError, RobotError) as error:
         told = error if isinstance(error, RobotError) else refused(error, path)
         code = "duplicate-name" if "repeated name" in str(told) else "engine-refused"

@@ -96,13 +96,15 @@ def parallel(offset: Array) -> Array:
 
 
 def _signs() -> Array:
-    grid = np.array(np.meshgrid((-1.0, 1.0), (-1.0, 1.0), (-1.0, 1.0)))
-    return grid.reshape(3, -1).T
+    grid: Array = np.array(np.meshgrid((-1.0, 1.0), (-1.0, 1.0), (-1.0, 1.0)))
+    signs: Array = grid.reshape(3, -1).T
+    return signs
 
 
 def _half(shape: Shape) -> Array:
     if shape.kind == "box":
-        return np.abs(np.array(shape.size)) / 2
+        half: Array = np.abs(np.array(shape.size)) / 2
+        return half
     radius = abs(shape.size[0])
     if shape.kind == "sphere":
         return np.full(3, radius)

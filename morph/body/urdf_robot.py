@@ -13,6 +13,7 @@ from morph.body.check.place import WORLD, at_robot
 from morph.body.draft import Draft
 from morph.body.finding import Finding
 from morph.body.linkage import close_chain
+from morph.body.measured import marked, weigh
 from morph.body.motors import add_motors
 from morph.body.normal import robot_of
 from morph.body.paths import Files
@@ -40,11 +41,12 @@ def robot_from_draft(
     findings += self_collisions(draft, pairs)
     for pair in pairs:
         spec.add_exclude(bodyname1=pair.one, bodyname2=pair.other)
+    weigh(spec, card, str(draft.file.parent / "card.toml"))
     add_motors(spec, card, draft)
     for closure in card.closure if card else ():
         close_chain(spec, closure, str(draft.file))
     robot = robot_of(spec, draft.file, card, assets)
-    return replace(_enriched(robot, draft), findings=(*findings, *robot.findings))
+    return replace(marked(_enriched(robot, draft)), findings=(*findings, *robot.findings))
 
 
 def _assumed(draft: Draft) -> list[Finding]:

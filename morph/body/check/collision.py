@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from morph.arrays import Array
+from morph.arrays import Array, Integers, Mask
 from morph.body.check.place import at_link
 from morph.body.draft import Draft, DraftLink, Pose, Shape
 from morph.body.finding import Finding
@@ -109,7 +109,7 @@ def _placed(draft: Draft) -> list[Placed]:
             box = bounds([shape])
             if box is None or not np.any(box[1] > box[0]):
                 continue
-            grid = np.array(np.meshgrid(*box.T)).reshape(3, -1).T
+            grid: Array = np.array(np.meshgrid(*box.T)).reshape(3, -1).T
             world = home[link.name].apply(grid)
             edges = np.stack([world.min(axis=0), world.max(axis=0)])
             pose = home[link.name].then(shape.pose)
@@ -139,7 +139,7 @@ def _reaches(one: Placed, other: Placed) -> bool:
     return bool(_inside(other.shape, local).sum() >= FEWEST)
 
 
-def _in_hull(mesh: Mesh, points: Array) -> Array:
+def _in_hull(mesh: Mesh, points: Array) -> Mask:
     """Return which points lie inside a mesh's convex hull, shape (n,); all if it has none."""
     try:
         hull = mesh.hull
@@ -147,7 +147,7 @@ def _in_hull(mesh: Mesh, points: Array) -> Array:
         return np.ones(len(points), dtype=bool)
     a, b, c = (hull.vertices[hull.faces[:, k]] for k in range(3))
     normals = np.cross(b - a, c - a)
-    within: Array = (points @ normals.T < np.einsum("fi,fi->f", normals, a)).all(axis=1)
+    within: Mask = (points @ normals.T < np.einsum("fi,fi->f", normals, a)).all(axis=1)
     return within
 
 
@@ -162,7 +162,8 @@ def _surface(shape: Shape) -> Array:
         grid = np.linspace(-0.5, 0.5, 7)
         cube = np.array(np.meshgrid(grid, grid, grid)).reshape(3, -1).T
         rim = np.abs(cube).max(axis=1) == 0.5
-        return cube[rim] * np.array(shape.size)
+        box: Array = cube[rim] * np.array(shape.size)
+        return box
     turns = np.linspace(0, 2 * np.pi, 16, endpoint=False)
     ring = np.stack([np.cos(turns), np.sin(turns), np.zeros(16)], axis=1)
     radius, length = shape.size[0], shape.size[-1] if shape.kind != "sphere" else 0.0
@@ -177,24 +178,27 @@ def _surface(shape: Shape) -> Array:
     return np.concatenate(rows)
 
 
-def _inside(shape: Shape, points: Array) -> Array:
+def _inside(shape: Shape, points: Array) -> Mask:
     """Return which points of a shape's own frame lie inside it, shape (n,)."""
+    within: Mask
     if shape.mesh is not None:
-        return winding(shape.mesh.vertices * np.array(shape.scale), shape.mesh.faces, points) > 0.75
-    if shape.kind == "box":
-        within: Array = (np.abs(points) < np.array(shape.size) / 2).all(axis=1)
-        return within
-    radius = shape.size[0]
-    if shape.kind == "sphere":
-        return np.linalg.norm(points, axis=1) < radius
-    across, half = np.linalg.norm(points[:, :2], axis=1), shape.size[1] / 2
-    if shape.kind == "cylinder":
-        return (across < radius) & (np.abs(points[:, 2]) < half)
-    beyond = np.maximum(np.abs(points[:, 2]) - half, 0)
-    return np.hypot(across, beyond) < radius
+        corners = shape.mesh.vertices * np.array(shape.scale)
+        within = winding(corners, shape.mesh.faces, points) > 0.75
+    elif shape.kind == "box":
+        within = (np.abs(points) < np.array(shape.size) / 2).all(axis=1)
+    elif shape.kind == "sphere":
+        within = np.asarray(np.linalg.norm(points, axis=1) < shape.size[0])
+    else:
+        across, half = np.linalg.norm(points[:, :2], axis=1), shape.size[1] / 2
+        height = np.abs(points[:, 2])
+        if shape.kind == "cylinder":
+            within = (across < shape.size[0]) & (height < half)
+        else:
+            within = np.hypot(across, np.maximum(height - half, 0)) < shape.size[0]
+    return within
 
 
-def winding(vertices: Array, faces: Array, points: Array) -> Array:
+def winding(vertices: Array, faces: Integers, points: Array) -> Array:
     """Return how often a surface winds about points: 1 inside, 0 outside, shape (n,).
 
     The solid angles of the faces over 4 pi (Van Oosterom and Strackee 1983,

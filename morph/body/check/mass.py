@@ -10,11 +10,8 @@ from morph.arrays import Array
 from morph.body.check.place import WORLD, at_link
 from morph.body.draft import Draft, DraftLink
 from morph.body.finding import Finding
-from morph.body.inertia import ball, is_physical, mended
+from morph.body.inertia import DENSITY, ball, is_physical, mended
 from morph.body.solids import Solid, solid, together
-
-DENSITY = 1000.0
-"""Assumed density where a description gives a shape and no mass, kg/m3: that of water."""
 
 TOKEN_MASS, TOKEN_SIZE = 1e-6, 0.01
 """Mass, kg, and radius of gyration, m, of a link that moves and has neither mass nor shape."""

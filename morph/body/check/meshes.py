@@ -117,7 +117,8 @@ def _units(draft: Draft) -> tuple[Draft, list[Finding]]:
             factor = _factor(size, _typical(draft, link.name, index, sizes))
             if factor == 1.0:
                 continue
-            shapes[index] = replace(shape, scale=tuple(s * factor for s in shape.scale))
+            x, y, z = shape.scale
+            shapes[index] = replace(shape, scale=(x * factor, y * factor, z * factor))
             what = f"{shape.file!r} is {size:.3g} m across, in a robot of parts "
             what += f"of {_typical(draft, link.name, index, sizes):.2g} m"
             findings.append(
