@@ -13,6 +13,9 @@ from morph.errors import RobotError
 LARGEST = 1e12
 """Greatest length, mass or angle that is still taken for one, in its unit."""
 
+LONGEST = 1000
+"""Most characters of an attribute that holds numbers."""
+
 
 def numbers(element: Element, key: str, count: int, default: tuple[float, ...]) -> Array:
     """Return an attribute's numbers, shape (count,); the default if it is absent or blank.
@@ -23,10 +26,7 @@ def numbers(element: Element, key: str, count: int, default: tuple[float, ...]) 
     text = element.get(key, "").strip()
     if not text:
         return np.array(default, dtype=float)
-    try:
-        values = [float(word) for word in text.split() if "_" not in word]
-    except ValueError:
-        values = []
+    values = _floats(text)
     if len(values) != count or not all(abs(value) <= LARGEST for value in values):
         many = "a finite number" if count == 1 else f"{count} finite numbers"
         raise RobotError(
@@ -57,16 +57,25 @@ def maybe_number(element: Element, key: str) -> float | None:
     text = element.get(key, "").strip()
     if not text:
         return None
-    try:
-        if "_" in text:
-            raise ValueError(text)
-        return float(text)
-    except ValueError as error:
+    values = _floats(text)
+    if len(values) != 1:
         raise RobotError(
             f"<{element.tag}> has {key}={text[:80]!r}, not a number",
             where=element.place,
             fix=f"write {key} as one number",
-        ) from error
+        )
+    return values[0]
+
+
+def _floats(text: str) -> list[float]:
+    """Return the numbers in a text; none if it holds anything else."""
+    # Python reads 1_0 as ten; no other reader of descriptions does.
+    if len(text) > LONGEST or "_" in text or not text.isascii():
+        return []
+    try:
+        return [float(word) for word in text.split()]
+    except ValueError:
+        return []
 
 
 def rotation(roll: float, pitch: float, yaw: float) -> Array:

@@ -14,6 +14,9 @@ MARKS = ("package.xml", "manifest.xml", "model.config", "card.toml", "CMakeLists
 INNER = ("urdf", "robots", "robot", "xacro", "mjcf", "urdfs", "model", "models", "xml", "scenes")
 """Folders that hold descriptions beside the folder of their meshes."""
 
+LONGEST = 1000
+"""Longest path looked for, characters; systems stop at 255 for a name and 4096 in all."""
+
 MOST_FILES = 20_000
 """Most files looked at in a folder; more is not a robot's folder but a disk."""
 
@@ -57,7 +60,7 @@ class Files:
             inner: A folder that relative paths start from, such as MJCF's meshdir.
         """
         scheme, rest = _parts(written)
-        if "\0" in rest or not rest.strip("/. "):
+        if "\0" in rest or not rest.strip("/. ") or len(rest) > LONGEST:
             return Found(path=None, how="missing")
         if scheme in ("", "file"):
             plain = Path(os.path.normpath(self.beside / inner / rest))
@@ -65,15 +68,12 @@ class Files:
             plain = Path(os.path.normpath(self.folder / rest.partition("/")[2]))
         else:
             plain = None
-        if plain is not None:
-            if self._mine(plain) and plain.is_file():
-                return Found(path=plain, how="exact")
-            if not self._within(plain):
-                near = self._search(PurePosixPath(rest))
-                return near if near.path is not None else Found(path=None, how="outside")
-            if plain.exists() and not self._mine(plain):
-                return Found(path=None, how="outside")
-        return self._search(PurePosixPath(rest))
+        if plain is not None and self._mine(plain) and plain.is_file():
+            return Found(path=plain, how="exact")
+        near = self._search(PurePosixPath(rest), scheme not in ("", "file"))
+        if near.path is None and plain is not None and not self._stays(plain):
+            return Found(path=None, how="outside")
+        return near
 
     @cached_property
     def packages(self) -> frozenset[str]:
@@ -102,25 +102,38 @@ class Files:
                 break
         return index
 
-    def _search(self, wanted: PurePosixPath) -> Found:
-        best: tuple[int, int, int, str] | None = None
+    def _search(self, wanted: PurePosixPath, package: bool) -> Found:
+        best: tuple[int, int, int] | None = None
         chosen: Path | None = None
         for path in self._index.get(wanted.name.lower(), ()):
             relative = path.relative_to(self.folder)
             alike, exact = _common(wanted.parts, relative.parts)
-            rank = (alike, exact, -len(relative.parts), str(relative))
-            if (best is None or rank[:3] > best[:3]) and self._mine(path) and path.is_file():
+            rank = (alike, exact, -len(relative.parts))
+            if (best is None or rank > best) and self._mine(path) and path.is_file():
                 best, chosen = rank, path
         if best is None or chosen is None:
             return Found(path=None, how="missing")
-        shown = tuple(part for part in wanted.parts if part not in ("..", ".", "/"))
-        whole = best[0] >= min(len(shown), len(chosen.relative_to(self.folder).parts))
-        if best[1] < best[0]:
+        alike, exact, _ = best
+        if exact < alike:
             return Found(path=chosen, how="case")
+        whole = package and self._holds(wanted.parts, chosen.relative_to(self.folder).parts, alike)
         return Found(path=chosen, how="package" if whole else "moved")
+
+    def _holds(self, wanted: tuple[str, ...], there: tuple[str, ...], alike: int) -> bool:
+        """Return whether a path is right in a package of which this folder is all or a part."""
+        before, above = wanted[: len(wanted) - alike], there[: len(there) - alike]
+        # The folder may bear another name than its package, or than its place deep inside it;
+        # a file's name alone says nothing of where it should be.
+        return not before or (not above and (len(before) == 1 or alike > 1))
 
     def _within(self, path: Path) -> bool:
         return path == self.folder or self.folder in path.parents
+
+    def _stays(self, path: Path) -> bool:
+        try:
+            return self._within(path) and self._within(path.resolve())
+        except (OSError, RuntimeError):
+            return False
 
     def _mine(self, path: Path) -> bool:
         # A link may lead anywhere; only its end counts.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,11 +11,21 @@ import numpy as np
 from morph.body.draft import MOVING, Draft, DraftJoint, DraftLink, Mimic, Pose, Shape
 from morph.body.finding import Finding, Where
 from morph.body.numbers import maybe_number, number, numbers, rotation
+from morph.body.refusal import about_file, refusal
 from morph.body.xml import Element
 from morph.errors import RobotError
 
-MOST_LINKS = 2000
-"""Most links; ten times those of the largest robot known to us."""
+MOST_LINKS = 1000
+"""Most links, and most joints; five times those of the largest robot known to us."""
+
+MOST_SHAPES = 4000
+"""Most visual and collision shapes; ten times those of the largest robot known to us."""
+
+MOST_STRANGERS, LONGEST_TAG = 100, 40
+"""Most foreign elements that are told, and the longest name of one that may be a misspelling."""
+
+LONGEST_NAME, LONGEST_FILE = 200, 1000
+"""Most characters of a name, and of a mesh's path."""
 
 KNOWN = {
     "robot": ("link", "joint", "material", "transmission", "gazebo", "mujoco", "sensor"),
@@ -32,8 +43,9 @@ def draft_urdf(tree: Element, path: Path) -> tuple[Draft, list[Finding]]:
     """Return the draft that a URDF states, and what its text alone shows.
 
     Raises:
-        RobotError: The text cannot be understood: no robot, an attribute that is no
-            number, a name that is missing; the line is named.
+        DescriptionRefused: Attributes are no numbers; each is a finding.
+        RobotError: The text cannot be understood: no robot, a name that is missing,
+            more parts than a robot has; the line is named.
     """
     if tree.tag != "robot":
         raise RobotError(
@@ -41,38 +53,60 @@ def draft_urdf(tree: Element, path: Path) -> tuple[Draft, list[Finding]]:
             where=tree.place,
             fix="give a URDF or an MJCF; convert an SDF with gz sdf or a tool of its maker",
         )
+    _few(tree)
     findings = _strangers(tree)
     colours = {
         material.get("name", ""): colour
         for material in tree.children("material")
         if (colour := _colour(material, {})) is not None
     }
-    links = tuple(_link(element, colours) for element in tree.children("link"))
-    joints = []
-    for element in tree.children("joint"):
-        joint, noted = _joint(element, path)
-        joints.append(joint)
-        findings.extend(noted)
-    if len(links) > MOST_LINKS:
-        raise RobotError(
-            f"has {len(links)} links; a robot has {MOST_LINKS} at most",
-            where=tree.place,
-            fix="describe one robot a file",
-        )
-    if not links:
+    links: list[DraftLink] = []
+    joints: list[DraftJoint] = []
+    for element in tree.children("link", "joint"):
+        name = _named(element)
+        try:
+            if element.tag == "link":
+                links.append(_link(element, name, colours))
+            else:
+                joint, noted = _joint(element, name, path)
+                joints.append(joint)
+                findings.extend(noted)
+        except RobotError as error:
+            found = about_file(error, path, code="ill-typed")
+            where = replace(found.where, kind=element.tag, name=name)
+            findings.append(replace(found, where=where))
+    if any(finding.code == "ill-typed" for finding in findings):
+        raise refusal(findings)
+    name = _named(tree) if tree.get("name") else path.stem
+    return Draft(name=name, file=path, links=tuple(links), joints=tuple(joints)), findings
+
+
+def _few(tree: Element) -> None:
+    shapes = (tag for link in tree.children("link") for tag in link.children("visual", "collision"))
+    counts = {
+        "links": (sum(1 for _ in tree.children("link")), MOST_LINKS),
+        "joints": (sum(1 for _ in tree.children("joint")), MOST_LINKS),
+        "shapes": (sum(1 for _ in shapes), MOST_SHAPES),
+    }
+    for parts, (count, most) in counts.items():
+        if count > most:
+            raise RobotError(
+                f"has {count} {parts}; a robot has {most} at most",
+                where=tree.place,
+                fix="describe one robot a file",
+            )
+    if not counts["links"][0]:
         raise RobotError("has no link", where=tree.place, fix="describe at least one <link>")
-    name = tree.get("name") or path.stem
-    return Draft(name=name, file=path, links=links, joints=tuple(joints)), findings
 
 
 def _strangers(tree: Element) -> list[Finding]:
-    found = []
-    for parent in (tree, *tree.everything()):
-        allowed = KNOWN.get(parent.tag)
-        if allowed is None or (parent is not tree and parent.tag == "robot"):
-            continue
+    found: list[Finding] = []
+    parts = list(tree.children("link", "joint"))
+    inertials = [inertial for part in parts for inertial in part.children("inertial")]
+    for parent in (tree, *parts, *inertials):
+        allowed = KNOWN[parent.tag]
         for child in parent.children():
-            if child.tag in allowed:
+            if child.tag in allowed or len(child.tag) > LONGEST_TAG:
                 continue
             near = difflib.get_close_matches(child.tag, allowed, n=1, cutoff=0.75)
             if near and ":" not in child.tag:
@@ -81,6 +115,8 @@ def _strangers(tree: Element) -> list[Finding]:
             elif child.tag.startswith("xacro:") and child.tag != "xacro:property":
                 fix = "expand the file with xacro, or give the .xacro file"
                 found.append(_stranger(parent, child, "a macro that was not expanded", fix))
+            if len(found) >= MOST_STRANGERS:
+                return found
     return found
 
 
@@ -103,7 +139,7 @@ def _named(element: Element) -> str:
         raise RobotError(
             f"a <{element.tag}> has no name", where=element.place, fix="give it a name of its own"
         )
-    if "\0" in name or len(name) > 200:
+    if len(name) > LONGEST_NAME:
         raise RobotError(
             f"the name {name[:40]!r}... has {len(name)} characters",
             where=element.place,
@@ -120,8 +156,7 @@ def _pose(element: Element | None) -> Pose:
     return Pose(position=numbers(origin, "xyz", 3, (0, 0, 0)), rotation=rotation(roll, pitch, yaw))
 
 
-def _link(element: Element, colours: dict[str, tuple[float, ...]]) -> DraftLink:
-    name = _named(element)
+def _link(element: Element, name: str, colours: dict[str, tuple[float, ...]]) -> DraftLink:
     shapes = [
         shape
         for role in ("visual", "collision")
@@ -175,7 +210,7 @@ def _shape(element: Element, role: str, colours: dict[str, tuple[float, ...]]) -
         kind=held.tag,
         pose=_pose(element),
         size=size,
-        file=held.get("filename", "") if held.tag == "mesh" else "",
+        file=held.get("filename", "")[:LONGEST_FILE] if held.tag == "mesh" else "",
         scale=(x, y, z),
         colour=None if colour is None else (colour[0], colour[1], colour[2], colour[3]),
         line=held.line,
@@ -191,19 +226,16 @@ def _colour(material: Element, known: dict[str, tuple[float, ...]]) -> tuple[flo
 
 def _end(element: Element, tag: str) -> str:
     held = element.child(tag)
-    return "" if held is None else held.get("link", "")
+    # A name longer than any link's is no link's, however it goes on.
+    return "" if held is None else held.get("link", "")[: LONGEST_NAME + 1]
 
 
-def _joint(element: Element, path: Path) -> tuple[DraftJoint, list[Finding]]:
-    name, kind = _named(element), element.get("type", "")
+def _joint(element: Element, name: str, path: Path) -> tuple[DraftJoint, list[Finding]]:
+    kind = element.get("type", "")
     findings = []
     if kind not in (*MOVING, "fixed") or kind == "ball":
-        near = difflib.get_close_matches(kind, (*MOVING, "fixed"), n=1, cutoff=0.0)
-        raise RobotError(
-            f"the joint {name!r} is of the type {kind!r}, which URDF does not know",
-            where=element.place,
-            fix=f"write {near[0] if near else 'revolute'}, or another type of URDF",
-        )
+        findings.append(_kind(element, name, kind[:80]))
+        kind = "fixed"
     axis = element.child("axis")
     limit, dynamics = element.child("limit"), element.child("dynamics")
     mimic = element.child("mimic")
@@ -228,13 +260,24 @@ def _joint(element: Element, path: Path) -> tuple[DraftJoint, list[Finding]]:
             mimic=None
             if mimic is None
             else Mimic(
-                joint=mimic.get("joint", ""),
+                joint=mimic.get("joint", "")[: LONGEST_NAME + 1],
                 ratio=number(mimic, "multiplier", 1.0),
                 offset=number(mimic, "offset", 0.0),
             ),
             line=element.line,
         ),
         findings,
+    )
+
+
+def _kind(element: Element, name: str, kind: str) -> Finding:
+    near = difflib.get_close_matches(kind, (*MOVING, "fixed"), n=1, cutoff=0.0)
+    return Finding(
+        code="joint-kind",
+        severity="refused",
+        where=Where(kind="joint", name=name, file=element.file, line=element.line),
+        what=f"it is of the type {kind!r}, which URDF does not know",
+        fix=f"write {near[0] if near else 'revolute'}, or another type of URDF",
     )
 
 

@@ -8,14 +8,17 @@ from xml.parsers import expat
 
 from morph.errors import RobotError
 
-MOST_BYTES = 32 * 2**20
+MOST_BYTES = 4 * 2**20
 """Longest description read, bytes; the longest known to us has 0.4 MiB."""
 
 DEEPEST = 200
 """Deepest nesting. A chain of links nests no deeper than this in MJCF."""
 
-MOST_ELEMENTS = 200_000
-"""Most elements; a hundred times those of the largest robot known to us."""
+MOST_ELEMENTS = 50_000
+"""Most elements; ten times those of the largest robot known to us."""
+
+MOST_ATTRIBUTES, LONGEST_NAME = 100, 200
+"""Most attributes of an element, and most characters of its tag and of their names."""
 
 
 class Element(ElementTree.Element):
@@ -48,18 +51,26 @@ class Element(ElementTree.Element):
                 yield element
 
 
-def parse(content: bytes, where: str) -> Element:
+def parse(
+    content: bytes, where: str, *, most: int = MOST_BYTES, elements: int = MOST_ELEMENTS
+) -> Element:
     """Return the root element of an XML document.
 
     No entity is expanded and nothing outside the text is opened.
+
+    Args:
+        content: The document.
+        where: Its file's name, for errors.
+        most: Most bytes that it may have.
+        elements: Most elements that it may have.
 
     Raises:
         RobotError: It is not XML, declares entities, or is larger or deeper than
             any description is; the line is named.
     """
-    if len(content) > MOST_BYTES:
+    if len(content) > most:
         raise RobotError(
-            f"has {len(content)} bytes; a description has {MOST_BYTES} at most",
+            f"has {len(content)} bytes; {most} are read at most",
             where=where,
             fix="describe shapes in mesh files, not in the description",
         )
@@ -67,7 +78,7 @@ def parse(content: bytes, where: str) -> Element:
         raise RobotError("is empty", where=where, fix="give a description with a body in it")
     if b"\0" in content[:4096] and not content.startswith((b"\xff\xfe", b"\xfe\xff")):
         raise RobotError("is binary, not text", where=where, fix="give a description in UTF-8 XML")
-    return _Builder(where).build(content)
+    return _Builder(where, elements).build(content)
 
 
 INVALID_TOKEN = expat.errors.codes[expat.errors.XML_ERROR_INVALID_TOKEN]
@@ -84,10 +95,11 @@ def _is_text(content: bytes) -> bool:
 class _Builder:
     """Builds the tree while expat reads."""
 
-    def __init__(self, where: str) -> None:
-        self.where = where
+    def __init__(self, where: str, elements: int) -> None:
+        self.where, self.elements = where, elements
         self.root: Element | None = None
         self.stack: list[Element] = []
+        self.texts: list[list[str]] = []
         self.count = 0
         self.parser = expat.ParserCreate()
         self.parser.buffer_text = True
@@ -95,6 +107,7 @@ class _Builder:
         self.parser.EndElementHandler = self._end
         self.parser.CharacterDataHandler = self._text
         self.parser.EntityDeclHandler = self._entity
+        self.parser.AttlistDeclHandler = self._defaults
         self.parser.StartDoctypeDeclHandler = self._doctype
 
     def build(self, content: bytes) -> Element:
@@ -122,39 +135,55 @@ class _Builder:
         return f"{self.where}:{self.parser.CurrentLineNumber}"
 
     def _start(self, tag: str, attributes: dict[str, str]) -> None:
+        self.count += 1
+        if len(self.stack) >= DEEPEST or self.count > self.elements:
+            self._refuse(f"nests deeper than {DEEPEST} elements or has more than {self.elements}")
+        if len(attributes) > MOST_ATTRIBUTES:
+            self._refuse(f"has an element with {len(attributes)} attributes")
+        longest = max(map(len, (tag, *attributes)))
+        if longest > LONGEST_NAME:
+            self._refuse(f"has a tag or an attribute whose name has {longest} characters")
         element = Element(tag, attributes)
         element.file, element.line = self.where, self.parser.CurrentLineNumber
-        self.count += 1
-        if len(self.stack) >= DEEPEST or self.count > MOST_ELEMENTS:
-            raise RobotError(
-                f"nests deeper than {DEEPEST} elements or has more than {MOST_ELEMENTS}",
-                where=self._here(),
-                fix="describe one robot, without generated filler",
-            )
         if self.stack:
             self.stack[-1].append(element)
         else:
             self.root = element
         self.stack.append(element)
+        self.texts.append([])
+
+    def _refuse(self, what: str) -> None:
+        fix = "describe one robot, without generated filler"
+        raise RobotError(what, where=self._here(), fix=fix)
 
     def _end(self, _tag: str) -> None:
-        self.stack.pop()
+        element, texts = self.stack.pop(), self.texts.pop()
+        if texts:
+            element.text = "".join(texts)
 
     def _text(self, text: str) -> None:
-        if text.strip():
-            self.stack[-1].text = (self.stack[-1].text or "") + text
+        if not text.isspace():
+            self.texts[-1].append(text)
 
     def _doctype(self, name: str, system: str | None, *_rest: object) -> None:
         if system is not None:
             raise RobotError(
-                f"wants its document type {name!r} fetched from {system!r}",
+                f"wants its document type {name[:80]!r} fetched from {system[:80]!r}",
                 where=self._here(),
                 fix="remove the DOCTYPE line; descriptions need none",
             )
 
     def _entity(self, name: str, *_declaration: object) -> None:
         raise RobotError(
-            f"declares the entity {name!r}, and descriptions from strangers may not",
+            f"declares the entity {name[:80]!r}, and descriptions from strangers may not",
             where=self._here(),
             fix="write the text where the entity stands, and remove its declaration",
+        )
+
+    def _defaults(self, element: str, *_declaration: object) -> None:
+        # Each element would get a default's text: a bomb without an entity.
+        raise RobotError(
+            f"declares attributes of <{element[:80]}> in its document type",
+            where=self._here(),
+            fix="remove the DOCTYPE; descriptions need none",
         )
