@@ -9,7 +9,6 @@ from morph.body.paths import Files
 from morph.body.refusal import about_file, refusal
 from morph.body.robot import Robot
 from morph.body.source import source_tree
-from morph.body.xml import Element
 from morph.errors import DescriptionRefused, RobotError
 
 ENDINGS = (".urdf", ".xacro", ".xml", ".mjcf", ".toml")
@@ -34,13 +33,13 @@ def read_description(
     Raises:
         DescriptionRefused: There is no robot in it; its findings say why.
     """
-    base = base or (card.base if card else None)
+    asked, base = base, base or (card.base if card else None)
     if base is not None and base not in BASES:
         raise RobotError(
             f"a base cannot be {base!r}", where=str(path), fix=f"use {', '.join(BASES)}"
         )
     try:
-        return _read(path, card, base, folder)
+        return _read(path, card, base, folder, asked)
     except DescriptionRefused:
         raise
     except RobotError as error:
@@ -51,7 +50,21 @@ def read_description(
         raise refusal([about_file(nested, path)]) from error
 
 
-def _read(path: Path, card: Card | None, base: str | None, folder: Path | None) -> Robot:
+def _check_base(robot: Robot, path: Path, asked: str | None) -> None:
+    """Refuse a base that an MJCF does not have: it says itself how its robot stands."""
+    stands = "floating" if any(joint.kind == "free" for joint in robot.joints) else "fixed"
+    if asked is not None and asked != stands:
+        raise RobotError(
+            f"an MJCF says itself how its base stands: this one is {stands}, not {asked}",
+            where=str(path),
+            fix="leave the base out, or give the <body> a <freejoint/>, a <joint> or none",
+        )
+
+
+def _read(
+    path: Path, card: Card | None, base: str | None, folder: Path | None, asked: str | None
+) -> Robot:
+    _check_place(path, folder)
     if path.suffix.lower() not in ENDINGS:
         raise RobotError(
             f"files that end in {path.suffix or 'nothing'!r} cannot be read",
@@ -64,16 +77,30 @@ def _read(path: Path, card: Card | None, base: str | None, folder: Path | None) 
         from morph.body.urdf_robot import robot_from_draft
 
         return robot_from_draft(read_cad(path), [], files, card, base)
-    return _by_root(source_tree(path, files), path, files, card, base)
-
-
-def _by_root(tree: Element, path: Path, files: Files, card: Card | None, base: str | None) -> Robot:
+    tree = source_tree(path, files)
     if tree.tag == "mujoco":
         from morph.body.mjcf import robot_from_mjcf
 
-        return robot_from_mjcf(tree, path, files, card)
+        robot = robot_from_mjcf(tree, path, files, card)
+        _check_base(robot, path, asked)
+        return robot
     from morph.body.urdf import draft_urdf
     from morph.body.urdf_robot import robot_from_draft
 
     draft, findings = draft_urdf(tree, path)
     return robot_from_draft(draft, findings, files, card, base)
+
+
+def _check_place(path: Path, folder: Path | None) -> None:
+    if not path.is_file():
+        raise RobotError(
+            "is no file" if path.exists() else "cannot be read: No such file or directory",
+            where=str(path),
+            fix="give a file that exists, or a name that `morph list robots` shows",
+        )
+    if folder is not None and folder.resolve() not in path.resolve().parents:
+        raise RobotError(
+            f"lies outside {folder}, and nothing outside it may be read",
+            where=str(path),
+            fix="name a folder that holds the description and its meshes",
+        )

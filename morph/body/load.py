@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
+from itertools import chain, islice
 from pathlib import Path
 
 from morph.body import shelf
 from morph.body.card import Card, load_card
 from morph.body.description import read_description
+from morph.body.paths import MARKS
 from morph.body.robot import Robot
 from morph.errors import RobotError
 
 TOLERANCE = 1e-9
 """How near the mass must come to that of the card, kg."""
+
+ENDINGS = (".urdf", ".xacro", ".mjcf", ".xml")
+"""Files that a folder without a card is searched for."""
+
+MOST_LOOKED_AT = 1000
+"""Most files of a folder that are looked at for that."""
 
 FREEDOMS = {"hinge": 1, "slide": 1, "ball": 3, "free": 6}
 """Degrees of freedom of each kind of joint."""
@@ -47,15 +55,24 @@ def find(robot: str | Path) -> tuple[Path, Card | None]:
     Raises:
         RobotError: There is no such robot, or its card cannot be used.
     """
-    path = _path(robot)
-    if path.is_dir():
-        card = load_card(path / "card.toml")
-        return path / card.description, card
-    beside = path.parent / "card.toml"
-    if beside.is_file() and path.is_file() and path.name != "card.toml":
-        card = load_card(beside)
-        if (path.parent / card.description).resolve() == path.resolve():
-            return path, card
+    try:
+        path = _path(robot)
+        if path.is_dir():
+            if not (path / "card.toml").is_file():
+                raise _no_card(path)
+            card = load_card(path / "card.toml")
+            return path / card.description, card
+        beside = path.parent / "card.toml"
+        if beside.is_file() and path.is_file() and path.name != "card.toml":
+            card = load_card(beside)
+            if (path.parent / card.description).resolve() == path.resolve():
+                return path, card
+    except OSError as error:
+        raise RobotError(
+            f"cannot be looked for: {error.strerror or error}",
+            where=str(robot),
+            fix="give a file that exists, or a name that `morph list robots` shows",
+        ) from error
     return path, None
 
 
@@ -66,7 +83,30 @@ def _path(robot: str | Path) -> Path:
             return shelf.find(robot)
         if not path.exists() and not path.suffix:
             return shelf.find(robot)
+    if not str(robot).strip():
+        raise RobotError(
+            "no robot is named",
+            where="the robot",
+            fix="give a description's file, or a name that `morph list robots` shows",
+        )
     return path
+
+
+def _no_card(folder: Path) -> RobotError:
+    """Return what to do with a folder without a card: name a description that is in it."""
+    places = chain.from_iterable(folder.glob(f"{depth}*.*") for depth in ("", "*/", "*/*/"))
+    looked = islice(places, MOST_LOOKED_AT)
+    known = sorted(
+        str(place)
+        for place in looked
+        if place.suffix.lower() in ENDINGS and place.name not in MARKS
+    )
+    named = ", ".join(known[:3])
+    return RobotError(
+        "the folder has no card.toml that says which of its files is the robot",
+        where=str(folder),
+        fix=f"name the description itself, such as {named}" if named else "name the description",
+    )
 
 
 def _check(robot: Robot, card: Card) -> None:

@@ -10,6 +10,9 @@ from pathlib import Path
 import morph
 from morph.errors import RobotError
 
+LONGEST = 100
+"""Letters of a name that are compared and told."""
+
 
 def builtin_shelf() -> Path:
     """Return the folder of the bodies that come with morph.
@@ -49,11 +52,13 @@ def find(name: str) -> Path:
     folders = _folders()
     if name in folders:
         return folders[name]
-    nearest = difflib.get_close_matches(name, folders, n=3, cutoff=0.4) or sorted(folders)
+    nearest = difflib.get_close_matches(name[:LONGEST], folders, n=3, cutoff=0.4)
+    like = f"nearest: {', '.join(nearest)}" if nearest else f"none of {len(folders)} is like it"
+    shown = name if len(name) <= LONGEST else f"{name[:LONGEST]}..."
     raise RobotError(
-        f"no robot is called {name!r}; nearest: {', '.join(nearest) or 'none, both are empty'}",
+        f"no robot is called {shown!r}; {like}",
         where=f"the shelves {builtin_shelf()} and {user_shelf()}",
-        fix="name one of these, or give the path of a folder, .xml, .mjcf or .urdf file",
+        fix="`morph list robots` shows all; or give the path of a description or its folder",
     )
 
 

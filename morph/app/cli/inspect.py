@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
 from morph.app.cli.arguments import Inspect
-from morph.app.cli.words import TIE, harmless, paragraph, table, width
+from morph.app.cli.words import TIE, harmless, paragraph, say, table, width
 
 if TYPE_CHECKING:
-    from rich.console import Console
-
     from morph.body.finding import Finding
     from morph.body.inspect import Inspection
     from morph.body.robot import Actuator, Joint, Robot
@@ -27,7 +25,7 @@ LONGEST_NAME = 120
 
 MEANS = {
     "ok": "nothing was changed",
-    "repaired": "the robot differs from its description where it says repaired",
+    "repaired": "it is simulated with the repairs above",
     "refused": "there is no robot to simulate",
 }
 """What each verdict means."""
@@ -36,6 +34,9 @@ COLOURS = {"refused": "bold red", "repaired": "yellow", "info": "cyan"}
 """Of a severity, where the terminal shows colours."""
 
 ORDER = tuple(COLOURS)
+
+Lines = list[tuple[str, str]]
+"""Lines with the style of each."""
 
 
 def run_inspect(asked: Inspect) -> int:
@@ -52,26 +53,33 @@ def run_inspect(asked: Inspect) -> int:
 
 
 def _show(found: Inspection) -> None:
-    from rich.console import Console
-
-    console, columns = Console(soft_wrap=True, highlight=False, emoji=False), width()
+    columns = width()
+    lines: Lines = []
     if found.robot is not None:
         for line in _head(found, found.robot):
-            _print(console, *paragraph(line, 2, columns))
+            lines += _plain(paragraph(line, 2, columns))
         for part in (_links, _joints, _chains):
-            _print_table(console, part(found.robot, columns))
+            head, *rows = part(found.robot, columns) or [""]
+            lines += [(head, "bold"), *_plain(rows), ("", "")] if head else []
         if sensors := _sensors(found.robot, columns):
-            _print(console, *sensors, "")
+            lines += _plain([*sensors, ""])
     for group in _grouped(found.findings):
-        _show_group(console, group, columns)
+        lines += _group(group, columns)
+    say([*lines, *_plain(paragraph(_closing(found), 2, columns))])
+
+
+def _closing(found: Inspection) -> str:
     counts = [
         f"{number} {severity}"
         for severity in ORDER
         if (number := sum(each.severity == severity for each in found.findings))
     ]
     told = f" ({', '.join(counts)})" if counts else ""
-    closing = f"{_name(found.name)}: {found.verdict}, {MEANS[found.verdict]}{told}"
-    _print(console, *paragraph(closing, 2, columns))
+    return f"{_name(found.name)}: {found.verdict}, {MEANS[found.verdict]}{told}"
+
+
+def _plain(lines: Iterable[str]) -> Lines:
+    return [(line, "") for line in lines]
 
 
 def _head(found: Inspection, robot: Robot) -> list[str]:
@@ -198,14 +206,12 @@ def _grouped(findings: tuple[Finding, ...]) -> list[list[Finding]]:
     return sorted(groups.values(), key=lambda group: ORDER.index(group[0].severity))
 
 
-def _show_group(console: Console, group: list[Finding], columns: int | None) -> None:
-    """Print the findings of one code: what is common to all of them is said once."""
+def _group(group: list[Finding], columns: int | None) -> Lines:
+    """Return the lines of one code's findings: what is common to all of them is said once."""
     from morph.body.finding import CODES
 
     severity, code = group[0].severity, group[0].code
     title, *more = paragraph(f"{severity}  {code}: {CODES[code]}", 4, columns)
-    console.print(f"[{COLOURS[severity]}]{severity}[/]", end="")
-    _print(console, title.removeprefix(severity), *more)
     alike: dict[tuple[str, str, str], list[Finding]] = {}
     for finding in group:
         alike.setdefault((finding.what, finding.done, finding.fix), []).append(finding)
@@ -221,8 +227,8 @@ def _show_group(console: Console, group: list[Finding], columns: int | None) -> 
     lines += [f"    done: {group[0].done}"] * (len(done) == 1 and group[0].done != "nothing")
     lines += [f"    fix: {group[0].fix}"] * (len(fixes) == 1)
     for line in lines:
-        _print(console, *paragraph(harmless(line), 8, columns))
-    _print(console, "")
+        more += paragraph(harmless(line), 8, columns)
+    return [(title, COLOURS[severity]), *_plain([*more, ""])]
 
 
 def _places(findings: list[Finding]) -> str:
@@ -240,14 +246,3 @@ def _place(finding: Finding) -> str:
         return f"{where.file}:{where.line}" if where.line else where.file
     line = f"{TIE}(line{TIE}{where.line})" if where.line else ""
     return f"{where.kind} {_name(where.name)}{line}"
-
-
-def _print_table(console: Console, lines: list[str]) -> None:
-    if lines:
-        console.print(lines[0], style="bold", markup=False)
-        _print(console, *lines[1:], "")
-
-
-def _print(console: Console, *lines: str) -> None:
-    for line in lines:
-        console.print(line, markup=False)

@@ -7,6 +7,7 @@ import sys
 from typing import Any
 
 from morph.app.cli.arguments import List
+from morph.app.cli.words import harmless, say, table, width
 
 
 def run_list(asked: List) -> int:
@@ -16,15 +17,9 @@ def run_list(asked: List) -> int:
         schema = f"morph.list.{asked.what}/1"
         sys.stdout.write(json.dumps({"schema": schema, asked.what: rows}, indent=2) + "\n")
         return 0
-    from rich.console import Console
-    from rich.table import Table
-
-    table = Table(box=None, pad_edge=False, header_style="bold")
-    for name in rows[0]:
-        table.add_column(name, overflow="fold")
-    for row in rows:
-        table.add_row(*(_cell(value) for value in row.values()))
-    Console(soft_wrap=False).print(table)
+    cells = [[harmless(_cell(value)) for value in row.values()] for row in rows]
+    head, *body = table(list(rows[0]), cells, columns=width())
+    say([(head, "bold"), *((line, "") for line in body)])
     return 0
 
 

@@ -11,7 +11,9 @@ from typing import Annotated
 
 import tyro
 
+import morph
 from morph.app.cli.arguments import Convert, Diagnose, Inspect, List
+from morph.app.cli.words import harmless
 from morph.errors import MorphError
 
 DONE, UNUSABLE, STOPPED_SHORT, INTERRUPTED = 0, 2, 3, 130
@@ -27,7 +29,11 @@ Asked = (
 SUMMARY = """Compare the robot you think you have with what your robot did.
 
 Example: morph inspect poppy.urdf
-Example: morph diagnose double_pendulum rig.toml --out report"""
+
+Example: morph diagnose double_pendulum rig.toml --out report
+
+Exit status: 0 done, 2 what was given cannot be used, 3 stopped short, 130 interrupted.
+`morph --version` says which morph this is; `morph COMMAND --help` says more."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -41,17 +47,25 @@ def main(argv: Sequence[str] | None = None) -> int:
         # A name that the terminal cannot show is escaped, never an end to the work.
         if isinstance(stream, TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
+    given = sys.argv[1:] if argv is None else list(argv)
+    if given == ["--version"]:
+        sys.stdout.write(f"morph {morph.__version__}\n")
+        return DONE
     asked: Diagnose | Inspect | Convert | List = tyro.cli(
         Asked,
         prog="morph",
         description=SUMMARY,
-        args=argv,
+        args=given,
         config=(tyro.conf.OmitSubcommandPrefixes, tyro.conf.OmitArgPrefixes),
     )
     try:
-        return _run(asked)
+        status = _run(asked)
+        # What is still held back must fail here, not when Python has ended.
+        sys.stdout.flush()
+        return status
     except MorphError as error:
-        sys.stderr.write(f"error: {error}\n")
+        where, what, fix = (harmless(text) for text in (error.where, error.what, error.fix))
+        sys.stderr.write(f"error: {where}: {what}\n  fix: {fix}\n")
         return UNUSABLE
     except KeyboardInterrupt:
         sys.stderr.write("interrupted; nothing was written\n")
@@ -60,9 +74,10 @@ def main(argv: Sequence[str] | None = None) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return DONE
     except OSError as error:
+        where = harmless(str(error.filename or "standard output"))
         sys.stderr.write(
-            f"error: standard output: {error.strerror or error}\n"
-            "  fix: what was found is in --out; print it elsewhere\n"
+            f"error: {where}: {error.strerror or error}\n"
+            "  fix: print it elsewhere; what a command writes is in its --out\n"
         )
         return UNUSABLE
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from io import StringIO
 
 NARROWEST = 40
 """Columns; on a narrower terminal lines run over."""
@@ -33,6 +34,23 @@ def width() -> int | None:
         return max(NARROWEST, os.get_terminal_size(sys.stdout.fileno()).columns)
     except OSError:
         return 80
+
+
+def say(lines: Iterable[tuple[str, str]]) -> None:
+    """Write lines to the terminal, or to where output was led.
+
+    Args:
+        lines: Each a text and its style, such as `bold`; a pipe or a file gets no styles.
+    """
+    from rich.console import Console
+    from rich.text import Text
+
+    written = StringIO()
+    console = Console(file=written, force_terminal=sys.stdout.isatty(), soft_wrap=True)
+    for text, style in lines:
+        console.print(Text(text, style=style))
+    # Written by us: rich would end the program itself where nobody reads any more.
+    sys.stdout.write(written.getvalue())
 
 
 def harmless(text: str, most: int = MOST_LETTERS) -> str:
