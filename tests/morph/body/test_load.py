@@ -206,7 +206,7 @@ def test_an_unknown_name_is_answered_with_the_nearest() -> None:
 
 
 def test_a_folder_without_a_card_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(RobotError, match="cannot read the card: No such file"):
+    with pytest.raises(RobotError, match="no card.toml that says which"):
         load(tmp_path)
 
 
