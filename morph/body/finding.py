@@ -89,6 +89,7 @@ CODES: dict[str, str] = {
     "mesh-too-large": "A mesh file is larger than any part is.",
     "mesh-inside-out": "A mesh's faces look inward: its volume is negative.",
     "mesh-open": "A mesh is not closed, so that its volume is a guess.",
+    "mesh-concave": "A collision mesh is far from convex, and touches as its hull.",
     "mesh-units": "A mesh is a thousand times larger or smaller than its robot.",
     "length-units": "A link stands a thousand times further away than its neighbours.",
     "mesh-moved": "A mesh lies away from the mass of its link, or from its other shapes.",

@@ -185,9 +185,10 @@ def _inside(shape: Shape, points: Array) -> Mask:
         corners = shape.mesh.vertices * np.array(shape.scale)
         within = winding(corners, shape.mesh.faces, points) > 0.75
     elif shape.kind == "box":
-        within = (np.abs(points) < np.array(shape.size) / 2).all(axis=1)
+        within = np.asarray((np.abs(points) < np.array(shape.size) / 2).all(axis=1))
     elif shape.kind == "sphere":
-        within = np.asarray(np.linalg.norm(points, axis=1) < shape.size[0])
+        away: Array = np.linalg.norm(points, axis=1)
+        within = away < shape.size[0]
     else:
         across, half = np.linalg.norm(points[:, :2], axis=1), shape.size[1] / 2
         height = np.abs(points[:, 2])

@@ -21,6 +21,9 @@ FAR_TOO_LARGE = 60.0
 AWAY = 0.4
 """Distance between a mesh and its link's mass, in diagonals of the link's shapes."""
 
+CONCAVE = 1.5
+"""Ratio of a hull's volume to its mesh's that is told."""
+
 LEAST = 0.005
 """Distance below which nothing is away, m."""
 
@@ -32,6 +35,7 @@ def check_meshes(draft: Draft) -> tuple[Draft, list[Finding]]:
         for shape in link.shapes:
             findings.extend(_sizes(draft, link, shape))
         findings.extend(_surfaces(draft, link))
+        findings.extend(_concave(draft, link))
         findings.extend(_moved(draft, link))
     return draft, findings
 
@@ -95,6 +99,29 @@ def _surfaces(draft: Draft, link: DraftLink) -> list[Finding]:
                     f"{shape.file!r} is not closed, so that its volume is a guess",
                     "where a volume is due its convex hull is taken",
                     "close its holes in a mesh editor",
+                )
+            )
+    return findings
+
+
+def _concave(draft: Draft, link: DraftLink) -> list[Finding]:
+    findings = []
+    for shape in link.shapes:
+        mesh = shape.mesh
+        if shape.role != "collision" or mesh is None or not mesh.consistent or mesh.hollow:
+            continue
+        ratio = mesh.hull.volume / abs(mesh.volume)
+        if ratio > CONCAVE:
+            findings.append(
+                _say(
+                    draft,
+                    link,
+                    shape,
+                    "mesh-concave",
+                    "info",
+                    f"the hull of {shape.file!r} has {ratio:.3g} times its volume",
+                    "it touches as its hull",
+                    "morph convert --pieces cuts it into convex pieces",
                 )
             )
     return findings
