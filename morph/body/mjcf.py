@@ -40,7 +40,8 @@ def robot_from_mjcf(tree: Element, path: Path, files: Files, card: Card | None) 
     tree, assets, findings = gather(tree, path, files, lines)
     try:
         text = ElementTree.tostring(tree, encoding="unicode")
-        spec = mujoco.MjSpec.from_string(text, assets=assets)
+        with quiet():
+            spec = mujoco.MjSpec.from_string(text, assets=assets)
         findings += _mend(spec, lines)
         if len(spec.bodies) < 2:
             fix = "describe at least one <body> in <worldbody>"
@@ -49,12 +50,12 @@ def robot_from_mjcf(tree: Element, path: Path, files: Files, card: Card | None) 
         if card and card.measured:
             weigh(spec, card, str(path.parent / "card.toml"))
             robot = marked(robot_of(spec, path, card, assets))
+        with quiet():
+            model = spec_of(robot).compile()
     except (ValueError, RobotError) as error:
         told = error if isinstance(error, RobotError) else refused(error, path)
         code = "duplicate-name" if "repeated name" in str(told) else "engine-refused"
         raise refusal([*findings, about_file(told, path, code=code)]) from error
-    with quiet():
-        model = spec_of(robot).compile()
     draft = draft_of(robot, model, path, lines)
     looked = check_meshes(draft)[1]
     for look in LOOKS:

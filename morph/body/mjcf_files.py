@@ -9,6 +9,7 @@ from pathlib import Path
 from morph.body.finding import Finding, Severity
 from morph.body.mesh import read_mesh
 from morph.body.mjcf_draft import Lines
+from morph.body.mjcf_numbers import check_numbers
 from morph.body.paths import Files
 from morph.body.xml import DEEPEST, MOST_BYTES, Element, parse
 from morph.errors import MeshError, RobotError
@@ -62,16 +63,17 @@ def gather(
     nothing. What is not there is taken out, with all that uses it.
 
     Raises:
-        RobotError: It holds an element that runs code, asks for absurd amounts of
-            memory, or includes a file that is not there.
+        RobotError: It holds an element that runs code or a number that is absurd, asks
+            for absurd amounts of memory, or includes a file that is not there.
     """
     _include(tree, path, files, lines, {path.resolve()}, 0)
+    findings = check_numbers(tree, lines)
     for element in tree.everything():
         _check(element)
     _check_repeats(tree, 1)
     gathered = _Gatherer(tree, files, lines)
     gathered.run()
-    return tree, gathered.assets, gathered.findings
+    return tree, gathered.assets, [*findings, *gathered.findings]
 
 
 def _include(

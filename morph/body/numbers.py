@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 
 import numpy as np
 
@@ -73,9 +74,11 @@ def _floats(text: str) -> list[float]:
     if len(text) > LONGEST or "_" in text or not text.isascii():
         return []
     try:
-        return [float(word) for word in text.split()]
+        values = [float(word) for word in text.split()]
     except ValueError:
         return []
+    # What is too small for a double's full precision is lost on the way to MuJoCo.
+    return [0.0 if abs(value) < sys.float_info.min else value for value in values]
 
 
 def rotation(roll: float, pitch: float, yaw: float) -> Array:
