@@ -36,7 +36,7 @@ def check_numbers(tree: Element, lines: Lines) -> list[Finding]:
             a robot.
     """
     names = {element.get("name", "") for element in tree.everything()}
-    findings = []
+    findings: list[Finding] = []
     for element in tree.everything():
         for key, text in list(element.attrib.items()):
             if len(text) < LONGEST_NAME and text in names:
