@@ -6,6 +6,7 @@ from pathlib import Path
 
 from morph.body.card import Card
 from morph.body.paths import Files
+from morph.body.quiet import quiet
 from morph.body.refusal import about_file, refusal
 from morph.body.robot import Robot
 from morph.body.source import source_tree

@@ -64,6 +64,7 @@ def robot_of(
     spec.assets = assets
     with quiet() as warned:
         model = compiled(spec, source)
+    _check_finite(model, source)
     _settle_inertias(spec, model)
     name = spec.modelname if spec.modelname not in ("", UNNAMED) else source.stem
     card_text = (source.parent / "card.toml").read_bytes() if card else b""
@@ -81,6 +82,24 @@ def robot_of(
         sensors=tuple(_sensor(model, index) for index in range(model.nsensor)),
         loops=tuple(_loop(model, index) for index in range(model.neq) if _closes(model, index)),
     )
+
+
+FINITE = tuple(
+    "body_pos body_quat body_mass body_ipos body_inertia jnt_pos jnt_axis jnt_range jnt_stiffness "
+    "dof_damping dof_armature dof_frictionloss qpos0 geom_pos geom_quat geom_size site_pos "
+    "actuator_gear actuator_gainprm actuator_biasprm actuator_ctrlrange actuator_forcerange".split()
+)
+"""Fields of a model that must hold numbers."""
+
+
+def _check_finite(model: Any, source: Path) -> None:
+    for field in FINITE:
+        if not np.isfinite(getattr(model, field)).all():
+            raise RobotError(
+                f"its {field.replace('_', ' ')} holds NaN or infinity",
+                where=str(source),
+                fix="write numbers; search the file for nan and inf",
+            )
 
 
 def _warning(words: str, name: str, source: Path) -> Finding:

@@ -153,7 +153,7 @@ def _turns(draft: Draft, pairs: list[Pair], normal: Array) -> list[Finding]:
     findings = []
     groups: dict[tuple[bool, bool], list[tuple[Pair, int]]] = {}
     for pair in pairs:
-        if pair.left.kind not in ("revolute", "continuous", "prismatic"):
+        if pair.left.kind not in ("revolute", "continuous", "prismatic") or _is_copy(pair):
             continue
         slides = pair.left.kind == "prismatic"
         image = (slide if slides else turn)(normal, pair.axes[1])
@@ -172,6 +172,17 @@ def _turns(draft: Draft, pairs: list[Pair], normal: Array) -> list[Finding]:
         for pair in _odd(group, pitch=across and not slides):
             findings.append(_flipped(draft, pair, pairs, "unlike the other left and right joints"))
     return findings
+
+
+def _is_copy(pair: Pair) -> bool:
+    """Return whether both are one joint described twice, as of two arms of one maker."""
+    left, right = pair.left, pair.right
+    return bool(
+        (left.lower, left.upper) == (right.lower, right.upper)
+        and np.allclose(left.axis, right.axis, atol=1e-6)
+        and np.allclose(left.pose.position, right.pose.position, atol=1e-6)
+        and np.allclose(left.pose.rotation, right.pose.rotation, atol=1e-6)
+    )
 
 
 def _by_limits(pair: Pair) -> int:
