@@ -9,6 +9,7 @@ from pathlib import Path
 from morph.body.draft import Draft, DraftLink, Shape
 from morph.body.finding import Finding, Severity, Where
 from morph.body.mesh import Mesh, read_mesh, thinned
+from morph.body.mesh.limits import LARGEST, too_large
 from morph.body.paths import Files, Found
 from morph.errors import MeshError
 
@@ -80,14 +81,12 @@ class _Reader:
     def content(self, path: Path) -> Mesh | MeshError:
         try:
             size = path.stat().st_size
+            if size > LARGEST:
+                raise too_large(f"has {size} bytes, of which {LARGEST} are allowed", str(path))
             self.bytes += size
             if self.bytes > MOST_BYTES:
-                raise MeshError(
-                    f"makes the meshes hold more than {MOST_BYTES} bytes",
-                    where=str(path),
-                    fix="give coarser meshes",
-                    code="mesh-too-large",
-                )
+                what = f"makes the meshes hold more than {MOST_BYTES} bytes"
+                raise too_large(what, str(path))
             mesh = read_mesh(path.read_bytes(), path.suffix, str(path))
         except MeshError as error:
             return error

@@ -21,8 +21,8 @@ MOST_LINKS = 1000
 MOST_SHAPES = 4000
 """Most visual and collision shapes; ten times those of the largest robot known to us."""
 
-MOST_STRANGERS, LONGEST_TAG = 100, 40
-"""Most foreign elements that are told, and the longest name of one that may be a misspelling."""
+MOST_STRANGERS, MOST_KINDS, LONGEST_TAG = 100, 1000, 40
+"""Most foreign elements that are told; most kinds looked at, and the longest name of one."""
 
 LONGEST_NAME, LONGEST_FILE = 200, 1000
 """Most characters of a name, and of a mesh's path."""
@@ -101,12 +101,14 @@ def _few(tree: Element) -> None:
 
 def _strangers(tree: Element) -> list[Finding]:
     found: list[Finding] = []
+    harmless: set[tuple[str, str]] = set()
     parts = list(tree.children("link", "joint"))
     inertials = [inertial for part in parts for inertial in part.children("inertial")]
     for parent in (tree, *parts, *inertials):
         allowed = KNOWN[parent.tag]
         for child in parent.children():
-            if child.tag in allowed or len(child.tag) > LONGEST_TAG:
+            kind = (parent.tag, child.tag)
+            if child.tag in allowed or kind in harmless or len(child.tag) > LONGEST_TAG:
                 continue
             near = difflib.get_close_matches(child.tag, allowed, n=1, cutoff=0.75)
             if near and ":" not in child.tag:
@@ -115,7 +117,9 @@ def _strangers(tree: Element) -> list[Finding]:
             elif child.tag.startswith("xacro:") and child.tag != "xacro:property":
                 fix = "expand the file with xacro, or give the .xacro file"
                 found.append(_stranger(parent, child, "a macro that was not expanded", fix))
-            if len(found) >= MOST_STRANGERS:
+            else:
+                harmless.add(kind)
+            if len(found) >= MOST_STRANGERS or len(harmless) > MOST_KINDS:
                 return found
     return found
 

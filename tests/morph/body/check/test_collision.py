@@ -1,0 +1,130 @@
+"""Parts that overlap at home are named and their contacts left out; those that do not, are not."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import mujoco
+import numpy as np
+import pytest
+import trimesh
+
+from morph.body.check.collision import winding
+from morph.body.spec import spec_of
+
+
+def gripper(bench: Any, shape: str, apart: float, files: dict[str, bytes] | None = None) -> Any:
+    """Return the reading of two fingers on two knuckles, at a distance from each other."""
+    return bench.read(
+        bench.link("palm"),
+        bench.link("knuckle_a"),
+        bench.link("knuckle_b"),
+        bench.link("finger_a", shape),
+        bench.link("finger_b", shape),
+        bench.joint("ja", "palm", "knuckle_a", xyz=f"{-apart / 2} 0 0"),
+        bench.joint("jb", "palm", "knuckle_b", xyz=f"{apart / 2} 0 0"),
+        bench.joint("fa", "knuckle_a", "finger_a"),
+        bench.joint("fb", "knuckle_b", "finger_b"),
+        files=files,
+    )
+
+
+def primitive(kind: str, size: str) -> str:
+    return f"<collision><geometry><{kind} {size}/></geometry></collision>"
+
+
+SHAPES = {
+    "box": primitive("box", 'size="0.2 0.2 0.2"'),
+    "sphere": primitive("sphere", 'radius="0.1"'),
+    "cylinder": primitive("cylinder", 'radius="0.1" length="0.2"'),
+    "capsule": primitive("capsule", 'radius="0.1" length="0.2"'),
+}
+"""Each 0.2 m wide along x."""
+
+
+@pytest.mark.parametrize("kind", SHAPES)
+def test_shapes_that_overlap_by_half_are_named_at_the_first(bench: Any, kind: str) -> None:
+    reading = gripper(bench, SHAPES[kind], 0.1)
+    assert reading.stands("self-collision", "repaired", "link", "finger_a")
+    assert "'finger_b'" in reading.the("self-collision").what
+
+
+@pytest.mark.parametrize("kind", SHAPES)
+@pytest.mark.parametrize("apart", [0.2, 0.21, 1.0])
+def test_shapes_that_touch_or_are_apart_are_left_alone(bench: Any, kind: str, apart: float) -> None:
+    assert gripper(bench, SHAPES[kind], apart).findings == ()
+
+
+def test_meshes_that_overlap_are_named_and_those_apart_are_not(bench: Any) -> None:
+    ball = bytes(trimesh.creation.icosphere(subdivisions=3, radius=0.1).export(file_type="stl"))
+    shape = bench.mesh("ball.stl", role="collision")
+    for apart, told in ((0.1, 1), (0.21, 0)):
+        reading = gripper(bench, shape, apart, files={"ball.stl": ball})
+        assert len(reading.of("self-collision")) == told
+
+
+def test_a_ring_around_a_rod_does_not_touch_it(bench: Any) -> None:
+    ring = trimesh.creation.annulus(r_min=0.2, r_max=0.3, height=0.1)
+    rod = SHAPES["cylinder"]
+    reading = bench.read(
+        *(bench.link(name) for name in ("palm", "a", "b")),
+        bench.link("ring", bench.mesh("ring.stl", role="collision")),
+        bench.link("rod", rod),
+        bench.joint("ja", "palm", "a"),
+        bench.joint("jb", "palm", "b"),
+        bench.joint("jr", "a", "ring"),
+        bench.joint("jd", "b", "rod"),
+        files={"ring.stl": bytes(ring.export(file_type="stl"))},
+    )
+    assert reading.of("self-collision") == []
+
+
+def test_shapes_to_look_at_do_not_collide(bench: Any) -> None:
+    assert gripper(bench, SHAPES["box"].replace("collision", "visual"), 0.1).findings == ()
+
+
+def test_links_that_a_joint_joins_may_overlap(bench: Any) -> None:
+    reading = bench.read(
+        bench.link("a", SHAPES["box"]), bench.link("b", SHAPES["box"]), bench.joint("j", "a", "b")
+    )
+    assert reading.findings == ()
+
+
+def test_what_is_welded_to_a_link_may_overlap_what_that_link_turns_on(bench: Any) -> None:
+    reading = bench.read(
+        bench.link("a", SHAPES["box"]),
+        bench.link("b"),
+        bench.link("shell", SHAPES["box"]),
+        bench.joint("j", "a", "b"),
+        bench.joint("weld", "b", "shell", "fixed"),
+    )
+    assert reading.findings == ()
+
+
+def test_mujoco_finds_no_contact_at_home_once_a_collision_is_repaired(bench: Any) -> None:
+    model = spec_of(gripper(bench, SHAPES["box"], 0.1).robot).compile()
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    assert data.ncon == 0
+    # The contact was there: without the exclusion MuJoCo finds it.
+    spec = spec_of(gripper(bench, SHAPES["box"], 0.1).robot)
+    for exclude in list(spec.excludes):
+        spec.delete(exclude)
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    assert data.ncon > 0
+
+
+def test_a_surface_winds_once_about_points_inside_and_never_about_points_outside() -> None:
+    ball = trimesh.creation.icosphere(subdivisions=2, radius=1.0)
+    rng = np.random.default_rng(7)
+    points = rng.normal(size=(200, 3))
+    points *= rng.uniform(0.2, 2.0, size=(200, 1)) / np.linalg.norm(points, axis=1)[:, None]
+    reach = np.linalg.norm(points, axis=1)
+    # An icosphere of 320 faces lies between 0.98 and 1 times its radius.
+    points, reach = points[abs(reach - 1) > 0.05], reach[abs(reach - 1) > 0.05]
+    turns = winding(np.array(ball.vertices), np.array(ball.faces), points)
+    assert turns == pytest.approx((reach < 1).astype(float), abs=1e-9)
+    inverted = winding(np.array(ball.vertices), np.array(ball.faces)[:, ::-1], points)
+    assert inverted == pytest.approx(turns, abs=1e-9)
