@@ -27,6 +27,13 @@ MOST_LINKS = 500
 """Most links of a description that Pinocchio is asked about."""
 
 
+READ = "it read what morph made of it, and agrees with MuJoCo"
+"""What is done where Pinocchio cannot read the file itself."""
+
+UNREAD = "Pinocchio cannot read it: "
+"""How `morph.body.twin` begins."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Reading:
     """What an engine makes of a body, at home."""
@@ -40,25 +47,46 @@ class Reading:
 
 
 def disagreement(robot: Robot) -> list[Finding]:
-    """Return a finding if the two disagree and no repair explains it."""
-    repaired = {finding.code for finding in robot.findings if finding.severity == "repaired"}
+    """Return a finding if the two disagree and no repair explains it.
+
+    Pinocchio reads the robot's own file. Where that cannot be, or where a repair
+    explains the difference, it reads what MuJoCo is given instead, repairs and all.
+    """
     if len(robot.links) > MOST_LINKS:
         return []
-    other = read_by_pinocchio(robot)
-    if other is None:
-        return []
-    worst = difference(read_by_mujoco(robot), other)
-    if worst <= TOLERANCE or repaired & EXPLAIN:
-        return []
-    return [
-        Finding(
-            code="agreement",
-            severity="info",
-            where=Where(kind="robot", name=robot.name, file=str(robot.source or "")),
-            what=f"mass, centre of mass or inertia differ by {worst:.2g} of their size",
-            fix="look at what the two leave out; report it to morph if the file is right",
-        )
-    ]
+    ours, findings = read_by_mujoco(robot), []
+    try:
+        worst = difference(ours, read_by_pinocchio(robot))
+        repaired = {finding.code for finding in robot.findings if finding.severity == "repaired"}
+        checked = worst <= TOLERANCE or not repaired & EXPLAIN
+    except RobotError as error:
+        worst, checked = float("inf"), False
+        findings = [_finding(robot, f"Pinocchio cannot read the file: {_short(error.what)}", READ)]
+    try:
+        if not checked:
+            worst = difference(ours, read_by_pinocchio(robot, repaired=True))
+    except RobotError as error:
+        return [_finding(robot, f"Pinocchio cannot read the robot: {_short(error.what)}")]
+    if worst <= TOLERANCE:
+        return findings
+    what = f"mass, centre of mass or inertia differ by {worst:.2g} of their size"
+    return [_finding(robot, what)]
+
+
+def _finding(robot: Robot, what: str, done: str = "nothing") -> Finding:
+    return Finding(
+        code="agreement",
+        severity="info",
+        where=Where(kind="robot", name=robot.name, file=str(robot.source or "")),
+        what=what,
+        done=done,
+        fix="look at what Pinocchio names or leaves out; tell morph if the file is right",
+    )
+
+
+def _short(words: str) -> str:
+    """Return the message in Pinocchio's words, without where in its own source it stands."""
+    return " ".join(words.rpartition("message:")[2].split()).removeprefix(UNREAD)[:200]
 
 
 def difference(one: Reading, other: Reading) -> float:
@@ -75,20 +103,15 @@ def difference(one: Reading, other: Reading) -> float:
 def read_by_mujoco(robot: Robot) -> Reading:
     """Return what MuJoCo simulates."""
     spec = spec_of(robot)
-    for joint in spec.joints:
-        joint.armature = 0.0
     for geom in list(spec.geoms):
         spec.delete(geom)
     with quiet():
         model = spec.compile()
         data = mujoco.MjData(model)
-        # Pinocchio's home has a free root at the origin.
-        for joint in np.flatnonzero(model.jnt_type == mujoco.mjtJoint.mjJNT_FREE):
-            address = model.jnt_qposadr[joint]
-            data.qpos[address : address + 7] = (0, 0, 0, 1, 0, 0, 0)
         mujoco.mj_forward(model, data)
     full = np.zeros((model.nv, model.nv))
     mujoco.mj_fullM(model, data, full)
+    full -= np.diag(model.dof_armature)
     masses = model.body_mass[1:]
     return Reading(
         mass=float(masses.sum()),
@@ -97,18 +120,21 @@ def read_by_mujoco(robot: Robot) -> Reading:
     )
 
 
-def read_by_pinocchio(robot: Robot) -> Reading | None:
-    """Return what Pinocchio reads in the robot's own file; None if it cannot."""
+def read_by_pinocchio(robot: Robot, *, repaired: bool = False) -> Reading:
+    """Return what Pinocchio reads in the robot's own file, or in what MuJoCo is given.
+
+    Raises:
+        RobotError: It cannot read that.
+    """
     import pinocchio
 
-    from morph.body.twin import twin_of_source
+    from morph.body.twin import twin_of, twin_of_source
 
-    try:
-        model = twin_of_source(robot)
-    except RobotError:
-        return None
+    model = twin_of(robot) if repaired else twin_of_source(robot)
     data = model.createData()
-    home = pinocchio.neutral(model)
+    # Of MJCF Pinocchio keeps where a free root stands apart from where its joint is.
+    known = {each.key(): each.data() for each in model.referenceConfigurations}
+    home = known.get("qpos0", pinocchio.neutral(model))
     pinocchio.forwardKinematics(model, data, home)
     masses = np.array([inertia.mass for inertia in model.inertias])
     centres = [data.oMi[k].act(model.inertias[k].lever) for k in range(model.njoints)]

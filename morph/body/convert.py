@@ -10,6 +10,7 @@ import xml.etree.ElementTree as ElementTree
 from dataclasses import dataclass
 from pathlib import Path
 
+from morph.body.ground import flatten
 from morph.body.robot import Robot
 from morph.body.urdf_shapes import file_name
 from morph.body.urdf_text import urdf_text
@@ -21,6 +22,9 @@ FORMATS = {"mjcf": ("robot.xml", "assets"), "urdf": ("robot.urdf", "meshes")}
 
 FINDINGS = "findings.json"
 """What was found and repaired on the way; it marks a folder as one of ours."""
+
+GROUND = "height fields: ground is no part of a robot, and Pinocchio reads none"
+"""What is left out of an MJCF."""
 
 SCHEMA = "morph.findings/1"
 """Name and version of its content."""
@@ -151,7 +155,7 @@ def _write(contents: dict[str, str | bytes], folder: Path) -> None:
 def _mjcf(robot: Robot, inner: str) -> tuple[str, dict[str, bytes], tuple[str, ...]]:
     """Return a robot as MJCF, the files that it names, and what was left out."""
     tree = ElementTree.fromstring(robot.mjcf)
-    left_out = _flatten(tree)
+    left_out = (GROUND,) * flatten(tree)
     assets = {}
     for element in tree.iter():
         for key, file in list(element.attrib.items()):
@@ -162,14 +166,3 @@ def _mjcf(robot: Robot, inner: str) -> tuple[str, dict[str, bytes], tuple[str, .
                 element.set(key, f"{inner}/{safe}")
     ElementTree.indent(tree)
     return ElementTree.tostring(tree, encoding="unicode") + "\n", assets, left_out
-
-
-def _flatten(tree: ElementTree.Element) -> tuple[str, ...]:
-    """Take height fields out of an MJCF; return what that left out."""
-    found = False
-    for parent in list(tree.iter()):
-        for child in list(parent):
-            if child.tag == "hfield" or (child.tag == "geom" and child.get("hfield")):
-                parent.remove(child)
-                found = True
-    return ("height fields: ground is no part of a robot, and Pinocchio reads none",) * found

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import pinocchio
 
+from morph.body.ground import flatten
 from morph.body.robot import Robot
 from morph.errors import RobotError
 
@@ -35,14 +36,17 @@ def twin_of(robot: Robot) -> Any:
 
     Pinocchio reads the MJCF with a parser of its own and computes with
     algorithms of its own (Carpentier et al. 2019, SII). It knows the rigid
-    bodies, the armature and gravity; it knows no friction, contact or actuator.
+    bodies, the armature and gravity; it knows no friction, contact, actuator or
+    height field, which is ground.
 
     Raises:
         RobotError: Pinocchio cannot read the description.
     """
+    tree = ElementTree.fromstring(robot.mjcf)
+    flatten(tree)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "robot.xml"
-        path.write_text(robot.mjcf)
+        path.write_bytes(ElementTree.tostring(tree))
         for name, content in robot.assets.items():
             (Path(folder) / name).write_bytes(content)
         try:
@@ -54,7 +58,7 @@ def twin_of(robot: Robot) -> Any:
                 fix="describe it without the element that Pinocchio names",
             ) from error
     # Pinocchio's parser leaves the option element unread.
-    option = ElementTree.fromstring(robot.mjcf).find("option")
+    option = tree.find("option")
     gravity = "0 0 -9.81" if option is None else option.get("gravity", "0 0 -9.81")
     model.gravity.linear = np.array(gravity.split(), dtype=float)
     return model
