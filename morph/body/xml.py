@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Iterator
 from xml.parsers import expat
@@ -81,6 +82,11 @@ def parse(
     return _Builder(where, elements).build(content)
 
 
+ENCODINGS = re.compile(
+    r"utf-?(8|16)|(us-)?ascii|latin-?1|iso-8859-\d+|(windows-|cp)125\d|koi8-[ru]"
+)
+"""Encodings that are read, as a description's first line names them, in small letters."""
+
 INVALID_TOKEN = expat.errors.codes[expat.errors.XML_ERROR_INVALID_TOKEN]
 
 
@@ -103,6 +109,7 @@ class _Builder:
         self.count = 0
         self.parser = expat.ParserCreate()
         self.parser.buffer_text = True
+        self.parser.XmlDeclHandler = self._declaration
         self.parser.StartElementHandler = self._start
         self.parser.EndElementHandler = self._end
         self.parser.CharacterDataHandler = self._text
@@ -123,7 +130,7 @@ class _Builder:
                 where=f"{self.where}:{error.lineno}",
                 fix="correct the line; an XML checker shows what is open or misspelt",
             ) from error
-        except ValueError as error:  # An encoding that Python does not know, or not its bytes.
+        except (ValueError, LookupError) as error:  # Bytes that the encoding has not.
             raise RobotError(
                 f"is not XML: {error}", where=self.where, fix="save the description as UTF-8"
             ) from error
@@ -164,6 +171,15 @@ class _Builder:
     def _text(self, text: str) -> None:
         if not text.isspace():
             self.texts[-1].append(text)
+
+    def _declaration(self, _version: str, encoding: str | None, _standalone: int) -> None:
+        # Python has codecs that are no encodings of texts, and some that warn.
+        if encoding is not None and not ENCODINGS.fullmatch(encoding.lower()):
+            raise RobotError(
+                f"is not XML that can be read: its encoding is {encoding[:80]!r}",
+                where=self._here(),
+                fix="save the description as UTF-8",
+            )
 
     def _doctype(self, name: str, system: str | None, *_rest: object) -> None:
         if system is not None:
