@@ -19,6 +19,8 @@ from multiprocessing import get_context
 from pathlib import Path
 
 from experiments.plant.originals import packaged_root, robots_root
+from morph.body.robot import Robot
+from morph.errors import MorphError
 from morph.files import write_whole
 
 EXAMPLE = """example:
@@ -86,7 +88,7 @@ def row(task: tuple[Path, Path]) -> Row:
     """Return what becomes of one description."""
     logging.disable(logging.CRITICAL)
     root, path = task
-    from morph.body.agreement import EXPLAIN, difference, read_by_mujoco, read_by_pinocchio
+    from morph.body.agreement import EXPLAIN
     from morph.body.inspect import inspect_robot
 
     began = time.monotonic()
@@ -97,9 +99,7 @@ def row(task: tuple[Path, Path]) -> Row:
     seconds = time.monotonic() - began
     refused = [finding for finding in found.findings if finding.severity == "refused"]
     repaired = {finding.code for finding in found.findings if finding.severity == "repaired"}
-    differs = None
-    if found.robot is not None and (other := read_by_pinocchio(found.robot)) is not None:
-        differs = difference(read_by_mujoco(found.robot), other)
+    differs = None if found.robot is None else _differs(found.robot)
     return Row(
         file=str(path.relative_to(root)),
         verdict=found.verdict,
@@ -113,6 +113,15 @@ def row(task: tuple[Path, Path]) -> Row:
         mujoco=_as_it_is(path),
         bare=_as_it_is(path, shapes=False),
     )
+
+
+def _differs(robot: Robot) -> float | None:
+    from morph.body.agreement import difference, read_by_mujoco, read_by_pinocchio
+
+    try:
+        return difference(read_by_mujoco(robot), read_by_pinocchio(robot))
+    except MorphError:
+        return None
 
 
 def _crash(root: Path, path: Path, error: Exception) -> Row:
@@ -208,6 +217,12 @@ def summary(rows: Sequence[Row]) -> str:
     lines.append(
         f"Pinocchio reads {len(read)} of those that load: {agree} agree to 1e-9, "
         f"{explained} differ by a named repair, {len(read) - agree - explained} without one"
+    )
+    apart = [row.file for row in rows if any(code == "agreement" for code, _ in row.codes)]
+    lines.append(
+        f"of the rest, and of what is repaired, it reads what MuJoCo is given: "
+        f"{len(rows) - verdicts['refused'] - len(read)} files that it cannot read itself, "
+        f"{len(apart)} findings of agreement"
     )
     lines.append("findings (descriptions with it, in all):")
     per_code = Counter(key for row in rows for key in set(row.codes))

@@ -88,9 +88,9 @@ def _card() -> Callable[[Path], Any]:
 
 def _xacro() -> Callable[[Path], Any]:
     # Here and not in a process of its own, so that the fuzzer sees which lines are reached.
-    from morph.body.xacro_check import check
-    from morph.body.xacro_expand import expand
-    from morph.body.xacro_folder import Folder
+    from morph.body.xacro.check import check
+    from morph.body.xacro.folder import Folder
+    from morph.body.xacro.macros import expand
 
     def read(path: Path) -> object:
         check(path, Folder(path.parent), {})

@@ -112,6 +112,14 @@ def _check(element: Element) -> None:
             where=element.place,
             fix="describe the robot in one file, without it",
         )
+    # MuJoCo 4.0 takes some of its own messages for formats, and so a name's % for a command.
+    for key, value in element.attrib.items():
+        if "%" in value:
+            raise RobotError(
+                f"<{element.tag}> has a per cent sign in {key}={value[:80]!r}",
+                where=element.place,
+                fix="write it without the sign",
+            )
     for key, greatest in GREATEST.items():
         for word in element.get(key, "").split():
             try:

@@ -84,10 +84,11 @@ def robot_of(
     )
 
 
-FINITE = tuple(
-    "body_pos body_quat body_mass body_ipos body_inertia jnt_pos jnt_axis jnt_range jnt_stiffness "
-    "dof_damping dof_armature dof_frictionloss qpos0 geom_pos geom_quat geom_size site_pos "
-    "actuator_gear actuator_gainprm actuator_biasprm actuator_ctrlrange actuator_forcerange".split()
+FINITE = (
+    *("body_pos", "body_quat", "body_mass", "body_ipos", "body_inertia", "geom_pos", "geom_quat"),
+    *("jnt_pos", "jnt_axis", "jnt_range", "jnt_stiffness", "dof_damping", "dof_armature", "qpos0"),
+    *("dof_frictionloss", "geom_size", "site_pos", "actuator_gear", "actuator_gainprm"),
+    *("actuator_biasprm", "actuator_ctrlrange", "actuator_forcerange"),
 )
 """Fields of a model that must hold numbers."""
 

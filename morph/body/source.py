@@ -19,9 +19,9 @@ def source_tree(path: Path, files: Files) -> Element:
     # Macros in a file that calls itself URDF count only if there is nothing else.
     macros = any(child.tag.startswith("xacro:") for child in tree.children())
     if path.suffix.lower() == ".xacro" or (macros and tree.child("link") is None):
-        from morph.body.xacro import expand
+        from morph.body.xacro import read
 
-        tree = parse(expand(path, files.folder), str(path))
+        tree = read(path, files.folder)
     return tree
 
 

@@ -10,8 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from morph.body import xacro
-from morph.body.xacro import expand
+from morph.body.xacro import expand, process
 from morph.errors import RobotError
 
 NAMESPACE = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
@@ -133,7 +132,7 @@ def test_a_file_that_is_missing_or_outside_is_refused(folder: Path) -> None:
 def test_an_expansion_that_takes_too_long_is_ended(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(xacro, "SECONDS", 0.001)
+    monkeypatch.setattr(process, "SECONDS", 0.001)
     with pytest.raises(RobotError, match="for too long"):
         expand(written(folder, ""), folder)
 
@@ -145,13 +144,13 @@ def watch(event, arguments):
     if watching and event in ("open", "os.listdir", "os.scandir"):
         opened.append(str(arguments[0]))
 sys.addaudithook(watch)
-from morph.body import xacro_child
-shut = xacro_child._shut
+from morph.body.xacro import child
+shut = child._shut
 def shut_and_watch(folder):
     shut(folder)
     watching.append(True)
-xacro_child._shut = shut_and_watch
-answer, _ = xacro_child._answer(json.loads(sys.argv[1]))
+child._shut = shut_and_watch
+answer, _ = child._answer(json.loads(sys.argv[1]))
 watching.clear()
 print(json.dumps([answer, opened]))
 """
@@ -192,7 +191,7 @@ def test_the_watch_sees_what_is_opened(folder: Path) -> None:
 GUARDED = """
 import os, socket, subprocess, sys
 from pathlib import Path
-from morph.body.xacro_child import _shut
+from morph.body.xacro.child import _shut
 own, outside = sys.argv[1:]
 mine = own + "/numbers.yaml"
 _shut(Path(own))

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from morph.body.xacro_bound import MOST_EXPANDED, Bound
-from morph.body.xacro_expression import checked
-from morph.body.xacro_folder import Folder
-from morph.body.xacro_text import tokens
+from morph.body.xacro.bound import MOST_EXPANDED, Bound
+from morph.body.xacro.expression import checked
+from morph.body.xacro.folder import Folder
+from morph.body.xacro.text import tokens
 from morph.body.xml import MOST_BYTES, Element, parse
 from morph.errors import RobotError
 

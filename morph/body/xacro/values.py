@@ -8,9 +8,9 @@ from typing import Any
 
 import yaml  # type: ignore[import-untyped]
 
-from morph.body.xacro_check import unknown_command
-from morph.body.xacro_expression import Evaluator
-from morph.body.xacro_folder import Folder
+from morph.body.xacro.check import unknown_command
+from morph.body.xacro.expression import Evaluator
+from morph.body.xacro.folder import Folder
 from morph.errors import RobotError
 
 LONGEST_YAML = 2**18

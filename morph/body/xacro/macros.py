@@ -16,12 +16,12 @@ from xml.dom import minidom
 
 import xacro
 
-from morph.body.xacro_document import Placed, Writer, document
-from morph.body.xacro_expression import Evaluator
-from morph.body.xacro_folder import Folder
-from morph.body.xacro_functions import CONSTANTS, LONGEST_TEXT, bounded
-from morph.body.xacro_text import tokens
-from morph.body.xacro_values import Surroundings
+from morph.body.xacro.document import Placed, Writer, document
+from morph.body.xacro.expression import Evaluator
+from morph.body.xacro.folder import Folder
+from morph.body.xacro.functions import CONSTANTS, LONGEST_TEXT, bounded
+from morph.body.xacro.text import tokens
+from morph.body.xacro.values import Surroundings
 from morph.body.xml import MOST_BYTES, parse
 from morph.errors import RobotError
 

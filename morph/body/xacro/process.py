@@ -14,9 +14,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from morph.body.xacro_bound import MOST_EXPANDED
-from morph.body.xacro_check import check
-from morph.body.xacro_folder import Folder
+from morph.body.xacro.bound import MOST_EXPANDED
+from morph.body.xacro.check import check
+from morph.body.xacro.folder import Folder
 from morph.body.xml import MOST_BYTES, Element, parse
 from morph.errors import RobotError
 
@@ -32,7 +32,7 @@ A robot of 2500 elements takes some 12 000.
 # Neither the user's settings nor the folder that they stand in have a say in what is imported.
 COMMAND = (
     "import json, sys; sys.path[:] = json.loads(sys.argv[1]); "
-    "from morph.body.xacro_child import main; main()"
+    "from morph.body.xacro.child import main; main()"
 )
 
 

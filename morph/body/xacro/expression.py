@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from functools import lru_cache
 from typing import Any
 
-from morph.body.xacro_functions import (
+from morph.body.xacro.functions import (
     CONSTANTS,
     FUNCTIONS,
     NAMESPACES,

@@ -34,13 +34,13 @@ def main() -> None:
 
 def _answer(request: dict[str, Any]) -> tuple[dict[str, Any], bytes]:
     _limit()
-    from morph.body import xacro_expand
+    from morph.body.xacro import macros
     from morph.errors import RobotError
 
     _shut(Path(request["folder"]))
     path = Path(request["path"])
     try:
-        done = xacro_expand.expand(
+        done = macros.expand(
             path, Path(request["folder"]), request["arguments"], request["elements"]
         )
         return {"places": done.places, "files": done.files}, done.text

@@ -9,7 +9,6 @@ import pytest
 
 from morph.body.xacro import expand, read
 
-ROBOTS = Path(__file__).resolve().parents[4] / "shared" / "robots"
 NAMESPACE = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
 SECRET = "the-secret-outside"
 
@@ -73,12 +72,14 @@ def tree(element: ElementTree.Element) -> list[object]:
         ("solo/resources/xacro/solo12.urdf.xacro", "solo/resources/solo12.urdf", "solo"),
     ],
 )
-def test_a_public_robot_expands_to_its_published_urdf(xacro: str, urdf: str, folder: str) -> None:
-    if not (ROBOTS / xacro).exists():
-        pytest.skip("the public robots are not here")
-    content = expand(ROBOTS / xacro, ROBOTS / folder)
+def test_a_public_robot_expands_to_its_published_urdf(
+    real_robots: Path, xacro: str, urdf: str, folder: str
+) -> None:
+    content = expand(real_robots / xacro, real_robots / folder)
     # The same expressions by the same rules of IEEE 754: not a bit may differ.
-    assert tree(ElementTree.fromstring(content)) == tree(ElementTree.parse(ROBOTS / urdf).getroot())
+    assert tree(ElementTree.fromstring(content)) == tree(
+        ElementTree.parse(real_robots / urdf).getroot()
+    )
 
 
 def test_what_xacro_knows_is_worked_out(folder: Path) -> None:
