@@ -30,6 +30,8 @@ def spread(inertia: Array) -> Array:
 
 def is_physical(inertia: Array) -> bool:
     """Return whether some body has this inertia, shape (3, 3), up to rounding."""
+    if not np.isfinite(inertia).all():
+        return False
     moments = np.linalg.eigvalsh(spread(inertia))
     return bool(moments[0] >= -ROUNDING * max(moments[2], 0.0) and moments[2] > 0)
 
@@ -40,8 +42,10 @@ def mended(inertia: Array) -> Array | None:
     Negative second moments are raised to a small positive one, so the result
     is the nearest in the Frobenius norm of the second moments (Higham 1988).
     """
+    if not np.isfinite(inertia).all():
+        return None
     moments, axes = np.linalg.eigh(spread(inertia))
-    if not np.all(np.isfinite(moments)) or moments[2] <= 0:
+    if moments[2] <= 0:
         return None
     moments = np.maximum(moments, THINNEST * moments[2])
     raised = axes @ np.diag(moments) @ axes.T
