@@ -36,7 +36,7 @@ UNREAD = "Pinocchio cannot read it: "
 
 @dataclass(frozen=True, kw_only=True)
 class Reading:
-    """What an engine makes of a body, at home."""
+    """What an engine makes of a body at home, a free base at the origin."""
 
     mass: float
     """kg, of all links."""
@@ -108,6 +108,10 @@ def read_by_mujoco(robot: Robot) -> Reading:
     with quiet():
         model = spec.compile()
         data = mujoco.MjData(model)
+        # Where a free base stands is no part of the robot: both put it at the origin.
+        for joint in np.flatnonzero(model.jnt_type == mujoco.mjtJoint.mjJNT_FREE):
+            address = model.jnt_qposadr[joint]
+            data.qpos[address : address + 7] = (0, 0, 0, 1, 0, 0, 0)
         mujoco.mj_forward(model, data)
     full = np.zeros((model.nv, model.nv))
     mujoco.mj_fullM(model, data, full)
@@ -132,9 +136,10 @@ def read_by_pinocchio(robot: Robot, *, repaired: bool = False) -> Reading:
 
     model = twin_of(robot) if repaired else twin_of_source(robot)
     data = model.createData()
-    # Of MJCF Pinocchio keeps where a free root stands apart from where its joint is.
-    known = {each.key(): each.data() for each in model.referenceConfigurations}
-    home = known.get("qpos0", pinocchio.neutral(model))
+    home = pinocchio.neutral(model)
+    for joint, place in zip(model.joints, model.jointPlacements, strict=True):
+        if joint.shortname() == "JointModelFreeFlyer":
+            home[joint.idx_q : joint.idx_q + 7] = pinocchio.SE3ToXYZQUAT(place.inverse())
     pinocchio.forwardKinematics(model, data, home)
     masses = np.array([inertia.mass for inertia in model.inertias])
     centres = [data.oMi[k].act(model.inertias[k].lever) for k in range(model.njoints)]
