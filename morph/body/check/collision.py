@@ -20,6 +20,9 @@ SHRUNK = 0.97
 FEWEST = 3
 """Points of one shape that must lie inside the other."""
 
+MOST_SHAPES, MOST_PAIRS = 2000, 10_000
+"""Most shapes, and pairs whose boxes overlap, that are looked at: ten times a humanoid's."""
+
 MOST_POINTS = 1000
 """Most points of a shape that are held against another's convex hull."""
 
@@ -51,13 +54,13 @@ def overlaps(draft: Draft) -> list[Overlap]:
     """Return the links that overlap at home, though no joint joins them."""
     near = _joined(draft)
     placed = _placed(draft)
-    if not placed:
+    if not 0 < len(placed) <= MOST_SHAPES:
         return []
     low = np.array([part.box[0] for part in placed])
     high = np.array([part.box[1] for part in placed])
     touching = (low[:, None] < high[None]).all(axis=2) & (high[:, None] > low[None]).all(axis=2)
     found: dict[tuple[str, str], Overlap] = {}
-    for first, second in np.argwhere(np.triu(touching, 1)):
+    for first, second in np.argwhere(np.triu(touching, 1))[:MOST_PAIRS]:
         one, other = placed[first], placed[second]
         pair = (one.link, other.link)
         if one.link == other.link or pair in found or frozenset(pair) in near:

@@ -9,6 +9,9 @@ from morph.body.check.place import WORLD, at_joint, at_link
 from morph.body.draft import Draft, DraftJoint, DraftLink
 from morph.body.finding import Finding
 
+DEEPEST = 150
+"""Longest chain of links; MuJoCo's reader and ours nest no deeper than some 200 elements."""
+
 
 def check_tree(draft: Draft) -> tuple[Draft, list[Finding]]:
     """Return the draft as one tree, or findings that refuse it.
@@ -21,7 +24,7 @@ def check_tree(draft: Draft) -> tuple[Draft, list[Finding]]:
     findings += found
     # Each of these misleads the ones after it.
     refusals: list[Finding] = []
-    for look in (_link_names, _dangling, _circles, _bases):
+    for look in (_link_names, _dangling, _circles, _bases, _depth):
         refusals = refusals or look(draft)
     return draft, [*findings, *refusals]
 
@@ -168,4 +171,28 @@ def _bases(draft: Draft) -> list[Finding]:
         )
         for root in roots
         if root != main
+    ]
+
+
+def _depth(draft: Draft) -> list[Finding]:
+    depth = dict.fromkeys(draft.roots(), 1)
+    above = draft.joint_above()
+    for link in draft.links:
+        walk, name = [], link.name
+        while name not in depth:
+            walk.append(name)
+            name = above[name].parent
+        for each in reversed(walk):
+            depth[each] = depth[above[each].parent] + 1
+    deepest = max(depth, key=lambda name: depth[name])
+    if depth[deepest] <= DEEPEST:
+        return []
+    return [
+        Finding(
+            code="unsupported",
+            severity="refused",
+            where=at_link(draft, draft.link(deepest)),
+            what=f"it hangs {depth[deepest]} links deep; {DEEPEST} are allowed",
+            fix="describe a rope or a cable by fewer links",
+        )
     ]
