@@ -37,6 +37,7 @@ def robot_from_draft(
     if base is None:
         findings += _assumed(draft)
     spec, assets = spec_from(draft, base or "fixed")
+    spec.assets = assets
     pairs = overlaps(draft)
     findings += self_collisions(draft, pairs)
     for pair in pairs:
