@@ -2,56 +2,26 @@
 
 from __future__ import annotations
 
-import struct
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 from morph.body.finding import Finding, Severity
-from morph.body.mesh import read_mesh
+from morph.body.mjcf_assets import asset_content
+from morph.body.mjcf_bounds import check_bounds, float_or
 from morph.body.mjcf_draft import Lines
 from morph.body.mjcf_numbers import check_numbers
 from morph.body.paths import Files
-from morph.body.xml import DEEPEST, MOST_BYTES, Element, parse
+from morph.body.shapes import MOST_FACES
+from morph.body.source import read_text
+from morph.body.xml import DEEPEST, Element, parse
 from morph.errors import MeshError, RobotError
 
-FORBIDDEN = ("plugin", "extension", "model")
-"""Elements that load code or other models."""
+MOST_FILES = 200
+"""Most files that an MJCF may include."""
 
-GREATEST = {
-    "count": 10_000,
-    "nrow": 4096,
-    "ncol": 4096,
-    "width": 8192,
-    "height": 8192,
-    "nuser_body": 1000,
-    "nuser_jnt": 1000,
-    "nuser_geom": 1000,
-    "nuser_site": 1000,
-    "nuser_cam": 1000,
-    "nuser_tendon": 1000,
-    "nuser_actuator": 1000,
-    "nuser_sensor": 1000,
-    "nkey": 100_000,
-    "nuserdata": 100_000,
-    "njmax": 1_000_000,
-    "nconmax": 1_000_000,
-    "nstack": 100_000_000,
-    "maxhullvert": 100_000,
-    "octree_maxdepth": 10,
-    "maxcontacts": 100_000,
-    "order": 10,
-    "nsample": 10_000,
-}
-"""Greatest value of attributes by which a few letters ask for much memory."""
-
-MOST_MEMORY = 2**30
-"""Most memory that an MJCF may ask for, bytes."""
-
-MOST_PIXELS = 2**26
-"""Most pixels of a picture."""
-
-REFERENCES = {"mesh": ("mesh",), "hfield": ("hfield",), "texture": ("texture",)}
-"""Attributes that name an asset of a kind."""
+KINDS = ("mesh", "hfield", "texture")
+"""Assets that others name in an attribute of that name."""
 
 
 def gather(
@@ -68,9 +38,7 @@ def gather(
     """
     _include(tree, path, files, lines, {path.resolve()}, 0)
     findings = check_numbers(tree, lines)
-    for element in tree.everything():
-        _check(element)
-    _check_repeats(tree, 1)
+    check_bounds(tree)
     gathered = _Gatherer(tree, files, lines)
     gathered.run()
     return tree, gathered.assets, [*findings, *gathered.findings]
@@ -94,76 +62,15 @@ def _include(
                     fix=f"put it into {files.folder}, and include it once",
                 )
             open_.add(found.path.resolve())
-            if found.path.stat().st_size > MOST_BYTES:
-                raise RobotError("is too large", where=str(found.path), fix="include less")
-            other = parse(found.path.read_bytes(), str(found.path))
+            if len(open_) > MOST_FILES:
+                what = f"it includes more than {MOST_FILES} files"
+                raise RobotError(what, where=child.place, fix="include less")
+            other = parse(read_text(found.path), str(found.path))
             lines.add(other)
             _include(other, found.path, files, lines, open_, depth + 1)
             parent.remove(child)
             for offset, grandchild in enumerate(list(other)):
                 parent.insert(at + offset, grandchild)
-
-
-def _check(element: Element) -> None:
-    if element.tag in FORBIDDEN:
-        raise RobotError(
-            f"<{element.tag}> loads code or another model, which descriptions from strangers "
-            "may not",
-            where=element.place,
-            fix="describe the robot in one file, without it",
-        )
-    # MuJoCo 4.0 takes some of its own messages for formats, and so a name's % for a command.
-    for key, value in element.attrib.items():
-        if "%" in value:
-            raise RobotError(
-                f"<{element.tag}> has a per cent sign in {key}={value[:80]!r}",
-                where=element.place,
-                fix="write it without the sign",
-            )
-    for key, greatest in GREATEST.items():
-        for word in element.get(key, "").split():
-            try:
-                small = abs(float(word)) <= greatest
-            except ValueError:
-                small = True  # MuJoCo says what it is.
-            if not small:
-                raise RobotError(
-                    f"<{element.tag}> asks for {key}={word}; {greatest} are allowed",
-                    where=element.place,
-                    fix="ask for less",
-                )
-    if "memory" in element.attrib and _bytes(element.get("memory", "")) > MOST_MEMORY:
-        raise RobotError(
-            f"<{element.tag}> asks for {element.get('memory')} of memory",
-            where=element.place,
-            fix="leave memory out; MuJoCo knows how much it needs",
-        )
-
-
-def _bytes(text: str) -> float:
-    units = {"K": 2**10, "M": 2**20, "G": 2**30, "T": 2**40, "P": 2**50, "E": 2**60}
-    try:
-        factor = units.get(text.strip()[-1:].upper(), 1)
-        return float(text.strip().rstrip("KMGTPEkmgtpe")) * factor
-    except ValueError:
-        return 0.0
-
-
-def _check_repeats(element: Element, times: int) -> None:
-    for child in element.children():
-        each = times
-        if child.tag == "replicate":
-            each *= max(1, int(float(child.get("count", "1") or 1)))
-        if child.tag in ("composite", "flexcomp"):
-            for word in child.get("count", "1").split():
-                each *= max(1, int(float(word)))
-        if each > GREATEST["count"]:
-            raise RobotError(
-                f"its copies multiply to {each}; {GREATEST['count']} are allowed",
-                where=child.place,
-                fix="repeat less",
-            )
-        _check_repeats(child, each)
 
 
 class _Gatherer:
@@ -184,68 +91,86 @@ class _Gatherer:
                 self.folders[kind] = self.folders[kind] if folder is None else folder
             compiler.attrib.pop("assetdir", None)
             compiler.attrib.pop("strippath", None)
-        missing: set[tuple[str, str]] = set()
-        for parent, element in list(_pairs(self.tree)):
+        gone: set[int] = set()
+        missing: dict[str, set[str]] = {kind: set() for kind in KINDS}
+        for element in self.tree.everything():
             for key in [key for key in element.attrib if key.startswith("file")]:
-                if element.tag == "include" or self.read(element, key):
-                    continue
-                missing.add((element.tag, asset_name(element)))
-                if element in list(parent):
-                    parent.remove(element)
-        for parent, element in list(_pairs(self.tree)):
-            for kind, name in missing:
-                if element.tag != kind and element.get(kind) == name:
-                    self.drop(parent, element, kind)
+                if not self.read(element, key):
+                    missing.setdefault(element.tag, set()).add(asset_name(element))
+                    gone.add(id(element))
+                    break
+        if not gone:
+            return
+        for parent, element in _pairs(self.tree):
+            for kind in KINDS:
+                if element.tag != kind and element.get(kind, "") in missing[kind]:
+                    self.drop(parent, element, kind, gone)
+        for parent in list(self.tree.everything()):
+            parent[:] = [child for child in parent if id(child) not in gone]
 
-    def drop(self, parent: Element, element: Element, kind: str) -> None:
-        if kind == "texture" or element.tag == "default":
+    def drop(self, parent: Element, element: Element, kind: str, gone: set[int]) -> None:
+        """Take an element out that needs what is missing, or only its mention of it."""
+        if kind == "texture" or "default" in (element.tag, parent.tag):
             del element.attrib[kind]
-        elif element in list(parent):
-            parent.remove(element)
+            return
+        gone.add(id(element))
+        if element.tag == "geom" and parent.tag == "body" and weighs(self.tree, parent, element):
+            self.tell(
+                parent,
+                "mass-missing",
+                "repaired",
+                f"its mass comes from its shapes, and {element.get(kind)!r} is missing",
+                "it weighs what is left",
+                "put the file there, or give the body an <inertial>",
+            )
 
     def read(self, element: Element, key: str) -> bool:
         """Take a file in; return whether it could be."""
         written = element.get(key, "")
         folder = self.folders["texture" if element.tag == "texture" else "mesh"]
         found = self.files.find(written, folder)
-        name = asset_name(element)
         if found.path is None:
-            code = "mesh-outside" if found.how == "outside" else "mesh-missing"
-            what = f"the file {written!r} is nowhere in {self.files.folder}"
+            outside = found.how == "outside"
+            code = "mesh-outside" if outside else "mesh-missing"
+            why = f"lies outside {self.files.folder}" if outside else "is nowhere"
+            what = f"the file {written!r} {why}"
+            if not outside:
+                what += f" in {self.files.folder}"
             self.tell(element, code, "repaired", what, "what uses it was left out")
             return False
         try:
-            content = found.path.read_bytes()
-            if element.tag == "mesh" and found.path.suffix.lower() != ".msh":
-                read_mesh(content, found.path.suffix, str(found.path))
-            if element.tag == "texture":
-                _check_picture(content, str(found.path))
+            content, ending, done = asset_content(element.tag, found.path)
         except MeshError as error:
             what = f"{found.path.name} {error.what}"
-            self.tell(element, error.code, "repaired", what, "what uses it was left out")
+            self.tell(element, error.code, "repaired", what, "what uses it was left out", error.fix)
             return False
-        except OSError as error:
-            what = f"{found.path.name} cannot be read: {error.strerror}"
-            self.tell(element, "mesh-unreadable", "repaired", what, "what uses it was left out")
-            return False
+        if done:
+            what = f"{found.path.name} has more than {MOST_FACES} faces, which MuJoCo cannot take"
+            self.tell(element, "mesh-too-large", "repaired", what, done, "export it coarser")
         if found.how in ("case", "moved"):
             shown = found.path.relative_to(self.files.folder)
             code = "mesh-case" if found.how == "case" else "mesh-path"
             what = f"the file {written!r} is there as {str(shown)!r}"
             self.tell(element, code, "repaired", what, "that file was taken")
-        element.set("name", name)
-        asset = f"{len(self.assets)}_{found.path.name}"
+        element.set("name", asset_name(element))
+        element.attrib.pop("content_type", None)
+        asset = f"{len(self.assets)}_{found.path.stem}{ending}"
         self.assets[asset] = content
         element.set(key, asset)
         return True
 
-    def tell(self, element: Element, code: str, severity: Severity, what: str, done: str) -> None:
+    def tell(
+        self,
+        element: Element,
+        code: str,
+        severity: Severity,
+        what: str,
+        done: str,
+        fix: str = "put the file there, or correct its name",
+    ) -> None:
         where = self.lines.place(element.tag, asset_name(element))
         if not where.line:
-            where = type(where)(
-                kind=element.tag, name=asset_name(element), file=element.file, line=element.line
-            )
-        fix = "put the file there, or correct its name"
+            where = replace(where, file=element.file, line=element.line)
         self.findings.append(
             Finding(code=code, severity=severity, where=where, what=what, done=done, fix=fix)
         )
@@ -262,14 +187,17 @@ def _pairs(tree: Element) -> Iterator[tuple[Element, Element]]:
             yield parent, child
 
 
-def _check_picture(content: bytes, where: str) -> None:
-    if content[:8] == b"\x89PNG\r\n\x1a\n" and len(content) > 24:
-        width, height = struct.unpack(">II", content[16:24])
-        if width * height <= MOST_PIXELS:
-            return
-    raise MeshError(
-        "is no PNG picture of a usual size",
-        where=where,
-        fix="give a PNG",
-        code="mesh-unreadable",
-    )
+def weighs(tree: Element, body: Element, geom: Element) -> bool:
+    """Return whether a body's mass comes in part from a geom."""
+    if body.child("inertial") is not None:
+        return False
+    compilers = [each for each in tree.everything() if each.tag == "compiler"]
+    if any(each.get("inertiafromgeom") == "false" for each in compilers):
+        return False
+    kind = geom.get("class") or body.get("childclass")
+    said = [geom]
+    for default in tree.everything():
+        if default.tag == "default" and default.get("class") == kind:
+            said += default.children("geom")
+    given = [each.get(key, "") for each in said for key in ("mass", "density")]
+    return not any(word.strip() and float_or(word, 1.0) == 0.0 for word in given)
