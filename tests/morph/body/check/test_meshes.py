@@ -116,8 +116,8 @@ def test_other_capitals_are_told_and_the_file_is_taken(bench: Any) -> None:
 
 
 def test_a_mesh_in_another_place_is_told_and_taken(bench: Any) -> None:
-    reading = shown(bench, stl(cube()), "/home/author/robot/visual/cube.stl")
-    assert reading.stands("mesh-path", "repaired", "link", "arm", "/home/author")
+    reading = shown(bench, stl(cube()), "/usr/author/robot/visual/cube.stl")
+    assert reading.stands("mesh-path", "repaired", "link", "arm", "/usr/author")
     assert CUBE in reading.the("mesh-path").what
     assert geoms(reading) == 3
 
