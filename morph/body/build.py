@@ -57,30 +57,43 @@ class _Builder:
         for joint in self.draft.joints:
             self.below.setdefault(joint.parent, []).append(joint)
         self.links = {link.name: link for link in self.draft.links}
+        self.joints = {joint.name for joint in self.draft.joints}
+
+    def new(self, name: str) -> str:
+        """Return a name for a joint that the description does not have; unlike any other."""
+        chosen, number = name, 2
+        while chosen in self.joints:
+            chosen, number = f"{name}_{number}", number + 1
+        self.joints.add(chosen)
+        return chosen
 
     def root(self, link: DraftLink, base: str) -> None:
         body = self.spec.worldbody
         if link.name != WORLD:
             body = body.add_body(name=link.name)
-            if base == "floating":
-                body.add_freejoint(name="root")
-            elif base == "board":
-                body.add_joint(name="board", type=SLIDE, axis=(1, 0, 0))
+            self.stand(body, base)
         self.link(body, link)
         queue = [(link.name, body)]
         while queue:
             name, parent = queue.pop()
             for joint in reversed(self.below.get(name, [])):
-                free = base == "floating" and name == WORLD and joint.kind == "fixed"
-                queue.append((joint.child, self.child(parent, joint, free)))
+                queue.append((joint.child, self.child(parent, joint, base)))
 
-    def child(self, parent: Any, joint: DraftJoint, free: bool) -> Any:
+    def stand(self, body: Any, base: str) -> None:
+        if base == "floating":
+            body.add_freejoint(name=self.new("root"))
+        elif base == "board":
+            body.add_joint(name=self.new("board"), type=SLIDE, axis=(1, 0, 0))
+
+    def child(self, parent: Any, joint: DraftJoint, base: str) -> Any:
         body = parent.add_body(
             name=joint.child, pos=joint.pose.position, quat=quaternion(joint.pose.rotation)
         )
         top = parent.id == self.spec.worldbody.id and parent.name == WORLD
-        if free or (joint.kind == "floating" and top):
-            body.add_freejoint(name="root" if free else joint.name)
+        if top and joint.kind == "fixed":
+            self.stand(body, base)
+        elif top and joint.kind == "floating":
+            body.add_freejoint(name=joint.name)
         else:
             self.joint(body, joint)
         self.link(body, self.links[joint.child])
@@ -89,13 +102,13 @@ class _Builder:
     def joint(self, body: Any, joint: DraftJoint) -> None:
         if joint.kind == "planar":
             first, second = _across(joint.axis)
-            body.add_joint(name=f"{joint.name}_x", type=SLIDE, axis=first)
-            body.add_joint(name=f"{joint.name}_y", type=SLIDE, axis=second)
+            body.add_joint(name=self.new(f"{joint.name}_x"), type=SLIDE, axis=first)
+            body.add_joint(name=self.new(f"{joint.name}_y"), type=SLIDE, axis=second)
             body.add_joint(name=joint.name, type=HINGE, axis=joint.axis)
             return
         if joint.kind == "floating":
             for axis, letter in zip(np.eye(3), "xyz", strict=True):
-                body.add_joint(name=f"{joint.name}_{letter}", type=SLIDE, axis=axis)
+                body.add_joint(name=self.new(f"{joint.name}_{letter}"), type=SLIDE, axis=axis)
         if joint.kind in ("floating", "ball"):
             body.add_joint(name=joint.name, type=mujoco.mjtJoint.mjJNT_BALL)
             return

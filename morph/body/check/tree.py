@@ -76,8 +76,10 @@ def _link_names(draft: Draft) -> list[Finding]:
 
 def _world(draft: Draft) -> tuple[Draft, list[Finding]]:
     """Return the draft with the link `world`, if joints hang from it and it is not there."""
-    if any(link.name == WORLD for link in draft.links):
-        return draft, []
+    world = next((link for link in draft.links if link.name == WORLD), None)
+    if world is not None:
+        moved = any(joint.child == WORLD for joint in draft.joints)
+        return _renamed(draft, world) if moved or world.mass else (draft, [])
     hanging = [joint for joint in draft.joints if joint.parent == WORLD]
     findings = [
         Finding(
@@ -93,6 +95,32 @@ def _world(draft: Draft) -> tuple[Draft, list[Finding]]:
     if hanging:
         draft = replace(draft, links=(DraftLink(name=WORLD), *draft.links))
     return draft, findings
+
+
+def _renamed(draft: Draft, world: DraftLink) -> tuple[Draft, list[Finding]]:
+    """Return the draft with another name for a link `world` that is not the world."""
+    taken, number = {link.name for link in draft.links}, 2
+    while f"{WORLD}_{number}" in taken:
+        number += 1
+    name = f"{WORLD}_{number}"
+    finding = Finding(
+        code="duplicate-name",
+        severity="repaired",
+        where=at_link(draft, world),
+        what=f"{WORLD!r} is what does not move and weighs nothing, and this link moves or weighs",
+        done=f"it was called {name!r}",
+        fix="give the link another name",
+    )
+    links = tuple(replace(link, name=name) if link is world else link for link in draft.links)
+    joints = tuple(
+        replace(
+            joint,
+            parent=name if joint.parent == WORLD else joint.parent,
+            child=name if joint.child == WORLD else joint.child,
+        )
+        for joint in draft.joints
+    )
+    return replace(draft, links=links, joints=joints), [finding]
 
 
 def _dangling(draft: Draft) -> list[Finding]:

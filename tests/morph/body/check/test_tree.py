@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-CODES = ("duplicate-name", "dangling-joint", "cyclic-tree", "lost-base")
-
 
 def test_a_tree_is_left_alone(bench: Any) -> None:
     reading = bench.read(
@@ -101,6 +99,18 @@ def test_joints_may_hang_from_a_world_that_was_not_described(bench: Any) -> None
     assert reading.stands("dangling-joint", "repaired", "joint", "j")
     assert reading.robot.mass == 1.0
     assert reading.robot.joint("j").kind == "hinge"
+
+
+def test_a_world_that_hangs_from_the_robot_gets_another_name(bench: Any) -> None:
+    reading = bench.read(
+        *(bench.link(name) for name in ("a", "world", "world_2", "b")),
+        bench.joint("aw", "a", "world"),
+        bench.joint("wb", "world", "b"),
+        bench.joint("aw_2", "a", "world_2"),
+    )
+    assert reading.stands("duplicate-name", "repaired", "link", "world")
+    assert reading.robot.mass == 4.0
+    assert reading.robot.link("b").parent == reading.robot.joint("aw").link
 
 
 def test_links_in_a_circle_are_refused_and_the_circle_is_shown(bench: Any) -> None:
