@@ -42,8 +42,11 @@ MOST_MEMORY = 2**28
 MOST_PIXELS = 2**24
 """Most pixels of all textures, and most points of all height fields."""
 
-MOST = {"body": MOST_LINKS, "geom": MOST_SHAPES}
+MOST = {"body": ("bodies", MOST_LINKS), "geom": ("geoms", MOST_SHAPES)}
 """Most elements of a kind once all copies are made; as many as of a URDF."""
+
+ALL = ("elements", MOST_ELEMENTS)
+"""Most elements of all kinds, with their copies."""
 
 COPIERS = ("replicate", "composite", "flexcomp")
 """Elements with a `count` of copies."""
@@ -66,7 +69,7 @@ def check_bounds(tree: Element) -> None:
                     where=element.place,
                     fix="make them smaller",
                 )
-    _check_copies(tree, 1, dict.fromkeys((*MOST, ""), 0))
+    _check_copies(tree, 1.0, {})
 
 
 def _check(element: Element) -> None:
@@ -133,13 +136,11 @@ def _check_copies(element: Element, times: float, seen: dict[str, float]) -> Non
             for word in child.get("count", "1").split():
                 each *= max(1.0, float_or(word, 1.0))
         kind = "body" if child.tag in COPIERS[1:] else child.tag
-        for name, most in ((kind, MOST.get(kind)), ("", MOST_ELEMENTS)):
-            if most is None:
-                continue
-            seen[name] += each
+        for name, most in dict.fromkeys((MOST.get(kind, ALL), ALL)):
+            seen[name] = seen.get(name, 0.0) + each
             if seen[name] > most:
                 raise RobotError(
-                    f"there are more than {most} {name or 'element'}s with their copies",
+                    f"there are more than {most} {name} with their copies",
                     where=child.place,
                     fix="repeat less, and describe one robot",
                 )

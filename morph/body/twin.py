@@ -42,16 +42,16 @@ def twin_of(robot: Robot) -> Any:
     Raises:
         RobotError: Pinocchio cannot read the description.
     """
-    tree = ElementTree.fromstring(robot.mjcf)
-    flatten(tree)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "robot.xml"
-        path.write_bytes(ElementTree.tostring(tree))
         for name, content in robot.assets.items():
             (Path(folder) / name).write_bytes(content)
         try:
+            tree = ElementTree.fromstring(robot.mjcf)
+            flatten(tree)
+            path.write_bytes(ElementTree.tostring(tree))
             model = pinocchio.buildModelFromMJCF(str(path))
-        except (ValueError, RuntimeError) as error:
+        except (ElementTree.ParseError, ValueError, RuntimeError) as error:
             raise RobotError(
                 f"Pinocchio cannot read it: {error}",
                 where=f"robot {robot.name}",
