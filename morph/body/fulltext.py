@@ -10,6 +10,7 @@ from typing import Any
 
 import mujoco
 
+from morph.body.quiet import quiet
 from morph.errors import RobotError
 
 DIGITS = 17
@@ -33,7 +34,9 @@ def fulltext(spec: Any) -> str:
         before = library._mjPRIVATE__get_xml_precision()
         library._mjPRIVATE__set_xml_precision(DIGITS)
         try:
-            text: str = spec.to_xml()
+            # It compiles again, and would warn again.
+            with quiet():
+                text: str = spec.to_xml()
         finally:
             library._mjPRIVATE__set_xml_precision(before)
     return text
