@@ -6,7 +6,6 @@ from pathlib import Path
 
 from morph.body.card import Card
 from morph.body.paths import Files
-from morph.body.quiet import quiet
 from morph.body.refusal import about_file, refusal
 from morph.body.robot import Robot
 from morph.body.source import source_tree
@@ -40,7 +39,9 @@ def read_description(
             f"a base cannot be {base!r}", where=str(path), fix=f"use {', '.join(BASES)}"
         )
     try:
-        return _read(path, card, base, folder, asked)
+        robot = _read(path, card, base, folder)
+        _check_base(robot, path, asked)
+        return robot
     except DescriptionRefused:
         raise
     except RobotError as error:
@@ -52,19 +53,22 @@ def read_description(
 
 
 def _check_base(robot: Robot, path: Path, asked: str | None) -> None:
-    """Refuse a base that an MJCF does not have: it says itself how its robot stands."""
-    stands = "floating" if any(joint.kind == "free" for joint in robot.joints) else "fixed"
-    if asked is not None and asked != stands:
+    """Refuse a base that the description does not leave open: nothing is overruled in silence."""
+    first = robot.joints[0] if robot.joints else None
+    stands = "fixed"
+    if any(joint.kind == "free" for joint in robot.joints):
+        stands = "floating"
+    elif first is not None and first.kind == "slide" and first.name.startswith("board"):
+        stands = "board"
+    if asked and asked != stands:
         raise RobotError(
-            f"an MJCF says itself how its base stands: this one is {stands}, not {asked}",
+            f"the description says itself how its base stands: {stands}, not {asked}",
             where=str(path),
-            fix="leave the base out, or give the <body> a <freejoint/>, a <joint> or none",
+            fix="leave the base out, or change what ties the description's first link to the world",
         )
 
 
-def _read(
-    path: Path, card: Card | None, base: str | None, folder: Path | None, asked: str | None
-) -> Robot:
+def _read(path: Path, card: Card | None, base: str | None, folder: Path | None) -> Robot:
     _check_place(path, folder)
     if path.suffix.lower() not in ENDINGS:
         raise RobotError(
@@ -82,9 +86,7 @@ def _read(
     if tree.tag == "mujoco":
         from morph.body.mjcf import robot_from_mjcf
 
-        robot = robot_from_mjcf(tree, path, files, card)
-        _check_base(robot, path, asked)
-        return robot
+        return robot_from_mjcf(tree, path, files, card)
     from morph.body.urdf import draft_urdf
     from morph.body.urdf_robot import robot_from_draft
 

@@ -3,28 +3,60 @@
 from __future__ import annotations
 
 import json
+import shlex
 import sys
+from typing import TYPE_CHECKING
 
 from morph.app.cli.arguments import Convert
+from morph.app.cli.words import harmless, paragraph, say, width
+
+if TYPE_CHECKING:
+    from morph.body.convert import Conversion
+    from morph.body.robot import Robot
+
+SCHEMA = "morph.conversion/1"
+"""Name and version of what `--json` prints."""
 
 
 def run_convert(asked: Convert) -> int:
-    """Write the description and return the exit status."""
-    from morph.body.convert import convert
+    """Write the description and return the exit status.
+
+    Raises:
+        MorphError: The robot cannot be used, or the folder cannot be written to.
+    """
+    from morph.body.convert import check_folder, convert
     from morph.body.load import load
 
+    check_folder(asked.out)
     robot = load(asked.robot, base=asked.base, folder=asked.folder)
     written = convert(robot, asked.to, asked.out)
     if asked.json:
-        names = [str(path) for path in written.files]
-        left_out = list(written.left_out)
-        content = {"schema": "morph.conversion/1", "files": names, "left_out": left_out}
-        sys.stdout.write(json.dumps(content, indent=2) + "\n")
-        return 0
-    sys.stdout.write(f"wrote {written.files[0]} and {len(written.files) - 1} files beside it\n")
+        content = {
+            "schema": SCHEMA,
+            "files": [str(path) for path in written.files],
+            "left_out": list(written.left_out),
+        }
+        sys.stdout.write(json.dumps(content, indent=2, allow_nan=False) + "\n")
+    else:
+        columns = width()
+        lines = [piece for line in _words(asked, robot, written) for piece in _fit(line, columns)]
+        say((line, "") for line in lines)
+    return 0
+
+
+def _fit(line: str, columns: int | None) -> list[str]:
+    return paragraph(harmless(line), 4, columns)
+
+
+def _words(asked: Convert, robot: Robot, written: Conversion) -> list[str]:
+    meshes = len(written.files) - 2
+    beside = f", {meshes} mesh{'es' if meshes > 1 else ''}" if meshes else ""
+    lines = [f"wrote {written.files[0]}{beside} and {written.files[-1].name}"]
     repaired = sum(finding.severity == "repaired" for finding in robot.findings)
     if repaired:
-        sys.stdout.write(f"{repaired} repairs are in it; morph inspect {asked.robot} lists them\n")
-    for left in written.left_out:
-        sys.stdout.write(f"left out: {left}\n")
-    return 0
+        asking = f"morph inspect {shlex.quote(asked.robot)}"
+        many = f"{repaired} repairs are" if repaired > 1 else "1 repair is"
+        lines.append(f"{many} in it, which {asking} lists")
+    if written.left_out:
+        lines += [f"{asked.to.upper()} does not hold:", *(f"  {left}" for left in written.left_out)]
+    return lines

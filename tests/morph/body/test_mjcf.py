@@ -284,5 +284,5 @@ def test_an_mjcf_without_a_body_is_refused(tmp_path: Path) -> None:
 def test_a_base_that_an_mjcf_does_not_have_is_refused(tmp_path: Path) -> None:
     path = mjcf(tmp_path, BODY.format(""))
     assert load(path, base="fixed").joints[0].name == "j"
-    with pytest.raises(DescriptionRefused, match="says itself how its base stands"):
+    with pytest.raises(DescriptionRefused, match="says itself how its base stands: fixed"):
         load(path, base="floating")
