@@ -95,5 +95,7 @@ class Convert:
     """How it stands in the world, where the description does not say."""
     folder: Path | None = None
     """Folder outside which nothing is read; by default the description's own."""
+    pieces: bool = False
+    """Cut collision meshes into convex pieces; seconds to minutes, kept for the next time."""
     json: bool = False
-    """Print what was written as JSON."""
+    """Print what was written as JSON, by the schema morph.conversion/1."""

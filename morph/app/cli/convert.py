@@ -5,12 +5,14 @@ from __future__ import annotations
 import json
 import shlex
 import sys
+from dataclasses import asdict
 from typing import TYPE_CHECKING
 
 from morph.app.cli.arguments import Convert
 from morph.app.cli.words import harmless, paragraph, say, width
 
 if TYPE_CHECKING:
+    from morph.body.collide import Cut
     from morph.body.convert import Conversion
     from morph.body.robot import Robot
 
@@ -29,17 +31,25 @@ def run_convert(asked: Convert) -> int:
 
     check_folder(asked.out)
     robot = load(asked.robot, base=asked.base, folder=asked.folder)
+    cuts: tuple[Cut, ...] = ()
+    if asked.pieces:
+        from morph.body.collide import with_pieces
+
+        robot, cuts = with_pieces(robot, told=_cutting)
     written = convert(robot, asked.to, asked.out)
     if asked.json:
         content = {
             "schema": SCHEMA,
             "files": [str(path) for path in written.files],
             "left_out": list(written.left_out),
+            "pieces": [asdict(cut) for cut in cuts],
         }
         sys.stdout.write(json.dumps(content, indent=2, allow_nan=False) + "\n")
     else:
         columns = width()
-        lines = [piece for line in _words(asked, robot, written) for piece in _fit(line, columns)]
+        lines = [
+            piece for line in _words(asked, robot, written, cuts) for piece in _fit(line, columns)
+        ]
         say((line, "") for line in lines)
     return 0
 
@@ -48,7 +58,12 @@ def _fit(line: str, columns: int | None) -> list[str]:
     return paragraph(harmless(line), 4, columns)
 
 
-def _words(asked: Convert, robot: Robot, written: Conversion) -> list[str]:
+def _cutting(mesh: str) -> None:
+    sys.stderr.write(f"cutting {harmless(mesh)}\n")
+    sys.stderr.flush()
+
+
+def _words(asked: Convert, robot: Robot, written: Conversion, cuts: tuple[Cut, ...]) -> list[str]:
     meshes = len(written.files) - 2
     beside = f", {meshes} mesh{'es' if meshes > 1 else ''}" if meshes else ""
     lines = [f"wrote {written.files[0]}{beside} and {written.files[-1].name}"]
@@ -57,6 +72,11 @@ def _words(asked: Convert, robot: Robot, written: Conversion) -> list[str]:
         asking = f"morph inspect {shlex.quote(asked.robot)}"
         many = f"{repaired} repairs are" if repaired > 1 else "1 repair is"
         lines.append(f"{many} in it, which {asking} lists")
+    for cut in cuts:
+        filled = f"{cut.hull_ratio:.3g} of its volume as its hull"
+        if cut.pieces > 1:
+            filled += f", {cut.pieces_ratio:.3g} as {cut.pieces} pieces"
+        lines.append(f"{cut.mesh} of {cut.link} fills {filled}")
     if written.left_out:
         lines += [f"{asked.to.upper()} does not hold:", *(f"  {left}" for left in written.left_out)]
     return lines

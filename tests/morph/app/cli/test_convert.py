@@ -7,6 +7,7 @@ from pathlib import Path
 import jsonschema
 import mujoco
 import pytest
+import trimesh
 
 import morph.app.cli.convert
 from morph.app.cli.main import main
@@ -73,6 +74,33 @@ def test_json_is_by_its_schema(tmp_path: Path, capsys: pytest.CaptureFixture[str
     assert set(files) == {path for path in (tmp_path / "out").rglob("*") if path.is_file()}
     assert (files[0].name, files[-1].name) == ("robot.urdf", "findings.json")
     assert "the gains of 8 servos" in content["left_out"]
+
+
+@pytest.mark.parametrize("to", FORMATS)
+def test_meshes_are_cut_into_pieces_when_asked(
+    to: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("MORPH_CACHE", str(tmp_path / "cache"))
+    # Two boxes beside each other: the hull of both fills the gap between them as well.
+    boxes = (trimesh.creation.box((1, 1, 1)), trimesh.creation.box((1, 1, 1)))
+    boxes[1].apply_translation((3, 0, 0))
+    trimesh.util.concatenate(boxes).export(tmp_path / "two.stl")
+    (tmp_path / "robot.xml").write_text(
+        "<mujoco><asset><mesh name='two' file='two.stl'/></asset><worldbody><body name='a'>"
+        "<geom type='mesh' mesh='two' group='3'/></body></worldbody></mujoco>"
+    )
+    asked = (tmp_path / "robot.xml", "--pieces", "--to", to, "--out", tmp_path / "out", "--json")
+    assert main(["convert", *map(str, asked)]) == 0
+    told = capsys.readouterr()
+    assert told.err == "cutting two\n"
+    content = json.loads(told.out)
+    jsonschema.Draft202012Validator(SCHEMA).validate(content)
+    (cut,) = content["pieces"]
+    # 4 of hull for 2 of boxes; a piece is rounded off by a hundredth of the whole.
+    assert (cut["link"], cut["mesh"], cut["pieces"]) == ("a", "two", 2)
+    assert cut["hull_ratio"] == pytest.approx(2.0, rel=1e-6)
+    assert cut["pieces_ratio"] == pytest.approx(1.0, abs=0.05)
+    assert mujoco.MjModel.from_xml_path(content["files"][0]).ngeom == 2
 
 
 def test_repairs_are_said_and_where_to_see_them(
