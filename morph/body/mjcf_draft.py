@@ -61,6 +61,7 @@ class Lines:
 
 def draft_of(robot: Robot, model: Any, path: Path, lines: Lines) -> Draft:
     """Return a robot's draft: masses and shapes as MuJoCo compiled them."""
+    meshes: dict[int, Mesh] = {}
     links, joints = [], []
     for body in range(1, model.nbody):
         name = model.body(body).name
@@ -72,7 +73,7 @@ def draft_of(robot: Robot, model: Any, path: Path, lines: Lines) -> Draft:
                 mass=link.mass,
                 com=np.array(link.com),
                 inertia=np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]),
-                shapes=_shapes(model, body),
+                shapes=_shapes(model, body, meshes),
                 line=lines.place("body", name).line,
             )
         )
@@ -86,7 +87,7 @@ def _pose(position: Any, quaternion: Any) -> Pose:
     return Pose(position=np.array(position), rotation=turn.reshape(3, 3))
 
 
-def _shapes(model: Any, body: int) -> tuple[Shape, ...]:
+def _shapes(model: Any, body: int, meshes: dict[int, Mesh]) -> tuple[Shape, ...]:
     shapes = []
     first = model.body_geomadr[body]
     for geom in range(first, first + model.body_geomnum[body]):
@@ -105,7 +106,7 @@ def _shapes(model: Any, body: int) -> tuple[Shape, ...]:
                     "mesh": (),
                 }.get(kind, (float(size[0]), 2 * float(size[1]))),
                 file=model.mesh(model.geom_dataid[geom]).name if kind == "mesh" else "",
-                mesh=_mesh(model, model.geom_dataid[geom]) if kind == "mesh" else None,
+                mesh=_mesh(model, int(model.geom_dataid[geom]), meshes) if kind == "mesh" else None,
             )
             for role in roles(model, geom)
         ]
@@ -122,12 +123,15 @@ def roles(model: Any, geom: int) -> list[str]:
     return ["visual"] * bool(shown) + ["collision"] * bool(touches)
 
 
-def _mesh(model: Any, mesh: int) -> Mesh:
-    vertex, face = model.mesh_vertadr[mesh], model.mesh_faceadr[mesh]
-    return Mesh(
-        vertices=model.mesh_vert[vertex : vertex + model.mesh_vertnum[mesh]].astype(float),
-        faces=model.mesh_face[face : face + model.mesh_facenum[mesh]].astype(np.int64),
-    )
+def _mesh(model: Any, mesh: int, meshes: dict[int, Mesh]) -> Mesh:
+    # One object a mesh, so that what is computed of it is computed once.
+    if mesh not in meshes:
+        vertex, face = model.mesh_vertadr[mesh], model.mesh_faceadr[mesh]
+        meshes[mesh] = Mesh(
+            vertices=model.mesh_vert[vertex : vertex + model.mesh_vertnum[mesh]].astype(float),
+            faces=model.mesh_face[face : face + model.mesh_facenum[mesh]].astype(np.int64),
+        )
+    return meshes[mesh]
 
 
 def _joints(model: Any, body: int, lines: Lines) -> list[DraftJoint]:
