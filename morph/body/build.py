@@ -19,6 +19,9 @@ VISUAL_GROUP, COLLISION_GROUP = 1, 3
 GREY = (0.7, 0.7, 0.7, 1.0)
 """Colour of a shape that has none."""
 
+LEAST_AREA = 1e-12
+"""Area of a mesh that is left out, m2, with room above MuJoCo's own least of 1e-15."""
+
 HINGE, SLIDE = mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE
 
 
@@ -153,7 +156,7 @@ class _Builder:
         settings: dict[str, Any] = {}
         pose = shape.pose
         if shape.kind == "mesh":
-            if shape.mesh is None or not visible(shape.mesh):
+            if shape.mesh is None or not visible(shape.mesh.scaled(shape.scale)):
                 return
             settings = {"type": kinds.mjGEOM_MESH, "meshname": self.mesh(shape, shape.mesh)}
         elif min(shape.size) > 0:
@@ -218,11 +221,12 @@ def principal(inertia: Array | None) -> tuple[Array, Array]:
 
 
 def visible(mesh: Mesh) -> bool:
-    """Return whether a mesh has an extent in all three directions, as MuJoCo wants."""
-    extent = mesh.bounds[1] - mesh.bounds[0]
+    """Return whether a mesh has an area and an extent in all directions, as MuJoCo wants."""
     points = mesh.vertices - mesh.bounds.mean(axis=0)
     spread = np.linalg.eigvalsh(points.T @ points)
-    return bool(extent.max() > 0 and spread[0] > 1e-14 * spread[2] and len(mesh.vertices) >= 4)
+    a, b, c = (points[mesh.faces[:, k]] for k in range(3))
+    area = np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2
+    return bool(area > LEAST_AREA and spread[0] > 1e-14 * spread[2] and len(mesh.vertices) >= 4)
 
 
 def _across(axis: Array) -> tuple[Array, Array]:

@@ -14,6 +14,9 @@ from morph.errors import RobotError
 LARGEST = 1e12
 """Greatest length, mass or angle that is still taken for one, in its unit."""
 
+SMALLEST = 1e-15
+"""Least size or limit that is more than nothing: MuJoCo's mjMINVAL."""
+
 LONGEST = 1000
 """Most characters of an attribute that holds numbers."""
 
@@ -65,7 +68,7 @@ def maybe_number(element: Element, key: str) -> float | None:
             where=element.place,
             fix=f"write {key} as one number",
         )
-    return values[0]
+    return 0.0 if abs(values[0]) <= SMALLEST else values[0]
 
 
 def _floats(text: str) -> list[float]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from morph.body.draft import MOVING, Draft, DraftJoint, DraftLink, Mimic, Pose, Shape
 from morph.body.finding import Finding, Where
-from morph.body.numbers import maybe_number, number, numbers, rotation
+from morph.body.numbers import SMALLEST, maybe_number, number, numbers, rotation
 from morph.body.refusal import about_file, refusal
 from morph.body.xml import Element
 from morph.errors import RobotError
@@ -213,7 +213,7 @@ def _shape(element: Element, role: str, colours: dict[str, tuple[float, ...]]) -
         role=role,
         kind=held.tag,
         pose=_pose(element),
-        size=size,
+        size=tuple(0.0 if abs(edge) <= SMALLEST else edge for edge in size),
         file=held.get("filename", "")[:LONGEST_FILE] if held.tag == "mesh" else "",
         scale=(x, y, z),
         colour=None if colour is None else (colour[0], colour[1], colour[2], colour[3]),

@@ -8,6 +8,7 @@ from dataclasses import replace
 from morph.body.check.place import at_joint
 from morph.body.draft import MOVING, Draft, DraftJoint
 from morph.body.finding import Finding, Severity
+from morph.body.numbers import SMALLEST
 
 LARGEST = {"revolute": 4 * math.pi, "prismatic": 50.0}
 """Furthest that a limit may reach: two turns, rad; 50 m."""
@@ -53,7 +54,7 @@ def _range(draft: Draft, joint: DraftJoint, left_out: bool) -> tuple[DraftJoint,
         done = "it was taken as free to move"
         fix = "write the range, or make it continuous"
         return free, [_say(draft, joint, "limit-absurd", "repaired", shown, done, fix)]
-    if lower == upper:
+    if abs(upper - lower) <= SMALLEST * max(1.0, abs(lower)):
         return _empty(draft, joint, lower, left_out, shown)
     findings = []
     if lower > upper:
