@@ -71,6 +71,15 @@ def test_the_wheel_holds_every_file_of_the_shelf(wheel: Path) -> None:
     assert shelf <= names
 
 
+def test_the_wheel_holds_every_schema(wheel: Path) -> None:
+    names = set(zipfile.ZipFile(wheel).namelist())
+    schemas = {path.relative_to(ROOT).as_posix() for path in ROOT.glob("morph/**/*.schema.json")}
+    assert {Path(name).name.partition(".")[0] for name in schemas} == {
+        *("conversion", "diagnosis", "findings", "inspection")
+    }
+    assert schemas <= names
+
+
 def test_the_installed_morph_finds_its_shelf(site: Path, tmp_path: Path) -> None:
     code = (
         "import morph, morph.body.shelf as s; print(morph.__file__, morph.__version__, *s.names())"

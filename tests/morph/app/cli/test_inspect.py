@@ -269,36 +269,3 @@ def test_a_terminal_is_coloured() -> None:
     shown = os.read(main_end, 100_000).decode()
     os.close(main_end)
     assert "\x1b[1m" in shown
-
-
-def test_nobody_who_reads_on_is_no_error() -> None:
-    process = subprocess.Popen(
-        [*COMMAND, "humanoid", "--json"], stdout=subprocess.PIPE, stderr=subprocess.PIPE
-    )
-    assert process.stdout is not None
-    assert process.stderr is not None
-    process.stdout.read(1)
-    process.stdout.close()
-    assert process.wait(timeout=60) == 0
-    assert process.stderr.read() == b""
-    process.stderr.close()
-
-
-@pytest.mark.parametrize("command", ["inspect", "convert", "diagnose", "list"])
-def test_help_has_an_example(command: str, capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(SystemExit) as left:
-        main([command, "--help"])
-    assert left.value.code == 0
-    assert f"Example: morph {command} " in capsys.readouterr().out
-
-
-def test_the_version_is_said(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["--version"]) == 0
-    assert capsys.readouterr().out == f"morph {morph.__version__}\n"
-
-
-def test_every_body_of_the_shelf_is_listed(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["list", "robots"]) == 0
-    rows = capsys.readouterr().out.splitlines()
-    assert [row.split()[0] for row in rows[1:] if row[0] != " "] == sorted(shelf.names())
-    assert max(map(len, rows)) <= 80
