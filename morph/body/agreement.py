@@ -70,6 +70,8 @@ def disagreement(robot: Robot) -> list[Finding]:
     if worst <= TOLERANCE:
         return findings
     what = f"mass, centre of mass or inertia differ by {worst:.2g} of their size"
+    if not np.isfinite(worst):
+        what = "they find different numbers of degrees of freedom"
     return [_finding(robot, what)]
 
 

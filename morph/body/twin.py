@@ -80,7 +80,10 @@ def twin_of_source(robot: Robot) -> Any:
 
     tree = source_tree(robot.source, Files(robot.source))
     text = ElementTree.tostring(tree, encoding="unicode")
-    floats = bool(robot.joints) and robot.joints[0].kind == "free"
+    # A free root that the file states itself is in Pinocchio's reading already.
+    stated = {joint.get("name") for joint in tree.children("joint")}
+    free = [joint.name for joint in robot.joints if joint.kind == "free"]
+    floats = any(name not in stated for name in free)
     root = (pinocchio.JointModelFreeFlyer(),) if floats else ()
     try:
         with _silent():

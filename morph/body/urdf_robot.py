@@ -13,7 +13,7 @@ from morph.body.check.place import WORLD, at_robot
 from morph.body.draft import Draft
 from morph.body.finding import Finding
 from morph.body.linkage import close_chain
-from morph.body.measured import marked, weigh
+from morph.body.measured import marked, weighed
 from morph.body.motors import add_motors
 from morph.body.normal import robot_of
 from morph.body.paths import Files
@@ -30,7 +30,7 @@ def robot_from_draft(
         DescriptionRefused: It cannot be simulated; its findings say why.
         RobotError: MuJoCo refuses it, or the card does not fit it.
     """
-    draft, found = check(draft, files)
+    draft, found = check(weighed(draft, card), files)
     findings = [*findings, *found]
     if any(finding.severity == "refused" for finding in findings):
         raise refusal(findings)
@@ -42,7 +42,6 @@ def robot_from_draft(
     findings += self_collisions(draft, pairs)
     for pair in pairs:
         spec.add_exclude(bodyname1=pair.one, bodyname2=pair.other)
-    weigh(spec, card, str(draft.file.parent / "card.toml"))
     add_motors(spec, card, draft)
     for closure in card.closure if card else ():
         close_chain(spec, closure, str(draft.file))

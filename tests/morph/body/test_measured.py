@@ -40,6 +40,18 @@ def test_a_weighed_link_keeps_the_form_of_its_inertia(tmp_path: Path) -> None:
     assert link.inertia_from == "measured"
 
 
+def test_a_weighed_link_without_inertia_takes_the_form_of_its_shape(tmp_path: Path) -> None:
+    box = '<collision><geometry><box size="0.1 0.2 0.3"/></geometry></collision></link>'
+    bare = f'<robot name="lever"><link name="base"/><link name="arm">{box}'
+    text = bare + URDF[URDF.index("<joint") :]
+    robot = load(lever(tmp_path, "a.urdf", text, weighed("arm", 6.0)))
+    # 6 kg: xx = 6 / 12 (0.2^2 + 0.3^2) = 0.065 kg m2.
+    assert robot.link("arm").mass == 6.0
+    assert robot.link("arm").inertia[0] == pytest.approx(0.065, abs=1e-12)
+    assert robot.link("arm").inertia_from == "measured"
+    assert "mass-missing" not in {finding.code for finding in robot.findings}
+
+
 def test_a_weighed_body_of_mjcf_too(tmp_path: Path) -> None:
     # The box weighs 48 kg by its density, and 2.08 kg m2 about x.
     link = load(lever(tmp_path, "a.xml", MJCF, weighed("arm", 24.0))).link("arm")
