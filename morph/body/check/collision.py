@@ -121,7 +121,7 @@ def _placed(draft: Draft) -> list[Placed]:
 
 
 def _collides(link: DraftLink) -> list[Shape]:
-    return [shape for shape in link.shapes if shape.role == "collision"]
+    return [s for s in link.shapes if s.role == "collision" and 0.0 not in s.scale]
 
 
 def _reaches(one: Placed, other: Placed) -> bool:

@@ -95,12 +95,15 @@ def _density(draft: Draft, link: DraftLink, value: float, volume: float, middle:
 
 
 def _inertia(draft: Draft, link: DraftLink, hull: Solid) -> list[Finding]:
-    if link.inertia is None or not link.mass:
+    if link.inertia is None or not (link.mass or 0.0) > 0:
         return []
+    moments = np.linalg.eigvalsh(link.inertia)
+    if moments[0] < 0 or not moments[2] > 0:
+        return []  # No body has it, which check_mass tells.
     points = np.concatenate([corners(shape) for shape in link.shapes])
     reach = np.linalg.norm(points - link.com, axis=1).max()
     about = hull.inertia / hull.volume + parallel(hull.com - link.com)
-    largest = np.linalg.eigvalsh(link.inertia)[2] / link.mass
+    largest = moments[2] / link.mass
     filled = np.linalg.eigvalsh(hull.inertia)[2] / hull.volume
     if largest > WIDEST * reach**2:
         return [_size(draft, link, "inertia-oversized", largest**0.5, float(reach))]

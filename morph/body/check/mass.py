@@ -67,7 +67,8 @@ def _is_heavy(link: DraftLink) -> bool:
         return False
     given = link.inertia is not None and np.any(link.inertia)
     inertia = link.inertia if given else ball(mass, DENSITY)
-    return float(np.trace(np.asarray(inertia))) > LEAST
+    # Not the trace: an inertia that no body has may add up to nothing, and its mass still counts.
+    return float(np.abs(np.asarray(inertia)).max()) > LEAST
 
 
 def _link(
@@ -92,7 +93,8 @@ def _from_shape(link: DraftLink, mass: float | None = None) -> DraftLink | None:
         return None
     density = DENSITY if mass is None else mass / found.volume
     inertia = found.inertia * density
-    if not is_physical(inertia):
+    light = found.volume * density <= LIGHTEST or np.abs(inertia).max() <= LEAST
+    if light or not is_physical(inertia):
         return None
     return replace(
         link,

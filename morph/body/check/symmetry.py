@@ -239,13 +239,16 @@ def _masses(draft: Draft) -> list[Finding]:
         left, right = links[one], links[other]
         if left.inertia_from != "description" or right.inertia_from != "description":
             continue
-        if left.inertia is None or right.inertia is None or not left.mass or not right.mass:
+        if left.inertia is None or right.inertia is None:
+            continue
+        if not left.mass or not right.mass or min(left.mass, right.mass) < 0:
             continue
         moments = np.linalg.eigvalsh(left.inertia), np.linalg.eigvalsh(right.inertia)
         if moments[0][0] <= 0 or moments[1][0] <= 0:
             continue
-        ratios = np.append(moments[0] / moments[1], left.mass / right.mass)
-        worst = float(np.exp(np.abs(np.log(ratios)).max()))
+        with np.errstate(over="ignore"):
+            ratios = np.append(moments[0], left.mass) / np.append(moments[1], right.mass)
+            worst = float(np.exp(np.abs(np.log(ratios)).max()))
         if worst > UNEQUAL:
             findings.append(
                 Finding(

@@ -128,3 +128,12 @@ def test_a_surface_winds_once_about_points_inside_and_never_about_points_outside
     assert turns == pytest.approx((reach < 1).astype(float), abs=1e-9)
     inverted = winding(np.array(ball.vertices), np.array(ball.faces)[:, ::-1], points)
     assert inverted == pytest.approx(turns, abs=1e-9)
+
+
+def test_a_mesh_scaled_to_nothing_touches_nothing(bench: Any) -> None:
+    ball = bytes(trimesh.creation.icosphere(subdivisions=1, radius=0.1).export(file_type="stl"))
+    for scale in ("1 1 0", "0 0 0", "1e-20 1e-20 1e-20"):
+        shape = bench.mesh("ball.stl", role="collision", scale=scale)
+        reading = gripper(bench, shape, 0.1, files={"ball.stl": ball})
+        assert reading.robot is not None
+        assert reading.of("self-collision") == []

@@ -116,3 +116,9 @@ def test_a_mass_that_is_hung_on_one_side_is_no_exchange(bench: Any) -> None:
     xx, yy, zz = solid(mass / 2, edges)
     off = mass / 2 * 0.1**2 + mass / 2 * 0.1**2
     assert robot(bench, arm=(xx + off, yy + off, zz)).findings == ()
+
+
+def test_an_inertia_that_no_body_has_is_compared_with_no_shape(bench: Any) -> None:
+    reading = robot(bench, arm=(-1.0, -1.0, -1.0))
+    assert {finding.code for finding in reading.findings} == {"inertia-broken"}
+    assert robot(bench, arm=(1.0, -1.0, 0.0)).the("inertia-broken").where.name == "arm"

@@ -7,6 +7,8 @@ from typing import Any
 
 import pytest
 
+from morph.body.spec import spec_of
+
 
 def limited(bench: Any, limit: str, kind: str = "revolute", *held: str, **more: str) -> Any:
     """Return the reading of a robot with two joints, of which the second has this limit."""
@@ -133,3 +135,12 @@ def test_a_limit_of_half_a_turn_in_degrees_and_in_radians_are_told_apart(bench: 
     for upper, told in ((math.pi, False), (180.0, True)):
         reading = limited(bench, f'lower="0" upper="{upper!r}" effort="1" velocity="1"')
         assert bool(reading.of("limit-absurd")) == told
+
+
+@pytest.mark.parametrize("tiny", ["1e-300", "1e-20", "1e-16"])
+def test_what_is_too_small_for_mujoco_is_nothing_and_it_is_said(bench: Any, tiny: str) -> None:
+    # MuJoCo reads what is below 1e-15 as zero, and then refuses an empty range.
+    reading = limited(bench, f'lower="0" upper="{tiny}" effort="{tiny}" velocity="1"')
+    assert reading.stands("limit-range", "repaired", "joint", "odd")
+    assert reading.stands("limit-zero", "info", "joint", "odd")
+    spec_of(reading.robot).compile()

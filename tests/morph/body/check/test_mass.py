@@ -52,6 +52,13 @@ def test_a_link_that_moves_without_mass_or_shape_gets_a_token_and_it_is_said(ben
     assert reading.robot.link("arm").inertia_from == "none"
 
 
+def test_a_shape_too_small_to_weigh_anything_is_no_shape(bench: Any) -> None:
+    # A cube of a nanometre holds 1e-24 kg of water, and MuJoCo moves nothing below 1e-15.
+    reading = arm(bench, bench.link("arm", bench.box("1e-9 1e-9 1e-9"), mass=None))
+    assert reading.stands("mass-missing", "repaired", "link", "arm")
+    assert reading.robot.link("arm").inertia_from == "none"
+
+
 def test_a_frame_that_is_welded_on_needs_no_mass(bench: Any) -> None:
     reading = arm(bench, '<link name="arm"/>', "fixed")
     assert reading.findings == ()
@@ -116,6 +123,9 @@ def test_a_mass_without_inertia_or_shape_is_a_ball_of_water(bench: Any) -> None:
         (0.1, 0.1, 0.3),  # 0.1 + 0.1 < 0.3
         (0.3, -0.1, 0.3),  # negative
         (0.1, 0.1, 0.1, 0.2),  # an off-diagonal above the diagonal: not positive definite
+        (-0.1, -0.1, -0.1),  # nothing of it is of use
+        (0.1, -0.1, 0.0),  # it adds up to nothing
+        (0.0, 0.0, 0.0, 0.1),
     ],
 )
 def test_an_inertia_that_no_body_has_is_replaced_by_one_that_a_body_has(

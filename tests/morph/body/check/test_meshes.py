@@ -199,6 +199,7 @@ def test_a_visual_away_from_its_collision_shape_is_told(bench: Any) -> None:
     [
         ("box", 'size="0.1 0 0.1"'),
         ("box", 'size="-0.1 0.1 0.1"'),
+        ("box", 'size="0.1 1e-16 0.1"'),
         ("sphere", 'radius="0"'),
         ("sphere", ""),
         ("cylinder", 'radius="0.1"'),

@@ -102,3 +102,9 @@ def test_a_body_without_sides_has_no_symmetry_to_break(bench: Any) -> None:
         ),
     )
     assert reading.findings == ()
+
+
+def test_a_negative_mass_is_compared_with_no_twin(bench: Any) -> None:
+    reading = biped(bench, left_knee={"mass": -1.0})
+    assert reading.robot is None
+    assert {finding.code for finding in reading.findings} == {"inertia-broken"}
