@@ -79,7 +79,8 @@ class _Builder:
         queue = [(link.name, body)]
         while queue:
             name, parent = queue.pop()
-            for joint in reversed(self.below.get(name, [])):
+            # MuJoCo numbers siblings as they are made: in the file's order.
+            for joint in self.below.get(name, []):
                 queue.append((joint.child, self.child(parent, joint, base)))
 
     def stand(self, body: Any, base: str) -> None:

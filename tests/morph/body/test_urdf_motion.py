@@ -14,6 +14,7 @@ import pytest
 import yourdfpy
 from scipy.spatial.transform import Rotation
 
+from morph.body.load import load
 from morph.body.spec import spec_of
 
 TREES = 30
@@ -184,3 +185,20 @@ def test_a_joint_without_an_axis_turns_about_x(bench: Any) -> None:
     joint = bench.joint("j", "a", "b").replace('<axis xyz="0 0 1"/>', "")
     _, axes = moved(bench, joint, 0.5)
     assert axes == pytest.approx(Rotation.from_euler("x", 0.5).as_matrix())
+
+
+def test_joints_and_motors_stand_in_the_order_of_the_file(tmp_path: Path) -> None:
+    inertial = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1"/></inertial>'
+    text = '<robot name="hand"><link name="palm"/>'
+    for finger in ("thumb", "index", "ring"):
+        for number, parent in ((1, "palm"), (2, f"{finger}_1")):
+            name = f"{finger}_{number}"
+            text += f'<link name="{name}">{inertial}</link>'
+            text += f'<joint name="{name}" type="continuous"><parent link="{parent}"/>'
+            text += f'<child link="{name}"/></joint>'
+    path = tmp_path / "hand.urdf"
+    path.write_text(text + "</robot>")
+    robot = load(path)
+    wanted = ["thumb_1", "thumb_2", "index_1", "index_2", "ring_1", "ring_2"]
+    assert [joint.name for joint in robot.joints] == wanted
+    assert [actuator.joint for actuator in robot.actuators] == wanted
