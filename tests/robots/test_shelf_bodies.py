@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import xml.etree.ElementTree as ElementTree
 from typing import Any
 
@@ -23,6 +24,16 @@ BAD += (mujoco.mjtWarning.mjWARN_BADQACC, mujoco.mjtWarning.mjWARN_BADCTRL)
 
 WORDS = {"scale", "add", "drop", "lock", "stiffen", "heavier"}
 """The operations of vary.py that a card may name."""
+
+# A source must let a reader look the number up, or say that there is nothing to look up. So it
+# holds what a reader can follow, or one of the words that own up to the author or to arithmetic.
+TRACES = (
+    r"(?<![\w.])(?:18|19|20)\d\d(?![\w.]*\d)",  # The year of a publication.
+    r"\bat [0-9a-f]{7,40}\b",  # A commit.
+    r"\b[a-z-]+\.(?:com|fr|org)/",  # An address.
+    r"\b\w+\.(?:json|md|m|py|toml|urdf|xacro|xml|yml)\b|\brobots/\w+",  # A file.
+    r"(?i)\b(?:chosen|assumed|drawn|derived|uniform)\b",
+)
 
 
 def poses(model: Any) -> list[Array]:
@@ -71,6 +82,30 @@ def test_a_card_names_its_sources_and_only_parts_that_there_are(name: str) -> No
         assert parameter.low < parameter.high, parameter.name
     if robot.card.water is not None:
         assert robot.card.water.mass_kg == pytest.approx(robot.mass, abs=1e-9)
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_a_source_can_be_looked_up_or_says_that_a_number_is_chosen(name: str) -> None:
+    card = load(name).card
+    assert card is not None
+    vague = [one for one in card.source if not any(re.search(trace, one.from_) for trace in TRACES)]
+    assert vague == []
+
+
+@pytest.mark.parametrize(
+    ("words", "followed"),
+    [
+        ("9 g and 1.8 kgf cm at 4.8 V, as its sellers state", False),
+        ("Handbook values; a length of 0.2014 m, at 1040 kg/m3", False),
+        ("The maker's e-manual, page mx-28", False),
+        ("Winter 2009, table 4.1", True),
+        ("owner/robot at f21ff7e, joint origins", True),
+        ("emanual.robotis.com/docs/en/dxl/mx/mx-28", True),
+        ("Assumed", True),
+    ],
+)
+def test_what_sellers_or_a_handbook_say_is_no_source(words: str, followed: bool) -> None:
+    assert any(re.search(trace, words) for trace in TRACES) == followed
 
 
 @pytest.mark.parametrize("name", BODIES)
