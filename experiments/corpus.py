@@ -157,10 +157,10 @@ def _as_it_is(path: Path, *, shapes: bool = True) -> str:
     import mujoco
     from lxml import etree
 
-    from morph.body.quiet import quiet
+    from morph.body.quiet import quiet, silent
 
     try:
-        with quiet():
+        with quiet(), silent():
             if shapes or path.suffix.lower() != ".urdf":
                 model = mujoco.MjModel.from_xml_path(str(path))
             else:
@@ -262,7 +262,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     roots = asked.folder or [robots_root() if asked.set == "real" else packaged_root()]
     tasks = descriptions(roots)
     if not tasks:
-        sys.stderr.write(f"error: no description below {', '.join(map(str, roots))}\n")
+        sys.stderr.write(
+            f"error: no description below {', '.join(map(str, roots))}\n"
+            "  fix: name folders, or the real robots' by MORPH_ROBOTS\n"
+        )
         return 2
     began = time.monotonic()
     rows = []

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 from itertools import chain, islice
 from pathlib import Path
 
@@ -132,3 +133,26 @@ def _check(robot: Robot, card: Card) -> None:
                 where=where,
                 fix="correct the [[motor]] tables of card.toml",
             )
+    _check_parameters(robot, card)
+
+
+def _check_parameters(robot: Robot, card: Card) -> None:
+    if not card.parameter:
+        return
+    from morph.body.vary import OPERATIONS
+
+    operations = [operation.name for operation in OPERATIONS]
+    parts = ["*", *(link.name for link in robot.links), *(joint.name for joint in robot.joints)]
+    for parameter in card.parameter:
+        for key, value, known in (
+            ("operation", parameter.operation, operations),
+            ("link", parameter.link, parts),
+        ):
+            if value not in known:
+                near = difflib.get_close_matches(value, known, n=3, cutoff=0.4) or known[:8]
+                raise RobotError(
+                    f"the parameter {parameter.name!r} of its card names the {key} {value!r}, "
+                    f"which is not there; nearest: {', '.join(near)}",
+                    where=str(robot.source),
+                    fix="correct the [[parameter]] tables of card.toml",
+                )

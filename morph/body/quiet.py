@@ -1,7 +1,8 @@
-"""What MuJoCo warns of, caught instead of printed and written to a file of its own."""
+"""What engines warn of, caught instead of printed and written to files of their own."""
 
 from __future__ import annotations
 
+import os
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -29,3 +30,16 @@ def quiet() -> Iterator[list[str]]:
             keep(str(warning.message))
     finally:
         mujoco.set_mju_user_warning(before)
+
+
+@contextmanager
+def silent() -> Iterator[None]:
+    """Drop what a C library writes to standard error: it says the same in its exception."""
+    kept, nothing = os.dup(2), os.open(os.devnull, os.O_WRONLY)
+    try:
+        os.dup2(nothing, 2)
+        yield
+    finally:
+        os.dup2(kept, 2)
+        os.close(kept)
+        os.close(nothing)

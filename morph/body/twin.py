@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import os
 import tempfile
 import xml.etree.ElementTree as ElementTree
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -14,21 +11,9 @@ import numpy as np
 import pinocchio
 
 from morph.body.ground import flatten
+from morph.body.quiet import silent
 from morph.body.robot import Robot
 from morph.errors import RobotError
-
-
-@contextmanager
-def _silent() -> Iterator[None]:
-    """Drop what a C library writes to the terminal: it says the same in its exception."""
-    kept, nothing = os.dup(2), os.open(os.devnull, os.O_WRONLY)
-    try:
-        os.dup2(nothing, 2)
-        yield
-    finally:
-        os.dup2(kept, 2)
-        os.close(kept)
-        os.close(nothing)
 
 
 def twin_of(robot: Robot) -> Any:
@@ -86,7 +71,7 @@ def twin_of_source(robot: Robot) -> Any:
     floats = any(name not in stated for name in free)
     root = (pinocchio.JointModelFreeFlyer(),) if floats else ()
     try:
-        with _silent():
+        with silent():
             return pinocchio.buildModelFromXML(text, *root)
     except (ValueError, RuntimeError) as error:
         raise RobotError(

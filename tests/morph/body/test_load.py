@@ -206,7 +206,7 @@ def test_an_unknown_name_is_answered_with_the_nearest() -> None:
 
 
 def test_a_folder_without_a_card_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(RobotError, match="no card.toml that says which"):
+    with pytest.raises(RobotError, match=r"no card\.toml that says which"):
         load(tmp_path)
 
 
@@ -223,3 +223,18 @@ def test_a_robot_that_is_not_what_its_card_says_is_refused(
 ) -> None:
     with pytest.raises(RobotError, match=message):
         load(lever(tmp_path, card=card))
+
+
+@pytest.mark.parametrize(
+    ("operation", "link", "message"),
+    [
+        ("scael", "lever", "names the operation 'scael', which is not there; nearest: scale"),
+        ("scale", "levre", "names the link 'levre', which is not there; nearest: lever"),
+    ],
+)
+def test_a_parameter_that_varies_nothing_is_refused(
+    tmp_path: Path, operation: str, link: str, message: str
+) -> None:
+    card = f'[[parameter]]\nname = "length"\noperation = "{operation}"\nlink = "{link}"\n'
+    with pytest.raises(RobotError, match=message):
+        load(lever(tmp_path, card=card + "low = 0.5\nhigh = 2.0\n"))
