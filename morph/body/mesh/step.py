@@ -42,7 +42,7 @@ def read_step(content: bytes, where: str) -> Mesh:
         raise unreadable(
             "reading STEP needs cascadio, which is not installed",
             where,
-            "install it: pip install morph[step]; or export the part as STL",
+            "run .venv/bin/pip install -e '.[step]' in morph's repository; or export it as STL",
         )
     if not content.lstrip()[:12] == b"ISO-10303-21":
         raise unreadable("does not begin as STEP does, with ISO-10303-21", where)

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import yaml  # type: ignore[import-untyped]
+import yaml
 
 from morph.body.xacro.check import unknown_command
 from morph.body.xacro.expression import Evaluator
