@@ -10,9 +10,10 @@ import numpy as np
 
 from morph.body.card import Card
 from morph.body.finding import Finding, Where
+from morph.body.follow import followers, from_zero
 from morph.body.fulltext import fulltext
 from morph.body.quiet import quiet
-from morph.body.robot import Actuator, Joint, Link, Loop, Robot, Sensor
+from morph.body.robot import Actuator, Joint, Link, Loop, Mimic, Robot, Sensor
 from morph.errors import RobotError
 from morph.files import sha256
 
@@ -65,13 +66,15 @@ def robot_of(
     with quiet() as warned:
         model = compiled(spec, source)
     _check_finite(model, source)
+    sources = _sources(spec)
     _settle_inertias(spec, model)
+    follows, _ = followers(model)
     name = spec.modelname if spec.modelname not in ("", UNNAMED) else source.stem
     card_text = (source.parent / "card.toml").read_bytes() if card else b""
     return Robot(
         name=card.name if card else name,
-        links=tuple(_link(model, index) for index in range(1, model.nbody)),
-        joints=tuple(_joint(model, index) for index in range(model.njnt)),
+        links=tuple(_link(model, index, sources[index]) for index in range(1, model.nbody)),
+        joints=tuple(_joint(model, index, follows.get(index)) for index in range(model.njnt)),
         actuators=tuple(_actuator(model, index, source) for index in range(model.nu)),
         mjcf=fulltext(spec),
         assets=assets,
@@ -111,6 +114,15 @@ def _warning(words: str, name: str, source: Path) -> Finding:
         what=f"MuJoCo warns: {words}",
         fix="correct what it names; tiny masses far down a chain make a matrix near singular",
     )
+
+
+def _sources(spec: Any) -> dict[int, str]:
+    """Return where each body's inertia comes from."""
+    always = spec.compiler.inertiafromgeom == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE
+    return {
+        body.id: "mesh x density" if always or not body.explicitinertial else "description"
+        for body in spec.bodies
+    }
 
 
 def _settle_inertias(spec: Any, model: Any) -> None:
@@ -172,7 +184,7 @@ def _bytes(path: Path, source: Path) -> bytes:
         ) from error
 
 
-def _link(model: Any, index: int) -> Link:
+def _link(model: Any, index: int, origin: str) -> Link:
     turn = np.zeros(9)
     mujoco.mju_quat2Mat(turn, model.body_iquat[index])
     axes = turn.reshape(3, 3)
@@ -186,6 +198,7 @@ def _link(model: Any, index: int) -> Link:
             float(inertia[row, column])
             for row, column in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
         ),
+        inertia_from=origin if model.body_mass[index] > 0 else "none",
         parent=model.body(model.body_parentid[index]).name,
         shapes=tuple(_shapes(model, index)),
     )
@@ -202,7 +215,7 @@ def _shapes(model: Any, body: int) -> list[str]:
     return sorted(words, reverse=True)
 
 
-def _joint(model: Any, index: int) -> Joint:
+def _joint(model: Any, index: int, mimic: Mimic | None) -> Joint:
     kinds = {
         mujoco.mjtJoint.mjJNT_FREE: "free",
         mujoco.mjtJoint.mjJNT_BALL: "ball",
@@ -219,6 +232,7 @@ def _joint(model: Any, index: int) -> Joint:
         limits=(low, high) if model.jnt_limited[index] else None,
         axis=(x, y, z),
         effort=strongest if model.jnt_actfrclimited[index] else None,
+        mimic=mimic and from_zero(model, index, mimic),
     )
 
 

@@ -9,6 +9,7 @@ import mujoco
 import numpy as np
 
 from morph.arrays import Array
+from morph.body.follow import followers
 from morph.body.quiet import quiet
 from morph.body.robot import Joint, Robot
 from morph.body.urdf_omissions import few, omissions
@@ -64,11 +65,11 @@ class _Writer:
     def __init__(self, robot: Robot, model: Any, shapes: Shapes) -> None:
         self.robot, self.model, self.shapes = robot, model, shapes
         self.tree = ElementTree.Element("robot", name=robot.name)
-        self.left_out: list[str] = []
+        self.follows, tied = followers(model)
+        self.left_out = [f"how {name!r} is tied" for name in tied]
         self.unlimited: list[str] = []
         self.links = {WORLD, *(link.name for link in robot.links)}
         self.joints = {joint.name for joint in robot.joints}
-        self.follows = self._follows()
 
     def write(self) -> None:
         # Read by MuJoCo alone: keep every link, look and folder, and weigh no shape.
@@ -141,8 +142,9 @@ class _Writer:
         if np.any(damping[1:]):
             self.left_out.append(f"how the damping of {name!r} grows with speed")
         if joint in self.follows:
-            other, ratio, offset = self.follows[joint]
-            held = {"joint": other, "multiplier": number(ratio), "offset": number(offset)}
+            mimic = self.follows[joint]
+            held = {"joint": mimic.joint, "multiplier": number(mimic.ratio)}
+            held["offset"] = number(mimic.offset)
             ElementTree.SubElement(element, "mimic", held)
 
     def limit(self, element: ElementTree.Element, joint: int, known: Joint) -> None:
@@ -198,23 +200,6 @@ class _Writer:
         full = axes @ np.diag(writable(model.body_inertia[body])) @ axes.T
         moments = {f"i{a}{b}": number(float(full[AXES[a], AXES[b]])) for a, b in PAIRS}
         ElementTree.SubElement(inertial, "inertia", moments)
-
-    def _follows(self) -> dict[int, tuple[str, float, float]]:
-        """Return, for each joint that follows another in proportion, the other, ratio, offset."""
-        model = self.model
-        found = {}
-        for index in range(model.neq):
-            kind = mujoco.mjtEq(model.eq_type[index])
-            if kind != mujoco.mjtEq.mjEQ_JOINT or not model.eq_active0[index]:
-                continue
-            first, second = int(model.eq_obj1id[index]), int(model.eq_obj2id[index])
-            offset, ratio, *higher = model.eq_data[index, :5].tolist()
-            name = model.joint(first).name
-            if second < 0 or any(higher):
-                self.left_out.append(f"how {name!r} is tied")
-            else:
-                found[first] = (model.joint(second).name, ratio, offset)
-        return found
 
 
 def writable(moments: Array) -> Array:

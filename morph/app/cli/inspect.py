@@ -30,6 +30,14 @@ MEANS = {
 }
 """What each verdict means."""
 
+SOURCES = {
+    "measured": "as weighed",
+    "description": "from the description",
+    "mesh x density": "from shapes and their density",
+    "none": "made up",
+}
+"""Where inertias come from, if all come from there."""
+
 COLOURS = {"refused": "bold red", "repaired": "yellow", "info": "cyan"}
 """Of a severity, where the terminal shows colours."""
 
@@ -97,7 +105,7 @@ def _head(found: Inspection, robot: Robot) -> list[str]:
     lines.append(f"  centre of mass at home ({x}, {y}, {z}) m, reach {found.reach:.3g} m")
     sources = {link.inertia_from for link in robot.links if link.mass}
     if len(sources) == 1:
-        lines.append(f"  inertias: from the {sources.pop()}" if sources != {"measured"} else "")
+        lines.append(f"  inertias {SOURCES[sources.pop()]}")
     return [*filter(None, lines), ""]
 
 

@@ -95,7 +95,7 @@ def test_a_joint_that_is_lost_is_a_finding(tmp_path: Path) -> None:
     text = re.sub(r"<actuator>.*</actuator>", "", text, flags=re.DOTALL)
     assert text != robot.mjcf
     (finding,) = disagreement(replace(robot, mjcf=text))
-    assert "differ by inf" in finding.what
+    assert "different numbers of degrees of freedom" in finding.what
 
 
 def test_a_repair_explains_a_difference(tmp_path: Path) -> None:

@@ -154,7 +154,6 @@ def test_every_reader_finds_the_same_body_in_what_was_written(
     "file",
     [
         "poppy_humanoid/robots/Poppy_Humanoid.URDF",
-        "aqua/aqua_description/urdf/aqua.urdf",
         "erd_bolt/robots/bolt.urdf",
         "sigmaban/robot.urdf",
         "open_duck_mini_v2/mjcf/scene_rough_terrain_backlash.xml",

@@ -41,10 +41,10 @@ def refused(path: Path) -> str:
     """Return why a description was refused, within a second and 200 MB."""
     load(path.parent / "first.xml")  # What is imported once is not counted.
     tracemalloc.start()
-    began = time.perf_counter()
+    began = time.process_time()
     with pytest.raises(DescriptionRefused) as error:
         load(path)
-    seconds = time.perf_counter() - began
+    seconds = time.process_time() - began
     _, most = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     assert seconds < 1.0
@@ -146,9 +146,9 @@ def test_a_picture_that_is_none_is_left_out(
 ) -> None:
     (folder / name).write_bytes(content)
     (folder / "robot.xml").write_text(text(holder.format(name)))
-    began = time.perf_counter()
+    began = time.process_time()
     robot = load(folder / "robot.xml")
-    assert time.perf_counter() - began < 1.0
+    assert time.process_time() - began < 1.0
     assert [each.code for each in robot.findings if each.severity == "repaired"] == [
         "mesh-unreadable"
     ]
@@ -211,7 +211,7 @@ def test_many_files_that_are_missing_are_told_at_once(folder: Path) -> None:
     geoms = "".join(f"<geom type='mesh' mesh='m{k}'/>" for k in range(number))
     holder = f"<asset>{meshes}</asset><worldbody>{geoms}</worldbody>"
     (folder / "robot.xml").write_text(text(holder))
-    began = time.perf_counter()
+    began = time.process_time()
     robot = load(folder / "robot.xml")
-    assert time.perf_counter() - began < 2.0
+    assert time.process_time() - began < 2.0
     assert len([each for each in robot.findings if each.code == "mesh-missing"]) == number
