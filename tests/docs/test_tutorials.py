@@ -10,7 +10,7 @@ import pytest
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 TUTORIALS = sorted(DOCS.glob("tutorial_*.md"))
-PAGES = [*TUTORIALS, DOCS / "vary.md", DOCS.parent / "README.md"]
+PAGES = [*TUTORIALS, DOCS / "card.md", DOCS / "vary.md", DOCS.parent / "README.md"]
 STUDIES = DOCS.parent / "experiments" / "README.md"
 LONGEST = 20.0
 """Seconds that a reader may wait for a tutorial."""
