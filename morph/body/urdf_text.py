@@ -64,7 +64,7 @@ class _Writer:
 
     def __init__(self, robot: Robot, model: Any, shapes: Shapes) -> None:
         self.robot, self.model, self.shapes = robot, model, shapes
-        self.tree = ElementTree.Element("robot", name=robot.name)
+        self.tree = ElementTree.Element("robot", name=writable_name(robot.name))
         self.follows, tied = followers(model)
         self.left_out = [f"how {name!r} is tied" for name in tied]
         self.unlimited: list[str] = []
@@ -200,6 +200,11 @@ class _Writer:
         full = axes @ np.diag(writable(model.body_inertia[body])) @ axes.T
         moments = {f"i{a}{b}": number(float(full[AXES[a], AXES[b]])) for a, b in PAIRS}
         ElementTree.SubElement(inertial, "inertia", moments)
+
+
+def writable_name(name: str) -> str:
+    """Return a name in letters that XML can hold: a file's own name may have others."""
+    return "".join(letter if letter.isprintable() else "_" for letter in name)
 
 
 def writable(moments: Array) -> Array:

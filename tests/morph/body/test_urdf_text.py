@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import mujoco
@@ -104,3 +105,12 @@ def test_moments_that_are_written_are_a_bodys_and_hardly_others(
     assert 2 * held.max() < held.sum()
     # At most the margin of 1e-11 of the greatest, or the least that MuJoCo reads.
     assert np.abs(held - moments).max() <= max(2e-11 * max(moments), 2 * LEAST)
+
+
+@pytest.mark.parametrize("name", [b"\xff", b"\x01\x1b"])
+def test_a_robot_named_by_a_file_that_is_no_text_is_written(name: bytes, tmp_path: Path) -> None:
+    path = tmp_path / os.fsdecode(name + b".xml")
+    body = "<body><joint/><geom size='1' mass='2'/></body>"
+    path.write_text(f"<mujoco><worldbody>{body}</worldbody></mujoco>")
+    assert masses(convert(load(path), "urdf", tmp_path / "out").files[0])["mujoco"] == 2.0
+    assert masses(convert(load(path), "mjcf", tmp_path / "out").files[0])["mujoco"] == 2.0
