@@ -139,8 +139,12 @@ def read_by_pinocchio(robot: Robot, *, repaired: bool = False) -> Reading:
     model = twin_of(robot) if repaired else twin_of_source(robot)
     data = model.createData()
     home = pinocchio.neutral(model)
-    for joint, place in zip(model.joints, model.jointPlacements, strict=True):
-        if joint.shortname() == "JointModelFreeFlyer":
+    floats = any(joint.kind == "free" for joint in robot.joints)
+    for joint, place, parent in zip(
+        model.joints, model.jointPlacements, model.parents, strict=True
+    ):
+        # A root that floats is put where MuJoCo's does; one further down keeps its place.
+        if floats and joint.shortname() == "JointModelFreeFlyer" and parent == 0:
             home[joint.idx_q : joint.idx_q + 7] = pinocchio.SE3ToXYZQUAT(place.inverse())
     pinocchio.forwardKinematics(model, data, home)
     masses = np.array([inertia.mass for inertia in model.inertias])

@@ -95,9 +95,14 @@ def _read(path: Path, card: Card | None, base: str | None, folder: Path | None) 
 
 
 def _check_place(path: Path, folder: Path | None) -> None:
-    if not path.is_file():
+    try:
+        path.stat()
+        why = "" if path.is_file() else "is no file"
+    except (OSError, ValueError) as error:
+        why = f"cannot be read: {getattr(error, 'strerror', None) or error}"
+    if why:
         raise RobotError(
-            "is no file" if path.exists() else "cannot be read: No such file or directory",
+            why,
             where=str(path),
             fix="give a file that exists, or a name that `morph list robots` shows",
         )

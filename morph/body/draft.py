@@ -163,6 +163,17 @@ class Draft:
         """Return, for each link that a joint moves, that joint."""
         return {joint.child: joint for joint in self.joints}
 
+    def heads(self) -> dict[str, str]:
+        """Return, for each link, the topmost of those that fixed joints weld to it."""
+        above = self.joint_above()
+        found: dict[str, str] = {}
+        for link in self.links:
+            name = link.name
+            while name in above and above[name].kind == "fixed":
+                name = above[name].parent
+            found[link.name] = name
+        return found
+
     def roots(self) -> tuple[str, ...]:
         """Return the links that no joint moves, in order."""
         children = {joint.child for joint in self.joints}

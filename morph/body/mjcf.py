@@ -60,7 +60,8 @@ def robot_from_mjcf(tree: Element, path: Path, files: Files, card: Card | None) 
     looked = check_meshes(draft)[1]
     for look in LOOKS:
         looked += look(draft)
-    pairs = touching(model)
+    with quiet():
+        pairs = touching(model)
     apart = [pair for pair in overlaps(draft) if frozenset((pair.one, pair.other)) in pairs]
     looked += self_collisions(draft, apart)
     findings += [_unchanged(finding) for finding in looked]

@@ -53,7 +53,7 @@ def twin_of_source(robot: Robot) -> Any:
     """Return Pinocchio's own reading of the file that a robot came from.
 
     Of a URDF it is the file itself, expanded if it is xacro, with a free root if
-    the robot floats; of all else what morph made of it.
+    the robot floats; of all else, and of one on a board, what morph made of it.
 
     Raises:
         RobotError: Pinocchio cannot read it.
@@ -69,6 +69,9 @@ def twin_of_source(robot: Robot) -> Any:
     stated = {joint.get("name") for joint in tree.children("joint")}
     free = [joint.name for joint in robot.joints if joint.kind == "free"]
     floats = any(name not in stated for name in free)
+    first = robot.joints[0] if robot.joints else None
+    if first is not None and first.kind == "slide" and first.name not in stated:
+        return twin_of(robot)  # It stands on a board, of which the file knows nothing.
     root = (pinocchio.JointModelFreeFlyer(),) if floats else ()
     try:
         with silent():

@@ -30,7 +30,7 @@ def robot_from_draft(
         DescriptionRefused: It cannot be simulated; its findings say why.
         RobotError: MuJoCo refuses it, or the card does not fit it.
     """
-    draft, found = check(weighed(draft, card), files)
+    draft, found = check(weighed(draft, card), files, base_moves=base in ("floating", "board"))
     findings = [*findings, *found]
     if any(finding.severity == "refused" for finding in findings):
         raise refusal(findings)

@@ -22,7 +22,7 @@ LOOKS = (check_lengths, check_fit, check_symmetry)
 """Checks that only look."""
 
 
-def check(draft: Draft, files: Files) -> tuple[Draft, list[Finding]]:
+def check(draft: Draft, files: Files, *, base_moves: bool = False) -> tuple[Draft, list[Finding]]:
     """Return a draft that can be simulated, and everything found in it.
 
     If a finding is of severity `refused`, the draft cannot be simulated.
@@ -38,5 +38,5 @@ def check(draft: Draft, files: Files) -> tuple[Draft, list[Finding]]:
     # What masses there were is looked at before missing ones are made up.
     for look in LOOKS:
         findings += look(draft)
-    draft, found = check_mass(draft)
+    draft, found = check_mass(draft, base_moves=base_moves)
     return draft, findings + found

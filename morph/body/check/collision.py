@@ -87,13 +87,7 @@ def self_collisions(draft: Draft, pairs: list[Overlap]) -> list[Finding]:
 
 def _joined(draft: Draft) -> set[frozenset[str]]:
     """Return the pairs of links with one moving joint or none between them."""
-    above = draft.joint_above()
-    head = {}
-    for link in draft.links:
-        name = link.name
-        while name in above and above[name].kind == "fixed":
-            name = above[name].parent
-        head[link.name] = name
+    head = draft.heads()
     heads = {(head[joint.parent], head[joint.child]) for joint in draft.joints}
     members: dict[str, list[str]] = {}
     for name, top in head.items():

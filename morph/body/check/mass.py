@@ -21,9 +21,14 @@ LIGHTEST, LEAST = 1e-13, 1e-14
 """Mass, kg, and inertia, kg m2, below which MuJoCo moves nothing (mjMINVAL 1e-15), with room."""
 
 
-def check_mass(draft: Draft) -> tuple[Draft, list[Finding]]:
-    """Return the draft with masses and inertias that MuJoCo can move, and what was wrong."""
-    heads, alone = _moving(draft)
+def check_mass(draft: Draft, *, base_moves: bool = False) -> tuple[Draft, list[Finding]]:
+    """Return the draft with masses and inertias that MuJoCo can move, and what was wrong.
+
+    Args:
+        draft: One tree.
+        base_moves: Whether its base is to float, or to stand on a board.
+    """
+    heads, alone = _moving(draft, base_moves)
     findings: list[Finding] = []
     changed = {}
     for link in draft.links:
@@ -43,20 +48,14 @@ def shape_of(link: DraftLink, *, hull: bool = False) -> Solid | None:
     return None
 
 
-def _moving(draft: Draft) -> tuple[set[str], set[str]]:
+def _moving(draft: Draft, base_moves: bool) -> tuple[set[str], set[str]]:
     """Return the links that bear a moving joint; and those that have no mass with it.
 
     What is welded to a link counts with it.
     """
-    above = draft.joint_above()
-    head = {}
-    for link in draft.links:
-        name = link.name
-        while name in above and above[name].kind == "fixed":
-            name = above[name].parent
-        head[link.name] = name
+    above, head = draft.joint_above(), draft.heads()
     heavy = {head[link.name] for link in draft.links if _is_heavy(link)}
-    heads = {name for name in head.values() if name in above}
+    heads = {name for name in head.values() if name in above or (base_moves and name != WORLD)}
     return heads, heads - heavy
 
 

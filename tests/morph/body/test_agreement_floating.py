@@ -24,3 +24,26 @@ def test_a_floating_body_written_as_urdf_is_read_alike(name: str, tmp_path: Path
 
 def test_there_are_bodies_that_float() -> None:
     assert {"humanoid", "sea_snake", "hexapod_swimmer"} <= set(FLOATING)
+
+
+@pytest.mark.parametrize("base", ["floating", "board"])
+def test_a_base_that_a_flag_frees_is_read_alike(base: str, tmp_path: Path) -> None:
+    inertial = '<inertial><mass value="2"/><inertia ixx="1" iyy="1" izz="1"/></inertial>'
+    path = tmp_path / "lever.urdf"
+    path.write_text(
+        f'<robot name="lever"><link name="hull">{inertial}</link><link name="arm">{inertial}</link>'
+        '<joint name="hinge" type="continuous"><origin xyz="0.3 0 0"/>'
+        '<parent link="hull"/><child link="arm"/></joint></robot>'
+    )
+    assert disagreement(load(path, base=base)) == []
+
+
+def test_a_floating_joint_further_down_keeps_its_place(tmp_path: Path) -> None:
+    inertial = '<inertial><mass value="2"/><inertia ixx="1" iyy="1" izz="1"/></inertial>'
+    path = tmp_path / "kite.urdf"
+    path.write_text(
+        f'<robot name="kite"><link name="hull">{inertial}</link><link name="arm">{inertial}</link>'
+        '<joint name="rope" type="floating"><origin xyz="0.3 0 0.4"/>'
+        '<parent link="hull"/><child link="arm"/></joint></robot>'
+    )
+    assert disagreement(load(path)) == []

@@ -156,7 +156,6 @@ def test_an_inertia_at_the_edge_of_what_bodies_have_is_left_alone(
     assert given == pytest.approx(sorted(flat), rel=1e-12)
 
 
-@pytest.mark.xfail(strict=True, reason="check() does not know that the base moves")
 def test_a_base_without_inertia_that_floats_is_mended_too(bench: Any) -> None:
     for base in ("floating", "board"):
         reading = bench.read(bench.link("trunk", bench.box(), mass=None), base=base)
