@@ -9,7 +9,7 @@ bin := $(VENV)/bin
 # The stamp carries the checksum of pyproject.toml, so that what is installed is never installed again.
 stamp := $(VENV)/.installed-$(shell cksum < pyproject.toml | cut -d ' ' -f 1)
 
-.PHONY: help demo test install lint types arrows clean
+.PHONY: help demo test install lint types arrows fuzz clean
 
 help: ## Show this list
 	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1|\2/p' Makefile | awk -F '|' '{printf "%-16s%s\n", $$1, $$2}'
@@ -29,6 +29,9 @@ types: $(stamp) ## Check types
 
 arrows: $(stamp) ## Check that imports point the right way
 	$(bin)/lint-imports --no-logo
+
+fuzz: $(stamp) ## Feed every reader with spoiled files for an hour; what crashes is kept in out/fuzz
+	$(bin)/python -m experiments.fuzz_readers all --seconds 3600 --out out/fuzz
 
 install: $(stamp) ## Set up what is missing, and no more
 

@@ -16,14 +16,15 @@ from morph.body import shelf
 from morph.body.load import FREEDOMS, load
 from morph.body.spec import spec_of
 from morph.body.twin import twin_of
+from morph.body.vary import OPERATIONS
 
 BODIES = tuple(name for name in shelf.names() if shelf.find(name).parent == shelf.builtin_shelf())
 
 BAD = (mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL)
 BAD += (mujoco.mjtWarning.mjWARN_BADQACC, mujoco.mjtWarning.mjWARN_BADCTRL)
 
-WORDS = {"scale", "add", "drop", "lock", "stiffen", "heavier"}
-"""The operations of vary.py that a card may name."""
+WORDS = {kind.name for kind in OPERATIONS if kind.amount}
+"""The operations that a card's parameter may name: those with an amount to set."""
 
 # A source must let a reader look the number up, or say that there is nothing to look up. So it
 # holds what a reader can follow, or one of the words that own up to the author or to arithmetic.
