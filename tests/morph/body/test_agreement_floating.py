@@ -11,6 +11,11 @@ from morph.body.agreement import disagreement
 from morph.body.convert import convert
 from morph.body.load import load
 
+MASS = (
+    '<inertial><mass value="2"/>'
+    '<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+)
+
 FLOATING = [
     name for name in shelf.names() if any(joint.kind == "free" for joint in load(name).joints)
 ]
@@ -28,10 +33,9 @@ def test_there_are_bodies_that_float() -> None:
 
 @pytest.mark.parametrize("base", ["floating", "board"])
 def test_a_base_that_a_flag_frees_is_read_alike(base: str, tmp_path: Path) -> None:
-    inertial = '<inertial><mass value="2"/><inertia ixx="1" iyy="1" izz="1"/></inertial>'
     path = tmp_path / "lever.urdf"
     path.write_text(
-        f'<robot name="lever"><link name="hull">{inertial}</link><link name="arm">{inertial}</link>'
+        f'<robot name="lever"><link name="hull">{MASS}</link><link name="arm">{MASS}</link>'
         '<joint name="hinge" type="continuous"><origin xyz="0.3 0 0"/>'
         '<parent link="hull"/><child link="arm"/></joint></robot>'
     )
@@ -39,10 +43,9 @@ def test_a_base_that_a_flag_frees_is_read_alike(base: str, tmp_path: Path) -> No
 
 
 def test_a_floating_joint_further_down_keeps_its_place(tmp_path: Path) -> None:
-    inertial = '<inertial><mass value="2"/><inertia ixx="1" iyy="1" izz="1"/></inertial>'
     path = tmp_path / "kite.urdf"
     path.write_text(
-        f'<robot name="kite"><link name="hull">{inertial}</link><link name="arm">{inertial}</link>'
+        f'<robot name="kite"><link name="hull">{MASS}</link><link name="arm">{MASS}</link>'
         '<joint name="rope" type="floating"><origin xyz="0.3 0 0.4"/>'
         '<parent link="hull"/><child link="arm"/></joint></robot>'
     )
