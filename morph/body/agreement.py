@@ -49,8 +49,8 @@ class Reading:
 def disagreement(robot: Robot) -> list[Finding]:
     """Return a finding if the two disagree and no repair explains it.
 
-    Pinocchio reads the robot's own file. Where that cannot be, or where a repair
-    explains the difference, it reads what MuJoCo is given instead, repairs and all.
+    Pinocchio reads the robot's own file. Where that cannot be, or where a repair or
+    a scale explains the difference, it reads what MuJoCo is given instead, repairs and all.
     """
     if len(robot.links) > MOST_LINKS:
         return []
@@ -58,7 +58,8 @@ def disagreement(robot: Robot) -> list[Finding]:
     try:
         worst = difference(ours, read_by_pinocchio(robot))
         repaired = {finding.code for finding in robot.findings if finding.severity == "repaired"}
-        checked = worst <= TOLERANCE or not repaired & EXPLAIN
+        weighed = any(link.inertia_from == "measured" for link in robot.links)
+        checked = worst <= TOLERANCE or not (repaired & EXPLAIN or weighed)
     except RobotError as error:
         worst, checked = float("inf"), False
         findings = [_finding(robot, f"Pinocchio cannot read the file: {_short(error.what)}", READ)]

@@ -37,6 +37,12 @@ def robot_from_mjcf(tree: Element, path: Path, files: Files, card: Card | None) 
             cannot be simulated.
     """
     lines = Lines(tree, path)
+    if card and card.closure:
+        raise RobotError(
+            "its card closes chains, which an MJCF does itself",
+            where=str(path.parent / "card.toml"),
+            fix="write a <connect> into <equality>, and remove [[closure]]",
+        )
     tree, assets, findings = gather(tree, path, files, lines)
     try:
         text = ElementTree.tostring(tree, encoding="unicode")

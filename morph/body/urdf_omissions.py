@@ -51,6 +51,11 @@ def _joints(robot: Robot, model: Any) -> list[str]:
 
 def _forces(model: Any) -> list[str]:
     left = []
+    masks = {
+        (int(a), int(b)) for a, b in zip(model.geom_contype, model.geom_conaffinity, strict=True)
+    }
+    if model.nexclude or model.npair or masks - {(0, 0), (1, 1)}:
+        left.append("which of its parts may touch each other")
     option = model.opt
     if option.density or option.viscosity or np.any(option.wind):
         left.append("the fluid around it")

@@ -67,7 +67,7 @@ class _Writer:
         self.tree = ElementTree.Element("robot", name=writable_name(robot.name))
         self.follows, tied = followers(model)
         self.left_out = [f"how {name!r} is tied" for name in tied]
-        self.unlimited: list[str] = []
+        self.unlimited: dict[str, list[str]] = {"effort": [], "speed": []}
         self.links = {WORLD, *(link.name for link in robot.links)}
         self.joints = {joint.name for joint in robot.joints}
 
@@ -80,9 +80,10 @@ class _Writer:
         self.shapes.add(world, 0, np.zeros(3))
         for body in range(1, self.model.nbody):
             self.body(body)
-        if self.unlimited:
-            named = few(self.unlimited)
-            self.left_out.append(f"that no limit of effort or of speed is known of {named}")
+        for what, names in self.unlimited.items():
+            if names:
+                said = f"that no limit of {what} is known of {few(names)}: {STRONG:g} stands there"
+                self.left_out.append(said)
 
     def body(self, body: int) -> None:
         model = self.model
@@ -163,8 +164,9 @@ class _Writer:
             self.left_out.append(f"that {known.name!r} stands at {home:.4g} at home: zero is there")
         driven = [each.limit for each in self.robot.actuators if each.joint == known.name]
         effort = known.effort or max((limit for limit in driven if limit), default=None)
-        if effort is None or known.velocity is None:
-            self.unlimited.append(known.name)
+        for what, value in (("effort", effort), ("speed", known.velocity)):
+            if value is None:
+                self.unlimited[what].append(known.name)
         held["effort"] = number(STRONG if effort is None else effort)
         held["velocity"] = number(known.velocity or STRONG)
         ElementTree.SubElement(element, "limit", held)

@@ -89,3 +89,12 @@ def test_a_pin_whose_ends_do_not_meet_is_refused(tmp_path: Path) -> None:
 def test_a_closure_of_links_that_are_not_there_is_refused(tmp_path: Path) -> None:
     with pytest.raises(RobotError, match="lever"):
         load(gate(tmp_path, CLOSED.replace('"rocker", "crank"', '"lever", "crank"')))
+
+
+def test_an_mjcf_closes_its_own_chains(tmp_path: Path) -> None:
+    folder = gate(tmp_path, CLOSED)
+    (folder / "gate.xml").write_text(load(folder).mjcf)
+    card = folder / "card.toml"
+    card.write_text(card.read_text().replace("gate.urdf", "gate.xml"))
+    with pytest.raises(RobotError, match="which an MJCF does itself"):
+        load(folder)

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from morph.body.agreement import disagreement
 from morph.body.load import load
 from morph.errors import RobotError
 
@@ -35,6 +36,7 @@ def weighed(link: str, mass: float) -> str:
 def test_a_weighed_link_keeps_the_form_of_its_inertia(tmp_path: Path) -> None:
     link = load(lever(tmp_path, "a.urdf", URDF, weighed("arm", 3.0))).link("arm")
     assert link.mass == 3.0
+    assert disagreement(load(tmp_path / "lever")) == []
     # Half as much again of everything: 1.5, 3.0, 3.75 kg m2.
     assert link.inertia == pytest.approx((1.5, 3.0, 3.75, 0, 0, 0), abs=1e-12)
     assert link.inertia_from == "measured"

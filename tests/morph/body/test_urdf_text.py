@@ -114,3 +114,9 @@ def test_a_robot_named_by_a_file_that_is_no_text_is_written(name: bytes, tmp_pat
     path.write_text(f"<mujoco><worldbody>{body}</worldbody></mujoco>")
     assert masses(convert(load(path), "urdf", tmp_path / "out").files[0])["mujoco"] == 2.0
     assert masses(convert(load(path), "mjcf", tmp_path / "out").files[0])["mujoco"] == 2.0
+
+
+def test_what_may_touch_what_is_told_where_urdf_forgets_it() -> None:
+    told = "which of its parts may touch each other"
+    assert told in urdf_text(load("humanoid"), "meshes")[2]
+    assert told not in urdf_text(load("pendulum"), "meshes")[2]
