@@ -13,7 +13,7 @@ from morph.body.convert import FORMATS, convert
 from morph.body.load import load
 from morph.body.mesh import as_stl
 from morph.body.urdf_shapes import ellipsoid
-from morph.body.urdf_text import LEAST, writable
+from morph.body.urdf_text import LEAST, urdf_text, writable
 
 
 def masses(path: Path) -> dict[str, float]:
