@@ -77,7 +77,9 @@ def _expanded(
 ) -> tuple[dict[str, Any], bytes]:
     own = Folder(folder)
     try:
-        real = own.inside(Path(os.path.abspath(path)), str(path))
+        # The way to its folder is the user's; links from there on are the description's.
+        beside = Path(os.path.realpath(path.parent))
+        real = own.inside(beside / path.name, str(path))
         closed = check(real, own, arguments)
     except FileNotFoundError as error:
         raise RobotError("is not there", where=str(path), fix="give a file that exists") from error

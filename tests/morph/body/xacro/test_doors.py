@@ -231,3 +231,21 @@ def test_nothing_is_written(folder: Path) -> None:
     with pytest.raises(RobotError, match="not there"):
         expand(folder / "urdf" / "robot.urdf.xacro", folder)
     assert state() == before
+
+
+def test_a_folder_that_is_reached_by_a_link_is_its_own_folder(tmp_path: Path) -> None:
+    (tmp_path / "real").mkdir()
+    (tmp_path / "real" / "a.xacro").write_text('<robot name="a"><link name="b"/></robot>')
+    (tmp_path / "linked").symlink_to(tmp_path / "real")
+    assert b"link" in expand(tmp_path / "linked" / "a.xacro", tmp_path / "linked")
+
+
+def test_a_path_from_where_one_stands_is_read(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "real").mkdir()
+    (tmp_path / "real" / "a.xacro").write_text('<robot name="a"><link name="b"/></robot>')
+    (tmp_path / "linked").symlink_to(tmp_path / "real")
+    monkeypatch.chdir(tmp_path)
+    assert b"link" in expand(Path("linked/a.xacro"), tmp_path / "real")
+    assert b"link" in expand(Path("real/a.xacro"), Path("real"))
