@@ -17,6 +17,13 @@ from morph.record.read.file import read_bytes
 from morph.record.read.table import Column, Table, number
 
 
+MOST_TEXT = 512 * 2**20
+"""Most bytes of text, once unpacked."""
+
+MOST_LINES = 5_000_000
+"""Most lines: an hour at 1 kHz has 3.6 million."""
+
+
 def read_csv(path: Path) -> Table:
     """Return the columns of a `.csv` or `.csv.gz` file.
 
@@ -57,7 +64,9 @@ def _text(path: Path) -> str:
     data = read_bytes(path)
     try:
         if data[:2] == b"\x1f\x8b" or path.suffix == ".gz":
-            data = gzip.decompress(data)
+            with gzip.open(io.BytesIO(data)) as packed:
+                data = packed.read(MOST_TEXT + 1)
+        _check_size(path, len(data), data.count(b"\n"))
         text = data.decode("utf-8-sig")
     except (EOFError, OSError, zlib.error) as error:
         raise RecordingError(
@@ -72,6 +81,15 @@ def _text(path: Path) -> str:
             fix="give a CSV file in UTF-8, or name the file by what it holds",
         ) from error
     return text.replace("\r\n", "\n").replace("\r", "\n")
+
+
+def _check_size(path: Path, size: int, lines: int) -> None:
+    if size > MOST_TEXT or lines > MOST_LINES:
+        raise RecordingError(
+            f"the text has more than {MOST_TEXT} bytes or {MOST_LINES} lines",
+            where=str(path),
+            fix="cut the recording into episodes, or save it as Parquet",
+        )
 
 
 def _plain(lines: list[str], first: int, width: int, delimiter: str) -> Array | None:

@@ -1,0 +1,34 @@
+"""CSV files that unpack to far more than they are."""
+
+from __future__ import annotations
+
+import gzip
+from pathlib import Path
+
+import pytest
+
+from morph.errors import RecordingError
+from morph.record.read import csv as reader
+from morph.record.read.csv import read_csv
+
+
+def test_a_packed_file_of_a_ten_million_lines_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "bomb.csv.gz"
+    with gzip.open(path, "wb", compresslevel=1) as file:
+        file.write(b"time,a\n")
+        for _ in range(100):
+            file.write(b"1,2\n" * 100_000)
+    with pytest.raises(RecordingError, match="more than .* lines"):
+        read_csv(path)
+
+
+def test_text_beyond_the_bound_is_not_unpacked(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(reader, "MOST_TEXT", 1000)
+    path = tmp_path / "long.csv.gz"
+    path.write_bytes(gzip.compress(b"time,a\n" + b"1,2\n" * 1000))
+    with pytest.raises(RecordingError, match="more than 1000 bytes"):
+        read_csv(path)
+    path.write_bytes(gzip.compress(b"time,a\n" + b"1,2\n" * 10))
+    assert len(read_csv(path).columns[0]) == 10
