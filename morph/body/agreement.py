@@ -23,9 +23,8 @@ EXPLAIN = frozenset(
 )
 """Repairs that change mass, inertia or joints, and so explain a difference."""
 
-MOST_LINKS = 500
-"""Most links of a description that Pinocchio is asked about."""
-
+MOST_DOF = 150
+"""Most degrees of freedom of a body that Pinocchio is asked about: its data grow with the cube."""
 
 READ = "it read what morph made of it, and agrees with MuJoCo"
 """What is done where Pinocchio cannot read the file itself."""
@@ -52,9 +51,10 @@ def disagreement(robot: Robot) -> list[Finding]:
     Pinocchio reads the robot's own file. Where that cannot be, or where a repair or
     a scale explains the difference, it reads what MuJoCo is given instead, repairs and all.
     """
-    if len(robot.links) > MOST_LINKS:
-        return []
     ours, findings = read_by_mujoco(robot), []
+    if len(ours.eigenvalues) > MOST_DOF:
+        many = f"it has {len(ours.eigenvalues)} degrees of freedom, above {MOST_DOF}"
+        return [_finding(robot, many, "Pinocchio was not asked")]
     try:
         worst = difference(ours, read_by_pinocchio(robot))
         repaired = {finding.code for finding in robot.findings if finding.severity == "repaired"}

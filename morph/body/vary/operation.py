@@ -10,6 +10,9 @@ from typing import Any, ClassVar
 
 from morph.errors import RobotError
 
+MOST = 1e6
+"""Greatest factor: from a millimetre to a kilometre."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Operation(ABC):
@@ -47,11 +50,12 @@ class Operation(ABC):
         return RobotError(what, where=f"{self.name} of {self.target!r}", fix=fix)
 
     def check_positive(self, field: str) -> None:
-        """Raise RobotError unless a field is positive and finite."""
+        """Raise RobotError unless a field is between one millionth and a million."""
         value = getattr(self, field)
-        if not (math.isfinite(value) and value > 0):
+        if not 1 / MOST <= value <= MOST:
             raise self.refuse(
-                f"{field} is {value}, not positive and finite", f"give a {field} above 0"
+                f"{field} is {value}, not between {1 / MOST:g} and {MOST:g}",
+                f"give a {field} above 0 that a body could have",
             )
 
     def check_finite(self, *fields: str) -> None:

@@ -56,7 +56,7 @@ class Scale(Operation):
         self.check_positive("factor")
         self.check_length("along", 0, 3)
         self.check_finite("along")
-        if self.along and not any(self.along):
+        if self.along and not max(map(abs, self.along)) > 1e-12:
             raise self.refuse("along has no direction", "give along three numbers, such as 0, 0, 1")
         if self.along and self.link == WHOLE:
             raise self.refuse("links point in many directions", "stretch one link at a time")

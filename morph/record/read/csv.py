@@ -16,7 +16,6 @@ from morph.errors import RecordingError
 from morph.record.read.file import read_bytes
 from morph.record.read.table import Column, Table, number
 
-
 MOST_TEXT = 512 * 2**20
 """Most bytes of text, once unpacked."""
 

@@ -50,3 +50,16 @@ def test_a_floating_joint_further_down_keeps_its_place(tmp_path: Path) -> None:
         '<parent link="hull"/><child link="arm"/></joint></robot>'
     )
     assert disagreement(load(path)) == []
+
+
+def test_of_a_body_with_very_many_joints_the_second_opinion_is_not_asked(tmp_path: Path) -> None:
+    path = tmp_path / "brush.urdf"
+    hairs = "".join(
+        f'<link name="hair_{number}">{MASS}</link><joint name="joint_{number}" type="continuous">'
+        f'<parent link="hull"/><child link="hair_{number}"/></joint>'
+        for number in range(160)
+    )
+    path.write_text(f'<robot name="brush"><link name="hull">{MASS}</link>{hairs}</robot>')
+    (told,) = disagreement(load(path))
+    assert "160 degrees of freedom" in told.what
+    assert told.done == "Pinocchio was not asked"

@@ -258,7 +258,12 @@ def test_what_goes_with_a_locked_joint_is_named() -> None:
 @pytest.mark.parametrize(
     ("make", "words"),
     [
-        (lambda: Scale(link="pole", factor=0.0), "factor is 0.0, not positive and finite"),
+        (lambda: Scale(link="pole", factor=0.0), "factor is 0.0, not between 1e-06 and 1e"),
+        (lambda: Scale(link="pole", factor=1e300), "factor is 1e\\+300, not between 1e-06 and 1e"),
+        (
+            lambda: Scale(link="pole", factor=2.0, along=(0.0, 0.0, 1e-300)),
+            "along has no direction",
+        ),
         (lambda: Scale(link="pole", factor=math.inf), "factor is inf"),
         (lambda: Heavier(link="pole", add=-0.5), r"leaves 0 kg of 0\.5 kg"),
         (lambda: Scale(link="pol", factor=2.0), "no link 'pol'; the nearest names are 'pole'"),

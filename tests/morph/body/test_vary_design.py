@@ -123,7 +123,7 @@ def test_a_chain_file_can_name_the_operations(robot: Robot) -> None:
         ({"operation": "scale", "lnk": "pole"}, "'lnk' is unknown; the nearest .* is 'link'"),
         ({"operation": "scale", "link": "pole"}, "the key 'factor' is missing"),
         ({"operation": "scale", "link": "pole", "factor": "2"}, "'2', of type str, not float"),
-        ({"operation": "scale", "link": "pole", "factor": -2}, "factor is -2.0, not positive"),
+        ({"operation": "scale", "link": "pole", "factor": -2}, "factor is -2.0, not between"),
     ],
 )
 def test_a_table_that_names_no_operation_is_refused(table: dict[str, Any], words: str) -> None:
