@@ -58,7 +58,8 @@ def robot_from_mjcf(tree: Element, path: Path, files: Files, card: Card | None) 
             robot = marked(robot_of(spec, path, card, assets))
         with quiet():
             model = spec_of(robot).compile()
-    except (ValueError, RobotError) as error:
+    # What MuJoCo throws in its readers arrives as a RuntimeError without words.
+    except (ValueError, RuntimeError, MemoryError, RobotError) as error:
         told = error if isinstance(error, RobotError) else refused(error, path)
         code = "duplicate-name" if "repeated name" in str(told) else "engine-refused"
         raise refusal([*findings, about_file(told, path, code=code)]) from error

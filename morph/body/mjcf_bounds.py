@@ -33,6 +33,8 @@ GREATEST = {
     "maxcontacts": 100_000,
     "order": 10,
     "nsample": 10_000,
+    "dim": 10_000,
+    "params": 200,
 }
 """Greatest value of attributes by which a few letters ask for much memory."""
 

@@ -14,6 +14,7 @@ from morph.body.follow import followers, from_zero
 from morph.body.fulltext import fulltext
 from morph.body.quiet import quiet
 from morph.body.robot import Actuator, Joint, Link, Loop, Mimic, Robot, Sensor
+from morph.body.weight import check_model
 from morph.errors import RobotError
 from morph.files import sha256
 
@@ -35,7 +36,7 @@ def compiled(spec: Any, source: Path) -> Any:
 
 def refused(error: Exception, source: Path) -> RobotError:
     """Return MuJoCo's refusal of a description as an error of ours."""
-    words = " ".join(str(error).split())
+    words = " ".join(str(error).split()) or type(error).__name__
     return RobotError(
         f"MuJoCo cannot use it: {words}",
         where=str(source),
@@ -65,7 +66,7 @@ def robot_of(
     spec.assets = assets
     with quiet() as warned:
         model = compiled(spec, source)
-    _check_finite(model, source)
+    check_model(model, source)
     sources = _sources(spec)
     _settle_inertias(spec, model)
     follows, _ = followers(model)
@@ -85,25 +86,6 @@ def robot_of(
         sensors=tuple(_sensor(model, index) for index in range(model.nsensor)),
         loops=tuple(_loop(model, index) for index in range(model.neq) if _closes(model, index)),
     )
-
-
-FINITE = (
-    *("body_pos", "body_quat", "body_mass", "body_ipos", "body_inertia", "geom_pos", "geom_quat"),
-    *("jnt_pos", "jnt_axis", "jnt_range", "jnt_stiffness", "dof_damping", "dof_armature", "qpos0"),
-    *("dof_frictionloss", "geom_size", "site_pos", "actuator_gear", "actuator_gainprm"),
-    *("actuator_biasprm", "actuator_ctrlrange", "actuator_forcerange"),
-)
-"""Fields of a model that must hold numbers."""
-
-
-def _check_finite(model: Any, source: Path) -> None:
-    for field in FINITE:
-        if not np.isfinite(getattr(model, field)).all():
-            raise RobotError(
-                f"its {field.replace('_', ' ')} holds NaN or infinity",
-                where=str(source),
-                fix="write numbers; search the file for nan and inf",
-            )
 
 
 def _warning(words: str, name: str, source: Path) -> Finding:

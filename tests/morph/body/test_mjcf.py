@@ -138,3 +138,27 @@ def test_a_joint_that_follows_is_known_from_zero_and_not_from_home(tmp_path: Pat
     # j - 0.5 = 0.1 + 2 (k - 0.25)
     assert mimic.offset == pytest.approx(0.1)
     assert robot.joint("k").mimic is None
+
+
+@pytest.mark.parametrize("mass", [2e7, 6e6])
+def test_a_weight_that_no_robot_has_is_refused(mass: float, tmp_path: Path) -> None:
+    # One link alone is too heavy at 2e7 kg, two together at 2 * 6e6 = 1.2e7 kg.
+    inertial = f"<inertial pos='0 0 0' mass='{mass}' diaginertia='1 1 1'/>"
+    bodies = (f"<body name='{name}'><joint/>{inertial}</body>" for name in "ab")
+    found = refusal(mjcf(tmp_path, "".join(bodies)))
+    assert found.code == "engine-refused"
+    assert "kg, which no robot does" in found.what
+    assert ("the link 'a'" in found.what) == (mass > 1e7)
+
+
+@pytest.mark.parametrize("error", [RuntimeError("Caught an unknown exception!"), MemoryError()])
+def test_what_mujoco_throws_without_words_is_a_refusal(
+    error: Exception, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_: object) -> None:
+        raise error
+
+    monkeypatch.setattr("morph.body.mjcf.spec_of", fail)
+    found = refusal(mjcf(tmp_path, BODY.format("")))
+    assert found.code == "engine-refused"
+    assert (str(error) or "MemoryError") in found.what

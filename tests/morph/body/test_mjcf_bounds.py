@@ -29,6 +29,8 @@ HOLDERS = {
     "octree_maxdepth='{}'/></asset>",
     "maxcontacts": "<option maxcontacts='{}'/>",
     "order": "<sensor><clock name='c' order='{}'/></sensor>",
+    "dim": "<sensor><user name='u' dim='{}'/></sensor>",
+    "params": "<asset><mesh name='m' builtin='supersphere' params='{} 1 1'/></asset>",
     "nsample": "<sensor><clock name='c' nsample='{}'/></sensor>",
 }
 
