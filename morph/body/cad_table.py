@@ -23,6 +23,9 @@ FRAMES = ("link", "assembly")
 
 TURNING, ALONG_AXIS = "revolute", ("revolute", "continuous", "prismatic")
 
+MOST_LINKS = 1000
+"""Most links, and most joints; as many as of a URDF."""
+
 LARGEST_FILE = 2**20
 """Longest table, bytes: ten thousand links."""
 
@@ -141,12 +144,26 @@ def _check(assembly: AssemblyTable, place: Place) -> None:
     _one_of(assembly.frame, FRAMES, "frame", place)
     if assembly.density_kg_m3 is not None:
         _within(assembly.density_kg_m3, DENSEST, "density_kg_m3", place)
+    for kind, count in (("link", len(assembly.link)), ("joint", len(assembly.joint))):
+        if count > MOST_LINKS:
+            raise RobotError(
+                f"has {count} {kind}s; a body has {MOST_LINKS} at most",
+                where=replace(place, section=kind, index=MOST_LINKS).key("name"),
+                fix="describe one body a file",
+            )
     for at, link in enumerate(assembly.link):
         _check_link(link, assembly, replace(place, section="link", index=at))
     for at, joint in enumerate(assembly.joint):
         _check_joint(joint, assembly, replace(place, section="joint", index=at))
     for kind, parts in (("link", assembly.link), ("joint", assembly.joint)):
         names = [part.name for part in parts]
+        for at, name in enumerate(names):
+            if not name.strip():
+                raise RobotError(
+                    f"a {kind} has no name",
+                    where=replace(place, section=kind, index=at).key("name"),
+                    fix="give it a name of its own",
+                )
         for name, count in Counter(names).items():
             if count > 1:
                 last = len(names) - 1 - names[::-1].index(name)

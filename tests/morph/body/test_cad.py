@@ -189,6 +189,23 @@ def test_a_sheet_has_no_mass_and_is_refused(folder: Path) -> None:
         read_cad(write(folder, HEAD + BASE))
 
 
+@pytest.mark.parametrize("kind", ["link", "joint"])
+@pytest.mark.parametrize("name", ["", "  "])
+def test_a_part_without_a_name_is_refused_at_its_line(folder: Path, kind: str, name: str) -> None:
+    old = {"link": 'name = "arm"', "joint": 'name = "hinge"'}[kind]
+    text = (HEAD + BASE + ARM + HINGE).replace(old, f'name = "{name}"')
+    with pytest.raises(RobotError, match=f"a {kind} has no name") as refused:
+        read_cad(write(folder, text))
+    line = text.splitlines().index(f'name = "{name}"') + 1
+    assert refused.value.where.endswith(f":{line}")
+
+
+def test_more_links_than_a_body_has_are_refused(folder: Path) -> None:
+    parts = (f'[[link]]\nname = "{index}"\nmesh = "base.stl"\n' for index in range(1001))
+    with pytest.raises(RobotError, match="has 1001 links; a body has 1000 at most"):
+        read_cad(write(folder, HEAD + "".join(parts)))
+
+
 def test_absurd_tables_are_refused(tmp_path: Path) -> None:
     for text in ("a = " + "[" * 5000, "x", "a = 1\n" + "#" * 2**20, "\0"):
         with pytest.raises(RobotError):
