@@ -17,6 +17,9 @@ INNER = ("urdf", "robots", "robot", "xacro", "mjcf", "urdfs", "model", "models",
 LONGEST = 1000
 """Longest path looked for, characters; systems stop at 255 for a name and 4096 in all."""
 
+MOST_MARK = 65_536
+"""Most of a package's manifest that is read, bytes; its name stands near its top."""
+
 MOST_FILES = 20_000
 """Most files looked at in a folder; more is not a robot's folder but a disk."""
 
@@ -80,8 +83,13 @@ class Files:
         """The names by which descriptions may call this folder."""
         names = {self.folder.name}
         for mark in ("package.xml", "manifest.xml"):
+            path = self.folder / mark
+            # What a link leads to outside is not ours, and a pipe would be waited for.
+            if not (self._mine(path) and path.is_file()):
+                continue
             try:
-                content = (self.folder / mark).read_bytes()[:65536]
+                with path.open("rb") as file:
+                    content = file.read(MOST_MARK)
                 if b"<!" not in content.replace(b"<!--", b""):
                     found = ElementTree.fromstring(content).findtext("name")
                     names.add((found or "").strip())

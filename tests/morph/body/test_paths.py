@@ -255,3 +255,23 @@ def test_no_path_at_all_leads_out(
     if result.path is not None:
         assert result.path.resolve().is_relative_to((root / "arm").resolve())
         assert result.path.is_file()
+
+
+@pytest.mark.parametrize("kind", ["link", "pipe"])
+def test_a_manifest_that_is_no_file_of_the_folder_is_not_opened(
+    kind: str, package: Path, tmp_path: Path
+) -> None:
+    manifest = package / "package.xml"
+    manifest.rename(tmp_path / "elsewhere.xml")
+    if kind == "link":
+        manifest.symlink_to(tmp_path / "elsewhere.xml")
+    else:
+        os.mkfifo(manifest)
+    assert Files(package / "urdf" / "robot.urdf").packages == {"arm"}
+
+
+def test_only_the_beginning_of_a_manifest_is_read(package: Path) -> None:
+    with (package / "package.xml").open("ab") as manifest:
+        # Sparse: 1 TiB of zeros fits no memory.
+        manifest.truncate(2**40)
+    assert Files(package / "urdf" / "robot.urdf").packages == {"arm"}
