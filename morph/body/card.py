@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import tomllib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from morph.body.table import Place, read_table
@@ -14,6 +15,12 @@ SCHEMA = "morph.card/1"
 
 BASES = ("fixed", "floating", "board")
 """How a body may stand in the world."""
+
+MOST_BYTES = 2**20
+"""Largest card; the longest on the shelf has a few thousand bytes."""
+
+LONGEST_LINE = 4096
+"""Longest line, bytes: time to read a key with a thousand dots grows with their square."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -166,12 +173,14 @@ def load_card(path: Path) -> Card:
     """Return the card in a file.
 
     Raises:
-        RobotError: The file cannot be read, is not TOML, or has a key or value
-            that cards do not have; the line is named.
+        RobotError: The file cannot be read, is too large, is not TOML, has a key or
+            value that cards do not have, or describes by a file outside its folder;
+            the line is named.
     """
     try:
-        text = path.read_bytes().decode()
-        table = tomllib.loads(text)
+        text = _read(path)
+        place = Place(file=str(path), text=text)
+        card = read_table(Card, tomllib.loads(text), place)
     except OSError as error:
         raise RobotError(
             f"cannot read the card: {error.strerror or error}",
@@ -182,15 +191,81 @@ def load_card(path: Path) -> Card:
         raise RobotError(
             f"is not TOML: {error}", where=str(path), fix="correct the line it names"
         ) from error
-    place = Place(file=str(path), text=text)
-    card = read_table(Card, table, place)
+    except RecursionError as error:
+        raise RobotError(
+            "nests too deeply", where=str(path), fix="write only the keys that cards have"
+        ) from error
     _check(card.schema, (SCHEMA,), "schema", place)
     _check(card.base, BASES, "base", place)
     _check(card.name, (path.resolve().parent.name,), "name", place)
     if card.water is not None:
-        water = Place(file=str(path), text=text, section="water")
-        _check(card.water.wetted, ("mesh", "hull", "box"), "wetted", water)
+        _check(
+            card.water.wetted, ("mesh", "hull", "box"), "wetted", replace(place, section="water")
+        )
+    _check_inside(path.parent, card.description, place)
+    _check_masses(card, place)
     return card
+
+
+def _read(path: Path) -> str:
+    if path.exists() and not path.is_file():
+        raise RobotError("is no file", where=str(path), fix="write the card into a file")
+    with path.open("rb") as file:
+        content = file.read(MOST_BYTES + 1)
+    if len(content) > MOST_BYTES:
+        raise RobotError(
+            f"has more than {MOST_BYTES} bytes, the most that a card has",
+            where=str(path),
+            fix="write only the keys that cards have",
+        )
+    for number, line in enumerate(content.split(b"\n"), start=1):
+        if len(line) > LONGEST_LINE:
+            raise RobotError(
+                f"the line has {len(line)} bytes; a card's has {LONGEST_LINE} at most",
+                where=f"{path}:{number}",
+                fix="break the line, or write only the keys that cards have",
+            )
+    return content.decode()
+
+
+def _check_inside(folder: Path, description: str, place: Place) -> None:
+    """Refuse a description elsewhere: a stranger's card must not open files beside its own."""
+    try:
+        # A link may lead anywhere; only its end counts.
+        inside = (folder / description).resolve().is_relative_to(folder.resolve())
+    except (OSError, RuntimeError, ValueError):
+        inside = False
+    if not inside:
+        raise RobotError(
+            f"the description {description!r} is no file in the card's folder",
+            where=place.key("description"),
+            fix="name a file in this folder, by its path from the card",
+        )
+
+
+def _check_masses(card: Card, place: Place) -> None:
+    if card.checks.mass_kg is not None and not 0 < card.checks.mass_kg < math.inf:
+        raise RobotError(
+            f"its card says that it weighs {card.checks.mass_kg:g} kg",
+            where=replace(place, section="checks").key("mass_kg"),
+            fix="write the mass of all links, in kg, or leave mass_kg out",
+        )
+    weighed = set()
+    for at, measured in enumerate(card.measured):
+        here = replace(place, section="measured", index=at)
+        if not 0 < measured.mass_kg < math.inf:
+            raise RobotError(
+                f"its card says that {measured.link!r} weighs {measured.mass_kg:g} kg",
+                where=here.key("mass_kg"),
+                fix="write the mass that the scale showed, in kg",
+            )
+        if measured.link in weighed:
+            raise RobotError(
+                f"its card weighs the link {measured.link!r} twice",
+                where=here.key("link"),
+                fix="keep one of its [[measured]] tables",
+            )
+        weighed.add(measured.link)
 
 
 def _check(value: str, allowed: tuple[str, ...], key: str, place: Place) -> None:

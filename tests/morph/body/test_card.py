@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
@@ -102,3 +103,78 @@ def test_what_is_not_toml_is_refused(tmp_path: Path, content: bytes) -> None:
     path.write_bytes(content)
     with pytest.raises(RobotError, match="is not TOML"):
         load_card(path)
+
+
+def refused(folder: Path, text: str) -> RobotError:
+    path = written(folder, text)
+    with pytest.raises(RobotError) as caught:
+        load_card(path)
+    assert caught.value.fix
+    return caught.value
+
+
+@pytest.mark.parametrize("description", ["../canary.xml", "/canary.xml", "link.xml", "a\\u0000"])
+def test_a_description_outside_the_cards_folder_is_refused_with_its_line(
+    description: str, tmp_path: Path
+) -> None:
+    (tmp_path / "canary.xml").write_text("<mujoco/>")
+    path = written(tmp_path, HEAD.replace("robot.xml", description))
+    (path.parent / "link.xml").symlink_to(tmp_path / "canary.xml")
+    with pytest.raises(RobotError, match="is no file in the card's folder") as caught:
+        load_card(path)
+    assert caught.value.where == f"{path}:4"
+
+
+def test_a_description_below_the_cards_folder_and_a_link_within_it_are_read(tmp_path: Path) -> None:
+    path = written(tmp_path, HEAD.replace("robot.xml", "link.xml"))
+    (path.parent / "link.xml").symlink_to("mjcf/robot.xml")
+    assert load_card(path).description == "link.xml"
+
+
+def test_a_card_that_fits_no_memory_is_refused(tmp_path: Path) -> None:
+    path = written(tmp_path, HEAD)
+    # Sparse: 1 TiB of zeros.
+    os.truncate(path, 2**40)
+    with pytest.raises(RobotError, match="has more than 1048576 bytes"):
+        load_card(path)
+
+
+def test_a_card_that_is_a_pipe_is_not_waited_for(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "card.toml")
+    with pytest.raises(RobotError, match="is no file"):
+        load_card(tmp_path / "card.toml")
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (f"x = {'[' * 2000}{']' * 2000}\n", "nests too deeply"),
+        (f"tasks = [ {{ {'.'.join('x' * 1500)} = 1 }} ]\n", "nests too deeply"),
+        (f"{'.'.join('x' * 50_000)} = 1\n", "the line has 100003 bytes"),
+    ],
+)
+def test_a_card_that_nests_without_end_is_refused(text: str, message: str, tmp_path: Path) -> None:
+    assert message in refused(tmp_path, HEAD + text).what
+
+
+@pytest.mark.parametrize("mass", ["nan", "inf", "0", "-1.0"])
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        ("checks = {{ mass_kg = {} }}", 8),
+        ('[[measured]]\nlink = "fin"\nmass_kg = {}', 10),
+    ],
+)
+def test_a_mass_that_no_scale_shows_is_refused_with_its_line(
+    text: str, line: int, mass: str, tmp_path: Path
+) -> None:
+    error = refused(tmp_path, HEAD + text.format(mass))
+    assert error.what.endswith(f"weighs {float(mass):g} kg")
+    assert error.where.endswith(f"card.toml:{line}")
+
+
+def test_a_link_that_is_weighed_twice_is_refused_with_its_line(tmp_path: Path) -> None:
+    table = '[[measured]]\nlink = "fin"\nmass_kg = 1\n'
+    error = refused(tmp_path, HEAD + table + table)
+    assert error.what == "its card weighs the link 'fin' twice"
+    assert error.where.endswith("card.toml:12")
