@@ -64,7 +64,7 @@ CODES: dict[str, str] = {
     "joint-axis": "A joint's axis has no direction, or no unit length.",
     "mimic": "A joint follows another that is not there, or itself.",
     "ill-typed": "An attribute is no number where numbers are due.",
-    "unknown-element": "An element belongs to another program and was left out.",
+    "unknown-element": "An element is doubled, misspelt or of another program, and was left out.",
     # Inertia.
     "mass-missing": "A link with a shape, or one that moves, has no mass.",
     "inertia-missing": "A link has mass and no rotational inertia.",

@@ -12,6 +12,7 @@ from morph.body.draft import MOVING, Draft, DraftJoint, DraftLink, Mimic, Pose, 
 from morph.body.finding import Finding, Where
 from morph.body.numbers import SMALLEST, maybe_number, number, numbers, rotation
 from morph.body.refusal import about_file, refusal
+from morph.body.urdf_elements import GEOMETRIES, strangers
 from morph.body.xml import Element
 from morph.errors import RobotError
 
@@ -21,22 +22,8 @@ MOST_LINKS = 1000
 MOST_SHAPES = 4000
 """Most visual and collision shapes; ten times those of the largest robot known to us."""
 
-MOST_STRANGERS, MOST_KINDS, LONGEST_TAG = 100, 1000, 40
-"""Most foreign elements that are told; most kinds looked at, and the longest name of one."""
-
 LONGEST_NAME, LONGEST_FILE = 200, 1000
 """Most characters of a name, and of a mesh's path."""
-
-KNOWN = {
-    "robot": ("link", "joint", "material", "transmission", "gazebo", "mujoco", "sensor"),
-    "link": ("inertial", "visual", "collision", "self_collision_checking", "contact", "gazebo"),
-    "joint": (
-        *("origin", "parent", "child", "axis", "limit", "dynamics", "mimic", "calibration"),
-        *("safety_controller", "gazebo", "hardwareInterface"),
-    ),
-    "inertial": ("origin", "mass", "inertia"),
-}
-"""The children that URDF gives each element; a prefix such as `drake:` marks another's."""
 
 
 def draft_urdf(tree: Element, path: Path) -> tuple[Draft, list[Finding]]:
@@ -54,7 +41,7 @@ def draft_urdf(tree: Element, path: Path) -> tuple[Draft, list[Finding]]:
             fix="give a URDF or an MJCF; convert an SDF with gz sdf or a tool of its maker",
         )
     _few(tree)
-    findings = _strangers(tree)
+    findings = strangers(tree)
     colours = {
         material.get("name", ""): colour
         for material in tree.children("material")
@@ -97,44 +84,6 @@ def _few(tree: Element) -> None:
             )
     if not counts["links"][0]:
         raise RobotError("has no link", where=tree.place, fix="describe at least one <link>")
-
-
-def _strangers(tree: Element) -> list[Finding]:
-    found: list[Finding] = []
-    harmless: set[tuple[str, str]] = set()
-    parts = list(tree.children("link", "joint"))
-    inertials = [inertial for part in parts for inertial in part.children("inertial")]
-    for parent in (tree, *parts, *inertials):
-        allowed = KNOWN[parent.tag]
-        for child in parent.children():
-            kind = (parent.tag, child.tag)
-            if child.tag in allowed or kind in harmless or len(child.tag) > LONGEST_TAG:
-                continue
-            near = difflib.get_close_matches(child.tag, allowed, n=1, cutoff=0.75)
-            if near and ":" not in child.tag:
-                fix = f"write <{near[0]}>, or remove it"
-                found.append(_stranger(parent, child, f"no element of URDF; <{near[0]}> is", fix))
-            elif child.tag.startswith("xacro:") and child.tag != "xacro:property":
-                fix = "expand the file with xacro, or give the .xacro file"
-                found.append(_stranger(parent, child, "a macro that was not expanded", fix))
-            else:
-                harmless.add(kind)
-            if len(found) >= MOST_STRANGERS or len(harmless) > MOST_KINDS:
-                return found
-    return found
-
-
-def _stranger(parent: Element, child: Element, what: str, fix: str) -> Finding:
-    kind = parent.tag if parent.tag in ("link", "joint") else "robot"
-    name = parent.get("name", parent.tag)
-    return Finding(
-        code="unknown-element",
-        severity="info",
-        where=Where(kind=kind, name=name, file=child.file, line=child.line),
-        what=f"<{child.tag}> is {what}",
-        done="it was left out",
-        fix=fix,
-    )
 
 
 def _named(element: Element) -> str:
@@ -196,7 +145,7 @@ def _shape(element: Element, role: str, colours: dict[str, tuple[float, ...]]) -
     geometry = element.child("geometry")
     if geometry is None:
         return None
-    held = next(geometry.children("mesh", "box", "sphere", "cylinder", "capsule"), None)
+    held = next(geometry.children(*GEOMETRIES), None)
     if held is None:
         return None
     size: tuple[float, ...] = ()

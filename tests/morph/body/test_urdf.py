@@ -183,6 +183,41 @@ def test_a_misspelt_element_is_told_once_at_its_line(bench: Any) -> None:
     assert all(f.severity == "info" for f in reading.of("unknown-element"))
 
 
+def test_a_second_inertial_is_told_and_the_first_taken(bench: Any) -> None:
+    second = '<inertial><mass value="50"/></inertial>'
+    doubled = bench.link("b").replace("</inertial>", f"</inertial>\n{second}")
+    reading = bench.read(bench.link("a"), doubled, bench.joint("j", "a", "b", "fixed"))
+    assert reading.stands("unknown-element", "repaired", "link", "b", second)
+    alone = bench.read(bench.link("a"), bench.link("b"), bench.joint("j", "a", "b", "fixed"))
+    assert alone.findings == ()
+    assert [link.mass for link in reading.robot.links] == [link.mass for link in alone.robot.links]
+
+
+@pytest.mark.parametrize("held", ["<geometry><cone/></geometry>", "<geometry/>", "<origin/>"])
+def test_a_shape_that_is_none_is_told_and_left_out(bench: Any, held: str) -> None:
+    shape = f"<collision>{held}</collision>"
+    link = bench.link("b").replace("</link>", f"\n{shape}\n</link>")
+    reading = bench.read(bench.link("a"), link, bench.joint("j", "a", "b", "fixed"))
+    assert reading.stands("unknown-element", "repaired", "link", "b", shape)
+
+
+@pytest.mark.parametrize(
+    ("lower", "upper", "done"),
+    [("", " ", "it was taken as free to move"), ("-1", "", "upper was taken as 0")],
+)
+def test_a_blank_limit_is_told(bench: Any, lower: str, upper: str, done: str) -> None:
+    limit = f'<limit lower="{lower}" upper="{upper}" effort="1" velocity="1"/>'
+    joint = (
+        '<joint name="j" type="revolute"><parent link="a"/><child link="b"/>\n'
+        f'<axis xyz="0 0 1"/>\n{limit}\n</joint>'
+    )
+    reading = bench.read(bench.link("a"), bench.link("b"), joint)
+    assert reading.stands("limit-range", "info", "joint", "j", limit)
+    assert reading.the("limit-range").done == done
+    (moving,) = reading.robot.joints
+    assert moving.limits == (None if done.endswith("move") else (-1.0, 0.0))
+
+
 def test_elements_of_other_programs_are_left_alone(bench: Any) -> None:
     reading = bench.read(
         bench.link("a"),
