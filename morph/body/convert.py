@@ -29,6 +29,9 @@ GROUND = "height fields: ground is no part of a robot, and Pinocchio reads none"
 SCHEMA = "morph.findings/1"
 """Name and version of its content."""
 
+MOST_BYTES = 16 * 2**20
+"""Largest file that is read to see whether it is ours: four times the longest description."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Conversion:
@@ -80,8 +83,8 @@ def check_folder(folder: Path, source: Path | None = None) -> None:
     """Refuse a place that no description may be written to, before the work is done.
 
     Raises:
-        OutputError: It is a file, a folder that holds something else, or the folder
-            of the description that was read.
+        OutputError: It is a file, a folder that holds something else or whose folder of
+            meshes is a link or a file, or the folder of the description that was read.
     """
     try:
         if not folder.is_dir():
@@ -98,6 +101,14 @@ def check_folder(folder: Path, source: Path | None = None) -> None:
                 where=str(folder),
                 fix=f"name a new or an empty folder, or one that holds a {FINDINGS} of morph",
             )
+        for _, inner in FORMATS.values():
+            # Through a link, meshes would be written outside the folder.
+            if (folder / inner).is_symlink() or (folder / inner).is_file():
+                raise OutputError(
+                    "the folder for meshes is a link or a file",
+                    where=str(folder / inner),
+                    fix="take it away, or name a new or an empty folder",
+                )
         if source is not None and folder.resolve() in source.resolve().parents:
             raise OutputError(
                 "it would be written over what it is read from",
@@ -118,8 +129,11 @@ def _unwritable(folder: Path, error: OSError) -> OutputError:
 
 def _ours(path: Path) -> bool:
     try:
+        # A pipe would be waited for, and a folder may be a stranger's.
+        if not path.is_file() or path.stat().st_size > MOST_BYTES:
+            return False
         return bool(json.loads(path.read_text())["schema"] == SCHEMA)
-    except (OSError, ValueError, KeyError, TypeError):
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
         return False
 
 

@@ -89,7 +89,7 @@ class Convert:
     """A description (URDF, xacro, MJCF, assembly.toml), a robot folder, or a name on the shelf."""
     to: Literal["mjcf", "urdf"]
     """The format to write."""
-    out: Path
+    out: Annotated[str, tyro.conf.arg(metavar="PATH")]
     """Folder for the description, its meshes and what was found."""
     base: Literal["fixed", "floating", "board"] | None = None
     """How it stands in the world, where the description does not say."""

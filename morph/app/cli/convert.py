@@ -6,10 +6,12 @@ import json
 import shlex
 import sys
 from dataclasses import asdict
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from morph.app.cli.arguments import Convert
 from morph.app.cli.words import harmless, paragraph, say, width
+from morph.errors import OutputError
 
 if TYPE_CHECKING:
     from morph.body.collide import Cut
@@ -29,14 +31,18 @@ def run_convert(asked: Convert) -> int:
     from morph.body.convert import check_folder, convert
     from morph.body.load import load
 
-    check_folder(asked.out)
+    if not asked.out.strip():
+        # As a path it would be the folder where one stands.
+        raise OutputError("no folder is named", where="--out", fix="name a new or an empty folder")
+    out = Path(asked.out)
+    check_folder(out)
     robot = load(asked.robot, base=asked.base, folder=asked.folder)
     cuts: tuple[Cut, ...] = ()
     if asked.pieces:
         from morph.body.collide import with_pieces
 
         robot, cuts = with_pieces(robot, told=_cutting)
-    written = convert(robot, asked.to, asked.out)
+    written = convert(robot, asked.to, out)
     if asked.json:
         content = {
             "schema": SCHEMA,

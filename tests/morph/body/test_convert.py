@@ -172,3 +172,34 @@ def test_a_kill_leaves_the_old_description_or_none(tmp_path: Path) -> None:
     done = subprocess.run([sys.executable, "-c", code, str(out)], check=False)
     assert done.returncode == -signal.SIGKILL
     assert not out.exists()
+
+
+@pytest.mark.parametrize("kind", ["deep", "large", "pipe"])
+def test_what_only_bears_the_name_of_our_findings_is_no_conversion(
+    kind: str, tmp_path: Path
+) -> None:
+    findings = tmp_path / "findings.json"
+    if kind == "pipe":
+        os.mkfifo(findings)
+    else:
+        findings.write_text("[" * 200_000)
+    if kind == "large":
+        # Sparse: 1 TiB of zeros fits no memory.
+        os.truncate(findings, 2**40)
+    with pytest.raises(OutputError, match="holds no earlier conversion"):
+        convert(load("pendulum"), "mjcf", tmp_path)
+
+
+@pytest.mark.parametrize("to", FORMATS)
+def test_meshes_are_not_written_through_a_link(to: str, tmp_path: Path) -> None:
+    robot = load("quadruped_printed")
+    out, victim = tmp_path / "out", tmp_path / "victim"
+    convert(robot, to, out)
+    shutil.move(out / FORMATS[to][1], victim)
+    for mesh in victim.iterdir():
+        mesh.write_text("not to be touched")
+    (out / FORMATS[to][1]).symlink_to(victim)
+    with pytest.raises(OutputError, match="is a link") as caught:
+        convert(robot, to, out)
+    assert caught.value.where == str(out / FORMATS[to][1])
+    assert {mesh.read_text() for mesh in victim.iterdir()} == {"not to be touched"}

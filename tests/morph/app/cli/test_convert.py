@@ -180,3 +180,12 @@ def test_an_interrupt_leaves_nothing(
     assert main(["convert", "pendulum", "--to", "urdf", "--out", str(out)]) == 130
     assert capsys.readouterr().err == "interrupted; nothing was written\n"
     assert list(tmp_path.iterdir()) == []
+
+
+def test_an_out_without_a_name_is_not_the_folder_where_one_stands(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["convert", "pendulum", "--to", "mjcf", "--out", ""]) == 2
+    assert capsys.readouterr().err.startswith("error: --out: no folder is named\n  fix: ")
+    assert list(tmp_path.iterdir()) == []
