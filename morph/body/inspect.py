@@ -112,9 +112,20 @@ def inspect_robot(
 
 def _refused(robot: str | Path, error: RobotError) -> Inspection:
     path = Path(robot)
-    if not isinstance(error, DescriptionRefused):
-        return Inspection(name=path.stem, findings=(about_file(error, path),), robot=None)
-    return Inspection(name=path.stem, findings=error.findings, robot=None)
+    if isinstance(error, DescriptionRefused):
+        return Inspection(name=_named(path), findings=error.findings, robot=None)
+    return Inspection(name=_named(path), findings=(about_file(error, path),), robot=None)
+
+
+def _named(path: Path) -> str:
+    """Return the name of a file without its ending; of `.` and the like, of what they mean."""
+    if path.stem.strip("."):
+        return path.stem
+    try:
+        real = path.resolve()
+    except (OSError, RuntimeError, ValueError):
+        return str(path)
+    return real.name or str(real)
 
 
 def _reach(model: Any, data: Any) -> float:

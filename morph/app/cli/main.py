@@ -43,6 +43,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     written and says so; 130 interrupted.
     """
     logging.getLogger("morph").addHandler(logging.NullHandler())
+    _open_streams()
     for stream in (sys.stdout, sys.stderr):
         # A name that the terminal cannot show is escaped, never an end to the work.
         if isinstance(stream, TextIOWrapper):
@@ -80,6 +81,13 @@ def main(argv: Sequence[str] | None = None) -> int:
             "  fix: print it elsewhere; what a command writes is in its --out\n"
         )
         return UNUSABLE
+
+
+def _open_streams() -> None:
+    """Give the program an output and an error output where it was started without (`>&-`)."""
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115 -- open to the end
 
 
 def _run(asked: Diagnose | Inspect | Convert | List) -> int:

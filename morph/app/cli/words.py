@@ -13,6 +13,9 @@ NARROWEST = 40
 BREAKS = " _-/\\.:,;"
 """Characters after which a long name may go on in the next line."""
 
+ENDLESS = 1_000_000
+"""Columns told to rich, which is to break no line: we have."""
+
 TIE = "\N{NO-BREAK SPACE}"
 """A space at which no line ends."""
 
@@ -46,7 +49,14 @@ def say(lines: Iterable[tuple[str, str]]) -> None:
     from rich.text import Text
 
     written = StringIO()
-    console = Console(file=written, force_terminal=sys.stdout.isatty(), soft_wrap=True)
+    # With a size of its own rich does not go by COLUMNS and LINES, at 0 of which it prints nothing.
+    console = Console(
+        file=written,
+        force_terminal=sys.stdout.isatty(),
+        soft_wrap=True,
+        width=ENDLESS,
+        height=1,
+    )
     for text, style in lines:
         console.print(Text(text, style=style))
     # Written by us: rich would end the program itself where nobody reads any more.

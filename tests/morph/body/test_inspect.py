@@ -216,3 +216,13 @@ def test_the_schema_refuses_what_is_not_so(change: dict[str, Any], message: str)
     content = as_json(inspect_robot("pendulum"))
     with pytest.raises(jsonschema.ValidationError, match=message):
         VALIDATOR.validate({**content, **change})
+
+
+def test_a_refused_folder_is_called_by_its_own_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "arm" / "urdf").mkdir(parents=True)
+    monkeypatch.chdir(tmp_path / "arm" / "urdf")
+    assert inspect_robot(".").name == "urdf"
+    assert inspect_robot("..").name == "arm"
+    assert inspect_robot("/").name == "/"

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -62,3 +63,21 @@ def test_every_body_of_the_shelf_is_listed(
     rows = capsys.readouterr().out.splitlines()
     assert [row.split()[0] for row in rows[1:] if row[0] != " "] == sorted(shelf.names())
     assert max(map(len, rows)) <= 80
+
+
+@pytest.mark.parametrize(
+    ("arguments", "status"),
+    [("inspect pendulum", 0), ("list robots --json", 0), ("inspect no_such", 2), ("--help", 0)],
+)
+def test_a_closed_output_is_no_error(arguments: str, status: int) -> None:
+    line = shlex.join([*COMMAND, *shlex.split(arguments)])
+    done = subprocess.run(
+        f"{line} >&-", shell=True, capture_output=True, text=True, check=False, timeout=60
+    )
+    assert (done.returncode, done.stderr) == (status, "")
+
+
+def test_a_closed_error_output_hides_no_status() -> None:
+    line = shlex.join([*COMMAND, "convert", "no_such", "--to", "mjcf", "--out", "x"])
+    done = subprocess.run(f"{line} >&- 2>&-", shell=True, check=False, timeout=60)
+    assert done.returncode == 2

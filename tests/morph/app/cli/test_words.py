@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rich.cells import cell_len
 
-from morph.app.cli.words import TIE, broken, cells, harmless, paragraph, table
+from morph.app.cli.words import TIE, broken, cells, harmless, paragraph, say, table, width
 
 TEXTS = st.text(max_size=60)
 NAMES = st.text("abc_-/ 関é", min_size=1, max_size=40)
@@ -86,3 +86,16 @@ def test_a_table_fits_its_terminal(rows: list[tuple[str, str]], columns: int) ->
     lines = table(("one", "other"), rows, columns=columns)
     assert max(map(cells, lines)) <= columns
     assert all(line == line.rstrip() for line in lines)
+
+
+@pytest.mark.parametrize("variable", ["COLUMNS", "LINES"])
+@pytest.mark.parametrize("told", ["0", "-1", "", "wide", "\u00b2", "9" * 30])
+def test_a_terminal_that_tells_no_sensible_size_shows_all_lines(
+    variable: str, told: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv(variable, told)
+    long = "word " * 100 + "end"
+    say([("head", "bold"), (long, ""), ("", "")])
+    assert capsys.readouterr().out == f"head\n{long}\n\n"
+    # Nothing but a terminal has a width, and the test has none.
+    assert width() is None
