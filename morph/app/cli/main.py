@@ -52,15 +52,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     if given == ["--version"]:
         sys.stdout.write(f"morph {morph.__version__}\n")
         return DONE
-    asked: Diagnose | Inspect | Convert | List = tyro.cli(
-        Asked,
-        prog="morph",
-        description=SUMMARY,
-        args=given,
-        config=(tyro.conf.OmitSubcommandPrefixes, tyro.conf.OmitArgPrefixes),
-    )
     try:
-        status = _run(asked)
+        status = _run(_asked(given))
         # What is still held back must fail here, not when Python has ended.
         sys.stdout.flush()
         return status
@@ -88,6 +81,21 @@ def _open_streams() -> None:
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:
             setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115 -- open to the end
+
+
+def _asked(given: Sequence[str]) -> Diagnose | Inspect | Convert | List:
+    try:
+        asked: Diagnose | Inspect | Convert | List = tyro.cli(
+            Asked,
+            prog="morph",
+            description=SUMMARY,
+            args=given,
+            config=(tyro.conf.OmitSubcommandPrefixes, tyro.conf.OmitArgPrefixes),
+        )
+        return asked
+    finally:
+        # Help ends the program; where nobody reads it, that must be seen before.
+        sys.stdout.flush()
 
 
 def _run(asked: Diagnose | Inspect | Convert | List) -> int:

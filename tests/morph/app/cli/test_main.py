@@ -81,3 +81,17 @@ def test_a_closed_error_output_hides_no_status() -> None:
     line = shlex.join([*COMMAND, "convert", "no_such", "--to", "mjcf", "--out", "x"])
     done = subprocess.run(f"{line} >&- 2>&-", shell=True, check=False, timeout=60)
     assert done.returncode == 2
+
+
+def test_help_that_nobody_reads_is_no_error() -> None:
+    line = shlex.join([*COMMAND, "--help"])
+    # The reader is gone before the first word.
+    done = subprocess.run(
+        f"(sleep 0.2; {line}; echo $? >&2) | true",
+        shell=True,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=60,
+    )
+    assert done.stderr == "0\n"
