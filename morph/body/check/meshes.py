@@ -24,6 +24,9 @@ AWAY = 0.4
 CONCAVE = 1.5
 """Ratio of a hull's volume to its mesh's that is told."""
 
+FROM_MESH = ("mesh x density", "measured")
+"""Inertias of an assembly's links, which come from their one mesh; URDF's are its own."""
+
 LEAST = 0.005
 """Distance below which nothing is away, m."""
 
@@ -160,8 +163,24 @@ def _units(draft: Draft) -> tuple[Draft, list[Finding]]:
                     f'write scale="{" ".join(f"{s:g}" for s in shapes[index].scale)}"',
                 )
             )
-        changed[link.name] = replace(link, shapes=tuple(shapes))
+        changed[link.name] = _weighed(replace(link, shapes=tuple(shapes)), link)
     return draft.with_links(changed), findings
+
+
+def _weighed(after: DraftLink, before: DraftLink) -> DraftLink:
+    """Return a link whose mass came from its mesh, weighed as its mended size asks."""
+    if before.inertia_from not in FROM_MESH or before.inertia is None or before.mass is None:
+        return after
+    shape = before.shapes[0]
+    factor = after.shapes[0].scale[0] / shape.scale[0]
+    # At one density mass grows with the cube of length; what was weighed on a scale stays.
+    growth = factor**3 if before.inertia_from == "mesh x density" else 1.0
+    return replace(
+        after,
+        mass=before.mass * growth,
+        com=shape.pose.position + factor * (before.com - shape.pose.position),
+        inertia=before.inertia * growth * factor**2,
+    )
 
 
 def _factor(size: float, typical: float | None) -> float:

@@ -189,6 +189,22 @@ def test_a_sheet_has_no_mass_and_is_refused(folder: Path) -> None:
         read_cad(write(folder, HEAD + BASE))
 
 
+@pytest.mark.parametrize("weighed", [False, True])
+def test_a_part_of_another_unit_weighs_what_it_does_in_its_own(folder: Path, weighed: bool) -> None:
+    arm = ARM if weighed else ARM.replace("mass_kg = 0.5\n", "")
+    right = read_description(write(folder, HEAD + BASE + arm + HINGE), base="fixed")
+    # The same arm, drawn in metres in an assembly of millimetres.
+    (folder / "meshes" / "arm.stl").write_bytes(box((0.1, 0.01, 0.01), (0.05, 0, 0)))
+    mended = read_description(folder / "assembly.toml", base="fixed")
+    assert {finding.code for finding in mended.findings} >= {"mesh-units"}
+    one, other = right.links[1], mended.links[1]
+    # 0.1 * 0.01 * 0.01 m3 at 1000 kg/m3, or as weighed; corners are float32: 2^-24 of each.
+    assert one.mass == pytest.approx(0.5 if weighed else 0.01, rel=1e-6)
+    assert other.mass == pytest.approx(one.mass, rel=1e-6)
+    assert other.com == pytest.approx(one.com, abs=1e-7)
+    assert other.inertia == pytest.approx(one.inertia, rel=1e-5, abs=1e-12)
+
+
 @pytest.mark.parametrize("kind", ["link", "joint"])
 @pytest.mark.parametrize("name", ["", "  "])
 def test_a_part_without_a_name_is_refused_at_its_line(folder: Path, kind: str, name: str) -> None:
