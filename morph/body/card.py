@@ -16,10 +16,10 @@ SCHEMA = "morph.card/1"
 BASES = ("fixed", "floating", "board")
 """How a body may stand in the world."""
 
-MOST_BYTES = 2**20
+MOST_BYTES = 2**18
 """Largest card; the longest on the shelf has a few thousand bytes."""
 
-LONGEST_LINE = 4096
+LONGEST_LINE = 1024
 """Longest line, bytes: time to read a key with a thousand dots grows with their square."""
 
 
