@@ -19,6 +19,9 @@ MOST_BYTES = 512 * 2**20
 MOST_FACES = 100_000
 """Most faces of a mesh that is handed on; MuJoCo's reader of STL refuses more than 200 000."""
 
+MOST_TOGETHER, COARSE = 1_500_000, 500
+"""Most faces of all shapes together, and of each further mesh once there are so many."""
+
 
 def read_shapes(draft: Draft, files: Files) -> tuple[Draft, list[Finding]]:
     """Return the draft with the content of its meshes, and what was found on the way.
@@ -39,7 +42,8 @@ class _Reader:
         self.findings: list[Finding] = []
         self.read: dict[Path, Mesh | MeshError] = {}
         self.thin: set[Path] = set()
-        self.bytes = 0
+        self.coarse: dict[Path, Mesh] = {}
+        self.bytes = self.faces = 0
         self.told: set[tuple[str, str, str]] = set()
 
     def link(self, link: DraftLink) -> DraftLink:
@@ -69,14 +73,28 @@ class _Reader:
                 content.fix,
             )
             return replace(shape, path=found.path)
-        if found.path in self.thin:
+        if self.faces + len(content.faces) > MOST_TOGETHER and len(content.faces) > COARSE:
+            content = self.coarsened(found.path, content)
+            what = f"the shapes up to {found.path.name} have more than {MOST_TOGETHER} faces"
+            self.tell(
+                *(link, shape, "mesh-too-large", "repaired", what),
+                f"{found.path.name} was thinned to {len(content.faces)}",
+                "export the meshes coarser",
+            )
+        elif found.path in self.thin:
             what = f"{found.path.name} has more than {MOST_FACES} faces, which MuJoCo cannot take"
             self.tell(
                 *(link, shape, "mesh-too-large", "repaired", what),
                 f"it was thinned to {len(content.faces)}",
                 "export it coarser",
             )
+        self.faces += len(content.faces)
         return replace(shape, path=found.path, mesh=content)
+
+    def coarsened(self, path: Path, mesh: Mesh) -> Mesh:
+        if path not in self.coarse:
+            self.coarse[path] = thinned(mesh, COARSE)
+        return self.coarse[path]
 
     def content(self, path: Path) -> Mesh | MeshError:
         try:
@@ -99,6 +117,9 @@ class _Reader:
             )
         if len(mesh.faces) > MOST_FACES:
             self.thin.add(path)
+        # What does not fit beside the others as a whole is thinned once and not twice.
+        if self.faces + min(len(mesh.faces), MOST_FACES) > MOST_TOGETHER:
+            return mesh
         return thinned(mesh, MOST_FACES)
 
     def tell(

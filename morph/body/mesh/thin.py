@@ -4,7 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from morph.arrays import Integers
 from morph.body.mesh.solid import Mesh
+
+MOST_CORNERS = 2_000_000
+"""Most corners of which three fit into one whole number of 63 bits, as (2e6)^3 < 2^63."""
 
 
 def thinned(mesh: Mesh, most: int) -> Mesh:
@@ -39,4 +43,13 @@ def _clustered(mesh: Mesh, cells: int) -> Mesh:
         mean[:, axis] = np.bincount(index, mesh.vertices[:, axis]) / count
     faces = index[mesh.faces]
     whole = (faces != np.roll(faces, 1, axis=1)).all(axis=1)
-    return Mesh(vertices=mean, faces=np.unique(faces[whole], axis=0))
+    return Mesh(vertices=mean, faces=_distinct(faces[whole], len(mean)))
+
+
+def _distinct(faces: Integers, count: int) -> Integers:
+    """Return each face once, in rising order; one number a face sorts faster than three."""
+    if count > MOST_CORNERS:
+        return np.unique(faces, axis=0)
+    code = np.sort((faces[:, 0] * count + faces[:, 1]) * count + faces[:, 2])
+    code = code[np.diff(code, prepend=-1) > 0]
+    return np.stack((code // count**2, code // count % count, code % count), axis=1)

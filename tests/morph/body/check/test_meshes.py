@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 import trimesh
 
+from morph.body.spec import spec_of
+
 STUB = b"version https://git-lfs.github.com/spec/v1\noid sha256:" + b"a" * 64 + b"\nsize 400\n"
 CUBE = "meshes/cube.stl"
 
@@ -106,6 +108,24 @@ def test_one_mesh_that_is_too_large_does_not_spoil_the_others(bench: Any) -> Non
     reading = bench.open(path / "robot.urdf")
     assert reading.stands("mesh-too-large", "repaired", "link", "arm")
     assert geoms(reading) == 1
+
+
+def test_shapes_of_too_many_faces_together_are_thinned_from_there_on(
+    bench: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # A ball of 20 * 4^3 = 1280 faces: two are within 3000, the third is not.
+    monkeypatch.setattr("morph.body.shapes.MOST_TOGETHER", 3000)
+    ball = stl(trimesh.creation.icosphere(subdivisions=3, radius=0.1))
+    reading = bench.read(
+        *(bench.link(name, bench.mesh(f"{name}.stl")) for name in "abc"),
+        bench.joint("ab", "a", "b", xyz="0 0 0.3"),
+        bench.joint("bc", "b", "c", xyz="0 0 0.3"),
+        files={f"{name}.stl": ball for name in "abc"},
+    )
+    assert reading.stands("mesh-too-large", "repaired", "link", "c")
+    faces = spec_of(reading.robot).compile().mesh_facenum
+    assert sorted(faces.tolist())[1:] == [1280, 1280]
+    assert 0 < min(faces) <= 500
 
 
 def test_other_capitals_are_told_and_the_file_is_taken(bench: Any) -> None:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from morph.body.mesh import Mesh, thinned
+from morph.body.mesh.thin import MOST_CORNERS, _distinct
 
 
 def ball(steps: int) -> Mesh:
@@ -37,3 +38,10 @@ def test_a_thinned_ball_keeps_its_volume_and_its_size() -> None:
 def test_a_mesh_with_few_faces_is_given_back_as_it_is() -> None:
     small = ball(5)
     assert thinned(small, 1000) is small
+
+
+def test_faces_are_sorted_alike_as_one_number_and_as_three() -> None:
+    faces = np.random.default_rng(3).integers(0, 12, (2000, 3))
+    assert np.array_equal(_distinct(faces, 12), np.unique(faces, axis=0))
+    most = np.array([[MOST_CORNERS - 1] * 3])
+    assert np.array_equal(_distinct(most, MOST_CORNERS), most)
