@@ -23,6 +23,9 @@ MOST_MARK = 65_536
 MOST_FILES = 20_000
 """Most files looked at in a folder; more is not a robot's folder but a disk."""
 
+MOST_ALIKE = 200
+"""Most files of one name looked at for each path."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Found:
@@ -113,7 +116,7 @@ class Files:
     def _search(self, wanted: PurePosixPath, package: bool) -> Found:
         best: tuple[int, int, int] | None = None
         chosen: Path | None = None
-        for path in self._index.get(wanted.name.lower(), ()):
+        for path in self._index.get(wanted.name.lower(), [])[:MOST_ALIKE]:
             relative = path.relative_to(self.folder)
             alike, exact = _common(wanted.parts, relative.parts)
             rank = (alike, exact, -len(relative.parts))

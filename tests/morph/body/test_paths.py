@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from morph.body.paths import Files, own_folder
+from morph.body.paths import MOST_ALIKE, Files, _common, own_folder
 
 XML = "<package><name>arm_description</name></package>"
 
@@ -275,3 +275,21 @@ def test_only_the_beginning_of_a_manifest_is_read(package: Path) -> None:
         # Sparse: 1 TiB of zeros fits no memory.
         manifest.truncate(2**40)
     assert Files(package / "urdf" / "robot.urdf").packages == {"arm"}
+
+
+def test_few_files_of_one_name_are_looked_at(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for index in range(MOST_ALIKE + 50):
+        (tmp_path / f"{index:03}").mkdir()
+        (tmp_path / f"{index:03}" / "part.stl").write_text("x")
+    compared = []
+
+    def counted(wanted: tuple[str, ...], there: tuple[str, ...]) -> tuple[int, int]:
+        compared.append(there)
+        return _common(wanted, there)
+
+    monkeypatch.setattr("morph.body.paths._common", counted)
+    result = Files(tmp_path / "robot.urdf").find("gone/part.stl")
+    assert result.path == tmp_path.resolve() / "000" / "part.stl"
+    assert len(compared) == MOST_ALIKE
