@@ -56,7 +56,14 @@ def read_csv(path: Path) -> Table:
     if plain is not None:
         numbers = np.arange(first + 1, len(lines) + 1, dtype=np.int64)
         return Table(path=path, names=names, columns=tuple(plain.T), lines=numbers)
-    return _careful(path, names, _rows(path, lines, delimiter)[first:], len(header))
+    rows = _rows(path, lines, delimiter)[first:]
+    if not rows:
+        raise RecordingError(
+            "the file has a header and not one sample",
+            where=str(path),
+            fix="record the episode again, or leave it out",
+        )
+    return _careful(path, names, rows, len(header))
 
 
 def _text(path: Path) -> str:

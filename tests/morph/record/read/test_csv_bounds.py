@@ -32,3 +32,10 @@ def test_text_beyond_the_bound_is_not_unpacked(
         read_csv(path)
     path.write_bytes(gzip.compress(b"time,a\n" + b"1,2\n" * 10))
     assert len(read_csv(path).columns[0]) == 10
+
+
+def test_a_row_of_blanks_is_no_sample(tmp_path: Path) -> None:
+    path = tmp_path / "blank.csv"
+    path.write_text("time,a\n,")
+    with pytest.raises(RecordingError, match="not one sample"):
+        read_csv(path)
