@@ -18,7 +18,7 @@ def test_a_packed_file_of_a_ten_million_lines_is_refused(tmp_path: Path) -> None
         file.write(b"time,a\n")
         for _ in range(100):
             file.write(b"1,2\n" * 100_000)
-    with pytest.raises(RecordingError, match="more than .* lines"):
+    with pytest.raises(RecordingError, match=r"more than .* lines"):
         read_csv(path)
 
 
