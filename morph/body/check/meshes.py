@@ -163,13 +163,18 @@ def _units(draft: Draft) -> tuple[Draft, list[Finding]]:
                     f'write scale="{" ".join(f"{s:g}" for s in shapes[index].scale)}"',
                 )
             )
-        changed[link.name] = _weighed(replace(link, shapes=tuple(shapes)), link)
+        mended = replace(link, shapes=tuple(shapes))
+        # Only an assembly takes the form of its inertia from its mesh.
+        assembled = draft.file.suffix.lower() == ".toml"
+        changed[link.name] = _weighed(mended, link) if assembled else mended
     return draft.with_links(changed), findings
 
 
 def _weighed(after: DraftLink, before: DraftLink) -> DraftLink:
     """Return a link whose mass came from its mesh, weighed as its mended size asks."""
     if before.inertia_from not in FROM_MESH or before.inertia is None or before.mass is None:
+        return after
+    if not before.shapes or not before.shapes[0].scale[0]:
         return after
     shape = before.shapes[0]
     factor = after.shapes[0].scale[0] / shape.scale[0]

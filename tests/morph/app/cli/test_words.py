@@ -93,6 +93,7 @@ def test_a_table_fits_its_terminal(rows: list[tuple[str, str]], columns: int) ->
 def test_a_terminal_that_tells_no_sensible_size_shows_all_lines(
     variable: str, told: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    monkeypatch.delenv("COLUMNS", raising=False)
     monkeypatch.setenv(variable, told)
     long = "word " * 100 + "end"
     say([("head", "bold"), (long, ""), ("", "")])
