@@ -20,7 +20,8 @@ from morph.body.spec import spec_of
 from morph.errors import MorphError
 from morph.model.diagnose import diagnose
 from morph.model.diagnosis import Diagnosis
-from morph.physics.effect import Effect, JointEffect
+from morph.physics.effect import Effect
+from morph.physics.kinds import JointEffect
 
 EXAMPLE = """example:
   python -m experiments.dfki

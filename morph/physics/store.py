@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import tomllib
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from morph.errors import EffectError
@@ -72,8 +73,7 @@ def effect_of(table: object, *, where: str) -> Effect:
                 where=where,
                 fix="give it in SI units",
             ) from error
-    place = {"joint": "joint", "actuator": "actuator", "sensor": "channel"}[kind.kind]
-    return kind(**{place: str(table["where"])}, **values)
+    return replace(kind.at(str(table["where"])), **values)  # type: ignore[type-var]
 
 
 def _quoted(text: str) -> str:

@@ -8,7 +8,8 @@ from typing import ClassVar
 import numpy as np
 
 from morph.arrays import Array
-from morph.physics.effect import ActuatorEffect, parameter
+from morph.physics.effect import parameter
+from morph.physics.kinds import ActuatorEffect
 from morph.physics.motion import Motion
 
 

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from morph.arrays import Array
-from morph.physics.effect import ActuatorEffect, parameter
+from morph.physics.effect import parameter
+from morph.physics.kinds import ActuatorEffect
 from morph.physics.motion import Motion
 
 

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from morph.arrays import Array
-from morph.physics.effect import JointEffect, parameter
+from morph.physics.effect import parameter
+from morph.physics.kinds import JointEffect
 from morph.physics.motion import Motion
 
 

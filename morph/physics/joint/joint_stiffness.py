@@ -8,7 +8,8 @@ from typing import Any, ClassVar
 import numpy as np
 
 from morph.arrays import Array
-from morph.physics.effect import JointEffect, parameter
+from morph.physics.effect import parameter
+from morph.physics.kinds import JointEffect
 from morph.physics.motion import Motion
 
 

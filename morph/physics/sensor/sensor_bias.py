@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from morph.arrays import Array
-from morph.physics.effect import SensorEffect, parameter
+from morph.physics.effect import parameter
+from morph.physics.kinds import SensorEffect
 from morph.physics.motion import Motion
 
 

@@ -1,0 +1,144 @@
+"""The kinds of part that an effect acts on: joint, actuator, sensor, body, contact, world."""
+
+from __future__ import annotations
+
+from typing import TypeVar
+
+from morph.body.robot import Robot
+from morph.physics.effect import Effect
+
+Some = TypeVar("Some", bound=Effect)
+
+
+class JointEffect(Effect):
+    """An effect on one hinge or slide."""
+
+    kind = "joint"
+    joint: str
+
+    @property
+    def where(self) -> str:
+        """The joint."""
+        return self.joint
+
+    @classmethod
+    def at(cls: type[Some], where: str) -> Some:
+        """Return the effect at a joint."""
+        return cls(joint=where)  # type: ignore[call-arg]
+
+    @classmethod
+    def places(cls, robot: Robot) -> tuple[str, ...]:
+        """Return the hinges and slides."""
+        return tuple(j.name for j in robot.joints if j.kind in {"hinge", "slide"})
+
+
+class ActuatorEffect(Effect):
+    """An effect on one actuator."""
+
+    kind = "actuator"
+    actuator: str
+
+    @property
+    def where(self) -> str:
+        """The actuator."""
+        return self.actuator
+
+    @classmethod
+    def at(cls: type[Some], where: str) -> Some:
+        """Return the effect at an actuator."""
+        return cls(actuator=where)  # type: ignore[call-arg]
+
+    @classmethod
+    def places(cls, robot: Robot) -> tuple[str, ...]:
+        """Return the actuators."""
+        return tuple(actuator.name for actuator in robot.actuators)
+
+
+class SensorEffect(Effect):
+    """An effect on one channel."""
+
+    kind = "sensor"
+    channel: str
+
+    @property
+    def where(self) -> str:
+        """The channel."""
+        return self.channel
+
+    @classmethod
+    def at(cls: type[Some], where: str) -> Some:
+        """Return the effect at a channel."""
+        return cls(channel=where)  # type: ignore[call-arg]
+
+    @classmethod
+    def places(cls, robot: Robot) -> tuple[str, ...]:
+        """Return the position channels of the hinges and slides."""
+        names = (j.name for j in robot.joints if j.kind in {"hinge", "slide"})
+        return tuple(f"{name}.position" for name in names)
+
+
+class BodyEffect(Effect):
+    """An effect on one link."""
+
+    kind = "body"
+    body: str
+
+    @property
+    def where(self) -> str:
+        """The link."""
+        return self.body
+
+    @classmethod
+    def at(cls: type[Some], where: str) -> Some:
+        """Return the effect at a link."""
+        return cls(body=where)  # type: ignore[call-arg]
+
+    @classmethod
+    def places(cls, robot: Robot) -> tuple[str, ...]:
+        """Return the links that can move."""
+        return tuple(link.name for link in robot.links)
+
+
+class ContactEffect(Effect):
+    """An effect where two bodies touch, named `foot+floor`; `any+floor` is every link's."""
+
+    kind = "contact"
+    contact: str
+
+    @property
+    def where(self) -> str:
+        """The two bodies, joined by a plus sign."""
+        return self.contact
+
+    @classmethod
+    def at(cls: type[Some], where: str) -> Some:
+        """Return the effect between two bodies."""
+        return cls(contact=where)  # type: ignore[call-arg]
+
+    @classmethod
+    def places(cls, robot: Robot) -> tuple[str, ...]:
+        """Return `any+floor`, each link with the floor, and each pair of links."""
+        names = [link.name for link in robot.links]
+        pairs = (f"{one}+{two}" for at, one in enumerate(names) for two in names[at + 1 :])
+        return ("any+floor", *(f"{name}+floor" for name in names), *pairs)
+
+
+class WorldEffect(Effect):
+    """An effect of what surrounds every body."""
+
+    kind = "world"
+
+    @property
+    def where(self) -> str:
+        """Always `world`."""
+        return "world"
+
+    @classmethod
+    def at(cls: type[Some], where: str = "world") -> Some:
+        """Return the effect on the world."""
+        return cls()
+
+    @classmethod
+    def places(cls, robot: Robot) -> tuple[str, ...]:
+        """Return `world`."""
+        return ("world",)
