@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import mujoco
@@ -15,10 +16,26 @@ from morph.errors import SimulationFailed
 from morph.physics.effect import Effect
 from morph.record.recording import Channel, Recording
 from morph.sim.drive import received, sensed
+from morph.sim.observe import observed
 from morph.sim.rollout import Variant, rollout
+from morph.sim.start import started
 
 Command = float | Channel | Callable[[Array], Array]
 """A constant, a recorded command, or a function of times (steps,) to values (steps,)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Trajectory:
+    """Every state of one run, in MuJoCo's own coordinates."""
+
+    time: Array
+    """Seconds, shape (steps + 1,)."""
+    position: Array
+    """MuJoCo's `qpos`, shape (steps + 1, nq)."""
+    velocity: Array
+    """MuJoCo's `qvel`, shape (steps + 1, nv)."""
+    command: Mapping[str, Array]
+    """What each actuator was told that was told anything, shape (steps,)."""
 
 
 def compiled(spec: Any, effects: tuple[Effect, ...], robot: Robot) -> Variant:
@@ -89,12 +106,35 @@ class Simulator:
     ) -> Recording:
         """Return a recording of one run: positions, velocities and commands.
 
+        A body that floats has `hull.position.x` and so on; a gyro, an accelerometer or a
+        force sensor of the description has `imu.gyro.x` and so on, by the name of its site.
+
         Args:
             seconds: How long to run.
-            start: Position of joints by name, rad or m; others at the description's.
-            speed: Velocity of joints by name, per s; others at rest.
+            start: Position of joints by name, rad or m, and of a floating body by
+                `hull.position.z` or `hull.orientation.w`; others at the description's.
+            speed: Velocity of joints by name, per s, and of a floating body by
+                `hull.linear_velocity.x` or `hull.angular_velocity.z`; others at rest.
             command: What each actuator is told; others zero.
             name: What to call the recording.
+
+        Raises:
+            RobotError: A name is not the robot's.
+            SimulationFailed: The simulation became unstable, or what it is told is no
+                number.
+        """
+        moved = self.trajectory(seconds=seconds, start=start, speed=speed, command=command)
+        return self.recorded(moved, name)
+
+    def trajectory(
+        self,
+        *,
+        seconds: float,
+        start: Mapping[str, float] | None = None,
+        speed: Mapping[str, float] | None = None,
+        command: Mapping[str, Command] | None = None,
+    ) -> Trajectory:
+        """Return every state of one run, to be drawn or recorded; `run` says what it takes.
 
         Raises:
             RobotError: A name is not the robot's.
@@ -110,18 +150,13 @@ class Simulator:
         model: Any = self.model
         steps = max(1, round(seconds / self.step))
         times: Array = np.asarray(self.step * np.arange(steps + 1), dtype=float)
-        position, velocity = model.qpos0.copy(), np.zeros(model.nv)
-        for joint, value in (start or {}).items():
-            position[model.joint(self.robot.joint(joint).name).qposadr[0]] = value
-        for joint, value in (speed or {}).items():
-            velocity[model.joint(self.robot.joint(joint).name).dofadr[0]] = value
+        position, velocity = started(self.robot, model, start, speed)
         control = np.zeros((1, steps, model.nu))
-        channels = {}
-        for actuator, told in (command or {}).items():
+        told: dict[str, Array] = {}
+        for actuator, what in (command or {}).items():
             index = model.actuator(self.robot.actuator(actuator).name).id
-            values = self._told(actuator, told, times[:-1])
-            control[0, :, index] = received(self.effects, actuator, values, self.step)
-            channels[f"{actuator}.command"] = Channel(time=times[:-1], value=values, hold=True)
+            told[actuator] = self._told(actuator, what, times[:-1])
+            control[0, :, index] = received(self.effects, actuator, told[actuator], self.step)
         q, v = rollout(
             [self._variant],
             np.zeros(1, dtype=int),
@@ -130,15 +165,19 @@ class Simulator:
             control,
             strict=True,
         )
-        for moving in self.robot.joints:
-            if moving.kind in {"hinge", "slide"}:
-                for quantity, values in (
-                    ("position", q[0, :, model.joint(moving.name).qposadr[0]]),
-                    ("velocity", v[0, :, model.joint(moving.name).dofadr[0]]),
-                ):
-                    channel = f"{moving.name}.{quantity}"
-                    reading = sensed(self.effects, channel, values)
-                    channels[channel] = Channel(time=times, value=reading)
+        return Trajectory(time=times, position=q[0], velocity=v[0], command=told)
+
+    def recorded(self, moved: Trajectory, name: str = "simulated") -> Recording:
+        """Return a motion as a recording, seen through the effects' sensors."""
+        channels = {
+            f"{actuator}.command": Channel(time=moved.time[:-1], value=values, hold=True)
+            for actuator, values in moved.command.items()
+        }
+        for channel, true in observed(
+            self.robot, self.model, moved.time, moved.position, moved.velocity
+        ).items():
+            reading = sensed(self.effects, channel, true.value)
+            channels[channel] = Channel(time=true.time, value=reading)
         return Recording(name=name, channels=channels)
 
     def _told(self, actuator: str, command: Command, times: Array) -> Array:

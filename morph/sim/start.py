@@ -1,0 +1,92 @@
+"""Where a simulation starts: joints by their names, floating bodies by their channels."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from morph.arrays import Array
+from morph.body.robot import Joint, Robot
+from morph.errors import RobotError
+from morph.record.nearest import nearest
+from morph.record.quantities import WXYZ, XYZ
+
+PLACES = tuple(f"position.{axis}" for axis in XYZ) + tuple(f"orientation.{axis}" for axis in WXYZ)
+"""What the start of a floating body is told by, in the order of MuJoCo's `qpos`."""
+
+SPEEDS = tuple(f"{which}_velocity.{axis}" for which in ("linear", "angular") for axis in XYZ)
+"""What its speed is told by, in the order of MuJoCo's `qvel`."""
+
+
+def started(
+    robot: Robot,
+    model: Any,
+    start: Mapping[str, float] | None = None,
+    speed: Mapping[str, float] | None = None,
+) -> tuple[Array, Array]:
+    """Return the state that a simulation starts from: position (nq,) and velocity (nv,).
+
+    Args:
+        robot: The robot.
+        model: Its `mujoco.MjModel`.
+        start: By a hinge or slide its position, rad or m; by `hull.position.z` or
+            `hull.orientation.w` that of a body that floats, m, and a quaternion that is
+            brought to length 1: of one that is told in part the rest is 0. All else is as
+            the description has it.
+        speed: Likewise, per s: by a joint, `hull.linear_velocity.x` (world frame) or
+            `hull.angular_velocity.z` (the body's frame). All else is at rest.
+
+    Raises:
+        RobotError: A name is not the robot's, or an orientation is none.
+    """
+    position, velocity = model.qpos0.copy(), np.zeros(model.nv)
+    turned: dict[str, list[int]] = {}
+    for name, value in (start or {}).items():
+        joint, slot = _found(robot, name, PLACES)
+        address = int(model.joint(joint.name).qposadr[0])
+        if slot >= len(XYZ) and joint.link not in turned:
+            turned[joint.link] = list(range(address + 3, address + 7))
+            position[turned[joint.link]] = 0.0
+        position[address + slot] = value
+    for name, value in (speed or {}).items():
+        joint, slot = _found(robot, name, SPEEDS)
+        velocity[int(model.joint(joint.name).dofadr[0]) + slot] = value
+    for link, four in turned.items():
+        length = float(np.linalg.norm(position[four]))
+        if length == 0.0:
+            raise RobotError(
+                "its orientation is all zero, and a quaternion has a length",
+                where=f"robot {robot.name}, start of {link}",
+                fix=f"upright is {link}.orientation.w = 1 and the rest 0",
+            )
+        position[four] /= length
+    return position, velocity
+
+
+def _found(robot: Robot, name: str, known: tuple[str, ...]) -> tuple[Joint, int]:
+    """Return the joint that a name means, and which of its numbers."""
+    for joint in robot.joints:
+        if joint.kind == "free" and name.startswith(f"{joint.link}."):
+            rest = name.removeprefix(f"{joint.link}.")
+            if rest in known:
+                return joint, known.index(rest)
+            raise RobotError(
+                f"there is no {name!r}; of {joint.link}, which floats, there are "
+                + ", ".join(known),
+                where=f"robot {robot.name}",
+                fix=f"the nearest are {nearest(rest, known)}",
+            )
+    joint = robot.joint(name)
+    if joint.kind in {"hinge", "slide"}:
+        return joint, 0
+    if joint.kind == "free":
+        fix = f"say {joint.link}.{known[0]} and so on, up to {joint.link}.{known[-1]}"
+    else:
+        fix = "leave it where the description has it; a ball joint cannot be set"
+    raise RobotError(
+        f"the {joint.kind} joint {name!r} has no single position or velocity",
+        where=f"robot {robot.name}",
+        fix=fix,
+    )
