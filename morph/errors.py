@@ -55,8 +55,16 @@ class EffectError(MorphError):
     """An effect is unknown, misplaced, or has a parameter out of bounds."""
 
 
+class KernelError(MorphError):
+    """The compiled fluid cannot be built, loaded or installed."""
+
+
 class SimulationFailed(MorphError):
     """A simulation cannot be set up, or became unstable."""
+
+
+class PolicyError(MorphError):
+    """A policy cannot be used, or not on this body."""
 
 
 class DiagnosisError(MorphError):
