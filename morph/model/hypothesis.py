@@ -65,6 +65,7 @@ class Hypothesis:
             (index, known)
             for index, effect in enumerate(self.effects)
             for known in effect.parameters()
+            if known.free
         )
 
     @cached_property

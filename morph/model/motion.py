@@ -12,6 +12,8 @@ from scipy.signal import butter, sosfiltfilt
 from morph.arrays import Array
 from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis
+from morph.physics import EFFECTS
+from morph.physics.body_motion import BodyMotion, body_motions
 from morph.physics.motion import Motion
 from morph.sim.drive import received, unsensed
 from morph.sim.rollout import Variant
@@ -114,6 +116,7 @@ def _within(found: Needed) -> Needed:
         drive=whole.drive[inside],
         drive_rate=whole.drive_rate[inside],
         stiffness=whole.stiffness[inside],
+        bodies={name: body.within(inside) for name, body in whole.bodies.items()},
     )
     return replace(found, time=found.time[inside], motion=motion, missing=found.missing[inside])
 
@@ -175,8 +178,23 @@ def _forces(
         stiffness=stiff,
         joints=joints,
         actuators={a.name: i for i, a in enumerate(hypothesis.robot.actuators)},
+        bodies=_bodies(hypothesis, model, position, velocity, acceleration),
     )
     return motion, need
+
+
+def _bodies(
+    hypothesis: Hypothesis, model: mujoco.MjModel, q: Array, v: Array, a: Array
+) -> dict[str, BodyMotion]:
+    """Return how the links move on which some effect may act."""
+    names = {
+        place
+        for kind in EFFECTS
+        if kind.kind == "body"
+        for place in kind.suspects(hypothesis.robot)
+    }
+    names |= {effect.where for effect in hypothesis.effects if effect.kind == "body"}
+    return body_motions(model, sorted(names), q, v, a) if names else {}
 
 
 def _moments(model: mujoco.MjModel) -> Array:

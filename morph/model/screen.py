@@ -103,7 +103,7 @@ def _all(hypothesis: Hypothesis) -> list[Effect]:
     return [
         effect
         for kind in EFFECTS
-        for effect in (kind.at(place) for place in kind.places(hypothesis.robot))
+        for effect in (kind.at(place) for place in kind.suspects(hypothesis.robot))
         if not any(same_kind(effect, had) for had in hypothesis.effects)
     ]
 

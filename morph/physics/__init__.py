@@ -7,6 +7,11 @@ from morph.physics.actuator.actuator_delay import ActuatorDelay
 from morph.physics.actuator.actuator_lag import ActuatorLag
 from morph.physics.actuator.torque_scale import TorqueScale
 from morph.physics.effect import Effect as Effect
+from morph.physics.fluid.added_mass import AddedMass
+from morph.physics.fluid.buoyancy import Buoyancy
+from morph.physics.fluid.fluid_current import FluidCurrent
+from morph.physics.fluid.linear_drag import LinearDrag
+from morph.physics.fluid.quadratic_drag import QuadraticDrag
 from morph.physics.joint.armature import Armature
 from morph.physics.joint.coulomb_friction import CoulombFriction
 from morph.physics.joint.joint_stiffness import JointStiffness
@@ -26,6 +31,11 @@ EFFECTS: tuple[type[Effect], ...] = (
     ActuatorLag,
     TorqueScale,
     SensorBias,
+    AddedMass,
+    Buoyancy,
+    LinearDrag,
+    QuadraticDrag,
+    FluidCurrent,
 )
 """Every effect that a simulation can have and a diagnosis can find."""
 

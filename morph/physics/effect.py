@@ -36,6 +36,8 @@ class Parameter:
     """The value at which the effect does nothing; None for a shape that has none."""
     scan: tuple[float, ...]
     """Values to try where a gradient misleads: delays, and shapes of curves."""
+    free: bool
+    """Whether a diagnosis may move it; geometry that is known stays."""
 
 
 def parameter(
@@ -46,9 +48,10 @@ def parameter(
     high: float,
     neutral: float | None = None,
     scan: tuple[float, ...] = (),
+    free: bool = True,
 ) -> Any:
     """Return a dataclass field that is a parameter of an effect."""
-    known = {"unit": unit, "low": low, "high": high, "neutral": neutral, "scan": scan}
+    known = {"unit": unit, "low": low, "high": high, "neutral": neutral, "scan": scan, "free": free}
     return field(default=default, metadata=known)
 
 
@@ -122,6 +125,11 @@ class Effect(ABC):
     @abstractmethod
     def places(cls, robot: Robot) -> tuple[str, ...]:
         """Return the names of the parts of a robot on which it can act."""
+
+    @classmethod
+    def suspects(cls, robot: Robot) -> tuple[str, ...]:
+        """Return the places at which a diagnosis looks for it, by default all of them."""
+        return cls.places(robot)
 
     def __post_init__(self) -> None:
         """Check every parameter against its bounds."""

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from morph.arrays import Array
+from morph.physics.body_motion import BodyMotion
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,6 +31,8 @@ class Motion:
     """Degree of freedom of each hinge and slide."""
     actuators: Mapping[str, int]
     """Index of each actuator."""
+    bodies: Mapping[str, BodyMotion] = field(default_factory=dict)
+    """How links move, where effects on links are looked for."""
 
     def along(self, joint: str, *columns: Array) -> Array:
         """Return columns (samples,) as forces on one joint, (samples, dofs, columns)."""

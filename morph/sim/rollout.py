@@ -15,6 +15,8 @@ from mujoco.batch import Batch, SimulationError
 from morph.arrays import Array, Integers
 from morph.errors import SimulationFailed
 from morph.physics.effect import Effect, stacked
+from morph.physics.fluid.settle import batches
+from morph.sim.one_by_one import one_by_one
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -78,6 +80,8 @@ def rollout(
         SimulationFailed: MuJoCo refused to step, or with `strict` a row became unstable.
     """
     rows, steps = command.shape[:2]
+    if not batches(variants[0].model):
+        return _without_kernel(variants, which, position, velocity, command)
     batch = Batch(variants[0].model, rows, 2 if rows > 1 else 1)
     if len(variants) == 1:
         batch.set_models(variants[0].model)
@@ -109,6 +113,18 @@ def rollout(
     q = np.concatenate([position[:, None], q], axis=1)
     v = np.concatenate([velocity[:, None], v], axis=1)
     return q, v
+
+
+def _without_kernel(
+    variants: Sequence[Variant], which: Integers, position: Array, velocity: Array, command: Array
+) -> tuple[Array, Array]:
+    if any(effect.stepped for effect in variants[0].effects):
+        raise SimulationFailed(
+            "an effect that acts before every step needs the compiled fluid",
+            where="a simulation in a fluid, which runs in numpy here",
+            fix="install a C compiler, or `pip install ziglang`, which brings one",
+        )
+    return one_by_one([variants[index].model for index in which], position, velocity, command)
 
 
 @contextmanager

@@ -14,6 +14,7 @@ from morph.body.robot import Robot
 from morph.body.spec import spec_of
 from morph.errors import SimulationFailed
 from morph.physics.effect import Effect
+from morph.physics.fluid.settle import settle
 from morph.record.recording import Channel, Recording
 from morph.sim.drive import received, sensed
 from morph.sim.observe import observed
@@ -47,7 +48,7 @@ def compiled(spec: Any, effects: tuple[Effect, ...], robot: Robot) -> Variant:
     for effect in effects:
         effect.edit(spec)
     try:
-        return Variant(model=spec.compile(), effects=effects)
+        return Variant(model=settle(spec.compile()), effects=effects)
     except ValueError as error:
         raise SimulationFailed(
             f"MuJoCo refuses the description under these effects: {error}",

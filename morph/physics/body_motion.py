@@ -1,0 +1,109 @@
+"""How a link moves along a recording, seen in its own axes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from morph.arrays import Array, Mask
+
+
+@dataclass(frozen=True, kw_only=True)
+class BodyMotion:
+    """Velocity, acceleration and gravity of one link, linear before angular, in its axes."""
+
+    jacobian: Array
+    """Of the link's origin, shape (samples, 6, degrees of freedom)."""
+    velocity: Array
+    """m/s and rad/s, shape (samples, 6)."""
+    acceleration: Array
+    """How those change: the rate of the components, m/s2 and rad/s2, shape (samples, 6)."""
+    gravity: Array
+    """m/s2, shape (samples, 3)."""
+
+    def within(self, chosen: Mask) -> BodyMotion:
+        """Return the chosen samples."""
+        return BodyMotion(
+            jacobian=self.jacobian[chosen],
+            velocity=self.velocity[chosen],
+            acceleration=self.acceleration[chosen],
+            gravity=self.gravity[chosen],
+        )
+
+    def forces(self, load: Array) -> Array:
+        """Return loads (samples, 6, columns) as joint forces, (samples, dofs, columns)."""
+        return np.asarray(np.einsum("sid,sic->sdc", self.jacobian, load))
+
+
+def body_motions(
+    model: mujoco.MjModel, bodies: Sequence[str], position: Array, velocity: Array, slope: Array
+) -> dict[str, BodyMotion]:
+    """Return how links move through states of a model.
+
+    Args:
+        model: The compiled robot.
+        bodies: Names of links.
+        position: Generalized positions, shape (samples, nq).
+        velocity: Generalized velocities, shape (samples, nv).
+        slope: Generalized accelerations, shape (samples, nv).
+    """
+    data = mujoco.MjData(model)
+    samples, dofs = velocity.shape
+    held = {
+        name: BodyMotion(
+            jacobian=np.empty((samples, 6, dofs)),
+            velocity=np.empty((samples, 6)),
+            acceleration=np.empty((samples, 6)),
+            gravity=np.empty((samples, 3)),
+        )
+        for name in bodies
+    }
+    for k in range(samples):
+        data.qpos[:], data.qvel[:] = position[k], velocity[k]
+        mujoco.mj_fwdPosition(model, data)
+        mujoco.mj_fwdVelocity(model, data)
+        for name, body in held.items():
+            index = model.body(name).id
+            jacobian, rate = jacobian_of(model, data, index, np.zeros(3))
+            body.jacobian[k], body.velocity[k] = jacobian, jacobian @ velocity[k]
+            body.acceleration[k] = jacobian @ slope[k] + rate @ velocity[k]
+            body.gravity[k] = data.xmat[index].reshape(3, 3).T @ model.opt.gravity
+    return held
+
+
+def jacobian_of(
+    model: mujoco.MjModel, data: mujoco.MjData, body: int, point: Array
+) -> tuple[Array, Array]:
+    """Return J and dJ/dt of a point of a body, in the body's axes, linear rows first.
+
+    Args:
+        model: The compiled robot.
+        data: Its state, positions and velocities passed forward.
+        body: The body's index.
+        point: The point in the body's frame, m.
+
+    Returns:
+        Two matrices of shape (6, nv): J v are the components of the velocity, and their
+        rate is J dv/dt + dJ/dt v.
+    """
+    turned = data.xmat[body].reshape(3, 3)
+    spot = data.xpos[body] + turned @ point
+    linear, angular = np.zeros((2, 3, model.nv))
+    mujoco.mj_jac(model, data, linear, angular, spot, body)
+    linear_rate, angular_rate = np.zeros((2, 3, model.nv))
+    mujoco.mj_jacDot(model, data, linear_rate, angular_rate, spot, body)
+    # In the body's axes R' x changes by R' (dx/dt - w x x).
+    spin = cross_matrix(angular @ data.qvel)
+    jacobian = np.vstack([turned.T @ linear, turned.T @ angular])
+    rate = np.vstack(
+        [turned.T @ (linear_rate - spin @ linear), turned.T @ (angular_rate - spin @ angular)]
+    )
+    return jacobian, rate
+
+
+def cross_matrix(x: Array) -> Array:
+    """Return the matrix (3, 3) that multiplies by x from the left as the cross product does."""
+    return np.array([[0.0, -x[2], x[1]], [x[2], 0.0, -x[0]], [-x[1], x[0], 0.0]])

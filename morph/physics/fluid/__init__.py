@@ -1,0 +1,1 @@
+"""The fluid: added mass, buoyancy, drag, and the surfaces and tensors behind them."""

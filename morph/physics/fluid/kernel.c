@@ -1,0 +1,261 @@
+/* The fluid of thesis eq. 7, installed as MuJoCo's mjcb_passive.
+ *
+ * For every wet body with added-mass tensor K (6x6, body frame, about a point r of the body):
+ * K is added to the joint-space inertia d->M by a composite-body pass, as Featherstone 2008
+ * adds rigid inertias (section 6.2), and what remains of Kirchhoff's equations (Lamb 1932,
+ * section 124), buoyancy, drag and thrust go to d->qfrc_passive by a pass from leaves to roots.
+ * A spatial vector here is MuJoCo's: rotation first, about the centre of mass of the whole tree,
+ * in world axes. The readable account is reference.py, which the tests hold this file against.
+ */
+#include <math.h>
+
+#include <mujoco/mujoco.h>
+
+/* Where each quantity stands in body_user; numbers.py has the same table. */
+enum { MARK = 0, SCALE = 1, ADDED = 2, POINT = 23, DISPLACED = 26, CENTRE = 27, LINEAR = 30,
+       QUADRATIC = 36, CURRENT = 42, EDGE = 45, CHORD = 48, NORMAL = 51, SHED = 54, WIDTH = 55 };
+
+#define SIGNATURE 4.0e77 /* no description of a robot holds this number */
+#define WETTED 1.0       /* d->crb of the world, which MuJoCo sets to 0 with every new M */
+
+typedef void (*factor_function)(const mjModel*, mjData*);
+typedef mjtNum* (*allocate_function)(mjData*, size_t);
+typedef void (*mark_function)(mjData*);
+
+static factor_function factor;
+static allocate_function allocate;
+static mark_function mark, release;
+
+/* MuJoCo's own functions come as pointers, so that nothing is linked. */
+void morph_fluid_bind(factor_function f, allocate_function a, mark_function m, mark_function r) {
+  factor = f; allocate = a; mark = m; release = r;
+}
+
+int morph_fluid_version(void) { return mjVERSION_HEADER; }
+int morph_fluid_width(void) { return WIDTH; }
+
+/* A symmetric 6x6 inertia: p = A v + B w, h = B' v + C w. */
+typedef struct { mjtNum A[9], B[9], C[9]; } Inertia;
+
+static void cross(mjtNum* out, const mjtNum* a, const mjtNum* b) {
+  out[0] = a[1] * b[2] - a[2] * b[1];
+  out[1] = a[2] * b[0] - a[0] * b[2];
+  out[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+static void add_cross(mjtNum* out, const mjtNum* a, const mjtNum* b) {
+  out[0] += a[1] * b[2] - a[2] * b[1];
+  out[1] += a[2] * b[0] - a[0] * b[2];
+  out[2] += a[0] * b[1] - a[1] * b[0];
+}
+
+static void turn(mjtNum* out, const mjtNum* R, const mjtNum* x) { /* R x */
+  for (int i = 0; i < 3; i++) out[i] = R[3*i] * x[0] + R[3*i+1] * x[1] + R[3*i+2] * x[2];
+}
+
+static void turn_back(mjtNum* out, const mjtNum* R, const mjtNum* x) { /* R' x */
+  for (int i = 0; i < 3; i++) out[i] = R[i] * x[0] + R[3+i] * x[1] + R[6+i] * x[2];
+}
+
+static void turn_both(mjtNum* out, const mjtNum* R, const mjtNum* X) { /* R X R' */
+  mjtNum RX[9];
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 3; j++)
+      RX[3*i+j] = R[3*i] * X[j] + R[3*i+1] * X[3+j] + R[3*i+2] * X[6+j];
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 3; j++)
+      out[3*i+j] = RX[3*i] * R[3*j] + RX[3*i+1] * R[3*j+1] + RX[3*i+2] * R[3*j+2];
+}
+
+static void columns_cross(mjtNum* out, const mjtNum* d, const mjtNum* X) { /* [d] X */
+  for (int j = 0; j < 3; j++) {
+    out[j] = d[1] * X[6+j] - d[2] * X[3+j];
+    out[3+j] = d[2] * X[j] - d[0] * X[6+j];
+    out[6+j] = d[0] * X[3+j] - d[1] * X[j];
+  }
+}
+
+/* The 21 upper entries of K in body axes become an inertia in world axes about the point at -d. */
+static void placed(Inertia* out, const mjtNum* k, mjtNum scale, const mjtNum* R, const mjtNum* d) {
+  const mjtNum a[9] = {k[0], k[1], k[2], k[1], k[6], k[7], k[2], k[7], k[11]};
+  const mjtNum b[9] = {k[3], k[4], k[5], k[8], k[9], k[10], k[12], k[13], k[14]};
+  const mjtNum c[9] = {k[15], k[16], k[17], k[16], k[18], k[19], k[17], k[19], k[20]};
+  mjtNum DA[9], DB[9], Bt[9], DBt[9];
+  turn_both(out->A, R, a);
+  turn_both(out->B, R, b);
+  turn_both(out->C, R, c);
+  /* With D = [d]: B <- B - A D, C <- C - B' D + D (B - A D); A D = -(D A)' and B' D = -(D B)'. */
+  columns_cross(DA, d, out->A);
+  columns_cross(DB, d, out->B);
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 3; j++) Bt[3*i+j] = out->B[3*i+j] + DA[3*j+i];
+  columns_cross(DBt, d, Bt);
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 3; j++) out->C[3*i+j] += DB[3*j+i] + DBt[3*i+j];
+  for (int i = 0; i < 9; i++) {
+    out->A[i] *= scale;
+    out->B[i] = scale * Bt[i];
+    out->C[i] *= scale;
+  }
+}
+
+/* Momentum (angular first) of an inertia that moves as `motion` (angular first). */
+static void momentum(mjtNum* out, const Inertia* K, const mjtNum* motion) {
+  const mjtNum *w = motion, *v = motion + 3;
+  for (int i = 0; i < 3; i++) {
+    out[i] = K->B[i] * v[0] + K->B[3+i] * v[1] + K->B[6+i] * v[2]
+           + K->C[3*i] * w[0] + K->C[3*i+1] * w[1] + K->C[3*i+2] * w[2];
+    out[3+i] = K->A[3*i] * v[0] + K->A[3*i+1] * v[1] + K->A[3*i+2] * v[2]
+             + K->B[3*i] * w[0] + K->B[3*i+1] * w[1] + K->B[3*i+2] * w[2];
+  }
+}
+
+/* Minus the rate of momentum that the fluid has without joint acceleration. */
+static void inertial(mjtNum* force, const Inertia* K, const mjtNum* motion, const mjtNum* rate) {
+  mjtNum p[6], dp[6], gyro[6];
+  momentum(p, K, motion);
+  momentum(dp, K, rate);
+  cross(gyro, motion, p);
+  add_cross(gyro, motion + 3, p + 3);
+  cross(gyro + 3, motion, p + 3);
+  for (int i = 0; i < 6; i++) force[i] -= dp[i] + gyro[i];
+}
+
+static void push(mjtNum* force, const mjtNum* at, const mjtNum* f) { /* f acts at `at` from the centre */
+  add_cross(force, at, f);
+  for (int i = 0; i < 3; i++) force[3+i] += f[i];
+}
+
+static void buoyancy(mjtNum* force, const mjtNum* u, const mjtNum* R, const mjtNum* body,
+                     const mjtNum* gravity) {
+  mjtNum at[3], f[3];
+  turn(at, R, u + CENTRE);
+  for (int i = 0; i < 3; i++) {
+    at[i] += body[i];
+    f[i] = -u[SCALE] * u[DISPLACED] * gravity[i];
+  }
+  push(force, at, f);
+}
+
+static void drag(mjtNum* force, const mjtNum* u, const mjtNum* R, const mjtNum* d,
+                 const mjtNum* motion) {
+  mjtNum world[3], here[6], load[6], f[3], torque[3];
+  cross(world, motion, d);
+  for (int i = 0; i < 3; i++) world[i] += motion[3+i];
+  turn_back(here, R, world);
+  turn_back(here + 3, R, motion);
+  for (int i = 0; i < 6; i++)
+    load[i] = -u[SCALE] * (u[LINEAR+i] + u[QUADRATIC+i] * fabs(here[i])) * here[i];
+  turn(f, R, load);
+  turn(torque, R, load + 3);
+  push(force, d, f);
+  for (int i = 0; i < 3; i++) force[i] += torque[i];
+}
+
+/* Momentum that leaves at a trailing edge: m w^2 / 2 along the chord, less m w u+ along the normal. */
+static void thrust(mjtNum* force, const mjtNum* u, const mjtNum* R, const mjtNum* body,
+                   const mjtNum* motion) {
+  mjtNum at[3], chord[3], normal[3], speed[3], f[3], along = 0, across = 0;
+  turn(at, R, u + EDGE);
+  turn(chord, R, u + CHORD);
+  turn(normal, R, u + NORMAL);
+  for (int i = 0; i < 3; i++) at[i] += body[i];
+  cross(speed, motion, at);
+  for (int i = 0; i < 3; i++) {
+    along += chord[i] * (speed[i] + motion[3+i]);
+    across += normal[i] * (speed[i] + motion[3+i]);
+  }
+  mjtNum m = u[SCALE] * u[SHED], shed = along > 0 ? along : 0;
+  for (int i = 0; i < 3; i++)
+    f[i] = m * across * (0.5 * across * chord[i] - shed * normal[i]);
+  push(force, at, f);
+}
+
+static void add_inertia(const mjModel* m, mjData* d, Inertia* K, mjtNum* wet) {
+  for (int b = m->nbody - 1; b > 0; b--) {
+    int up = m->body_parentid[b];
+    if (wet[b] == 0 || up == 0) continue;
+    if (wet[up] == 0) K[up] = K[b];
+    else
+      for (int i = 0; i < 9; i++) {
+        K[up].A[i] += K[b].A[i];
+        K[up].B[i] += K[b].B[i];
+        K[up].C[i] += K[b].C[i];
+      }
+    wet[up] = 1;
+  }
+  for (int i = 0; i < m->nv; i++) {
+    int b = m->dof_bodyid[i];
+    if (wet[b] == 0) continue;
+    mjtNum p[6];
+    momentum(p, K + b, d->cdof + 6*i);
+    int row = m->M_rowadr[i];
+    for (int k = 0; k < m->M_rownnz[i]; k++) {
+      const mjtNum* axis = d->cdof + 6*m->M_colind[row+k];
+      d->M[row+k] += axis[0]*p[0] + axis[1]*p[1] + axis[2]*p[2] + axis[3]*p[3] + axis[4]*p[4] + axis[5]*p[5];
+    }
+  }
+  d->crb[0] = WETTED;
+  factor(m, d);
+}
+
+static int any_wet(const mjModel* m) {
+  if (m->nuser_body < WIDTH) return 0;
+  for (int b = 1; b < m->nbody; b++) {
+    const mjtNum* u = m->body_user + (size_t)b * m->nuser_body;
+    if (u[MARK] == SIGNATURE && u[SCALE] != 0) return 1;
+  }
+  return 0;
+}
+
+void morph_fluid(const mjModel* m, mjData* d) {
+  static const mjtNum still[3] = {0, 0, 0};
+  if (!any_wet(m)) return;
+  mark(d);
+  size_t n = m->nbody;
+  mjtNum* memory = allocate(d, n * (27 + 6 + 6 + 1));
+  Inertia* K = (Inertia*)memory;
+  mjtNum *rate = memory + 27*n, *force = rate + 6*n, *wet = force + 6*n;
+  const mjtNum* gravity = (m->opt.disableflags & mjDSBL_GRAVITY) ? still : m->opt.gravity;
+
+  for (int i = 0; i < 6; i++) rate[i] = 0;
+  for (int b = 1; b < m->nbody; b++) {
+    const mjtNum* u = m->body_user + (size_t)b * m->nuser_body;
+    mjtNum *a = rate + 6*b, *f = force + 6*b;
+    for (int i = 0; i < 6; i++) { a[i] = rate[6*m->body_parentid[b]+i]; f[i] = 0; }
+    for (int k = m->body_dofadr[b]; k < m->body_dofadr[b] + m->body_dofnum[b]; k++)
+      for (int i = 0; i < 6; i++) a[i] += d->cdof_dot[6*k+i] * d->qvel[k];
+    wet[b] = u[MARK] == SIGNATURE && u[SCALE] != 0;
+    if (wet[b] == 0) continue;
+
+    /* In axes that move with the current: v - U, and a + w x U, as the point of reference stays. */
+    const mjtNum *R = d->xmat + 9*b, *centre = d->subtree_com + 3*m->body_rootid[b];
+    mjtNum body[3], point[3], motion[6], slope[6];
+    turn(point, R, u + POINT);
+    for (int i = 0; i < 3; i++) {
+      body[i] = d->xpos[3*b+i] - centre[i];
+      point[i] += body[i];
+      motion[i] = d->cvel[6*b+i];
+      motion[3+i] = d->cvel[6*b+3+i] - u[CURRENT+i];
+    }
+    for (int i = 0; i < 6; i++) slope[i] = a[i];
+    add_cross(slope + 3, motion, u + CURRENT);
+    placed(K + b, u + ADDED, u[SCALE], R, point);
+    inertial(f, K + b, motion, slope);
+    if (u[DISPLACED] != 0) buoyancy(f, u, R, body, gravity);
+    drag(f, u, R, point, motion);
+    if (u[SHED] != 0) thrust(f, u, R, body, motion);
+  }
+  for (int b = m->nbody - 1; b > 0; b--) {
+    const mjtNum* f = force + 6*b;
+    for (int k = m->body_dofadr[b]; k < m->body_dofadr[b] + m->body_dofnum[b]; k++) {
+      const mjtNum* axis = d->cdof + 6*k;
+      d->qfrc_passive[k] += axis[0]*f[0] + axis[1]*f[1] + axis[2]*f[2] + axis[3]*f[3] + axis[4]*f[4] + axis[5]*f[5];
+    }
+    int up = m->body_parentid[b];
+    if (up > 0)
+      for (int i = 0; i < 6; i++) force[6*up+i] += f[i];
+  }
+  if (d->crb[0] != WETTED) add_inertia(m, d, K, wet);
+  release(d);
+}

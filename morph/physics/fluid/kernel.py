@@ -1,0 +1,148 @@
+"""The compiled fluid: built once by the C compiler at hand, kept by content, given to MuJoCo."""
+
+from __future__ import annotations
+
+import ctypes
+import functools
+import os
+import platform
+import subprocess
+import tempfile
+import warnings
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import mujoco
+
+from morph.body.pieces import cache_folder
+from morph.errors import KernelError
+from morph.files import sha256
+from morph.physics.fluid import reference
+from morph.physics.fluid.compiler import compilers
+from morph.physics.fluid.numbers import WIDTH
+
+SOURCE = Path(__file__).with_name("kernel.c")
+FLAGS = ("-O3", "-fPIC", "-shared", "-std=c99")
+NAMED = "MORPH_FLUID_KERNEL"
+"""Environment variable: a library built elsewhere, or `numpy` to do without one."""
+BOUND = ("mj_factorM", "mj_stackAllocNum", "mj_markStack", "mj_freeStack")
+"""MuJoCo's functions that the kernel calls."""
+
+
+def install() -> bool:
+    """Let MuJoCo call the fluid in every simulation of this process; models stay dry that are.
+
+    Without a compiled kernel the numpy version is installed, a hundred times slower, and a
+    warning says why.
+
+    Returns:
+        Whether the compiled kernel is installed, as `mujoco.batch` needs.
+
+    Raises:
+        KernelError: Somebody else's function stands in `mjcb_passive`.
+    """
+    kernel = _kernel()
+    ours = reference.passive if kernel is None else kernel
+    held = mujoco.get_mjcb_passive()
+    if held is not None and held is not ours:
+        raise KernelError(
+            "another function is installed as mjcb_passive, where the fluid belongs",
+            where="MuJoCo",
+            fix="remove it by mujoco.set_mjcb_passive(None), or make an effect of it",
+        )
+    if held is None:
+        mujoco.set_mjcb_passive(ours)
+    return kernel is not None
+
+
+@functools.lru_cache(maxsize=1)
+def _kernel() -> Any:
+    """Return the compiled function, or None after a warning that names the reason."""
+    named = os.environ.get(NAMED)
+    if named == "numpy":
+        return None
+    try:
+        return load(Path(named) if named else build())
+    except KernelError as error:
+        message = f"the fluid runs in numpy, slowly and without batches: {error}"
+        warnings.warn(message, RuntimeWarning, stacklevel=3)
+        return None
+
+
+def load(path: Path) -> Any:
+    """Return the fluid's function in a library, bound to the MuJoCo of this process.
+
+    Raises:
+        KernelError: It is no library, not this one, or built for another MuJoCo.
+    """
+    fix = f"delete it, so that it is built again, or unset {NAMED}"
+    try:
+        library = ctypes.CDLL(str(path))
+        version, width = library.morph_fluid_version(), library.morph_fluid_width()
+        function, bind = library.morph_fluid, library.morph_fluid_bind
+    except (OSError, AttributeError) as error:
+        raise KernelError(
+            f"is no compiled fluid: {str(error)[:200]}", where=str(path), fix=fix
+        ) from error
+    if version != mujoco.mj_version() or width != WIDTH:
+        raise KernelError(
+            f"was compiled for MuJoCo {version} and {width} numbers a body; "
+            f"these are MuJoCo {mujoco.mj_version()} and {WIDTH}",
+            where=str(path),
+            fix=fix,
+        )
+    engine = ctypes.CDLL(str(_engine()))
+    bind(*(ctypes.cast(getattr(engine, name), ctypes.c_void_p) for name in BOUND))
+    return function
+
+
+def build() -> Path:
+    """Return the compiled kernel, built first where the cache does not hold it yet.
+
+    Its key is the content of the source and of MuJoCo's headers: a new MuJoCo builds a new one.
+
+    Raises:
+        KernelError: There is no C compiler, or it fails, or the cache cannot be written.
+    """
+    headers = Path(mujoco.HEADERS_DIR).parent
+    held = sorted(headers.glob("mujoco/*.h"))
+    key = sha256(SOURCE, *held, " ".join(FLAGS), platform.machine(), platform.system())
+    path = cache_folder() / "kernel" / f"fluid-{mujoco.mj_version()}-{key[:20]}.so"
+    if not path.is_file():
+        _compile(path, headers)
+    return path
+
+
+def _compile(path: Path, headers: Path) -> None:
+    """Try each compiler in turn; the library appears whole or not at all."""
+    tried = []
+    for compiler in compilers():
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            with tempfile.TemporaryDirectory(dir=path.parent) as folder:
+                made = Path(folder) / path.name
+                _run([*compiler, *FLAGS, f"-I{headers}", str(SOURCE), "-o", str(made), "-lm"])
+                os.replace(made, path)
+        except (OSError, subprocess.SubprocessError) as error:
+            tried.append(f"{' '.join(compiler)}: {str(error)[:200]}")
+        else:
+            return
+    raise KernelError(
+        "; ".join(tried) or "there is no C compiler",
+        where=str(path),
+        fix="install a C compiler, or `pip install ziglang`, which brings one",
+    )
+
+
+def _run(command: Sequence[str]) -> None:
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
+    if done.returncode:
+        raise subprocess.SubprocessError(done.stderr.strip() or f"status {done.returncode}")
+
+
+def _engine() -> Path:
+    """Return MuJoCo's own library, which this process has loaded already."""
+    folder = Path(mujoco.__file__).parent
+    (path,) = [p for name in ("libmujoco*", "mujoco.dll") for p in folder.glob(name)]
+    return path

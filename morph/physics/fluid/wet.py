@@ -1,0 +1,63 @@
+"""What the effects of a fluid on one link have in common."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from morph.arrays import Array
+from morph.body.robot import Robot
+from morph.errors import EffectError
+from morph.physics.body_motion import cross_matrix
+from morph.physics.fluid.numbers import POINT, numbers_of, write_numbers
+from morph.physics.kinds import BodyEffect
+
+AXES = ("x", "y", "z", "rx", "ry", "rz")
+"""Along and about a link's axes; the order of every six numbers of the fluid."""
+
+
+class WetEffect(BodyEffect):
+    """An effect of a fluid on one link."""
+
+    cx: float
+    cy: float
+    cz: float
+
+    @property
+    def centre(self) -> Array:
+        """The point that it refers to, in the link's frame, m, shape (3,)."""
+        return np.array([self.cx, self.cy, self.cz])
+
+    @classmethod
+    def suspects(cls, robot: Robot) -> tuple[str, ...]:
+        """Return the links of a body whose card puts it into water."""
+        return cls.places(robot) if robot.card is not None and robot.card.water else ()
+
+
+def shift(centre: Array) -> Array:
+    """Return the matrix (6, 6) that takes a link's velocity at its origin to that at a point.
+
+    With v the linear and w the angular velocity: v + w x c, w.
+    """
+    whole = np.eye(6)
+    whole[:3, 3:] = -cross_matrix(centre)
+    return whole
+
+
+def refer(spec: Any, body: str, centre: Array, label: str) -> None:
+    """Write the point to which a link's drag refers.
+
+    Raises:
+        EffectError: Another effect on this link refers to another point.
+    """
+    numbers = numbers_of(spec, body)
+    held = np.array(numbers[POINT])
+    if np.any(held != 0.0) and not np.array_equal(held, centre):
+        raise EffectError(
+            f"it refers to the point {centre.tolist()}, another drag of {body} to {held.tolist()}",
+            where=f"effect {label}",
+            fix="give linear and quadratic drag of one link the same cx, cy and cz",
+        )
+    numbers[POINT] = centre.tolist()
+    write_numbers(spec, body, numbers)
