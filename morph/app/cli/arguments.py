@@ -8,6 +8,9 @@ from typing import Annotated, Literal
 
 import tyro
 
+Many = tyro.conf.UseAppendAction[tuple[str, ...]]
+"""An option that may be repeated, one value each time."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Diagnose:
@@ -99,3 +102,47 @@ class Convert:
     """Cut collision meshes into convex pieces; seconds to minutes, kept for the next time."""
     json: bool = False
     """Print what was written as JSON, by the schema morph.conversion/1."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Simulate:
+    """Let a robot move under effects, and record, film or show what it does.
+
+    Example: morph simulate pendulum --start hinge=1 --effect viscous_friction@hinge:b=0.1
+    --out run.parquet --video run.mp4
+    """
+
+    robot: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="ROBOT")]
+    """A description (URDF, xacro, MJCF, assembly.toml), a robot folder, or a name on the shelf."""
+    policy: Annotated[str | None, tyro.conf.arg(metavar="DIR")] = None
+    """Folder of the policy that commands its actuators; without one they are told zero."""
+    effect: Annotated[Many, tyro.conf.arg(metavar="NAME@WHERE:PARAM=VALUE,...")] = ()
+    """Physics that acts on it, as `morph list effects` names it; may be repeated."""
+    effects: Annotated[str | None, tyro.conf.arg(metavar="TOML")] = None
+    """File of effects, such as the corrected.toml of a diagnosis."""
+    world: tyro.conf.Suppress[str | None] = None
+    """Effects that make up a world."""
+    seconds: float = 5.0
+    """How long it moves."""
+    step: float = 0.002
+    """Seconds a step; less where the simulation is stiff."""
+    start: Annotated[Many, tyro.conf.arg(metavar="NAME=VALUE")] = ()
+    """Where it starts: JOINT=0.5 (rad or m), hull.position.z=1; may be repeated."""
+    speed: Annotated[Many, tyro.conf.arg(metavar="NAME=VALUE")] = ()
+    """How fast: JOINT=2 (per s), hull.linear_velocity.x=0.5; may be repeated."""
+    command: Annotated[Many, tyro.conf.arg(metavar="NAME=VALUE")] = ()
+    """What an actuator is told all along, in its own unit; may be repeated."""
+    out: Annotated[str | None, tyro.conf.arg(metavar="FILE")] = None
+    """Recording to write: .parquet, .csv, .csv.gz or .npz."""
+    video: Annotated[str | None, tyro.conf.arg(metavar="FILE")] = None
+    """Film to write: .mp4 or .gif."""
+    view: bool = False
+    """Show it in the browser, until interrupted."""
+    base: Literal["fixed", "floating", "board"] | None = None
+    """How it stands in the world, where the description does not say."""
+    folder: Path | None = None
+    """Folder outside which nothing is read; by default the description's own."""
+    json: bool = False
+    """Print a summary as JSON, by the schema morph.simulation/1."""
+    quiet: bool = False
+    """Show no progress."""

@@ -12,7 +12,7 @@ from typing import Annotated
 import tyro
 
 import morph
-from morph.app.cli.arguments import Convert, Diagnose, Inspect, List
+from morph.app.cli.arguments import Convert, Diagnose, Inspect, List, Simulate
 from morph.app.cli.words import harmless
 from morph.errors import MorphError
 
@@ -23,12 +23,15 @@ Asked = (
     Annotated[Diagnose, tyro.conf.subcommand("diagnose")]
     | Annotated[Inspect, tyro.conf.subcommand("inspect")]
     | Annotated[Convert, tyro.conf.subcommand("convert")]
+    | Annotated[Simulate, tyro.conf.subcommand("simulate")]
     | Annotated[List, tyro.conf.subcommand("list")]
 )
 
 SUMMARY = """Compare the robot you think you have with what your robot did.
 
 Example: morph inspect poppy.urdf
+
+Example: morph simulate pendulum --start hinge=1 --video swing.mp4
 
 Example: morph diagnose double_pendulum rig.toml --out report
 
@@ -83,9 +86,9 @@ def _open_streams() -> None:
             setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115 -- open to the end
 
 
-def _asked(given: Sequence[str]) -> Diagnose | Inspect | Convert | List:
+def _asked(given: Sequence[str]) -> Diagnose | Inspect | Convert | Simulate | List:
     try:
-        asked: Diagnose | Inspect | Convert | List = tyro.cli(
+        asked: Diagnose | Inspect | Convert | Simulate | List = tyro.cli(
             Asked,
             prog="morph",
             description=SUMMARY,
@@ -98,7 +101,7 @@ def _asked(given: Sequence[str]) -> Diagnose | Inspect | Convert | List:
         sys.stdout.flush()
 
 
-def _run(asked: Diagnose | Inspect | Convert | List) -> int:
+def _run(asked: Diagnose | Inspect | Convert | Simulate | List) -> int:
     if isinstance(asked, List):
         from morph.app.cli.list import run_list
 
@@ -111,6 +114,10 @@ def _run(asked: Diagnose | Inspect | Convert | List) -> int:
         from morph.app.cli.convert import run_convert
 
         return run_convert(asked)
+    if isinstance(asked, Simulate):
+        from morph.app.cli.simulate import run_simulate
+
+        return run_simulate(asked)
     from morph.app.cli.diagnose import run_diagnose
 
     return run_diagnose(asked)

@@ -22,7 +22,8 @@ RIG = """<mujoco model="rig"><worldbody>
     <site name="imu" pos="0.2 0 0" euler="10 20 30"/>
     <body name="hand" pos="0.3 0 0"><site name="wrist"/>
       <geom type="box" size="0.03 0.03 0.03" mass="0.2"/></body></body>
-  <body name="ball" pos="1 0 0.5"><freejoint/><geom size="0.1" mass="0.5"/><site name="core"/></body>
+  <body name="ball" pos="1 0 0.5"><freejoint/><geom size="0.1" mass="0.5"/>
+    <site name="core"/></body>
 </worldbody><sensor><accelerometer name="felt" site="imu"/><gyro name="turned" site="imu"/>
   <touch name="other" site="wrist"/><force name="carried" site="wrist"/>
   <accelerometer name="thrown" site="core"/></sensor>

@@ -1,0 +1,176 @@
+"""Effects as they are named at the command line: `NAME@WHERE:param=value,param=value`."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from morph.body.robot import Robot
+from morph.errors import EffectError
+from morph.physics import EFFECTS
+from morph.physics.effect import Effect, Parameter
+from morph.record.nearest import nearest
+
+MOST_SHOWN = 12
+"""Places that an error lists before it counts the rest."""
+
+
+def asked_effects(
+    robot: Robot, texts: Sequence[str], *, file: Path | None = None, world: str | None = None
+) -> tuple[Effect, ...]:
+    """Return all effects that the command line asks for; a nearer word replaces a farther one.
+
+    A world comes first, then the file, then single effects. One that acts at the same place
+    as an earlier one of its name takes that one's place.
+
+    Args:
+        robot: What they act on.
+        texts: Each `NAME@WHERE:param=value,param=value`.
+        file: A `corrected.toml`, or another file like it.
+        world: The name of a world.
+
+    Raises:
+        EffectError: An effect, its place or a parameter is not known, a value is out of
+            bounds, the file cannot be used, or one effect is asked for twice.
+    """
+    found: dict[str, Effect] = {}
+    if world is not None:
+        from morph.physics.worlds import world as world_of
+
+        found |= {effect.label: effect for effect in world_of(world, robot)}
+    if file is not None:
+        from morph.physics.store import load_effects
+
+        for effect in load_effects(file):
+            _check_place(effect, robot, where=f"{file}, {effect.label}")
+            found[effect.label] = effect
+    single: dict[str, Effect] = {}
+    for text in texts:
+        effect = parsed(text, robot)
+        if effect.label in single:
+            raise EffectError(
+                f"{effect.label} is asked for twice",
+                where=f"--effect {text}",
+                fix="ask for it once, with all its parameters",
+            )
+        single[effect.label] = effect
+    return tuple({**found, **single}.values())
+
+
+def parsed(text: str, robot: Robot) -> Effect:
+    """Return the effect that `NAME@WHERE:param=value,param=value` asks for.
+
+    For an effect on the world `@world` may be left out.
+
+    Raises:
+        EffectError: The effect, its place or a parameter is not known, or a value is out of
+            bounds.
+    """
+    name, place, values = _taken_apart(text)
+    kind = _kind(name, text)
+    if not place and kind.kind == "world":
+        place = "world"
+    if not place:
+        raise EffectError(
+            f"{name} acts on {_a(kind.kind)}, and none is named",
+            where=f"--effect {text}",
+            fix=f"write {name}@{(*kind.places(robot), 'NAME')[0]}:...",
+        )
+    effect = kind.at(place)
+    _check_place(effect, robot, where=f"--effect {text}")
+    given = {}
+    for pair in values.split(",") if values else ():
+        known, value = _value(pair, kind, text)
+        if known in given:
+            raise EffectError(
+                f"{known} is given twice", where=f"--effect {text}", fix=f"give {known} once"
+            )
+        given[known] = value
+    return replace(effect, **given)  # type: ignore[type-var]
+
+
+def shown(effect: Effect) -> str:
+    """Return an effect in words: `viscous_friction@hinge (b = 0.1 N m s/rad)`."""
+    values = [
+        f"{known.name} = {getattr(effect, known.name):g}" + _unit(known)
+        for known in effect.parameters()
+    ]
+    return effect.label + (f" ({', '.join(values)})" if values else "")
+
+
+def _taken_apart(text: str) -> tuple[str, str, str]:
+    """Return the name, the place and the parameters; names of places may hold a colon."""
+    head, colon, values = text.rpartition(":")
+    if not colon or "=" not in values:
+        head, values = text, ""
+    name, _, place = head.partition("@")
+    return name.strip(), place.strip().removesuffix(":"), values.strip()
+
+
+def _kind(name: str, text: str) -> type[Effect]:
+    for kind in EFFECTS:
+        if kind.name == name:
+            return kind
+    known = [kind.name for kind in EFFECTS]
+    raise EffectError(
+        f"there is no effect {name!r}; there are {', '.join(known)}",
+        where=f"--effect {text}",
+        fix=f"the nearest are {nearest(name, known)}; `morph list effects` says what each does",
+    )
+
+
+def _check_place(effect: Effect, robot: Robot, *, where: str) -> None:
+    places = effect.places(robot)
+    if effect.where in places:
+        return
+    raise EffectError(
+        f"{robot.name} has no {effect.kind} {effect.where!r} for {effect.name}; "
+        f"there are {_some(places)}",
+        where=where,
+        fix=f"the nearest are {nearest(effect.where, places)}"
+        if places
+        else f"leave {effect.name} out: it has nothing to act on here",
+    )
+
+
+def _value(pair: str, kind: type[Effect], text: str) -> tuple[str, float]:
+    name, equals, value = (part.strip() for part in pair.partition("="))
+    known = {each.name: each for each in kind.parameters()}
+    if name not in known:
+        raise EffectError(
+            f"{kind.name} has no parameter {name!r}; it has {_parameters(known.values())}",
+            where=f"--effect {text}",
+            fix=f"write {kind.name}@WHERE:{next(iter(known), 'NAME')}=VALUE"
+            if known
+            else "write it without parameters",
+        )
+    try:
+        number = float(value)
+    except ValueError:
+        number = math.nan
+    if not equals or not math.isfinite(number):
+        raise EffectError(
+            f"{name} = {value!r} is no finite number",
+            where=f"--effect {text}",
+            fix=f"give {name} from {known[name].low:g} to {known[name].high:g}{_unit(known[name])}",
+        )
+    return name, number
+
+
+def _parameters(known: Iterable[Parameter]) -> str:
+    return ", ".join(f"{each.name}{_unit(each)}" for each in known) or "none"
+
+
+def _unit(known: Parameter) -> str:
+    return "" if known.unit == "-" else f" {known.unit}"
+
+
+def _some(names: Sequence[str]) -> str:
+    more = len(names) - MOST_SHOWN
+    return (", ".join(names[:MOST_SHOWN]) or "none") + (f" and {more} more" if more > 0 else "")
+
+
+def _a(kind: str) -> str:
+    return f"{'an' if kind[0] in 'aeiou' else 'a'} {kind}"

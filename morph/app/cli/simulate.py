@@ -1,0 +1,215 @@
+"""`morph simulate`: a robot moves under effects, and is recorded, filmed or shown."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from morph.app.cli.arguments import Simulate
+from morph.errors import MorphError, OutputError, SimulationFailed
+
+if TYPE_CHECKING:
+    from morph.app.cli.summary import Done
+    from morph.body.robot import Robot
+    from morph.sim.simulator import Command, Simulator, Trajectory
+
+DONE, STOPPED_SHORT = 0, 3
+
+
+def run_simulate(asked: Simulate) -> int:
+    """Simulate as asked and return the exit status.
+
+    Raises:
+        MorphError: An input cannot be used, the simulation cannot be made, or a result
+            cannot be written.
+    """
+    # Whatever the command line got wrong is told before any work is done.
+    out, video = _outputs(asked)
+    start, speed = _pairs("--start", asked.start), _pairs("--speed", asked.speed)
+    from morph.app.cli.effects import asked_effects
+    from morph.body.load import load
+    from morph.sim.simulator import Simulator
+
+    robot = load(asked.robot, base=asked.base, folder=asked.folder)
+    file = None if asked.effects is None else Path(asked.effects)
+    effects = asked_effects(robot, asked.effect, file=file, world=asked.world)
+    command = _commands(asked, robot)
+    simulator = Simulator(robot, effects, step=asked.step)
+    began = time.perf_counter()
+    with _progress(asked, "simulating") as told:
+        moved, why = _moved(simulator, asked.seconds, start, speed, command)
+        took = time.perf_counter() - began
+        told(1.0)
+    done = _done(asked, simulator, moved, why, took)
+    # The film first: it takes longest, and an interrupt then leaves nothing at all.
+    if video is not None:
+        from morph.app.picture.video import film
+
+        with _progress(asked, "filming") as told:
+            film(robot, effects, moved.time, moved.position, video, told=told)
+    if out is not None:
+        from morph.record.write import write
+
+        write(done.recording, out)
+    _say(asked, done)
+    if asked.view:
+        from morph.app.cli.view import view
+
+        view(robot, effects, moved.time, moved.position)
+    return DONE if why is None else STOPPED_SHORT
+
+
+def _say(asked: Simulate, done: Done) -> None:
+    from morph.app.cli.summary import as_json, in_words
+    from morph.app.cli.words import say, width
+
+    if asked.json:
+        sys.stdout.write(json.dumps(as_json(done), indent=2, allow_nan=False) + "\n")
+    else:
+        say(in_words(done, width()))
+    sys.stdout.flush()
+
+
+def _done(
+    asked: Simulate,
+    simulator: Simulator,
+    moved: Trajectory,
+    why: MorphError | None,
+    took: float,
+) -> Done:
+    from morph.app.cli.summary import Done
+
+    name = Path(asked.out).name.partition(".")[0] if asked.out else simulator.robot.name
+    recording = simulator.recorded(moved, name or "simulated")
+    if not recording.channels:
+        raise SimulationFailed(
+            "it has neither a joint that turns or slides nor a body that floats",
+            where=f"robot {simulator.robot.name}",
+            fix="give it a joint, or for a URDF --base floating",
+        )
+    return Done(
+        robot=simulator.robot,
+        effects=simulator.effects,
+        recording=recording,
+        step=simulator.step,
+        asked=asked.seconds,
+        seconds=float(moved.time[-1]),
+        took=took,
+        policy=asked.policy,
+        files={
+            kind: path
+            for kind, path in (("recording", asked.out), ("video", asked.video))
+            if path is not None
+        },
+        why=None if why is None else why.what,
+    )
+
+
+def _moved(
+    simulator: Simulator,
+    seconds: float,
+    start: Mapping[str, float],
+    speed: Mapping[str, float],
+    command: Mapping[str, Command],
+) -> tuple[Trajectory, SimulationFailed | None]:
+    from morph.sim.stable import as_far_as_stable
+
+    return as_far_as_stable(simulator, seconds=seconds, start=start, speed=speed, command=command)
+
+
+def _commands(asked: Simulate, robot: Robot) -> dict[str, Command]:
+    """Return what each actuator is told; `--command` comes before the policy."""
+    constant = _pairs("--command", asked.command)
+    if asked.policy is None:
+        return {**constant}
+    from morph.policy.store import load_policy
+
+    return {**load_policy(Path(asked.policy), robot).commands(), **constant}
+
+
+def _pairs(option: str, texts: Sequence[str]) -> dict[str, float]:
+    """Return the numbers of an option `NAME=VALUE` by their names."""
+    found: dict[str, float] = {}
+    for text in texts:
+        name, _, value = text.rpartition("=")
+        try:
+            number = float(value)
+        except ValueError:
+            number = math.nan
+        if not name or not math.isfinite(number):
+            raise SimulationFailed(
+                f"{text!r} is no NAME=VALUE with a finite number",
+                where=option,
+                fix=f"write for example {option} hinge=0.5",
+            )
+        if name in found:
+            raise SimulationFailed(
+                f"{name} is given twice", where=option, fix=f"give {name} one value"
+            )
+        found[name] = number
+    return found
+
+
+def _outputs(asked: Simulate) -> tuple[Path | None, Path | None]:
+    """Return where the recording and the film go.
+
+    Raises:
+        OutputError: An ending is unknown, or nothing can be written there.
+    """
+    from morph.app.picture.endings import FILMS
+    from morph.record.write import ENDINGS
+
+    checked: list[Path | None] = []
+    for option, name, endings in (
+        ("--out", asked.out, ENDINGS),
+        ("--video", asked.video, tuple(FILMS)),
+    ):
+        if name is not None:
+            _check(option, name, endings)
+        checked.append(None if name is None else Path(name))
+    return checked[0], checked[1]
+
+
+def _check(option: str, name: str, endings: Sequence[str]) -> None:
+    path = Path(name)
+    if not path.name.lower().endswith(tuple(endings)):
+        raise OutputError(
+            f"{name!r} does not say which kind of file to write",
+            where=option,
+            fix=f"end the name in {', '.join(endings)}",
+        )
+    try:
+        if path.is_dir():
+            raise OutputError("this is a folder", where=name, fix=f"name a file for {option}")
+        standing = next(parent for parent in path.absolute().parents if parent.exists())
+        os.rmdir(tempfile.mkdtemp(dir=standing, prefix=".morph-"))
+    except OSError as error:
+        raise OutputError(
+            f"nothing can be written there: {error.strerror or error}",
+            where=name,
+            fix="name a folder that you may write to",
+        ) from error
+
+
+@contextmanager
+def _progress(asked: Simulate, what: str) -> Iterator[Callable[[float], None]]:
+    """Lend what is told the share done; a terminal shows it, on the error stream."""
+    if asked.quiet or not sys.stderr.isatty():
+        yield lambda share: None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+    columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
+    with Progress(*columns, console=Console(stderr=True), transient=True) as shown:
+        # Without a total the bar only says that something is being done.
+        task = shown.add_task(what, total=None)
+        yield lambda share: shown.update(task, total=1.0, completed=share)

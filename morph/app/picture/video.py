@@ -1,0 +1,183 @@
+"""A motion as a film: MP4, or GIF where only that can be shown."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from morph.app.picture.camera import AZIMUTH, ELEVATION, Framing, framing
+from morph.app.picture.canvas import Canvas, Picture, canvas
+from morph.app.picture.endings import FILMS
+from morph.app.picture.scene import is_wet, scene_model, settle
+from morph.arrays import Array
+from morph.body.robot import Robot
+from morph.errors import OutputError
+from morph.physics.effect import Effect
+
+MOTES = 160
+"""Specks that float in water, so that one sees what moves."""
+
+
+def film(
+    robot: Robot,
+    effects: Sequence[Effect],
+    times: Array,
+    positions: Array,
+    path: Path,
+    *,
+    told: Callable[[float], None] = lambda share: None,
+) -> Path:
+    """Write a film of a motion in real time and return its path.
+
+    Args:
+        robot: What moves.
+        effects: What acts on it: water and ground are drawn.
+        times: When, s, shape (samples,).
+        positions: MuJoCo's `qpos` then, shape (samples, nq).
+        path: Where to; the ending is one of `FILMS`.
+        told: Is told the share of the pictures that are drawn.
+
+    Raises:
+        OutputError: The file cannot be written, or this machine cannot draw.
+        SimulationFailed: MuJoCo refuses the scene.
+    """
+    rate, size = FILMS[path.suffix.lower()]
+    shown = positions[nearest_samples(times, rate)]
+    wet = is_wet(effects)
+    model = scene_model(robot, effects, size)
+    view = framing(model, shown, rate)
+    settle(model, view.lowest, view.radius, wet=wet)
+    encode = _mp4 if path.suffix.lower() == ".mp4" else _gif
+    with canvas(model, size) as drawn, _whole(path) as temporary:
+        encode(temporary, _pictures(drawn, view, shown, wet, told), rate, size)
+    return path
+
+
+def nearest_samples(times: Array, rate: float) -> Any:
+    """Return the index of the sample nearest to each picture, shape (pictures,)."""
+    pictures = max(1, round((times[-1] - times[0]) * rate) + 1)
+    due = times[0] + np.arange(pictures) / rate
+    after = np.clip(np.searchsorted(times, due), 1, len(times) - 1)
+    return after - (due - times[after - 1] <= times[after] - due)
+
+
+def _pictures(
+    drawn: Canvas, view: Framing, shown: Array, wet: bool, told: Callable[[float], None]
+) -> Iterator[Picture]:
+    stage(drawn, view)
+    for at, position in enumerate(shown):
+        yield snap(drawn, view, at, position, wet)
+        told((at + 1) / len(shown))
+
+
+def stage(drawn: Canvas, view: Framing) -> None:
+    """Set up the camera and how light behaves."""
+    camera = drawn.camera
+    camera.type = mujoco.mjtCamera.mjCAMERA_FREE
+    camera.azimuth, camera.elevation, camera.distance = AZIMUTH, ELEVATION, view.distance
+    flags = drawn.scene.flags
+    flags[mujoco.mjtRndFlag.mjRND_SHADOW] = True
+    flags[mujoco.mjtRndFlag.mjRND_FOG] = True
+    flags[mujoco.mjtRndFlag.mjRND_SKYBOX] = True
+
+
+def snap(drawn: Canvas, view: Framing, at: int, position: Array, wet: bool) -> Picture:
+    """Return one picture."""
+    drawn.camera.lookat[:] = view.lookat[at]
+    drawn.place(position)
+    for index in range(drawn.scene.nlight):
+        light = drawn.scene.lights[index]
+        if light.castshadow and not light.headlight:
+            # A lamp far away casts shadows only near its own place: it goes with the camera.
+            light.pos[:] = view.lookat[at] - 3.0 * view.radius * np.asarray(light.dir)
+    if wet:
+        _motes(drawn.scene, view.lookat[at], view.distance)
+    return drawn.draw()
+
+
+def _motes(scene: Any, lookat: Array, room: float) -> None:
+    """Add specks that stand still in the water, always some around where the camera looks."""
+    rng = np.random.default_rng(0)
+    place = rng.uniform(0.0, room, (MOTES, 3))
+    # A speck that is left behind comes again in front.
+    place = lookat + (place - lookat + 0.5 * room) % room - 0.5 * room
+    size = room * rng.uniform(0.0008, 0.0022, MOTES)
+    for where, radius in zip(place, size, strict=True):
+        if scene.ngeom >= scene.maxgeom:
+            return
+        mujoco.mjv_initGeom(
+            scene.geoms[scene.ngeom],
+            mujoco.mjtGeom.mjGEOM_SPHERE.value,
+            np.full(3, radius),
+            where,
+            np.eye(3).ravel(),
+            np.array([0.85, 0.97, 1.0, 0.5], dtype=np.float32),
+        )
+        scene.geoms[scene.ngeom].category = mujoco.mjtCatBit.mjCAT_DECOR.value
+        scene.ngeom += 1
+
+
+@contextmanager
+def _whole(path: Path) -> Iterator[Path]:
+    """Lend a path beside a file; it takes the file's place when all went well."""
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        handle, name = tempfile.mkstemp(dir=path.parent, prefix=".", suffix=path.suffix.lower())
+        os.close(handle)
+    except OSError as error:
+        raise _unwritten(path, error) from error
+    temporary = Path(name)
+    try:
+        yield temporary
+        temporary.chmod(0o644)
+        os.replace(temporary, path)
+    except OSError as error:
+        raise _unwritten(path, error) from error
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def _unwritten(path: Path, error: OSError) -> OutputError:
+    return OutputError(
+        f"cannot write: {error.strerror or error}",
+        where=str(path),
+        fix="choose a folder that exists, can be written to and has room",
+    )
+
+
+def _mp4(path: Path, pictures: Iterator[Picture], rate: float, size: tuple[int, int]) -> None:
+    from imageio_ffmpeg import write_frames
+
+    writer = write_frames(
+        str(path),
+        size,
+        fps=rate,
+        codec="libx264",
+        macro_block_size=8,
+        output_params=["-crf", "20", "-preset", "veryfast", "-movflags", "+faststart"],
+    )
+    writer.send(None)
+    try:
+        for picture in pictures:
+            writer.send(np.ascontiguousarray(picture))
+    finally:
+        writer.close()
+
+
+def _gif(path: Path, pictures: Iterator[Picture], rate: float, size: tuple[int, int]) -> None:
+    from PIL import Image
+
+    images = [Image.fromarray(np.ascontiguousarray(picture)) for picture in pictures]
+    # One palette for all pictures, from the middle one: colours do not flicker, files stay small.
+    palette = images[len(images) // 2].quantize(colors=256)
+    small = [image.quantize(palette=palette, dither=Image.Dither.NONE) for image in images]
+    small[0].save(
+        path, save_all=True, append_images=small[1:], duration=round(1000.0 / rate), loop=0
+    )
