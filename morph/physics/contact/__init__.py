@@ -1,0 +1,1 @@
+"""Effects where two bodies touch: friction, softness, restitution; and named floors."""

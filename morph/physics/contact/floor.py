@@ -1,0 +1,49 @@
+"""The floor: one plane of the world, that every effect finds or makes."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import mujoco
+
+from morph.errors import EffectError
+
+FLOOR = "floor"
+"""The plane's name, and what contacts with the world are called by: `foot+floor`."""
+
+NOWHERE = -1000.0
+"""Height, m, of a floor so far down that nothing touches it."""
+
+EVERY = 0x7FFFFFFF
+"""The collision mask that meets every shape which meets anything."""
+
+
+def floor_of(spec: Any, where: str) -> Any:
+    """Return the world's geom named `floor`, made far below if the spec has none.
+
+    It is the same whichever effect asks first, so that effects may come in any order.
+
+    Args:
+        spec: A `mujoco.MjSpec`.
+        where: Who asks, for the error.
+
+    Raises:
+        EffectError: A link's shape is named `floor`.
+    """
+    found = spec.geom(FLOOR)
+    if found is None:
+        return spec.worldbody.add_geom(
+            name=FLOOR,
+            type=mujoco.mjtGeom.mjGEOM_PLANE,
+            size=(0.0, 0.0, 1.0),
+            pos=(0.0, 0.0, NOWHERE),
+            contype=EVERY,
+            conaffinity=EVERY,
+        )
+    if found.parent.name != spec.worldbody.name:
+        raise EffectError(
+            f"link {found.parent.name} has a shape named {FLOOR}, which is the world's name",
+            where=where,
+            fix="rename that shape in the description",
+        )
+    return found

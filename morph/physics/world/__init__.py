@@ -1,0 +1,1 @@
+"""Effects of what surrounds every body."""
