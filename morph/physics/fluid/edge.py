@@ -26,6 +26,25 @@ class Edge:
     """Its length, m."""
 
 
+def edge_at(middle: Array, normal: Array, span: float) -> Edge:
+    """Return the edge whose chord points from its middle to the link's origin, across the normal.
+
+    Raises:
+        EffectError: The normal is zero, or the middle is at the origin or along the normal.
+    """
+    size = float(np.linalg.norm(normal))
+    unit = normal / size if size > 0.0 else normal
+    chord = (middle @ unit) * unit - middle
+    length = float(np.linalg.norm(chord))
+    if size == 0.0 or not length > 1e-9:
+        raise EffectError(
+            f"an edge at {middle.tolist()} m with the normal {normal.tolist()} has no chord",
+            where="thrust",
+            fix="give the edge's middle, away from the link's origin, and its normal",
+        )
+    return Edge(middle=middle, chord=chord / length, normal=unit, span=span)
+
+
 def trailing_edge(model: Any, body: str) -> Edge:
     """Return the trailing edge of a body of a `mujoco.MjModel`.
 
