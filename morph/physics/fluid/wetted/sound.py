@@ -1,0 +1,24 @@
+"""Whether a surface is fit for boundary elements."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from morph.body.mesh import Mesh
+from morph.physics.fluid.wetted.solid import winding
+
+HALF = 1e-6
+"""How far what a panel sees of its own surface may be from half of all directions."""
+
+
+def sound(mesh: Mesh) -> bool:
+    """Whether a closed surface neither crosses, touches nor holds another of its parts.
+
+    From the middle of a panel, the rest of a closed surface fills half of all
+    directions; where panels cross or lie on each other, it does not.
+    """
+    if not mesh.consistent or not mesh.volume > 0:
+        return False
+    middles = mesh.vertices[mesh.faces].mean(axis=1)
+    seen = winding(middles, mesh, without=np.arange(len(middles)))
+    return bool((np.abs(seen - 0.5) < HALF).all())

@@ -1,0 +1,75 @@
+"""The edges of a closed mesh: who their faces are, how they fold, what they are part of."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from morph.arrays import Array, Integers, Mask
+
+FOLD = np.cos(np.radians(40.0))
+"""Cosine of the fold from which on an edge is a crease, that remeshing keeps."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Edges:
+    """Every edge of a closed mesh once, with its two faces."""
+
+    ends: Integers
+    """Its two corners, shape (edges, 2)."""
+    faces: Integers
+    """The face on either side, shape (edges, 2)."""
+    tips: Integers
+    """The third corner of each of those faces, shape (edges, 2)."""
+    length: Array
+    """m, shape (edges,)."""
+    crease: Mask
+    """Whether its faces fold sharply, shape (edges,)."""
+    creases: Integers
+    """How many creases meet in each corner; 9 where two meet at an angle; shape (corners,)."""
+
+
+def edges_of(vertices: Array, faces: Integers) -> Edges:
+    """Return the edges of a closed, consistently wound mesh."""
+    start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    tip, face = np.roll(faces, -2, axis=1).ravel(), np.repeat(np.arange(len(faces)), 3)
+    low, high = np.minimum(start, end), np.maximum(start, end)
+    # Both directions of an edge stand side by side, the rising one first.
+    order = np.argsort((low * len(vertices) + high) * 2 + (start > end), kind="stable")
+    pairs = order.reshape(-1, 2)
+    ends = np.stack([low, high], axis=1)[pairs[:, 0]]
+    normal = normals(vertices, faces)
+    both = face[pairs]
+    fold = np.einsum("ij,ij->i", normal[both[:, 0]], normal[both[:, 1]])
+    crease: Mask = fold < FOLD
+    return Edges(
+        ends=ends,
+        faces=both,
+        tips=tip[pairs],
+        length=np.linalg.norm(vertices[ends[:, 1]] - vertices[ends[:, 0]], axis=1),
+        crease=crease,
+        creases=_creases(vertices, ends[crease]),
+    )
+
+
+def normals(vertices: Array, faces: Integers) -> Array:
+    """Return the unit normal of each face, shape (faces, 3); zero for one without area."""
+    a, b, c = (vertices[faces[:, corner]] for corner in range(3))
+    cross = np.cross(b - a, c - a)
+    size = np.linalg.norm(cross, axis=1)
+    unit: Array = cross / np.where(size > 0, size, 1.0)[:, None]
+    return unit
+
+
+def _creases(vertices: Array, ends: Integers) -> Integers:
+    count = np.bincount(ends.ravel(), minlength=len(vertices))
+    # Two creases that go on in the same direction cancel: a + b = 0 for unit vectors.
+    along = vertices[ends[:, 1]] - vertices[ends[:, 0]]
+    along /= np.linalg.norm(along, axis=1)[:, None]
+    total = np.zeros((len(vertices), 3))
+    np.add.at(total, ends[:, 0], along)
+    np.add.at(total, ends[:, 1], -along)
+    # |a + b|^2 = 2 - 2 cos(angle by which the crease bends).
+    bent = (total**2).sum(axis=1) > 2.0 - 2.0 * FOLD
+    return np.where((count == 2) & bent, 9, count)
