@@ -25,6 +25,13 @@ Command = float | Channel | Callable[[Array], Array]
 """A constant, a recorded command, or a function of times (steps,) to values (steps,)."""
 
 
+LONGEST = 1e6
+"""Seconds that a run must be shorter than."""
+
+MOST_NUMBERS = 2e8
+"""Most numbers that the states and commands of a run may hold; 1.6 GB."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Trajectory:
     """Every state of one run, in MuJoCo's own coordinates."""
@@ -142,7 +149,7 @@ class Simulator:
             SimulationFailed: The simulation became unstable, or what it is told is no
                 number.
         """
-        if not 0.0 < seconds < 1e6:
+        if not 0.0 < seconds < LONGEST:
             raise SimulationFailed(
                 f"a run of {seconds} s is out of range, above 0 and below 1e6",
                 where=f"robot {self.robot.name}",
@@ -150,6 +157,13 @@ class Simulator:
             )
         model: Any = self.model
         steps = max(1, round(seconds / self.step))
+        numbers = steps * (model.nq + model.nv + model.nu)
+        if numbers > MOST_NUMBERS:
+            raise SimulationFailed(
+                f"a run of {steps:.3g} steps holds {numbers:.2g} numbers, above {MOST_NUMBERS:.2g}",
+                where=f"robot {self.robot.name}",
+                fix="make shorter runs, each from where the last one ended, or larger steps",
+            )
         times: Array = np.asarray(self.step * np.arange(steps + 1), dtype=float)
         position, velocity = started(self.robot, model, start, speed)
         control = np.zeros((1, steps, model.nu))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from morph.errors import SimulationFailed
-from morph.sim.simulator import Command, Simulator, Trajectory
+from morph.sim.simulator import LONGEST, Command, Simulator, Trajectory
 
 
 def as_far_as_stable(
@@ -35,6 +35,8 @@ def as_far_as_stable(
             seconds=seconds, start=start, speed=speed, command=command
         ), None
     except SimulationFailed as error:
+        if not 0.0 < seconds < LONGEST:
+            raise
         why = error
         # What is wrong from the beginning, such as a command that is no number, is told as it is.
         best = moved(1)

@@ -16,6 +16,7 @@ from morph.app.picture.camera import AZIMUTH, ELEVATION, Framing, framing
 from morph.app.picture.canvas import Canvas, Picture, canvas
 from morph.app.picture.endings import FILMS
 from morph.app.picture.scene import is_wet, scene_model, settle
+from morph.app.picture.times import nearest_samples
 from morph.arrays import Array
 from morph.body.robot import Robot
 from morph.errors import OutputError
@@ -58,14 +59,6 @@ def film(
     with canvas(model, size) as drawn, _whole(path) as temporary:
         encode(temporary, _pictures(drawn, view, shown, wet, told), rate, size)
     return path
-
-
-def nearest_samples(times: Array, rate: float) -> Any:
-    """Return the index of the sample nearest to each picture, shape (pictures,)."""
-    pictures = max(1, round((times[-1] - times[0]) * rate) + 1)
-    due = times[0] + np.arange(pictures) / rate
-    after = np.clip(np.searchsorted(times, due), 1, len(times) - 1)
-    return after - (due - times[after - 1] <= times[after] - due)
 
 
 def _pictures(
