@@ -34,7 +34,7 @@ class Buoyancy(WetEffect):
 
     body: str
     """Link it acts on."""
-    volume: float = parameter(0.0, unit="m3", low=0.0, high=1e3, neutral=0.0)
+    volume: float = parameter(0.0, unit="m3", low=0.0, high=10.0, neutral=0.0)
     """Volume of fluid that the link displaces."""
     density: float = parameter(1000.0, unit="kg/m3", low=0.01, high=2e4, free=False)
     """Density of the fluid: 1000 for fresh water, 1025 for the sea, 1.2 for air."""
