@@ -1,0 +1,1 @@
+"""The thesis' swimmer: its water, its gaits, and how it is steered."""
