@@ -13,6 +13,9 @@ from morph.physics import EFFECTS
 from morph.physics.effect import Effect, Parameter
 from morph.record.nearest import nearest
 
+MOST_PARAMETERS = 4
+"""Parameters that are all told of an effect; of one with more only those that say something."""
+
 MOST_SHOWN = 12
 """Places that an error lists before it counts the rest."""
 
@@ -92,12 +95,19 @@ def parsed(text: str, robot: Robot) -> Effect:
 
 
 def shown(effect: Effect) -> str:
-    """Return an effect in words: `viscous_friction@hinge (b = 0.1 N m s/rad)`."""
-    values = [
-        f"{known.name} = {getattr(effect, known.name):g}" + _unit(known)
-        for known in effect.parameters()
-    ]
-    return effect.label + (f" ({', '.join(values)})" if values else "")
+    """Return an effect in words: `viscous_friction@hinge (b = 0.1 N m s/rad)`.
+
+    Of one with many parameters those are left out that say nothing.
+    """
+    values = {known: getattr(effect, known.name) for known in effect.parameters()}
+    if len(values) > MOST_PARAMETERS:
+        values = {
+            known: value
+            for known, value in values.items()
+            if value != (known.default if known.neutral is None else known.neutral)
+        }
+    told = [f"{known.name} = {value:g}{_unit(known)}" for known, value in values.items()]
+    return effect.label + (f" ({', '.join(told)})" if told else "")
 
 
 def _taken_apart(text: str) -> tuple[str, str, str]:

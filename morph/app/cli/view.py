@@ -6,7 +6,7 @@ import math
 import sys
 import time
 from collections.abc import Callable, Sequence
-from contextlib import redirect_stdout
+from contextlib import AbstractContextManager, redirect_stdout
 from dataclasses import dataclass
 from io import StringIO
 from typing import Any
@@ -75,8 +75,7 @@ def view(
     look = framing(model, shown, RATE)
     settle(model, look.lowest, look.radius, wet=is_wet(effects))
     try:
-        # It greets on the standard output, which is for what the command itself answers.
-        with redirect_stdout(StringIO()):
+        with _silence():
             server = ViserServer(host=HOST, port=PORT, label=f"morph: {robot.name}", verbose=False)
     except OSError as error:
         raise OutputError(
@@ -93,7 +92,13 @@ def view(
         # Looking ends by an interrupt; nothing is lost by it.
         sys.stderr.write("\n")
     finally:
-        server.stop()
+        with _silence():
+            server.stop()
+
+
+def _silence() -> AbstractContextManager[Any]:
+    """Keep viser's greetings off the standard output, which is for what a command answers."""
+    return redirect_stdout(StringIO())
 
 
 def _poses(model: Any, shown: Array, look: Framing) -> Poses:

@@ -14,7 +14,8 @@ def nearest_samples(times: Array, rate: float) -> Integers:
         times: When samples were taken, s, shape (samples,).
         rate: Pictures a second.
     """
-    pictures = max(1, round(float(times[-1] - times[0]) * rate) + 1)
+    # A picture that is due at the very end is taken, though rounding may put it beyond.
+    pictures = int(float(times[-1] - times[0]) * rate + 1e-6) + 1
     due = times[0] + np.arange(pictures) / rate
     after = np.clip(np.searchsorted(times, due), 1, len(times) - 1)
     nearer_before = due - times[after - 1] <= times[after] - due

@@ -32,6 +32,11 @@ def test_an_effect_is_read_with_its_place_and_its_parameters(pendulum: Robot) ->
     assert shown(found) == "stribeck_friction@hinge (c = 0.1 N m, s = 0.2 N m, vs = 0.05 rad/s)"
 
 
+def test_of_many_parameters_only_those_that_say_something_are_told(swimmer: Robot) -> None:
+    found = parsed("linear_drag@hull:x=2.5,rz=0.25", swimmer)
+    assert shown(found) == "linear_drag@hull (x = 2.5 N s/m, rz = 0.25 N m s/rad)"
+
+
 @pytest.mark.parametrize("kind", EFFECTS, ids=lambda kind: kind.name)
 @pytest.mark.parametrize("name", ["hexapod_swimmer", "pendulum"])
 def test_every_effect_can_be_asked_for_at_every_place(kind: type, name: str) -> None:

@@ -1,0 +1,99 @@
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from morph.app.picture import video
+from morph.app.picture.canvas import canvas
+from morph.app.picture.scene import scene_model
+from morph.app.picture.video import film
+from morph.body.load import load
+from morph.errors import OutputError
+from morph.sim.simulator import Simulator, Trajectory
+
+
+@pytest.fixture(autouse=True, scope="module")
+def screenless() -> None:
+    try:
+        with canvas(scene_model(load("pendulum"), (), (32, 18)), (32, 18)):
+            pass
+    except OutputError as error:
+        pytest.skip(error.what)
+
+
+@pytest.fixture
+def small(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(video, "FILMS", {".mp4": (10.0, (160, 96)), ".gif": (10.0, (160, 96))})
+
+
+@pytest.fixture(scope="module")
+def swing() -> Trajectory:
+    return Simulator(load("pendulum")).trajectory(seconds=0.5, start={"hinge": 1.2})
+
+
+def orange(picture: Any) -> Any:
+    """Return the middle, in columns and rows, of what is orange: the pendulum's bob."""
+    red, green, blue = (picture[..., at].astype(int) for at in range(3))
+    rows, columns = np.nonzero((red > 150) & (green < 0.75 * red) & (blue < 0.5 * red))
+    return np.array([columns.mean(), rows.mean()])
+
+
+@pytest.mark.usefixtures("small")
+def test_a_gif_shows_the_motion_in_real_time(swing: Trajectory, tmp_path: Path) -> None:
+    shares: list[float] = []
+    path = film(
+        load("pendulum"), (), swing.time, swing.position, tmp_path / "a.gif", told=shares.append
+    )
+    with Image.open(path) as image:
+        assert (image.n_frames, image.size) == (6, (160, 96))
+        assert image.info["duration"] == 100
+        middles = []
+        for at in range(6):
+            image.seek(at)
+            middles.append(orange(np.asarray(image.convert("RGB"))))
+    # From 1.2 rad it swings down and back: each picture further to the left than the last.
+    assert (np.diff([middle[0] for middle in middles]) < 0).all()
+    assert shares == pytest.approx(np.arange(1, 7) / 6)
+    assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.usefixtures("small")
+def test_an_mp4_holds_every_picture(swing: Trajectory, tmp_path: Path) -> None:
+    from imageio_ffmpeg import read_frames
+
+    path = film(load("pendulum"), (), swing.time, swing.position, tmp_path / "a.mp4")
+    reader = read_frames(str(path))
+    facts = next(reader)
+    pictures = list(reader)
+    assert (facts["fps"], facts["size"], len(pictures)) == (10.0, (160, 96), 6)
+    assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.usefixtures("small")
+@pytest.mark.parametrize("name", ["a.gif", "a.mp4"])
+def test_an_interrupted_film_leaves_the_old_one(
+    name: str, swing: Trajectory, tmp_path: Path
+) -> None:
+    def interrupt(share: float) -> None:
+        if share > 0.4:
+            raise KeyboardInterrupt
+
+    (tmp_path / name).write_text("old")
+    with pytest.raises(KeyboardInterrupt):
+        film(load("pendulum"), (), swing.time, swing.position, tmp_path / name, told=interrupt)
+    assert (tmp_path / name).read_text() == "old"
+    assert list(tmp_path.iterdir()) == [tmp_path / name]
+
+
+def test_no_opengl_is_said_with_what_to_install(
+    swing: Trajectory, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("morph.app.picture.canvas._backends", lambda: ("nowhere",))
+    with pytest.raises(OutputError, match="there is no OpenGL to draw with") as caught:
+        film(load("pendulum"), (), swing.time, swing.position, tmp_path / "a.gif")
+    assert "libegl1" in caught.value.fix
+    assert list(tmp_path.iterdir()) == []
