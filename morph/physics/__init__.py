@@ -6,12 +6,16 @@ from morph.errors import EffectError
 from morph.physics.actuator.actuator_delay import ActuatorDelay
 from morph.physics.actuator.actuator_lag import ActuatorLag
 from morph.physics.actuator.torque_scale import TorqueScale
+from morph.physics.contact.contact_friction import ContactFriction
+from morph.physics.contact.contact_softness import ContactSoftness
+from morph.physics.contact.restitution import Restitution
 from morph.physics.effect import Effect as Effect
 from morph.physics.fluid.added_mass import AddedMass
 from morph.physics.fluid.buoyancy import Buoyancy
 from morph.physics.fluid.fluid_current import FluidCurrent
 from morph.physics.fluid.linear_drag import LinearDrag
 from morph.physics.fluid.quadratic_drag import QuadraticDrag
+from morph.physics.fluid.thrust import Thrust
 from morph.physics.joint.armature import Armature
 from morph.physics.joint.coulomb_friction import CoulombFriction
 from morph.physics.joint.joint_stiffness import JointStiffness
@@ -19,6 +23,8 @@ from morph.physics.joint.quadratic_damping import QuadraticDamping
 from morph.physics.joint.stribeck_friction import StribeckFriction
 from morph.physics.joint.viscous_friction import ViscousFriction
 from morph.physics.sensor.sensor_bias import SensorBias
+from morph.physics.world.ground import Ground
+from morph.physics.world.ground_slope import GroundSlope
 
 EFFECTS: tuple[type[Effect], ...] = (
     ViscousFriction,
@@ -35,7 +41,13 @@ EFFECTS: tuple[type[Effect], ...] = (
     Buoyancy,
     LinearDrag,
     QuadraticDrag,
+    Thrust,
     FluidCurrent,
+    Ground,
+    GroundSlope,
+    ContactFriction,
+    ContactSoftness,
+    Restitution,
 )
 """Every effect that a simulation can have and a diagnosis can find."""
 

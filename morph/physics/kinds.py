@@ -122,6 +122,11 @@ class ContactEffect(Effect):
         pairs = (f"{one}+{two}" for at, one in enumerate(names) for two in names[at + 1 :])
         return ("any+floor", *(f"{name}+floor" for name in names), *pairs)
 
+    @classmethod
+    def suspects(cls, robot: Robot) -> tuple[str, ...]:
+        """Return nothing: a recording of motion does not hold what presses."""
+        return ()
+
 
 class WorldEffect(Effect):
     """An effect of what surrounds every body."""
@@ -142,3 +147,8 @@ class WorldEffect(Effect):
     def places(cls, robot: Robot) -> tuple[str, ...]:
         """Return `world`."""
         return ("world",)
+
+    @classmethod
+    def suspects(cls, robot: Robot) -> tuple[str, ...]:
+        """Return nothing, unless an effect of the world can be screened from motion alone."""
+        return ()

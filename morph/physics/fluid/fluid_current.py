@@ -8,7 +8,6 @@ from typing import Any, ClassVar
 import numpy as np
 
 from morph.arrays import Array
-from morph.body.robot import Robot
 from morph.physics.effect import parameter
 from morph.physics.fluid.numbers import CURRENT, add_numbers
 from morph.physics.kinds import WorldEffect
@@ -35,11 +34,6 @@ class FluidCurrent(WorldEffect):
     """Velocity along the world's y."""
     z: float = parameter(0.0, unit="m/s", low=-20.0, high=20.0, neutral=0.0)
     """Velocity along the world's z, up."""
-
-    @classmethod
-    def suspects(cls, robot: Robot) -> tuple[str, ...]:
-        """Return nothing: it shows only beside drag, and has no force of its own to screen."""
-        return ()
 
     def edit(self, spec: Any) -> None:
         """Write the current into every body's numbers for the fluid."""

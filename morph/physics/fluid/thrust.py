@@ -125,12 +125,6 @@ class Thrust(BodyEffect):
         return cls(body=body, C=C, density=density, span=edge.span, **place, **across)
 
     @classmethod
-    def places(cls, robot: Robot) -> tuple[str, ...]:
-        """Return the links that have a trailing edge."""
-        model = spec_of(robot).compile()
-        return tuple(link.name for link in robot.links if _has_edge(model, link.name))
-
-    @classmethod
     def suspects(cls, robot: Robot) -> tuple[str, ...]:
         """Return nothing: what a recording is screened with has no edge yet."""
         return ()
@@ -184,11 +178,3 @@ class Thrust(BodyEffect):
             f"The wake of {self.body} pushes with {self.C:.3g} of the force of Lighthill's theory: "
             "thrust was left out."
         )
-
-
-def _has_edge(model: Any, body: str) -> bool:
-    try:
-        trailing_edge(model, body)
-    except EffectError:
-        return False
-    return True

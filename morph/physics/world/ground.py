@@ -47,4 +47,4 @@ class Ground(WorldEffect):
 
     def statement(self, *, slide: bool = False) -> str:
         """Return the finding in one plain sentence."""
-        return f"There is a floor at a height of {self.height:.3g} m: ground was left out."
+        return f"The world has a floor at a height of {self.height:.3g} m: the ground was left out."

@@ -58,6 +58,6 @@ class GroundSlope(WorldEffect):
     def statement(self, *, slide: bool = False) -> str:
         """Return the finding in one plain sentence."""
         return (
-            f"The ground leans by {self.roll:.3g} rad about x and {self.pitch:.3g} rad about y: "
-            "its slope was left out."
+            f"The ground of the world leans by {self.roll:.3g} rad about x and "
+            f"{self.pitch:.3g} rad about y: its slope was left out."
         )
