@@ -1,8 +1,8 @@
 """The thesis' swimmer: it swims, turns and holds its depth by patterns, and walks on a floor.
 
 Every row is one run of the same body, most with a control beside it: no stroke, no thrust, the
-stroke run backward, no feedback, no friction. `--policies` writes the gaits as folders that
-`morph simulate hexapod_swimmer --policy` takes.
+stroke run backward, no feedback, no friction. `--policies` writes the gaits as folders, and the
+worlds beside them as files, that `morph simulate` takes.
 """
 
 from __future__ import annotations
@@ -27,7 +27,9 @@ from experiments.swim.water import PADDLE, PADDLE_MIDDLE, aqua_water
 from morph.body.load import load
 from morph.body.robot import Robot
 from morph.errors import MorphError
+from morph.files import write_whole
 from morph.physics.contact.contact_friction import ContactFriction
+from morph.physics.store import effects_text
 from morph.physics.world.ground import Ground
 from morph.policy.pattern import Pattern, pattern
 from morph.policy.store import write_policy
@@ -37,7 +39,7 @@ from morph.sim.simulator import Simulator
 EXAMPLE = """example:
   python -m experiments.swimmer
   python -m experiments.swimmer --policies out/gaits
-  morph simulate hexapod_swimmer --policy out/gaits/straight --seconds 8 --out run.parquet"""
+  morph simulate hexapod_swimmer --policy out/gaits/straight --effects out/gaits/water.toml"""
 
 STEP = 0.002
 """Seconds a step."""
@@ -189,14 +191,21 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         swimmer = Swimmer(load("hexapod_swimmer"))
         if asked.policies:
-            for name, gait in gaits(swimmer.robot).items():
-                print(write_policy(gait, asked.policies / name, swimmer.robot, task=name))
+            _write(swimmer, asked.policies)
             return 0
         _study(swimmer, asked.seconds, as_json=asked.json)
     except MorphError as error:
         sys.stderr.write(f"error: {error}\n")
         return 2
     return 0
+
+
+def _write(swimmer: Swimmer, folder: Path) -> None:
+    for name, gait in gaits(swimmer.robot).items():
+        print(write_policy(gait, folder / name, swimmer.robot, task=name))
+    for name, world in swimmer.worlds.items():
+        file = folder / f"{name.replace(' ', '_')}.toml"
+        print(write_whole(file, effects_text(world.effects)))
 
 
 def _study(swimmer: Swimmer, seconds: float, *, as_json: bool) -> None:

@@ -10,6 +10,7 @@ import pytest
 from experiments.swim.steer import Depth, steered
 from experiments.swimmer import Swimmer, gaits, main, summed
 from morph.body.load import load
+from morph.physics.store import load_effects
 from morph.policy.store import load_policy
 
 
@@ -77,8 +78,11 @@ def test_on_a_floor_it_walks_and_only_with_friction(swimmer: Swimmer) -> None:
     assert abs(forward(swimmer, "floor", "straight")) < 0.02
 
 
-def test_the_gaits_are_written_as_policies(swimmer: Swimmer, tmp_path: Path) -> None:
+def test_gaits_and_worlds_are_written_for_the_command_line(
+    swimmer: Swimmer, tmp_path: Path
+) -> None:
     assert main(["--policies", str(tmp_path)]) == 0
+    assert load_effects(tmp_path / "water.toml") == swimmer.worlds["water"].effects
     for name, gait in gaits(swimmer.robot).items():
         assert load_policy(tmp_path / name, swimmer.robot) == gait
 
