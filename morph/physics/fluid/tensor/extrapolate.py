@@ -6,6 +6,9 @@ import numpy as np
 
 from morph.arrays import Array
 
+SLOWEST, FASTEST = 1.25, 2.0
+"""Bounds of a measured order: at the rim of a plate, and on a smooth surface."""
+
 LEAST = 0.1
 """Part of what the displaced fluid itself resists, below which an entry is no longer relative."""
 
@@ -23,6 +26,26 @@ def extrapolated(coarse: Array, fine: Array, *, ratio: float = 2.0, order: float
             potential grows as the distance to the power of 2/3.
     """
     limit: Array = fine + (fine - coarse) / (ratio**order - 1.0)
+    return limit
+
+
+def limit_of_three(coarse: Array, middle: Array, fine: Array) -> Array:
+    """Return the limit of each entry by the order at which that entry itself converges.
+
+    The order is log2((middle - coarse) / (fine - middle)), kept within bounds (Roache 1998,
+    "Verification and validation in computational science and engineering", sec. 5.10).
+
+    Args:
+        coarse: Entries on large panels, any shape.
+        middle: On panels of half the size.
+        fine: On panels of a quarter of the size.
+    """
+    first, second = middle - coarse, fine - middle
+    # Where the steps do not shrink steadily, the slowest order is the careful one.
+    steady = first * second > 0.0
+    ratio = np.where(steady, first / np.where(steady, second, 1.0), 1.0)
+    power = np.clip(ratio, 2.0**SLOWEST, 2.0**FASTEST)
+    limit: Array = fine + second / (power - 1.0)
     return limit
 
 
