@@ -12,12 +12,14 @@ import mujoco
 from morph.body.robot import Robot
 from morph.body.spec import spec_of
 from morph.errors import SimulationFailed
+from morph.physics.contact.floor import FLOOR as TOUCHED
+from morph.physics.contact.floor import NOWHERE
 from morph.physics.effect import Effect
 
 FLOOR = "picture_floor"
 """Name of the floor that is only in the picture."""
 
-WET = {"added_mass", "buoyancy", "linear_drag", "quadratic_drag", "fluid_current"}
+WET = {"added_mass", "buoyancy", "linear_drag", "quadratic_drag", "fluid_current", "thrust"}
 """Effects that mean water."""
 
 Colour = tuple[float, float, float]
@@ -147,7 +149,12 @@ def _sky(spec: Any, mood: Mood) -> None:
 def _floor(spec: Any, mood: Mood) -> None:
     plane = mujoco.mjtGeom.mjGEOM_PLANE
     ground = (plane, mujoco.mjtGeom.mjGEOM_HFIELD)
-    standing = [geom for geom in spec.worldbody.geoms if geom.type in ground]
+    # An effect on contacts may have put a floor where nothing touches it.
+    standing = [
+        geom
+        for geom in spec.worldbody.geoms
+        if geom.type in ground and not (geom.name == TOUCHED and geom.pos[2] <= NOWHERE)
+    ]
     if any(geom.material for geom in standing):
         return
     spec.add_texture(

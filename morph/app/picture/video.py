@@ -22,6 +22,9 @@ from morph.body.robot import Robot
 from morph.errors import OutputError
 from morph.physics.effect import Effect
 
+LAMP = 8.0
+"""How far the lamp is, by the radius of what moves; from nearer a slope is shaded in specks."""
+
 MOTES = 160
 """Specks that float in water, so that one sees what moves."""
 
@@ -89,7 +92,7 @@ def snap(drawn: Canvas, view: Framing, at: int, position: Array, wet: bool) -> P
         light = drawn.scene.lights[index]
         if light.castshadow and not light.headlight:
             # A lamp far away casts shadows only near its own place: it goes with the camera.
-            light.pos[:] = view.lookat[at] - 3.0 * view.radius * np.asarray(light.dir)
+            light.pos[:] = view.lookat[at] - LAMP * view.radius * np.asarray(light.dir)
     if wet:
         _motes(drawn.scene, view.lookat[at], view.distance)
     return drawn.draw()

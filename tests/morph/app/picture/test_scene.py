@@ -9,6 +9,8 @@ import pytest
 from morph.app.picture.scene import FLOOR, rounded, scene_model, settle
 from morph.body import shelf
 from morph.body.load import load
+from morph.physics.contact.contact_friction import ContactFriction
+from morph.physics.world.ground import Ground
 from morph.sim.simulator import Simulator
 
 OWN = """<mujoco><asset><material name="own" rgba="1 0 0 1"/></asset><worldbody>
@@ -31,6 +33,19 @@ def test_what_a_description_has_of_its_own_is_kept(tmp_path: Path) -> None:
     assert model.nlight == 1
     assert [model.geom(index).name for index in range(model.ngeom)].count(FLOOR) == 0
     assert model.mat(int(model.geom("ground").matid[0])).name == "own"
+
+
+def test_a_ground_that_acts_is_the_floor_that_is_seen() -> None:
+    swimmer = load("hexapod_swimmer")
+    there = scene_model(swimmer, (Ground(height=0.3),), (640, 360))
+    assert [there.geom(index).name for index in range(there.ngeom)].count(FLOOR) == 0
+    settle(there, -5.0, 1.0, wet=False)
+    assert there.geom("floor").pos[2] == 0.3
+    assert there.mat(int(there.geom("floor").matid[0])).name == FLOOR
+    # A floor that is out of reach is none: one is drawn where the robot is.
+    away = scene_model(swimmer, (ContactFriction(contact="any+floor", mu=0.4),), (640, 360))
+    settle(away, -5.0, 1.0, wet=False)
+    assert away.geom(FLOOR).pos[2] == -5.0
 
 
 @pytest.mark.parametrize("wet", [False, True])
