@@ -25,7 +25,8 @@ class ContactSoftness(ContactEffect):
     exact for the effective mass of `spring.effective_masses`: a free body's own mass, for a
     link of a robot what MuJoCo's inverse weight at the described pose says. Against an impact
     the contact is this spring and damper; of a lasting load F it bears a share d = 0.95 without
-    giving way, so at rest it is (1 - d) F / stiffness deep, a twentieth of the spring's.
+    giving way, so at rest it is (1 - d) F / stiffness deep, a twentieth of the spring's, and
+    less where it touches in several points.
 
     Source: Kelvin and Voigt's model, as in Johnson 1985, Contact Mechanics, section 6.5;
     MuJoCo documentation, Modeling, Solver parameters, eq. solref_direct.
