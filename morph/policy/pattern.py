@@ -12,6 +12,7 @@ import numpy as np
 from morph.arrays import Array
 from morph.body.robot import Robot
 from morph.errors import PolicyError
+from morph.policy.fields import most_of
 from morph.policy.policy import Action, Observation, Policy, actions_of
 
 LARGEST = 1e6
@@ -101,7 +102,7 @@ class Pattern(Policy):
         shapes = {name: value.shape for name, value in weights.items()}
         if shapes != dict.fromkeys(NUMBERS, (len(action),)):
             raise PolicyError(
-                f"its numbers have the shapes {shapes}",
+                f"its numbers have the shapes {most_of(shapes)}",
                 where="a policy of kind pattern",
                 fix=f"give {', '.join(NUMBERS)}, each of shape ({len(action)},)",
             )

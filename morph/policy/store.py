@@ -30,6 +30,9 @@ MOST_PARTS = 1000
 REPLAYED = 64
 """How many actions are stored, to be replayed when the policy is read."""
 
+MOST_REPLAYED = 10_000
+"""Most that are replayed."""
+
 TOLERANCE = 1e-6
 """How near a replayed action must come to the stored one, in its unit or, above 1, relative."""
 
@@ -212,9 +215,14 @@ def _replay(policy: Policy, tensors: Mapping[str, Array], path: Path) -> None:
     )
     rows = len(time) if time.ndim == 1 else 0
     shapes = (seen.shape, stored.shape)
-    if not rows or shapes != ((rows, len(policy.observation)), (rows, len(policy.action))):
+    if not 0 < rows <= MOST_REPLAYED or shapes != (
+        (rows, len(policy.observation)),
+        (rows, len(policy.action)),
+    ):
         raise PolicyError(
-            "it lacks observations and actions to replay", where=str(path), fix="write it again"
+            "it lacks observations and actions to replay, or holds too many",
+            where=str(path),
+            fix="write it again",
         )
     again = policy.act(seen, time)
     worst = float(np.max(np.abs(again - stored) / np.maximum(1.0, np.abs(stored)), initial=0.0))

@@ -191,6 +191,28 @@ def test_numbers_that_were_changed_are_refused(
         load_policy(folder, swimmer)
 
 
+def test_a_refusal_does_not_repeat_a_file_to_its_reader(folder: Path, swimmer: Robot) -> None:
+    path = folder / "weights.safetensors"
+    tensors = load_file(path)
+    save_file(tensors | {f"{index}" * 100: np.zeros(1) for index in range(100, 600)}, path)
+    with pytest.raises(PolicyError, match="shapes") as caught:
+        load_policy(folder, swimmer)
+    assert len(str(caught.value)) < 1000
+
+
+def test_more_actions_than_are_ever_written_are_not_replayed(
+    policy: Pattern, folder: Path, swimmer: Robot
+) -> None:
+    path = folder / "weights.safetensors"
+    time = np.linspace(0.0, 1.0, 10_001)
+    nothing = np.empty((len(time), 0))
+    replay = {"time": time, "observation": nothing, "action": policy.act(nothing, time)}
+    tensors = load_file(path)
+    save_file(tensors | {f"replay.{name}": value for name, value in replay.items()}, path)
+    with pytest.raises(PolicyError, match="or holds too many"):
+        load_policy(folder, swimmer)
+
+
 def test_an_amplitude_that_is_wrong_by_a_millionth_shows(folder: Path, swimmer: Robot) -> None:
     # Amplitudes here are about 1: of 64 sines the greatest is above 0.9, and 3e-6 of it above
     # 2e-6, twice the tolerance; 1e-7 of it is a tenth of the tolerance.
