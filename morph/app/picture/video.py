@@ -14,6 +14,7 @@ import numpy as np
 
 from morph.app.picture.camera import AZIMUTH, ELEVATION, Framing, framing
 from morph.app.picture.canvas import Canvas, Picture, canvas
+from morph.app.picture.encode import gif, mp4
 from morph.app.picture.endings import FILMS
 from morph.app.picture.scene import is_wet, scene_model, settle
 from morph.app.picture.times import nearest_samples
@@ -58,7 +59,7 @@ def film(
     model = scene_model(robot, effects, size)
     view = framing(model, shown, rate)
     settle(model, view.lowest, view.radius, wet=wet)
-    encode = _mp4 if path.suffix.lower() == ".mp4" else _gif
+    encode = mp4 if path.suffix.lower() == ".mp4" else gif
     with canvas(model, size) as drawn, _whole(path) as temporary:
         encode(temporary, _pictures(drawn, view, shown, wet, told), rate, size)
     return path
@@ -145,35 +146,4 @@ def _unwritten(path: Path, error: OSError) -> OutputError:
         f"cannot write: {error.strerror or error}",
         where=str(path),
         fix="choose a folder that exists, can be written to and has room",
-    )
-
-
-def _mp4(path: Path, pictures: Iterator[Picture], rate: float, size: tuple[int, int]) -> None:
-    from imageio_ffmpeg import write_frames
-
-    writer = write_frames(
-        str(path),
-        size,
-        fps=rate,
-        codec="libx264",
-        macro_block_size=8,
-        output_params=["-crf", "20", "-preset", "veryfast", "-movflags", "+faststart"],
-    )
-    writer.send(None)
-    try:
-        for picture in pictures:
-            writer.send(np.ascontiguousarray(picture))
-    finally:
-        writer.close()
-
-
-def _gif(path: Path, pictures: Iterator[Picture], rate: float, size: tuple[int, int]) -> None:
-    from PIL import Image
-
-    images = [Image.fromarray(np.ascontiguousarray(picture)) for picture in pictures]
-    # One palette for all pictures, from the middle one: colours do not flicker, files stay small.
-    palette = images[len(images) // 2].quantize(colors=256)
-    small = [image.quantize(palette=palette, dither=Image.Dither.NONE) for image in images]
-    small[0].save(
-        path, save_all=True, append_images=small[1:], duration=round(1000.0 / rate), loop=0
     )

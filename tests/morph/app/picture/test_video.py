@@ -1,10 +1,12 @@
 from __future__ import annotations
 
+import subprocess
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from imageio_ffmpeg import get_ffmpeg_exe
 from PIL import Image
 
 from morph.app.picture import video
@@ -63,14 +65,29 @@ def test_a_gif_shows_the_motion_in_real_time(swing: Trajectory, tmp_path: Path) 
 
 @pytest.mark.usefixtures("small")
 def test_an_mp4_holds_every_picture(swing: Trajectory, tmp_path: Path) -> None:
-    from imageio_ffmpeg import read_frames
-
     path = film(load("pendulum"), (), swing.time, swing.position, tmp_path / "a.mp4")
-    reader = read_frames(str(path))
-    facts = next(reader)
-    pictures = list(reader)
-    assert (facts["fps"], facts["size"], len(pictures)) == (10.0, (160, 96), 6)
+    decoded = subprocess.run(
+        [get_ffmpeg_exe(), "-i", str(path), "-f", "rawvideo", "-pix_fmt", "rgb24", "-"],
+        capture_output=True,
+        check=True,
+    )
+    assert b" 160x96" in decoded.stderr
+    assert b" 10 fps" in decoded.stderr
+    pictures = np.frombuffer(decoded.stdout, dtype=np.uint8).reshape(-1, 96, 160, 3)
+    assert len(pictures) == 6
+    assert (np.diff([orange(picture)[0] for picture in pictures]) < 0).all()
     assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.usefixtures("small")
+def test_what_the_encoder_refuses_is_said_and_leaves_nothing(
+    swing: Trajectory, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("morph.app.picture.encode.QUALITY", ("-c:v", "no_such"))
+    with pytest.raises(OutputError, match=r"ffmpeg cannot write the film: .*ncoder") as caught:
+        film(load("pendulum"), (), swing.time, swing.position, tmp_path / "a.mp4")
+    assert ".gif" in caught.value.fix
+    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.usefixtures("small")
