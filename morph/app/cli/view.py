@@ -32,8 +32,8 @@ HOST, PORT = "127.0.0.1", 8080
 SPEEDS = ("0.1", "0.25", "0.5", "1", "2", "4")
 """How fast it may be played, by how fast it moved."""
 
-FAR = 1.9
-"""The browser's angle of view is wider than the film's and its page higher: a nearer camera."""
+FAR = 2.2
+"""How far the camera is in the browser, by the radius of what moves, along (0.5, -0.9, 0.4)."""
 
 
 @dataclass(frozen=True, kw_only=True)
