@@ -26,6 +26,7 @@ from experiments.swim.steer import Depth, attitude, steered
 from experiments.swim.water import PADDLE, PADDLE_MIDDLE, aqua_water
 from morph.body.load import load
 from morph.body.robot import Robot
+from morph.body.vary import Heavier, vary
 from morph.errors import MorphError
 from morph.files import write_whole
 from morph.physics.contact.contact_friction import ContactFriction
@@ -47,6 +48,9 @@ STEP = 0.002
 DROP = 0.2
 """Height from which the body is let fall on the floor, m."""
 
+TOO_HEAVY = 0.1
+"""Mass that is added to show that depth is held, kg: 0.98 N."""
+
 STROKES = ((0.25, 2.0), (0.5, 1.0), (0.5, 2.0), (0.5, 3.0), (0.8, 2.0))
 """Amplitudes, rad, and frequencies, Hz, at which mean thrusts are told."""
 
@@ -56,7 +60,7 @@ class Row:
     """What one run came to."""
 
     world: str
-    """`water`, `water without thrust`, `perfect fluid` or `floor`."""
+    """`water`, `floor` and so on, as `Swimmer.worlds` has them."""
     gait: str
     """What the paddles did."""
     seconds: float
@@ -93,7 +97,9 @@ class Swimmer:
             "floor": (ground, ContactFriction(contact="any+floor", mu=0.8)),
             "floor without friction": (ground, ContactFriction(contact="any+floor", mu=0.0)),
         }
-        return {name: Simulator(self.robot, each, step=STEP) for name, each in effects.items()}
+        worlds = {name: Simulator(self.robot, each, step=STEP) for name, each in effects.items()}
+        heavy = vary(self.robot, Heavier(link="hull", add=TOO_HEAVY))
+        return worlds | {"water, 100 g too heavy": Simulator(heavy, effects["water"], step=STEP)}
 
     def run(self, world: str, said: str, gait: Pattern, seconds: float) -> Row:
         """Return what a gait comes to in a world, begun where the gait begins."""
@@ -145,6 +151,7 @@ def rows(swimmer: Swimmer, *, seconds: float = 8.0, told: Callable[[Row], None])
     every = gaits(swimmer.robot)
     wanted = [
         ("water", "no stroke", "rest"),
+        ("water, 100 g too heavy", "no stroke", "rest"),
         ("water", "symmetric stroke", "straight"),
         ("water", "the same reversed", "straight_reversed"),
         ("water without thrust", "symmetric stroke", "straight"),
@@ -170,6 +177,7 @@ def rows(swimmer: Swimmer, *, seconds: float = 8.0, told: Callable[[Row], None])
         ("water", "depth held by leaning paddles", Depth()),
         ("water", "and 0.5 m deeper", Depth(height=-0.5)),
         ("water without thrust", "and 0.5 m deeper", Depth(height=-0.5)),
+        ("water, 100 g too heavy", "depth held by leaning paddles", Depth()),
     ):
         found.append(summed(world, said, steered(swimmer.worlds[world], depth, long)))
         told(found[-1])
@@ -203,7 +211,8 @@ def main(arguments: list[str] | None = None) -> int:
 def _write(swimmer: Swimmer, folder: Path) -> None:
     for name, gait in gaits(swimmer.robot).items():
         print(write_policy(gait, folder / name, swimmer.robot, task=name))
-    for name, world in swimmer.worlds.items():
+    for name in ("water", "water without thrust", "floor"):
+        world = swimmer.worlds[name]
         file = folder / f"{name.replace(' ', '_')}.toml"
         print(write_whole(file, effects_text(world.effects)))
 

@@ -35,9 +35,9 @@ class Depth:
 
     height: float = 0.0
     """z0, m."""
-    k: float = 0.6
+    k: float = 2.0
     """rad/m."""
-    d: float = 0.5
+    d: float = 1.5
     """rad s/m."""
     p: float = 3.0
     """rad/rad."""

@@ -71,6 +71,18 @@ def test_it_dives_where_it_is_told_and_stays(swimmer: Swimmer) -> None:
     assert -0.22 < dived.up < -0.1
 
 
+def test_it_holds_its_depth_where_it_would_sink(swimmer: Swimmer) -> None:
+    # 100 g pull with 0.98 N; in 6 s they would draw 17 kg, 6 * 0.06 kg of blades and 34 kg of
+    # water down by 0.98 / 52 * 36 / 2 = 0.34 m, less what drag holds back.
+    world = "water, 100 g too heavy"
+    sunk = swimmer.run(world, "rest", gaits(swimmer.robot)["rest"], 6.0)
+    assert -0.34 < sunk.up < -0.2
+    held = summed(world, "held", steered(swimmer.worlds[world], Depth(), 12.0))
+    assert held.forward > 2.0
+    assert held.deepest > -0.12
+    assert held.up > -0.08
+
+
 def test_on_a_floor_it_walks_and_only_with_friction(swimmer: Swimmer) -> None:
     assert forward(swimmer, "floor", "tripod") > 0.4
     assert abs(forward(swimmer, "floor without friction", "tripod")) < 0.05
@@ -90,9 +102,10 @@ def test_gaits_and_worlds_are_written_for_the_command_line(
 def test_the_study_prints_its_rows_as_json(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["--seconds", "0.4", "--json"]) == 0
     told = json.loads(capsys.readouterr().out)
-    assert len(told["rows"]) == 18
+    assert len(told["rows"]) == 20
     assert {each["world"] for each in told["rows"]} == {
-        *("water", "water without thrust", "perfect fluid", "floor", "floor without friction")
+        *("water", "water without thrust", "perfect fluid", "floor", "floor without friction"),
+        "water, 100 g too heavy",
     }
     assert [each["amplitude"] for each in told["mean_thrust"]] == [0.25, 0.5, 0.5, 0.5, 0.8]
 
