@@ -26,9 +26,10 @@ TURNED = """
 
 def test_the_swimmers_paddles_shed_at_their_ends_and_its_hull_does_not() -> None:
     swimmer = load("hexapod_swimmer")
-    places = Thrust.places(swimmer)
-    assert places == tuple(f"{actuator.name}_paddle" for actuator in swimmer.actuators)
-    edge = trailing_edge(spec_of(swimmer).compile(), "left_rear_paddle")
+    model = spec_of(swimmer).compile()
+    with pytest.raises(EffectError, match="no paddle"):
+        trailing_edge(model, "hull")
+    edge = trailing_edge(model, "left_rear_paddle")
     # card.toml: 0.16 by 0.05 by 0.003 m, its middle 0.088 m behind the hip.
     assert edge.middle == pytest.approx([-0.168, 0.0, 0.0], abs=1e-12)
     assert edge.span == pytest.approx(0.05, abs=1e-12)
