@@ -10,7 +10,7 @@ import numpy as np
 from morph.arrays import Array
 from morph.errors import EffectError
 from morph.physics.effect import parameter
-from morph.physics.fluid.numbers import ADDED, add_numbers
+from morph.physics.fluid.numbers import ADDED, POINT, add_numbers, numbers_of
 from morph.physics.fluid.wet import AXES, WetEffect, shift
 from morph.physics.motion import Motion
 
@@ -84,7 +84,17 @@ class AddedMass(WetEffect):
 
     @classmethod
     def of(cls, body: str, tensor: Array) -> AddedMass:
-        """Return the effect of a tensor (6, 6) about the link's origin, in its axes."""
+        """Return the effect of a tensor (6, 6) about the link's origin, in its axes.
+
+        Raises:
+            EffectError: The tensor is not symmetric, or would give energy.
+        """
+        if np.abs(tensor - tensor.T).max() > 1e-6 * np.abs(tensor).max():
+            raise EffectError(
+                "its tensor is not symmetric",
+                where=f"effect {cls.name}@{body}",
+                fix="give a symmetric tensor, as that of every solid is",
+            )
         entries = {name: float(tensor[at, other]) for name, at, other in ENTRIES}
         return cls(body=body, **entries)
 
@@ -97,8 +107,8 @@ class AddedMass(WetEffect):
         return whole
 
     def edit(self, spec: Any) -> None:
-        """Add to the link's numbers for the fluid, about its origin."""
-        moved = shift(self.centre)
+        """Add to the link's numbers for the fluid, about the point to which its drag refers."""
+        moved = shift(self.centre - np.array(numbers_of(spec, self.body)[POINT]))
         whole = moved.T @ self.tensor @ moved
         add_numbers(spec, self.body, ADDED, whole[np.triu_indices(6)].tolist())
 

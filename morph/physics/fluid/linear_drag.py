@@ -58,8 +58,10 @@ class LinearDrag(WetEffect):
 
     def edit(self, spec: Any) -> None:
         """Add to the link's numbers for the fluid."""
-        refer(spec, self.body, self.centre, self.label)
-        add_numbers(spec, self.body, LINEAR, [getattr(self, axis) for axis in AXES])
+        strengths = [getattr(self, axis) for axis in AXES]
+        if any(strengths):
+            refer(spec, self.body, self.centre, self.label)
+        add_numbers(spec, self.body, LINEAR, strengths)
 
     def regressor(self, motion: Motion) -> Array:
         """Return the force of each axis for a drag of one."""

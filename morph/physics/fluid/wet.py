@@ -10,7 +10,15 @@ from morph.arrays import Array
 from morph.body.robot import Robot
 from morph.errors import EffectError
 from morph.physics.body_motion import cross_matrix
-from morph.physics.fluid.numbers import POINT, numbers_of, write_numbers
+from morph.physics.fluid.numbers import (
+    ADDED,
+    LINEAR,
+    POINT,
+    QUADRATIC,
+    numbers_of,
+    write_numbers,
+)
+from morph.physics.fluid.reference import tensor
 from morph.physics.kinds import BodyEffect
 
 AXES = ("x", "y", "z", "rx", "ry", "rz")
@@ -46,18 +54,23 @@ def shift(centre: Array) -> Array:
 
 
 def refer(spec: Any, body: str, centre: Array, label: str) -> None:
-    """Write the point to which a link's drag refers.
+    """Write the point to which a link's drag refers, and tell its added mass about that point.
 
     Raises:
-        EffectError: Another effect on this link refers to another point.
+        EffectError: Another drag on this link refers to another point.
     """
     numbers = numbers_of(spec, body)
     held = np.array(numbers[POINT])
-    if np.any(held != 0.0) and not np.array_equal(held, centre):
+    moved = not np.array_equal(held, centre)
+    if moved and (any(numbers[LINEAR]) or any(numbers[QUADRATIC])):
         raise EffectError(
             f"it refers to the point {centre.tolist()}, another drag of {body} to {held.tolist()}",
             where=f"effect {label}",
             fix="give linear and quadratic drag of one link the same cx, cy and cz",
         )
+    if moved:
+        back = shift(held - centre)
+        whole = back.T @ tensor(np.array(numbers[ADDED])) @ back
+        numbers[ADDED] = whole[np.triu_indices(6)].tolist()
     numbers[POINT] = centre.tolist()
     write_numbers(spec, body, numbers)
