@@ -16,7 +16,7 @@ from morph.errors import MeshError, RobotError
 from morph.physics.fluid.wetted.box import Box, as_box, equivalent_box
 from morph.physics.fluid.wetted.remesh import even
 from morph.physics.fluid.wetted.shapes import shapes_of
-from morph.physics.fluid.wetted.solid import joined
+from morph.physics.fluid.wetted.solid import as_manifold, from_manifold, joined
 from morph.physics.fluid.wetted.sound import sound
 from morph.physics.fluid.wetted.wrap import sealing_radius, wrapped
 
@@ -30,6 +30,9 @@ PANELS, FEW = 1280, 400
 
 CELLS = (96, 48)
 """Points along the greatest extent when wrapping; the first is used, both are compared."""
+
+FACET = 1e-3
+"""How far the hull of a fine mesh may be off, as a part of its diagonal."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -170,7 +173,12 @@ def _mended(shapes: tuple[Mesh, ...], fault: str, how: str, where: str) -> Wette
         ("wrap, coarser", lambda: wrapped(shapes, cells=CELLS[1], radius=radius, panels=FEW)),
         ("hull", lambda: even(hull, PANELS)),
     ]
-    found = {name: mesh for name, make in tried if (mesh := make()) is not None and sound(mesh)}
+    made = {name: make() for name, make in tried}
+    found = {
+        name: mesh
+        for name, mesh in made.items()
+        if mesh is not None and (name == "hull" or sound(mesh))
+    }
     box = equivalent_box(found.get("wrap", hull))
     found["box"] = even(box.mesh, PANELS)
     chosen = how if how != "mesh" else ("wrap" if "wrap" in found else "hull")
@@ -218,11 +226,18 @@ def _spread(choices: tuple[Choice, ...], chosen: str) -> Array:
 
 
 def _hull(shapes: tuple[Mesh, ...]) -> Mesh:
+    """Return the convex hull of shapes; that of a fine mesh without its finest facets."""
     shift = np.cumsum([0] + [len(shape.vertices) for shape in shapes])
-    return Mesh(
+    hull = Mesh(
         vertices=np.concatenate([shape.vertices for shape in shapes]),
         faces=np.concatenate([s.faces + n for s, n in zip(shapes, shift, strict=False)]),
     ).hull
+    if len(hull.faces) <= FEW:
+        return hull
+    size = float(np.linalg.norm(hull.bounds[1] - hull.bounds[0]))
+    simple = from_manifold(as_manifold(hull).simplify(FACET * size)).hull
+    grown = (hull.volume / simple.volume) ** (1.0 / 3.0)
+    return Mesh(vertices=hull.com + grown * (simple.vertices - simple.com), faces=simple.faces)
 
 
 def _wetted(

@@ -89,7 +89,10 @@ class _Pass:
         moved = self.faces[rest]
         moved = np.where(moved == gone, kept, moved)
         after = normals(self.vertices, moved)
-        turned = np.einsum("ij,ij->i", after, self.normal[rest])
+        before = self.normal[rest]
+        sliver = (before == 0).sum(axis=1) == 3
+        before = np.where(sliver[:, None], after, before)
+        turned = np.einsum("ij,ij->i", after, before)
         reach = np.linalg.norm(self.vertices[moved] - self.vertices[kept], axis=2)
         return bool(turned.min() > TURN and reach.max() < self.longest)
 

@@ -8,9 +8,10 @@ from morph.arrays import Array, Integers
 from morph.body.mesh import Mesh
 from morph.physics.fluid.wetted.collapse import collapsed
 from morph.physics.fluid.wetted.solid import as_manifold, from_manifold
+from morph.physics.fluid.wetted.sound import sound
 from morph.physics.fluid.wetted.topology import edges_of, normals
 
-ROUNDS, MOST_ROUNDS = 3, 9
+ROUNDS, MOST_ROUNDS = 3, 6
 """How often edges are split, collapsed and flipped, and how often while there are too many."""
 
 LONGER = 1.12
@@ -19,7 +20,7 @@ LONGER = 1.12
 CHANGED = 0.05
 """Part of the volume that remeshing may take or give before the mesh stays as it was."""
 
-COARSER = 4
+COARSER = 3
 """Times the faces asked for, to which a finer mesh is first simplified as a whole."""
 
 
@@ -29,8 +30,8 @@ def even(mesh: Mesh, panels: int) -> Mesh:
     Edges longer than 4/3 of the aim are split, shorter than 4/5 collapsed, and
     flipped where the angles opposite add to more than pi (Botsch and Kobbelt
     2004, "A remeshing approach to multiresolution modeling"). Corners only
-    move onto other corners, and creases stay. A mesh that does not survive
-    this as a solid is returned as it was.
+    move onto other corners, and creases stay. Of a mesh that does not survive
+    this as a solid the long edges are split, and that is all.
     """
     found = _simplified(mesh, COARSER * panels)
     vertices, faces = found.vertices, found.faces
@@ -42,8 +43,11 @@ def even(mesh: Mesh, panels: int) -> Mesh:
         vertices, faces = collapsed(vertices, faces, 4.0 / 5.0 * aim, 4.0 / 3.0 * aim)
         faces = _flipped(vertices, faces)
     result = Mesh(vertices=vertices, faces=faces)
-    if not result.consistent or abs(result.volume / mesh.volume - 1.0) > CHANGED:
-        return mesh
+    changed = abs(result.volume / mesh.volume - 1.0)
+    if changed > CHANGED or not sound(result):
+        # Halving edges moves nothing.
+        vertices, faces = _split(mesh.vertices, mesh.faces, 4.0 / 3.0 * aim)
+        return Mesh(vertices=vertices, faces=faces)
     grown = (mesh.volume / result.volume) ** (1.0 / 3.0)
     return Mesh(vertices=mesh.com + grown * (result.vertices - result.com), faces=faces)
 
@@ -108,23 +112,22 @@ def _flipped(vertices: Array, faces: Integers) -> Integers:
     """Return the faces with the diagonals of flat pairs swapped where that widens angles."""
     edges = edges_of(vertices, faces)
     p, q = vertices[edges.ends[:, 0]], vertices[edges.ends[:, 1]]
-    angle = sum(_angle(p - vertices[tip], q - vertices[tip]) for tip in edges.tips.T)
+    left, right = vertices[edges.tips].transpose(1, 0, 2)
+    angle = _angle(p - left, q - left) + _angle(p - right, q - right)
     known = {(int(a), int(b)) for a, b in edges.ends}
     faces = faces.copy()
     free = np.ones(len(faces), dtype=bool)
     wanted = np.flatnonzero((angle > np.pi + 1e-6) & ~edges.crease)
     for edge in wanted[np.argsort(-angle[wanted])].tolist():
-        (left, right), (a, b), (c, d) = edges.faces[edge], edges.ends[edge], edges.tips[edge]
+        pair, (a, b), (c, d) = edges.faces[edge], edges.ends[edge], edges.tips[edge]
         new = (int(min(c, d)), int(max(c, d)))
-        if not (free[left] and free[right]) or new in known or c == d:
+        if not free[pair].all() or new in known or c == d:
             continue
         # The rising edge a to b has its left face first: (a, b, c) and (b, a, d).
-        pair = np.array([[a, d, c], [b, c, d]])
-        before = normals(vertices, faces[[left, right]])
-        after = normals(vertices, pair)
-        if (after @ before.T).min() > 0.9:
-            faces[[left, right]] = pair
-            free[left] = free[right] = False
+        swapped = np.array([[a, d, c], [b, c, d]])
+        after = normals(vertices, swapped)
+        if (after @ normals(vertices, faces[pair]).T).min() > 0.9:
+            faces[pair], free[pair] = swapped, False
             known.add(new)
     return faces
 

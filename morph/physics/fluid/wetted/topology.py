@@ -11,6 +11,9 @@ from morph.arrays import Array, Integers, Mask
 FOLD = np.cos(np.radians(40.0))
 """Cosine of the fold from which on an edge is a crease, that remeshing keeps."""
 
+SLIVER = 1e-3
+"""Height by longest side below which a triangle's own normal says nothing."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Edges:
@@ -42,7 +45,9 @@ def edges_of(vertices: Array, faces: Integers) -> Edges:
     normal = normals(vertices, faces)
     both = face[pairs]
     fold = np.einsum("ij,ij->i", normal[both[:, 0]], normal[both[:, 1]])
-    crease: Mask = fold < FOLD
+    # A sliver has no normal to speak of: its neighbours alone hold its corners.
+    known = (normal != 0).sum(axis=1)[both].min(axis=1) > 0
+    crease: Mask = (fold < FOLD) & known
     return Edges(
         ends=ends,
         faces=both,
@@ -54,11 +59,14 @@ def edges_of(vertices: Array, faces: Integers) -> Edges:
 
 
 def normals(vertices: Array, faces: Integers) -> Array:
-    """Return the unit normal of each face, shape (faces, 3); zero for one without area."""
-    a, b, c = (vertices[faces[:, corner]] for corner in range(3))
-    cross = np.cross(b - a, c - a)
-    size = np.linalg.norm(cross, axis=1)
-    unit: Array = cross / np.where(size > 0, size, 1.0)[:, None]
+    """Return the unit normal of each face, shape (faces, 3); zero for a sliver."""
+    a, b, c = vertices[faces].transpose(1, 0, 2)
+    p, q, r = b - a, c - b, a - c
+    cross = np.cross(r, p)
+    size = np.sqrt((cross * cross).sum(axis=1))
+    longest = np.maximum(np.maximum((p * p).sum(axis=1), (q * q).sum(axis=1)), (r * r).sum(axis=1))
+    flat = size > SLIVER * longest
+    unit: Array = cross * (flat / np.where(flat, size, 1.0))[:, None]
     return unit
 
 

@@ -1,0 +1,113 @@
+"""Which surface stands for a link, and what is said of it."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import morph
+from morph.body.mesh import Mesh
+from morph.errors import RobotError
+from morph.physics.fluid.tensor import kirchhoff
+from morph.physics.fluid.wetted import surface, wetted
+from morph.physics.fluid.wetted.sound import sound
+
+
+def torn(mesh: Mesh, count: int) -> Mesh:
+    return Mesh(vertices=mesh.vertices, faces=mesh.faces[count:])
+
+
+def mesh_of(found: object) -> Mesh:
+    return Mesh(vertices=found.vertices, faces=found.faces)  # type: ignore[attr-defined]
+
+
+def test_the_swimmers_hull_and_paddle_displace_what_the_card_says() -> None:
+    robot = morph.load("hexapod_swimmer")
+    hull, paddle = wetted(robot, "hull"), wetted(robot, "left_front_paddle")
+    assert hull.volume + 6 * paddle.volume == pytest.approx(0.017043487, abs=1e-9)
+    assert (hull.how, hull.reason, hull.spread) == ("mesh", "", None)
+    assert sound(mesh_of(hull))
+    assert paddle.box is not None
+    assert np.allclose(paddle.box.sides, (0.16, 0.05, 0.003))
+    assert np.allclose(paddle.centre, (-0.088, 0.0, 0.0))
+
+
+def test_the_box_of_the_swimmers_hull_has_its_volume() -> None:
+    robot = morph.load("hexapod_swimmer")
+    box = wetted(robot, "hull", how="box")
+    assert box.box is not None
+    assert box.volume == pytest.approx(0.017043487 - 6 * 2.4e-5, abs=1e-9)
+    # The hips widen the hull's 0.21 m and leave its length and height within 3 %.
+    assert np.allclose(box.box.sides, (0.64, 0.228, 0.12), rtol=0.03)
+
+
+def test_a_scale_makes_a_cube_of_it(cube: Mesh) -> None:
+    robot = morph.load("hexapod_swimmer")
+    one, two = (wetted(robot, "left_front_paddle", scale=scale) for scale in (1.0, 2.0))
+    assert two.volume == pytest.approx(8 * one.volume)
+
+
+@pytest.mark.parametrize("scale", [0.0, -1.0, math.nan, math.inf])
+def test_a_scale_that_is_none_is_refused(scale: float) -> None:
+    robot = morph.load("hexapod_swimmer")
+    with pytest.raises(RobotError, match="link hull of robot hexapod_swimmer.*has the scale"):
+        wetted(robot, "hull", scale=scale)
+
+
+def test_a_ball_with_a_hole_is_wrapped_to_the_ball(ball: Mesh) -> None:
+    found = surface((torn(ball, 20),))
+    assert found.how == "wrap"
+    assert found.reason.startswith("1 open of its 1 piece: wrapped watertight")
+    # Of 2 mm cells on a ball of 200 mm; the skin is off by less than half of one: 3 * 1 %.
+    assert found.volume == pytest.approx(ball.volume, rel=0.03)
+    assert found.spread is not None
+    assert {choice.how for choice in found.choices} == {"wrap", "wrap, coarser", "hull", "box"}
+    tensor = kirchhoff(found.vertices, found.faces)
+    assert np.linalg.eigvalsh(tensor).min() > 0
+    # rho V / 2 of the true ball; 3 % of volume and 1 % of panels.
+    assert np.allclose(np.diag(tensor)[:3], ball.volume / 2, rtol=0.04)
+
+
+def test_a_box_without_a_lid_is_replaced_by_its_hull_and_the_spread_is_given(cube: Mesh) -> None:
+    lid = (cube.vertices[cube.faces][:, :, 2] > 0.049).all(axis=1)
+    found = surface((Mesh(vertices=cube.vertices, faces=cube.faces[~lid]),))
+    assert found.how == "hull"
+    assert "a wrap of it encloses nothing" in found.reason
+    assert found.volume == pytest.approx(1e-3)
+    assert found.spread is not None
+
+
+def test_a_sheet_encloses_nothing_and_is_refused(cube: Mesh) -> None:
+    flat = Mesh(vertices=cube.vertices * np.array([1.0, 1.0, 0.0]), faces=cube.faces)
+    with pytest.raises(RobotError, match=r"the fin: its shapes enclose nothing: .* in one plane"):
+        surface((flat,), where="the fin")
+
+
+def test_no_shape_and_corners_that_are_nowhere_are_refused(cube: Mesh) -> None:
+    with pytest.raises(RobotError, match="it has no shape for water to touch"):
+        surface(())
+    nowhere = Mesh(vertices=cube.vertices * np.array([1.0, math.nan, 1.0]), faces=cube.faces)
+    with pytest.raises(RobotError, match="a corner of its shapes is not a number"):
+        surface((nowhere,))
+    with pytest.raises(RobotError, match="its wetted surface is to be 'skin'"):
+        surface((cube,), how="skin")
+
+
+def test_the_real_shell_of_152_open_pieces_becomes_a_solid_near_what_the_robot_displaces(
+    real_robots: Path,
+) -> None:
+    robot = morph.load(real_robots / "aqua" / "aqua_description" / "urdf" / "aqua.urdf")
+    found = wetted(robot, "aqua_base", drawn=True, rigid=True)
+    assert found.how == "wrap"
+    assert "22 open of its 90 pieces" in found.reason
+    # The robot displaces 17 litres, 0.9 of them hips and paddles: their faces add up to 3.
+    assert 0.014 < found.volume < 0.018
+    assert sound(mesh_of(found))
+    tensor = 1000.0 * kirchhoff(found.vertices, found.faces)
+    assert np.linalg.eigvalsh(tensor).min() > 0
+    # Between an ellipse's plate of the shell's box, pi/4 rho b^2 l = 22 kg less its ends,
+    # and the hull with the hips, 53 kg.
+    assert 20.0 < tensor[2, 2] < 53.0
+    assert found.spread is not None
+    assert found.spread[2] > 0.5
