@@ -5,6 +5,9 @@ VENV ?= .venv
 PYTHON ?= $(shell for p in python3.11 python3 python3.12 python3.13; do \
 	$$p -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && echo $$p && break; done)
 
+# The fluid is a C function: where there is no compiler, pip brings one.
+EXTRAS := dev$(shell command -v cc >/dev/null || command -v gcc >/dev/null || command -v clang >/dev/null || echo ,compiler)
+
 bin := $(VENV)/bin
 # The stamp carries the checksum of pyproject.toml, so that what is installed is never installed again.
 stamp := $(VENV)/.installed-$(shell cksum < pyproject.toml | cut -d ' ' -f 1)
@@ -41,7 +44,7 @@ clean: ## Remove caches and results; the installation stays
 
 $(stamp): | $(bin)/pip
 	@echo "Installing morph and its dependencies into $(VENV); the first time takes some minutes ..."
-	@$(bin)/python -m pip install --disable-pip-version-check -qq -e '.[dev]'
+	@$(bin)/python -m pip install --disable-pip-version-check -qq -e '.[$(EXTRAS)]'
 	@rm -f $(VENV)/.installed-*
 	@touch $@
 	@echo "Installed."

@@ -21,7 +21,7 @@ MOST_SHOWN = 12
 
 
 def asked_effects(
-    robot: Robot, texts: Sequence[str], *, file: Path | None = None, world: str | None = None
+    robot: Robot, texts: Sequence[str], *, file: Path | None = None, world: Sequence[Effect] = ()
 ) -> tuple[Effect, ...]:
     """Return all effects that the command line asks for; a nearer word replaces a farther one.
 
@@ -32,17 +32,13 @@ def asked_effects(
         robot: What they act on.
         texts: Each `NAME@WHERE:param=value,param=value`.
         file: A `corrected.toml`, or another file like it.
-        world: The name of a world.
+        world: What the world around it does.
 
     Raises:
         EffectError: An effect, its place or a parameter is not known, a value is out of
             bounds, the file cannot be used, or one effect is asked for twice.
     """
-    found: dict[str, Effect] = {}
-    if world is not None:
-        from morph.physics.worlds import world as world_of
-
-        found |= {effect.label: effect for effect in world_of(world, robot)}
+    found = {effect.label: effect for effect in world}
     if file is not None:
         from morph.physics.store import load_effects
 

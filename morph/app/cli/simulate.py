@@ -19,6 +19,7 @@ from morph.errors import MorphError, OutputError, SimulationFailed
 if TYPE_CHECKING:
     from morph.app.cli.summary import Done
     from morph.body.robot import Robot
+    from morph.physics.worlds import World
     from morph.sim.simulator import Command, Simulator, Trajectory
 
 DONE, STOPPED_SHORT = 0, 3
@@ -40,7 +41,9 @@ def run_simulate(asked: Simulate) -> int:
 
     robot = load(asked.robot, base=asked.base, folder=asked.folder)
     file = None if asked.effects is None else Path(asked.effects)
-    effects = asked_effects(robot, asked.effect, file=file, world=asked.world)
+    world = _world(asked, robot)
+    around = () if world is None else world.effects
+    effects = asked_effects(robot, asked.effect, file=file, world=around)
     command = _commands(asked, robot)
     simulator = Simulator(robot, effects, step=asked.step)
     began = time.perf_counter()
@@ -48,7 +51,7 @@ def run_simulate(asked: Simulate) -> int:
         moved, why = _moved(simulator, asked.seconds, start, speed, command)
         took = time.perf_counter() - began
         told(1.0)
-    done = _done(asked, simulator, moved, why, took)
+    done = _done(asked, simulator, world, moved, why, took)
     # The film first: it takes longest, and an interrupt then leaves nothing at all.
     if video is not None:
         from morph.app.picture.video import film
@@ -81,6 +84,7 @@ def _say(asked: Simulate, done: Done) -> None:
 def _done(
     asked: Simulate,
     simulator: Simulator,
+    world: World | None,
     moved: Trajectory,
     why: MorphError | None,
     took: float,
@@ -98,6 +102,7 @@ def _done(
     return Done(
         robot=simulator.robot,
         effects=simulator.effects,
+        world=world,
         recording=recording,
         step=simulator.step,
         asked=asked.seconds,
@@ -111,6 +116,16 @@ def _done(
         },
         why=None if why is None else why.what,
     )
+
+
+def _world(asked: Simulate, robot: Robot) -> World | None:
+    """Return the world that is asked for; the first time in water its tensors take seconds."""
+    if asked.world is None:
+        return None
+    from morph.physics.worlds import world
+
+    with _progress(asked, f"preparing {asked.world}"):
+        return world(asked.world, robot)
 
 
 def _moved(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
 
@@ -13,6 +13,7 @@ from morph.app.cli.words import harmless, paragraph, table
 from morph.arrays import JSON
 from morph.body.robot import Robot
 from morph.physics.effect import Effect
+from morph.physics.worlds import World
 from morph.record.recording import Channel, Recording
 
 SCHEMA = "morph.simulation/1"
@@ -30,6 +31,8 @@ class Done:
     """What moved."""
     effects: tuple[Effect, ...]
     """What acted on it."""
+    world: World | None
+    """The named world around it; None if none was asked for."""
     recording: Recording
     """What it did."""
     step: float
@@ -63,6 +66,8 @@ def as_json(done: Done) -> JSON:
             }
             for effect in done.effects
         ],
+        "world": None if done.world is None else done.world.name,
+        "notes": [] if done.world is None else list(done.world.notes),
         "policy": done.policy,
         "seconds": done.seconds,
         "step": done.step,
@@ -87,11 +92,15 @@ def in_words(done: Done, columns: int | None) -> list[tuple[str, str]]:
     """
     rate = f", {done.seconds / done.took:.3g} times as fast as it moves" if done.took > 0 else ""
     head = f"{done.robot.name}: {done.seconds:g} s in steps of {1e3 * done.step:g} ms{rate}"
-    plain = [f"  under {shown(effect)}" for effect in done.effects]
+    around = () if done.world is None else done.world.effects
+    plain = [] if done.world is None else [f"  in {done.world.name}: {_counted(around)}"]
+    plain += [f"  under {shown(effect)}" for effect in done.effects if effect not in around]
     if done.policy is not None:
         plain.append(f"  commanded by {done.policy}")
     lines = [(line, "bold") for line in paragraph(harmless(head), 4, columns)]
     lines += [(line, "") for text in plain for line in paragraph(harmless(text), 4, columns)]
+    for note in () if done.world is None else done.world.notes:
+        lines += [(line, "yellow") for line in paragraph(harmless(f"  {note}"), 4, columns)]
     lines += [("", ""), *_table(done.recording, columns), ("", "")]
     if done.why is not None:
         words = f"stopped short after {done.seconds:g} s of {done.asked:g} s: {done.why}"
@@ -99,6 +108,15 @@ def in_words(done: Done, columns: int | None) -> list[tuple[str, str]]:
     for kind, path in done.files.items():
         lines += [(line, "") for line in paragraph(harmless(f"wrote {path} ({kind})"), 4, columns)]
     return lines
+
+
+def _counted(effects: Sequence[Effect]) -> str:
+    """Return a world's effects in a line; of many alike only how many there are."""
+    names = dict.fromkeys(effect.name for effect in effects)
+    if len(effects) == len(names):
+        return "; ".join(shown(effect) for effect in effects)
+    links = len({effect.where for effect in effects})
+    return f"{', '.join(names)} on {links} links; --json lists them"
 
 
 def _table(recording: Recording, columns: int | None) -> list[tuple[str, str]]:

@@ -1,0 +1,52 @@
+"""Named worlds: the effects that put any body on a floor or into water."""
+
+from __future__ import annotations
+
+import difflib
+from dataclasses import dataclass
+
+from morph.body.robot import Robot
+from morph.errors import EffectError
+from morph.physics.contact.presets import SURFACES, surface
+from morph.physics.effect import Effect
+from morph.physics.fluid.water import FRESH, SALT, immersed
+
+WATERS = {"water": FRESH, "salt_water": SALT}
+"""Density of each water, kg/m3."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class World:
+    """What surrounds a robot."""
+
+    name: str
+    """Its name."""
+    effects: tuple[Effect, ...]
+    """What it does to this robot."""
+    notes: tuple[str, ...] = ()
+    """What had to be decided of the robot's shapes, with its figures."""
+
+
+def world_names() -> tuple[str, ...]:
+    """Return the names of all worlds."""
+    return (*WATERS, *(floor.name for floor in SURFACES))
+
+
+def world(name: str, robot: Robot) -> World:
+    """Return a named world around a robot.
+
+    Raises:
+        EffectError: There is no such world.
+        RobotError: The robot has no shapes that the world could act on.
+    """
+    if name in WATERS:
+        held = immersed(robot, density=WATERS[name])
+        return World(name=name, effects=held.effects, notes=held.notes)
+    if name in world_names():
+        return World(name=name, effects=surface(name))
+    near = difflib.get_close_matches(name, world_names(), n=1)
+    raise EffectError(
+        f"there is no world {name!r}; there are {', '.join(world_names())}",
+        where="morph.physics.worlds",
+        fix=f"did you mean {near[0]!r}?" if near else "name one of these worlds",
+    )
