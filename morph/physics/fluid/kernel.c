@@ -15,7 +15,7 @@
 enum { MARK = 0, SCALE = 1, ADDED = 2, POINT = 23, DISPLACED = 26, CENTRE = 27, LINEAR = 30,
        QUADRATIC = 36, CURRENT = 42, EDGE = 45, CHORD = 48, NORMAL = 51, SHED = 54, WIDTH = 55 };
 
-#define SIGNATURE 4.0e77 /* no description of a robot holds this number */
+#define SIGNATURE (-0.71875) /* no description of a robot puts this number first of 55 */
 #define WETTED 1.0       /* d->crb of the world, which MuJoCo sets to 0 with every new M */
 
 typedef void (*factor_function)(const mjModel*, mjData*);

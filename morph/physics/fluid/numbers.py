@@ -7,8 +7,12 @@ from typing import Any
 
 from morph.errors import EffectError
 
-SIGNATURE = 4.0e77
-"""What stands first in a wet body: no description of a robot holds this number."""
+SIGNATURE = -0.71875
+"""What stands first in a wet body: no description of a robot puts this number first of 55.
+
+MuJoCo writes six digits, and as 0 what is 1e-12 of the greatest of a body's numbers; this one
+is exact in six digits, and small.
+"""
 
 MARK = slice(0, 1)
 """`SIGNATURE` where the body is wet."""
