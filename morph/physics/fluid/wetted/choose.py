@@ -78,6 +78,7 @@ def wetted(
     *,
     how: str = "mesh",
     scale: float = 1.0,
+    panels: int = PANELS,
     drawn: bool = False,
     rigid: bool = False,
 ) -> Wetted:
@@ -90,6 +91,7 @@ def wetted(
             bound no solid; `hull` for their convex hull; `box` for the box of the
             volume, centre and spread of its solid.
         scale: Factor on all lengths, about the link's origin.
+        panels: About how many triangles it is to have.
         drawn: Whether to take the shapes that are only drawn.
         rigid: Whether to take with it the links that cannot move against it.
 
@@ -105,15 +107,23 @@ def wetted(
             fix="give a scale above 0; 1 for shapes in metres, 0.001 for millimetres",
         )
     shapes = shapes_of(robot, link, drawn=drawn, rigid=rigid)
-    return surface(tuple(shape.scaled(scale) for shape in shapes), how=how, where=where)
+    scaled = tuple(shape.scaled(scale) for shape in shapes)
+    return surface(scaled, how=how, panels=panels, where=where)
 
 
-def surface(shapes: tuple[Mesh, ...], *, how: str = "mesh", where: str = "the shapes") -> Wetted:
+def surface(
+    shapes: tuple[Mesh, ...],
+    *,
+    how: str = "mesh",
+    panels: int = PANELS,
+    where: str = "the shapes",
+) -> Wetted:
     """Return the surface of a body made of shapes that water touches; see `wetted`.
 
     Args:
         shapes: Triangle meshes in one frame, m; open, torn or inside out if need be.
         how: `mesh`, `hull` or `box`.
+        panels: About how many triangles it is to have.
         where: What to call the body in an error.
 
     Raises:
@@ -121,9 +131,12 @@ def surface(shapes: tuple[Mesh, ...], *, how: str = "mesh", where: str = "the sh
     """
     _check(shapes, how, where)
     whole = joined(shapes)
-    if whole.mesh is not None:
-        return _clean(whole.mesh, "; ".join(whole.notes), shapes, how)
-    return _mended(shapes, whole.notes[0], how, where)
+    if whole.mesh is None:
+        return _mended(shapes, whole.notes[0], how, panels, where)
+    found = _clean(whole.mesh, "; ".join(whole.notes), shapes, how, panels)
+    if sound(Mesh(vertices=found.vertices, faces=found.faces)):
+        return found
+    return _mended(shapes, "its surface crosses or touches itself", how, panels, where)
 
 
 def _check(shapes: tuple[Mesh, ...], how: str, where: str) -> None:
@@ -143,21 +156,21 @@ def _check(shapes: tuple[Mesh, ...], how: str, where: str) -> None:
         )
 
 
-def _clean(solid: Mesh, notes: str, shapes: tuple[Mesh, ...], how: str) -> Wetted:
+def _clean(solid: Mesh, notes: str, shapes: tuple[Mesh, ...], how: str, panels: int) -> Wetted:
     box = as_box(solid)
     if how == "mesh" or box is not None:
-        return _wetted(even(solid, PANELS), "mesh", notes, box=box)
+        return _wetted(even(solid, panels), "mesh", notes, box=box)
     if how == "hull":
         hull = _hull(shapes)
         grown = hull.volume / solid.volume - 1.0
         said = f"the hull was asked for; it holds {grown:.1%} more than the solid"
-        return _wetted(even(hull, PANELS), "hull", said)
+        return _wetted(even(hull, panels), "hull", said)
     box = equivalent_box(solid)
     said = "a box was asked for: of the solid's volume, centre and spread"
-    return _wetted(even(box.mesh, PANELS), "box", said, box=box)
+    return _wetted(even(box.mesh, panels), "box", said, box=box)
 
 
-def _mended(shapes: tuple[Mesh, ...], fault: str, how: str, where: str) -> Wetted:
+def _mended(shapes: tuple[Mesh, ...], fault: str, how: str, panels: int, where: str) -> Wetted:
     """Return what stands for shapes that bound no solid, and how much rests on the choice."""
     try:
         hull = _hull(shapes)
@@ -169,9 +182,9 @@ def _mended(shapes: tuple[Mesh, ...], fault: str, how: str, where: str) -> Wette
         ) from error
     radius = sealing_radius(shapes)
     tried: list[tuple[str, Callable[[], Mesh | None]]] = [
-        ("wrap", lambda: wrapped(shapes, cells=CELLS[0], radius=radius, panels=PANELS)),
+        ("wrap", lambda: wrapped(shapes, cells=CELLS[0], radius=radius, panels=panels)),
         ("wrap, coarser", lambda: wrapped(shapes, cells=CELLS[1], radius=radius, panels=FEW)),
-        ("hull", lambda: even(hull, PANELS)),
+        ("hull", lambda: even(hull, panels)),
     ]
     made = {name: make() for name, make in tried}
     found = {
@@ -180,7 +193,7 @@ def _mended(shapes: tuple[Mesh, ...], fault: str, how: str, where: str) -> Wette
         if mesh is not None and (name == "hull" or sound(mesh))
     }
     box = equivalent_box(found.get("wrap", hull))
-    found["box"] = even(box.mesh, PANELS)
+    found["box"] = even(box.mesh, panels)
     chosen = how if how != "mesh" else ("wrap" if "wrap" in found else "hull")
     choices = tuple(_choice(name, mesh) for name, mesh in found.items())
     return _wetted(

@@ -17,7 +17,7 @@ ROUNDS, MOST_ROUNDS = 3, 6
 LONGER = 1.12
 """How much longer than in equal triangles edges may be, as some of theirs are shorter."""
 
-CHANGED = 0.05
+CHANGED = 0.1
 """Part of the volume that remeshing may take or give before the mesh stays as it was."""
 
 COARSER = 3

@@ -16,6 +16,9 @@ SAMPLES = 48
 SLIVER = 1e-6
 """Part of the whole volume below which a separate piece is no part of the body."""
 
+AT_ONCE = 400_000
+"""Solid angles worked out at once, to keep memory small."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Joined:
@@ -93,17 +96,28 @@ def winding(points: Array, mesh: Mesh, *, without: Integers | None = None) -> Ar
         mesh: The surface.
         without: For each point a face to leave out, shape (points,).
     """
+    middle = mesh.bounds.mean(axis=0)
+    corners = mesh.vertices - middle
+    a, b, c = corners[mesh.faces].transpose(1, 0, 2)
+    normal = np.cross(b - a, c - a)
+    ab, bc, ca = (((p - q) ** 2).sum(axis=1) for p, q in ((a, b), (b, c), (c, a)))
     total = np.zeros(len(points))
-    for index, point in enumerate(points):
-        a, b, c = (mesh.vertices[mesh.faces] - point).transpose(1, 0, 2)
-        la, lb, lc = (np.linalg.norm(side, axis=1) for side in (a, b, c))
-        triple = np.einsum("ij,ij->i", a, np.cross(b, c))
-        dots = [np.einsum("ij,ij->i", p, q) for p, q in ((a, b), (b, c), (c, a))]
-        below = la * lb * lc + dots[0] * lc + dots[1] * la + dots[2] * lb
+    block = max(1, AT_ONCE // len(mesh.faces))
+    for start in range(0, len(points), block):
+        here = points[start : start + block] - middle
+        away = np.sqrt(sum((here[:, i, None] - corners[:, i]) ** 2 for i in range(3)))
+        la, lb, lc = (away[:, mesh.faces[:, i]] for i in range(3))
+        # With p, q and r from the point to the corners: p . (q x r) is p . normal, and
+        # 2 p . q = |p|^2 + |q|^2 - |p - q|^2.
+        triple = (a * normal).sum(axis=1) - here @ normal.T
+        below = la * lb * lc
+        below += 0.5 * lc * (la * la + lb * lb - ab)
+        below += 0.5 * la * (lb * lb + lc * lc - bc)
+        below += 0.5 * lb * (lc * lc + la * la - ca)
         angle = np.arctan2(triple, below)
         if without is not None:
-            angle[without[index]] = 0.0
-        total[index] = angle.sum() / (2.0 * np.pi)
+            angle[np.arange(len(here)), without[start : start + block]] = 0.0
+        total[start : start + block] = angle.sum(axis=1) / (2.0 * np.pi)
     return total
 
 
