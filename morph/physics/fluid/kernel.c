@@ -67,6 +67,18 @@ static void turn_both(mjtNum* out, const mjtNum* R, const mjtNum* X) { /* R X R'
       out[3*i+j] = RX[3*i] * R[3*j] + RX[3*i+1] * R[3*j+1] + RX[3*i+2] * R[3*j+2];
 }
 
+static void turn_symmetric(mjtNum* out, const mjtNum* R, const mjtNum* x, mjtNum s) {
+  /* s R X R', X the upper triangle at x */
+  const mjtNum X[9] = {s*x[0], s*x[1], s*x[2], s*x[1], s*x[3], s*x[4], s*x[2], s*x[4], s*x[5]};
+  mjtNum RX[9];
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 3; j++)
+      RX[3*i+j] = R[3*i] * X[j] + R[3*i+1] * X[3+j] + R[3*i+2] * X[6+j];
+  for (int i = 0; i < 3; i++)
+    for (int j = i; j < 3; j++)
+      out[3*i+j] = out[3*j+i] = RX[3*i] * R[3*j] + RX[3*i+1] * R[3*j+1] + RX[3*i+2] * R[3*j+2];
+}
+
 static void columns_cross(mjtNum* out, const mjtNum* d, const mjtNum* X) { /* [d] X */
   for (int j = 0; j < 3; j++) {
     out[j] = d[1] * X[6+j] - d[2] * X[3+j];
@@ -77,26 +89,21 @@ static void columns_cross(mjtNum* out, const mjtNum* d, const mjtNum* X) { /* [d
 
 /* The 21 upper entries of K in body axes become an inertia in world axes about the point at -d. */
 static void placed(Inertia* out, const mjtNum* k, mjtNum scale, const mjtNum* R, const mjtNum* d) {
-  const mjtNum a[9] = {k[0], k[1], k[2], k[1], k[6], k[7], k[2], k[7], k[11]};
-  const mjtNum b[9] = {k[3], k[4], k[5], k[8], k[9], k[10], k[12], k[13], k[14]};
-  const mjtNum c[9] = {k[15], k[16], k[17], k[16], k[18], k[19], k[17], k[19], k[20]};
-  mjtNum DA[9], DB[9], Bt[9], DBt[9];
-  turn_both(out->A, R, a);
+  const mjtNum a[6] = {k[0], k[1], k[2], k[6], k[7], k[11]};
+  const mjtNum b[9] = {scale*k[3], scale*k[4], scale*k[5], scale*k[8], scale*k[9], scale*k[10],
+                       scale*k[12], scale*k[13], scale*k[14]};
+  mjtNum DA[9], DB[9], DBt[9];
+  turn_symmetric(out->A, R, a, scale);
   turn_both(out->B, R, b);
-  turn_both(out->C, R, c);
+  turn_symmetric(out->C, R, k + 15, scale);
   /* With D = [d]: B <- B - A D, C <- C - B' D + D (B - A D); A D = -(D A)' and B' D = -(D B)'. */
   columns_cross(DA, d, out->A);
   columns_cross(DB, d, out->B);
   for (int i = 0; i < 3; i++)
-    for (int j = 0; j < 3; j++) Bt[3*i+j] = out->B[3*i+j] + DA[3*j+i];
-  columns_cross(DBt, d, Bt);
+    for (int j = 0; j < 3; j++) out->B[3*i+j] += DA[3*j+i];
+  columns_cross(DBt, d, out->B);
   for (int i = 0; i < 3; i++)
     for (int j = 0; j < 3; j++) out->C[3*i+j] += DB[3*j+i] + DBt[3*i+j];
-  for (int i = 0; i < 9; i++) {
-    out->A[i] *= scale;
-    out->B[i] = scale * Bt[i];
-    out->C[i] *= scale;
-  }
 }
 
 /* Momentum (angular first) of an inertia that moves as `motion` (angular first). */
