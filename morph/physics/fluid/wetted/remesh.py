@@ -20,8 +20,11 @@ LONGER = 1.12
 CHANGED = 0.1
 """Part of the volume that remeshing may take or give before the mesh stays as it was."""
 
-COARSER = 3
-"""Times the faces asked for, to which a finer mesh is first simplified as a whole."""
+COARSER, ENOUGH = 3, 3840
+"""Times the faces asked for, and the least, to which a finer mesh is first simplified."""
+
+FINER = (1.0, 1.6, 2.5)
+"""Times the faces asked for that are tried in turn, as thin parts need smaller ones."""
 
 
 def even(mesh: Mesh, panels: int) -> Mesh:
@@ -33,23 +36,29 @@ def even(mesh: Mesh, panels: int) -> Mesh:
     move onto other corners, and creases stay. Of a mesh that does not survive
     this as a solid the long edges are split, and that is all.
     """
-    found = _simplified(mesh, COARSER * panels)
-    vertices, faces = found.vertices, found.faces
-    aim = LONGER * edge_for(found, panels)
+    found = _simplified(mesh, max(COARSER * panels, ENOUGH))
+    for finer in FINER:
+        result = _remeshed(found, round(finer * panels))
+        if abs(result.volume / mesh.volume - 1.0) <= CHANGED and sound(result):
+            grown = (mesh.volume / result.volume) ** (1.0 / 3.0)
+            moved = mesh.com + grown * (result.vertices - result.com)
+            return Mesh(vertices=moved, faces=result.faces)
+    # Halving edges moves nothing.
+    longest = 4.0 / 3.0 * edge_for(mesh, panels)
+    vertices, faces = _split(mesh.vertices, mesh.faces, longest)
+    return Mesh(vertices=vertices, faces=faces)
+
+
+def _remeshed(mesh: Mesh, panels: int) -> Mesh:
+    vertices, faces = mesh.vertices, mesh.faces
+    aim = LONGER * edge_for(mesh, panels)
     for turn in range(MOST_ROUNDS):
         if turn >= ROUNDS and len(faces) < 1.25 * panels:
             break
         vertices, faces = _split(vertices, faces, 4.0 / 3.0 * aim)
         vertices, faces = collapsed(vertices, faces, 4.0 / 5.0 * aim, 4.0 / 3.0 * aim)
         faces = _flipped(vertices, faces)
-    result = Mesh(vertices=vertices, faces=faces)
-    changed = abs(result.volume / mesh.volume - 1.0)
-    if changed > CHANGED or not sound(result):
-        # Halving edges moves nothing.
-        vertices, faces = _split(mesh.vertices, mesh.faces, 4.0 / 3.0 * aim)
-        return Mesh(vertices=vertices, faces=faces)
-    grown = (mesh.volume / result.volume) ** (1.0 / 3.0)
-    return Mesh(vertices=mesh.com + grown * (result.vertices - result.com), faces=faces)
+    return Mesh(vertices=vertices, faces=faces)
 
 
 def edge_for(mesh: Mesh, panels: int) -> float:
