@@ -14,6 +14,7 @@ from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis
 from morph.physics import EFFECTS
 from morph.physics.body_motion import BodyMotion, body_motions
+from morph.physics.fluid.kernel import flowing
 from morph.physics.motion import Motion
 from morph.sim.drive import received, unsensed
 from morph.sim.rollout import Variant
@@ -148,18 +149,19 @@ def _forces(
         mujoco.mj_fwdActuation(model, data)
         return np.asarray(data.qfrc_inverse - data.qfrc_actuator)
 
-    for k in range(samples):
-        data.qpos[:], data.qvel[:], data.qacc[:] = position[k], velocity[k], acceleration[k]
-        data.ctrl[:] = command[k]
-        need[k] = inverse()
-        moment = _moments(model)
-        drive[k] = moment * data.actuator_force[:, None]
-        gain = model.actuator_gainprm[:, 0]
-        drive_rate[k] = moment * (gain * rate[k])[:, None]
-        for dof in range(dofs):
-            data.qpos[dof] += 1e-5
-            stiff[k, :, dof] = (inverse() - need[k]) / 1e-5
-            data.qpos[dof] -= 1e-5
+    with flowing(model):
+        for k in range(samples):
+            data.qpos[:], data.qvel[:], data.qacc[:] = position[k], velocity[k], acceleration[k]
+            data.ctrl[:] = command[k]
+            need[k] = inverse()
+            moment = _moments(model)
+            drive[k] = moment * data.actuator_force[:, None]
+            gain = model.actuator_gainprm[:, 0]
+            drive_rate[k] = moment * (gain * rate[k])[:, None]
+            for dof in range(dofs):
+                data.qpos[dof] += 1e-5
+                stiff[k, :, dof] = (inverse() - need[k]) / 1e-5
+                data.qpos[dof] -= 1e-5
     model.opt.disableflags = flags
     joints = {joint.name: model.joint(joint.name).dofadr[0] for joint in hypothesis.robot.joints}
     # Friction loss is a constraint, left out of the inverse dynamics above.

@@ -11,6 +11,7 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.body.robot import Robot
+from morph.physics.fluid.kernel import flowing
 from morph.record.quantities import WXYZ, XYZ
 from morph.record.recording import Channel
 
@@ -93,8 +94,9 @@ def _readings(model: Any, times: Array, position: Array, velocity: Array) -> Arr
     acceleration = np.diff(velocity, axis=0) / np.diff(times)[:, None]
     acceleration = np.concatenate([acceleration, acceleration[-1:]])
     found = np.empty((len(times), model.nsensordata))
-    for at in range(len(times)):
-        data.qpos, data.qvel, data.qacc = position[at], velocity[at], acceleration[at]
-        mujoco.mj_inverse(model, data)
-        found[at] = data.sensordata
+    with flowing(model):
+        for at in range(len(times)):
+            data.qpos, data.qvel, data.qacc = position[at], velocity[at], acceleration[at]
+            mujoco.mj_inverse(model, data)
+            found[at] = data.sensordata
     return found

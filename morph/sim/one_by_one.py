@@ -10,6 +10,7 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.errors import SimulationFailed
+from morph.physics.fluid.kernel import flowing
 
 BAD = (
     mujoco.mjtWarning.mjWARN_BADQPOS,
@@ -45,10 +46,11 @@ def one_by_one(
         data = mujoco.MjData(model)
         data.qpos[:], data.qvel[:] = position[row], velocity[row]
         q[row, 0], v[row, 0] = position[row], velocity[row]
-        for step in range(steps):
-            data.ctrl[:] = command[row, step]
-            mujoco.mj_step(model, data)
-            q[row, step + 1], v[row, step + 1] = data.qpos, data.qvel
+        with flowing(model):
+            for step in range(steps):
+                data.ctrl[:] = command[row, step]
+                mujoco.mj_step(model, data)
+                q[row, step + 1], v[row, step + 1] = data.qpos, data.qvel
         if any(data.warning[kind.value].number for kind in BAD):
             raise SimulationFailed(
                 "the simulation became unstable",

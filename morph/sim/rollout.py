@@ -80,7 +80,7 @@ def rollout(
         SimulationFailed: MuJoCo refused to step, or with `strict` a row became unstable.
     """
     rows, steps = command.shape[:2]
-    if not batches(variants[0].model):
+    if not all(batches(variant.model) for variant in variants):
         return _without_kernel(variants, which, position, velocity, command)
     batch = Batch(variants[0].model, rows, 2 if rows > 1 else 1)
     if len(variants) == 1:

@@ -9,7 +9,8 @@ import platform
 import subprocess
 import tempfile
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -33,8 +34,7 @@ BOUND = ("mj_factorM", "mj_stackAllocNum", "mj_markStack", "mj_freeStack")
 def install() -> bool:
     """Let MuJoCo call the fluid in every simulation of this process; models stay dry that are.
 
-    Without a compiled kernel the numpy version is installed, a hundred times slower, and a
-    warning says why.
+    Without a compiled kernel a warning says why, and `flowing` lends the numpy version.
 
     Returns:
         Whether the compiled kernel is installed, as `mujoco.batch` needs.
@@ -43,17 +43,41 @@ def install() -> bool:
         KernelError: Somebody else's function stands in `mjcb_passive`.
     """
     kernel = _kernel()
-    ours = reference.passive if kernel is None else kernel
+    if kernel is not None:
+        _put(kernel)
+    return kernel is not None
+
+
+@contextmanager
+def flowing(model: mujoco.MjModel) -> Iterator[None]:
+    """Let MuJoCo call the fluid of a model, at least as long as this lasts.
+
+    A function in Python, as the numpy version is, cannot stay: while one is installed MuJoCo
+    compiles no model and runs no batch, not even of dry ones.
+
+    Raises:
+        KernelError: Somebody else's function stands in `mjcb_passive`.
+    """
+    lent = len(reference.wet_bodies(model)) > 0 and not install()
+    if lent:
+        _put(reference.passive)
+    try:
+        yield
+    finally:
+        if lent:
+            mujoco.set_mjcb_passive(None)
+
+
+def _put(fluid: Any) -> None:
     held = mujoco.get_mjcb_passive()
-    if held is not None and held is not ours:
+    if held is not None and held is not fluid:
         raise KernelError(
             "another function is installed as mjcb_passive, where the fluid belongs",
             where="MuJoCo",
             fix="remove it by mujoco.set_mjcb_passive(None), or make an effect of it",
         )
     if held is None:
-        mujoco.set_mjcb_passive(ours)
-    return kernel is not None
+        mujoco.set_mjcb_passive(fluid)
 
 
 @functools.lru_cache(maxsize=1)

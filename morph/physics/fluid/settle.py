@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 
 from morph.arrays import Array
-from morph.physics.fluid.kernel import install
+from morph.physics.fluid.kernel import flowing, install
 from morph.physics.fluid.reference import wet_bodies
 
 
@@ -18,8 +18,8 @@ def settle(model: mujoco.MjModel) -> mujoco.MjModel:
     After `mj_setConst` or a change of `body_user` call this again.
     """
     if len(wet_bodies(model)):
-        install()
-        _write_inverse_weights(model)
+        with flowing(model):
+            _write_inverse_weights(model)
     return model
 
 

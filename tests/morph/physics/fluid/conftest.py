@@ -84,7 +84,7 @@ def tree(
     return spec
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture
 def grown() -> Callable[..., Any]:
     """What makes random wet trees; the fluid is installed."""
     install()
