@@ -1,0 +1,130 @@
+"""The fluid in figures: how exact its tensors are, what it keeps, and what it costs.
+
+Every speed is a ratio of times that were measured by turns in this run, the median of its
+repeats; seconds are of the processor, on one core.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+from threadpoolctl import threadpool_limits
+
+from experiments.wet.drift import drift
+from experiments.wet.growth import drawn, straightness
+from experiments.wet.speed import cores, cost, growth
+from experiments.wet.tensors import SHAPES, accuracy
+from morph.arrays import JSON
+from morph.errors import MorphError
+from morph.files import write_whole
+
+EXAMPLE = """example:
+  python -m experiments.bench_fluid --plot out/fluid.html
+  python -m experiments.bench_fluid --quick --json"""
+
+BODIES = ("hexapod_swimmer", "humanoid")
+TREES = (1, 2, 5, 10, 20, 30)
+"""Links of the random trees."""
+CHAIN = (1, 2, 4, 8, 12, 16, 24, 32, 45, 60)
+"""Links of the chains whose cost is drawn."""
+
+
+def measured(*, quick: bool, seeds: Sequence[int]) -> JSON:
+    """Return every figure; `quick` repeats less and only shows that all of it runs."""
+    repeats, steps = (3, 100) if quick else (9, 2000)
+    shapes = SHAPES[:1] if quick else SHAPES
+    trees = (2, 5) if quick else TREES
+    chain = CHAIN[:3] if quick else CHAIN
+    with threadpool_limits(1):
+        tensors = [asdict(accuracy(radii)) for radii in shapes]
+        drifts = {
+            kind: {n: [drift(n, seed, wet=wet) for seed in seeds] for n in trees}
+            for kind, wet in (("wet", True), ("dry", False))
+        }
+        costs = [asdict(cost(name, repeats=repeats, steps=steps)) for name in BODIES]
+        dry, wet = growth(chain, repeats=repeats, steps=max(steps // 10, 20))
+        both = cores(BODIES[0], rows=64, repeats=repeats, steps=max(steps // 10, 20))
+    return {
+        "schema": "morph.bench_fluid/1",
+        "quick": quick,
+        "seeds": list(seeds),
+        "tensors": tensors,
+        "energy_drift": drifts,
+        "costs": costs,
+        "two_cores_by_one": both,
+        "chain": {"bodies": list(chain), "dry_s": dry.tolist(), "wet_s": wet.tolist()},
+        "chain_straightness": straightness(chain, wet),
+    }
+
+
+def report(found: JSON) -> None:
+    """Print the figures as tables."""
+    console = Console()
+    table = Table(title="Lamb's ellipsoids, relative error of the worst entry")
+    for title in ("semi-axes, m", "linear", "rotational", "extrapolated", "rotational", "s"):
+        table.add_column(title, justify="right")
+    for row in found["tensors"]:
+        names = ("linear", "rotational", "linear_extrapolated", "rotational_extrapolated")
+        errors = [f"{row[name]:.3%}" for name in names]
+        table.add_row(" ".join(map(str, row["radii"])), *errors, f"{row['seconds']:.2f}")
+    console.print(table)
+    for kind, of in found["energy_drift"].items():
+        every = np.array(list(of.values())).ravel()
+        print(
+            f"energy drift, {kind} trees of {min(of)} to {max(of)} links, RK4, 5 s at 5 ms: median "
+            f"{np.median(every):.1e}, worst {every.max():.1e}, below 1e-6 in "
+            f"{(every < 1e-6).sum()} of {len(every)}"
+        )
+    for row in found["costs"]:
+        print(
+            f"{row['name']} ({row['freedoms']} degrees of freedom): {row['over_dry']:.2f} times "
+            f"the time of dry MuJoCo; MuJoCo's ellipsoid fluid takes {row['of_ellipsoid']:.1f} "
+            f"times as long; {row['real_time']:.0f} times real time on a core at 5 ms"
+        )
+    print(f"two cores step {found['two_cores_by_one']:.2f} times as much as one")
+    print(
+        f"time by bodies, 1 to {found['chain']['bodies'][-1]}: straight to "
+        f"{found['chain_straightness']:.1%} of its range"
+    )
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run the benchmark and return its exit status."""
+    parser = argparse.ArgumentParser(
+        prog="python -m experiments.bench_fluid",
+        description=__doc__,
+        epilog=EXAMPLE,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--quick", action="store_true", help="few repeats: does it work at all")
+    parser.add_argument("--seed", type=int, default=0, help="first of five seeds of the trees")
+    parser.add_argument("--plot", metavar="FILE.html", help="draw the cost by number of bodies")
+    parser.add_argument("--json", action="store_true", help="print JSON instead of words")
+    asked = parser.parse_args(arguments)
+    try:
+        seeds = range(asked.seed, asked.seed + (2 if asked.quick else 5))
+        found = measured(quick=asked.quick, seeds=seeds)
+        if asked.plot:
+            write_whole(Path(asked.plot), drawn(found["chain"]))
+    except MorphError as error:
+        print(error, file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        return 130
+    if asked.json:
+        print(json.dumps(found, indent=1))
+    else:
+        report(found)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
