@@ -7,6 +7,7 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.physics.fluid.kernel import flowing, install
+from morph.physics.fluid.options import put_right
 from morph.physics.fluid.reference import wet_bodies
 
 
@@ -16,8 +17,12 @@ def settle(model: mujoco.MjModel) -> mujoco.MjModel:
     MuJoCo sizes the softness of contacts and limits by each part's inverse inertia at `qpos0`,
     which it computes without callbacks: in water contacts would be up to ten times too soft.
     After `mj_setConst` or a change of `body_user` call this again.
+
+    Raises:
+        EffectError: The description asks MuJoCo for what would leave the fluid out.
     """
     if len(wet_bodies(model)):
+        put_right(model)
         with flowing(model):
             _write_inverse_weights(model)
     return model

@@ -15,6 +15,7 @@ from morph.body.load import load
 from morph.body.robot import Robot
 from morph.physics.fluid import numbers as at
 from morph.physics.fluid.kernel import install
+from morph.physics.fluid.settle import settle
 
 HINGE, SLIDE, BALL, FREE = (
     mujoco.mjtJoint.mjJNT_HINGE,
@@ -120,6 +121,44 @@ def inertia(model: Any, data: Any) -> Array:
 def dense() -> Callable[..., Array]:
     """What writes the inertia of a model's data as a matrix."""
     return inertia
+
+
+def spatial(model: Any, body: int) -> Array:
+    """Return the rigid inertia of a body about its origin, in its axes, linear first, (6, 6)."""
+    turned = np.zeros(9)
+    mujoco.mju_quat2Mat(turned, model.body_iquat[body])
+    axes, mass = turned.reshape(3, 3), model.body_mass[body]
+    lever = np.cross(np.eye(3), model.body_ipos[body])  # lever @ v = com x v
+    whole = np.zeros((6, 6))
+    whole[:3, :3], whole[3:, :3], whole[:3, 3:] = mass * np.eye(3), mass * lever, mass * lever.T
+    whole[3:, 3:] = axes @ np.diag(model.body_inertia[body]) @ axes.T + mass * lever @ lever.T
+    return whole
+
+
+def twins(spec: Any) -> tuple[Any, Any]:
+    """Return a tree in water that weighs nothing but 3 times its inertia, and one 4 times as heavy.
+
+    The second has a fourth of the gravity, so that both move alike.
+    """
+    dry = spec.compile()
+    for body in range(1, dry.nbody):
+        found = np.zeros(at.WIDTH)
+        found[at.MARK], found[at.SCALE] = at.SIGNATURE, 1.0
+        found[at.ADDED] = 3.0 * spatial(dry, body)[np.triu_indices(6)]
+        at.write_numbers(spec, dry.body(body).name, list(found))
+    wet = settle(spec.compile())
+    dry.body_user[:] = 0.0
+    dry.body_mass[:] *= 4.0
+    dry.body_inertia[:] *= 4.0
+    dry.opt.gravity[:] /= 4.0
+    mujoco.mj_setConst(dry, mujoco.MjData(dry))
+    return wet, dry
+
+
+@pytest.fixture
+def alike() -> Callable[[Any], tuple[Any, Any]]:
+    """What makes a wet model, and a dry one that moves like it."""
+    return twins
 
 
 @pytest.fixture

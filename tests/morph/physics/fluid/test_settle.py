@@ -9,6 +9,7 @@ import mujoco
 import numpy as np
 import pytest
 
+from morph.errors import EffectError
 from morph.physics.fluid import numbers as at
 from morph.physics.fluid.settle import batches, settle
 
@@ -30,20 +31,6 @@ def strung(spec: Any) -> Any:
     return spec
 
 
-def spatial(model: Any, body: int) -> Any:
-    """Return the rigid inertia of a body about its origin, in its axes, linear first, (6, 6)."""
-    turned = np.zeros(9)
-    mujoco.mju_quat2Mat(turned, model.body_iquat[body])
-    axes, mass = turned.reshape(3, 3), model.body_mass[body]
-    lever = np.cross(np.eye(3), model.body_ipos[body])  # lever @ v = com x v
-    whole = np.zeros((6, 6))
-    whole[:3, :3] = mass * np.eye(3)
-    whole[3:, :3] = mass * lever
-    whole[:3, 3:] = mass * lever.T
-    whole[3:, 3:] = axes @ np.diag(model.body_inertia[body]) @ axes.T + mass * lever @ lever.T
-    return whole
-
-
 @pytest.mark.parametrize(("bodies", "seed"), [(4, 1), (9, 2), (20, 3)])
 @pytest.mark.parametrize("scale", [0.0, 1e-300])
 def test_without_water_the_weights_are_mujocos_own(
@@ -62,20 +49,10 @@ def test_without_water_the_weights_are_mujocos_own(
 
 
 @pytest.mark.parametrize(("bodies", "seed"), [(4, 1), (9, 2), (20, 3)])
-def test_wet_weights_are_those_of_heavier_dry_bodies(grown: Make, bodies: int, seed: int) -> None:
-    # Water whose tensor is 3 times a body's own inertia makes that body 4 times as heavy.
-    spec = strung(grown(bodies, seed))
-    dry = spec.compile()
-    for body in range(1, dry.nbody):
-        numbers = np.zeros(at.WIDTH)
-        numbers[at.MARK], numbers[at.SCALE] = at.SIGNATURE, 1.0
-        numbers[at.ADDED] = 3.0 * spatial(dry, body)[np.triu_indices(6)]
-        at.write_numbers(spec, dry.body(body).name, numbers.tolist())
-    wet = settle(spec.compile())
-    dry.body_user[:] = 0.0
-    dry.body_mass[:] *= 4.0
-    dry.body_inertia[:] *= 4.0
-    mujoco.mj_setConst(dry, mujoco.MjData(dry))
+def test_wet_weights_are_those_of_heavier_dry_bodies(
+    grown: Make, alike: Make, bodies: int, seed: int
+) -> None:
+    wet, dry = alike(strung(grown(bodies, seed)))
     for name in WEIGHTS:
         assert getattr(wet, name) == pytest.approx(getattr(dry, name), rel=1e-11)
 
@@ -92,6 +69,46 @@ def test_settling_twice_is_settling_once(grown: Make) -> None:
     model = settle(grown(9, 2).compile())
     before = model.body_invweight0.copy()
     assert np.array_equal(settle(model).body_invweight0, before)
+
+
+def test_ways_of_solving_that_know_no_fluid_are_replaced(grown: Make) -> None:
+    spec = grown(3, 0)
+    spec.option.solver = mujoco.mjtSolver.mjSOL_PGS
+    flags = mujoco.mjtEnableBit
+    spec.option.enableflags |= int(flags.mjENBL_DIAGEXACT | flags.mjENBL_ENERGY)
+    model = settle(spec.compile())
+    assert model.opt.solver == mujoco.mjtSolver.mjSOL_NEWTON
+    assert model.opt.enableflags == flags.mjENBL_ENERGY
+    spec.option.solver = mujoco.mjtSolver.mjSOL_CG
+    assert settle(spec.compile()).opt.solver == mujoco.mjtSolver.mjSOL_CG
+
+
+def test_a_tree_that_may_sleep_does_not_grow_heavier(grown: Make) -> None:
+    spec = grown(6, 1, ideal=True, roots=2)
+    spec.option.gravity = (0.0, 0.0, 0.0)
+    spec.option.enableflags |= int(mujoco.mjtEnableBit.mjENBL_SLEEP)
+    model = settle(spec.compile())
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    inertia = data.M.copy()
+    mujoco.mj_step(model, data, 100)
+    # At rest nothing turns but by rounding.
+    assert pytest.approx(inertia, abs=1e-12) == data.M
+
+
+def test_noslip_in_water_is_refused(grown: Make) -> None:
+    spec = grown(3, 0)
+    spec.option.noslip_iterations = 3
+    with pytest.raises(EffectError, match="noslip_iterations is 3, and noslip knows no fluid"):
+        settle(spec.compile())
+
+
+def test_water_without_passive_forces_is_refused(grown: Make) -> None:
+    spec = grown(3, 0)
+    flags = mujoco.mjtDisableBit
+    spec.option.disableflags |= int(flags.mjDSBL_SPRING | flags.mjDSBL_DAMPER)
+    with pytest.raises(EffectError, match="springs and dampers are both disabled"):
+        settle(spec.compile())
 
 
 def test_the_compiled_fluid_runs_in_batches(grown: Make) -> None:
