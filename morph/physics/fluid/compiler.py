@@ -1,12 +1,14 @@
-"""The C compilers of this machine, best first."""
+"""The C compilers of this machine, best first, and what its processor can do."""
 
 from __future__ import annotations
 
 import importlib.util
 import os
+import platform
 import shlex
 import shutil
 import sys
+from pathlib import Path
 
 
 def compilers() -> tuple[tuple[str, ...], ...]:
@@ -18,3 +20,13 @@ def compilers() -> tuple[tuple[str, ...], ...]:
     if importlib.util.find_spec("ziglang") is not None:
         found.append((sys.executable, "-m", "ziglang", "cc"))
     return tuple(found)
+
+
+def processor() -> str:
+    """Return what tells one kind of processor from another."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text(errors="replace").splitlines()
+    except OSError:
+        return platform.processor()
+    # What it can do; the other lines hold speeds, which change by themselves.
+    return next((line for line in lines if line.startswith(("flags", "Features"))), "")

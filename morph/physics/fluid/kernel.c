@@ -34,8 +34,27 @@ void morph_fluid_bind(factor_function f, allocate_function a, mark_function m, m
 int morph_fluid_version(void) { return mjVERSION_HEADER; }
 int morph_fluid_width(void) { return WIDTH; }
 
-/* A symmetric 6x6 inertia: p = A v + B w, h = B' v + C w. */
-typedef struct { mjtNum A[9], B[9], C[9]; } Inertia;
+/* Three numbers at once: in one register where the processor has one for four, else one by one. */
+#ifdef __AVX__
+typedef mjtNum Row __attribute__((vector_size(4 * sizeof(mjtNum)), aligned(sizeof(mjtNum))));
+static inline Row row(mjtNum x, mjtNum y, mjtNum z) { return (Row){x, y, z, 0}; }
+static inline Row scaled(mjtNum s, Row a) { return s * a; }
+static inline Row sum(Row a, Row b) { return a + b; }
+#define ENTRY(a, i) ((a)[i])
+#else
+typedef struct { mjtNum x[3]; } Row;
+static inline Row row(mjtNum x, mjtNum y, mjtNum z) { return (Row){{x, y, z}}; }
+static inline Row scaled(mjtNum s, Row a) { return row(s * a.x[0], s * a.x[1], s * a.x[2]); }
+static inline Row sum(Row a, Row b) { return row(a.x[0] + b.x[0], a.x[1] + b.x[1], a.x[2] + b.x[2]); }
+#define ENTRY(a, i) ((a).x[i])
+#endif
+
+static inline Row mixed(mjtNum r, Row a, mjtNum s, Row b, mjtNum t, Row c) { /* r a + s b + t c */
+  return sum(sum(scaled(r, a), scaled(s, b)), scaled(t, c));
+}
+
+/* A symmetric 6x6 inertia by rows: p = A v + B w, h = B' v + C w; T is B'. */
+typedef struct { Row A[3], B[3], T[3], C[3]; } Inertia;
 
 static void cross(mjtNum* out, const mjtNum* a, const mjtNum* b) {
   out[0] = a[1] * b[2] - a[2] * b[1];
@@ -57,64 +76,64 @@ static void turn_back(mjtNum* out, const mjtNum* R, const mjtNum* x) { /* R' x *
   for (int i = 0; i < 3; i++) out[i] = R[i] * x[0] + R[3+i] * x[1] + R[6+i] * x[2];
 }
 
-static void turn_both(mjtNum* out, const mjtNum* R, const mjtNum* X) { /* R X R' */
-  mjtNum RX[9];
-  for (int i = 0; i < 3; i++)
-    for (int j = 0; j < 3; j++)
-      RX[3*i+j] = R[3*i] * X[j] + R[3*i+1] * X[3+j] + R[3*i+2] * X[6+j];
-  for (int i = 0; i < 3; i++)
-    for (int j = 0; j < 3; j++)
-      out[3*i+j] = RX[3*i] * R[3*j] + RX[3*i+1] * R[3*j+1] + RX[3*i+2] * R[3*j+2];
-}
-
-static void turn_symmetric(mjtNum* out, const mjtNum* R, const mjtNum* x, mjtNum s) {
-  /* s R X R', X the upper triangle at x */
-  const mjtNum X[9] = {s*x[0], s*x[1], s*x[2], s*x[1], s*x[3], s*x[4], s*x[2], s*x[4], s*x[5]};
-  mjtNum RX[9];
-  for (int i = 0; i < 3; i++)
-    for (int j = 0; j < 3; j++)
-      RX[3*i+j] = R[3*i] * X[j] + R[3*i+1] * X[3+j] + R[3*i+2] * X[6+j];
-  for (int i = 0; i < 3; i++)
-    for (int j = i; j < 3; j++)
-      out[3*i+j] = out[3*j+i] = RX[3*i] * R[3*j] + RX[3*i+1] * R[3*j+1] + RX[3*i+2] * R[3*j+2];
-}
-
-static void columns_cross(mjtNum* out, const mjtNum* d, const mjtNum* X) { /* [d] X */
-  for (int j = 0; j < 3; j++) {
-    out[j] = d[1] * X[6+j] - d[2] * X[3+j];
-    out[3+j] = d[2] * X[j] - d[0] * X[6+j];
-    out[6+j] = d[0] * X[3+j] - d[1] * X[j];
+static void turn_both(Row* out, const mjtNum* R, const Row* X) { /* R X R' */
+  const Row x = row(R[0], R[3], R[6]), y = row(R[1], R[4], R[7]), z = row(R[2], R[5], R[8]);
+  for (int i = 0; i < 3; i++) {
+    Row t = mixed(R[3*i], X[0], R[3*i+1], X[1], R[3*i+2], X[2]);
+    out[i] = mixed(ENTRY(t, 0), x, ENTRY(t, 1), y, ENTRY(t, 2), z);
   }
+}
+
+static void transposed(Row* out, const Row* X) {
+  for (int i = 0; i < 3; i++) out[i] = row(ENTRY(X[0], i), ENTRY(X[1], i), ENTRY(X[2], i));
+}
+
+static void columns_cross(Row* out, const mjtNum* d, const Row* X) { /* [d] X */
+  out[0] = sum(scaled(d[1], X[2]), scaled(-d[2], X[1]));
+  out[1] = sum(scaled(d[2], X[0]), scaled(-d[0], X[2]));
+  out[2] = sum(scaled(d[0], X[1]), scaled(-d[1], X[0]));
+}
+
+static void add(Row* out, const Row* X) {
+  for (int i = 0; i < 3; i++) out[i] = sum(out[i], X[i]);
 }
 
 /* The 21 upper entries of K in body axes become an inertia in world axes about the point at -d. */
 static void placed(Inertia* out, const mjtNum* k, mjtNum scale, const mjtNum* R, const mjtNum* d) {
-  const mjtNum a[6] = {k[0], k[1], k[2], k[6], k[7], k[11]};
-  const mjtNum b[9] = {scale*k[3], scale*k[4], scale*k[5], scale*k[8], scale*k[9], scale*k[10],
-                       scale*k[12], scale*k[13], scale*k[14]};
-  mjtNum DA[9], DB[9], DBt[9];
-  turn_symmetric(out->A, R, a, scale);
-  turn_both(out->B, R, b);
-  turn_symmetric(out->C, R, k + 15, scale);
+  const Row a[3] = {row(k[0], k[1], k[2]), row(k[1], k[6], k[7]), row(k[2], k[7], k[11])};
+  const Row t[3] = {row(k[3], k[8], k[12]), row(k[4], k[9], k[13]), row(k[5], k[10], k[14])};
+  const Row c[3] = {row(k[15], k[16], k[17]), row(k[16], k[18], k[19]), row(k[17], k[19], k[20])};
+  Row DA[3], DB[3], DBt[3];
+  turn_both(out->A, R, a);
+  turn_both(out->T, R, t);
+  turn_both(out->C, R, c);
   /* With D = [d]: B <- B - A D, C <- C - B' D + D (B - A D); A D = -(D A)' and B' D = -(D B)'. */
   columns_cross(DA, d, out->A);
+  transposed(out->B, out->T);
   columns_cross(DB, d, out->B);
-  for (int i = 0; i < 3; i++)
-    for (int j = 0; j < 3; j++) out->B[3*i+j] += DA[3*j+i];
-  columns_cross(DBt, d, out->B);
-  for (int i = 0; i < 3; i++)
-    for (int j = 0; j < 3; j++) out->C[3*i+j] += DB[3*j+i] + DBt[3*i+j];
+  transposed(DBt, DB);
+  add(out->T, DA);
+  transposed(out->B, out->T);
+  columns_cross(DB, d, out->B);
+  add(out->C, DBt);
+  add(out->C, DB);
+  if (scale == 1) return;
+  for (int i = 0; i < 3; i++) {
+    out->A[i] = scaled(scale, out->A[i]);
+    out->B[i] = scaled(scale, out->B[i]);
+    out->T[i] = scaled(scale, out->T[i]);
+    out->C[i] = scaled(scale, out->C[i]);
+  }
 }
 
 /* Momentum (angular first) of an inertia that moves as `motion` (angular first). */
 static void momentum(mjtNum* out, const Inertia* K, const mjtNum* motion) {
   const mjtNum *w = motion, *v = motion + 3;
-  for (int i = 0; i < 3; i++) {
-    out[i] = K->B[i] * v[0] + K->B[3+i] * v[1] + K->B[6+i] * v[2]
-           + K->C[3*i] * w[0] + K->C[3*i+1] * w[1] + K->C[3*i+2] * w[2];
-    out[3+i] = K->A[3*i] * v[0] + K->A[3*i+1] * v[1] + K->A[3*i+2] * v[2]
-             + K->B[3*i] * w[0] + K->B[3*i+1] * w[1] + K->B[3*i+2] * w[2];
-  }
+  Row h = sum(mixed(v[0], K->B[0], v[1], K->B[1], v[2], K->B[2]),
+              mixed(w[0], K->C[0], w[1], K->C[1], w[2], K->C[2]));
+  Row p = sum(mixed(v[0], K->A[0], v[1], K->A[1], v[2], K->A[2]),
+              mixed(w[0], K->T[0], w[1], K->T[1], w[2], K->T[2]));
+  for (int i = 0; i < 3; i++) { out[i] = ENTRY(h, i); out[3+i] = ENTRY(p, i); }
 }
 
 /* Minus the rate of momentum that the fluid has without joint acceleration. */
@@ -178,17 +197,22 @@ static void thrust(mjtNum* force, const mjtNum* u, const mjtNum* R, const mjtNum
   push(force, at, f);
 }
 
+static mjtNum along(const mjtNum* axis, const mjtNum* f) {
+  mjtNum turning = axis[0]*f[0] + axis[1]*f[1] + axis[2]*f[2];
+  return turning + (axis[3]*f[3] + axis[4]*f[4] + axis[5]*f[5]);
+}
+
 static void add_inertia(const mjModel* m, mjData* d, Inertia* K, mjtNum* wet) {
   for (int b = m->nbody - 1; b > 0; b--) {
     int up = m->body_parentid[b];
     if (wet[b] == 0 || up == 0) continue;
     if (wet[up] == 0) K[up] = K[b];
-    else
-      for (int i = 0; i < 9; i++) {
-        K[up].A[i] += K[b].A[i];
-        K[up].B[i] += K[b].B[i];
-        K[up].C[i] += K[b].C[i];
-      }
+    else {
+      add(K[up].A, K[b].A);
+      add(K[up].B, K[b].B);
+      add(K[up].T, K[b].T);
+      add(K[up].C, K[b].C);
+    }
     wet[up] = 1;
   }
   for (int i = 0; i < m->nv; i++) {
@@ -196,10 +220,10 @@ static void add_inertia(const mjModel* m, mjData* d, Inertia* K, mjtNum* wet) {
     if (wet[b] == 0) continue;
     mjtNum p[6];
     momentum(p, K + b, d->cdof + 6*i);
-    int row = m->M_rowadr[i];
+    int first = m->M_rowadr[i];
     for (int k = 0; k < m->M_rownnz[i]; k++) {
-      const mjtNum* axis = d->cdof + 6*m->M_colind[row+k];
-      d->M[row+k] += axis[0]*p[0] + axis[1]*p[1] + axis[2]*p[2] + axis[3]*p[3] + axis[4]*p[4] + axis[5]*p[5];
+      const mjtNum* axis = d->cdof + 6*m->M_colind[first+k];
+      d->M[first+k] += along(axis, p);
     }
   }
   d->crb[0] = WETTED;
@@ -220,9 +244,9 @@ void morph_fluid(const mjModel* m, mjData* d) {
   if (!any_wet(m)) return;
   mark(d);
   size_t n = m->nbody;
-  mjtNum* memory = allocate(d, n * (27 + 6 + 6 + 1));
+  mjtNum* memory = allocate(d, n * (48 + 6 + 6 + 1));
   Inertia* K = (Inertia*)memory;
-  mjtNum *rate = memory + 27*n, *force = rate + 6*n, *wet = force + 6*n;
+  mjtNum *rate = memory + 48*n, *force = rate + 6*n, *wet = force + 6*n;
   const mjtNum* gravity = (m->opt.disableflags & mjDSBL_GRAVITY) ? still : m->opt.gravity;
 
   for (int i = 0; i < 6; i++) rate[i] = 0;
@@ -257,7 +281,7 @@ void morph_fluid(const mjModel* m, mjData* d) {
     const mjtNum* f = force + 6*b;
     for (int k = m->body_dofadr[b]; k < m->body_dofadr[b] + m->body_dofnum[b]; k++) {
       const mjtNum* axis = d->cdof + 6*k;
-      d->qfrc_passive[k] += axis[0]*f[0] + axis[1]*f[1] + axis[2]*f[2] + axis[3]*f[3] + axis[4]*f[4] + axis[5]*f[5];
+      d->qfrc_passive[k] += along(axis, f);
     }
     int up = m->body_parentid[b];
     if (up > 0)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import functools
+import itertools
 import os
 import platform
 import subprocess
@@ -20,11 +21,13 @@ from morph.body.pieces import cache_folder
 from morph.errors import KernelError
 from morph.files import sha256
 from morph.physics.fluid import reference
-from morph.physics.fluid.compiler import compilers
+from morph.physics.fluid.compiler import compilers, processor
 from morph.physics.fluid.numbers import WIDTH
 
 SOURCE = Path(__file__).with_name("kernel.c")
 FLAGS = ("-O3", "-fPIC", "-shared", "-std=c99")
+NATIVE = ("-march=native",)
+"""Lets the compiler use all that this processor has; left out where it does not know how."""
 NAMED = "MORPH_FLUID_KERNEL"
 """Environment variable: a library built elsewhere, or `numpy` to do without one."""
 BOUND = ("mj_factorM", "mj_stackAllocNum", "mj_markStack", "mj_freeStack")
@@ -124,14 +127,15 @@ def load(path: Path) -> Any:
 def build() -> Path:
     """Return the compiled kernel, built first where the cache does not hold it yet.
 
-    Its key is the content of the source and of MuJoCo's headers: a new MuJoCo builds a new one.
+    Its key is the content of the source and of MuJoCo's headers, and the processor: a new MuJoCo
+    builds a new one, and so does another machine that shares the cache.
 
     Raises:
         KernelError: There is no C compiler, or it fails, or the cache cannot be written.
     """
     headers = Path(mujoco.HEADERS_DIR).parent
     held = sorted(headers.glob("mujoco/*.h"))
-    key = sha256(SOURCE, *held, " ".join(FLAGS), platform.machine(), platform.system())
+    key = sha256(SOURCE, *held, " ".join(FLAGS), platform.platform(), processor())
     path = cache_folder() / "kernel" / f"fluid-{mujoco.mj_version()}-{key[:20]}.so"
     if not path.is_file():
         _compile(path, headers)
@@ -141,12 +145,13 @@ def build() -> Path:
 def _compile(path: Path, headers: Path) -> None:
     """Try each compiler in turn; the library appears whole or not at all."""
     tried = []
-    for compiler in compilers():
+    for compiler, extra in itertools.product(compilers(), (NATIVE, ())):
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             with tempfile.TemporaryDirectory(dir=path.parent) as folder:
                 made = Path(folder) / path.name
-                _run([*compiler, *FLAGS, f"-I{headers}", str(SOURCE), "-o", str(made), "-lm"])
+                flags = (*FLAGS, *extra, f"-I{headers}")
+                _run([*compiler, *flags, str(SOURCE), "-o", str(made), "-lm"])
                 os.replace(made, path)
         except (OSError, subprocess.SubprocessError) as error:
             tried.append(f"{' '.join(compiler)}: {str(error)[:200]}")
