@@ -64,6 +64,19 @@ def test_a_sphere_starts_against_half_the_water_that_it_displaces(
     assert channel.value == pytest.approx(due * channel.time, abs=1e-12)
 
 
+def test_an_accelerometer_inside_feels_the_start(written: Callable[[str], Robot]) -> None:
+    mass = 100.0 * VOLUME
+    robot = written(
+        '<worldbody><body name="ball"><freejoint/><site name="imu"/>'
+        f'<inertial pos="0 0 0" mass="{mass!r}" diaginertia="0.1 0.1 0.1"/></body></worldbody>'
+        '<sensor><accelerometer name="felt" site="imu"/></sensor>'
+    )
+    felt = Simulator(robot, water(), step=STEP).run(seconds=1.0)["imu.accelerometer.z"]
+    # (1000 - 100) g / (100 + 500) upward, and g besides, as every accelerometer reads: 2.5 g.
+    # Differences of speeds up to 15 m/s, over 5 ms: 15 * 2e-16 / 0.005.
+    assert felt == pytest.approx(np.full(len(felt), 2.5 * GRAVITY), abs=1e-11)
+
+
 @pytest.mark.parametrize("density", [100.0, 7800.0])
 def test_a_sphere_nears_its_last_speed_as_a_hyperbolic_tangent(
     written: Callable[[str], Robot], density: float
