@@ -1,6 +1,7 @@
 """Compare the robot you think you have with what your robot did.
 
-`load` gives a robot, `simulate` and `Simulator` let it move under effects,
+`load` gives a robot, `world` what a floor or water does to it, `load_policy` what
+commands it, `simulate` and `Simulator` let it move under effects,
 `load_recordings` (also `record.load`) reads what a real one did, `diagnose` says
 where the two part and what physics was left out, and `EFFECTS` lists the physics
 that it knows.
@@ -16,6 +17,8 @@ if TYPE_CHECKING:
     from morph.body.load import load as load
     from morph.model.diagnose import diagnose as diagnose
     from morph.physics import EFFECTS as EFFECTS
+    from morph.physics.worlds import world as world
+    from morph.policy.store import load_policy as load_policy
     from morph.record.load import load as load_recordings
     from morph.record.recording import Channel as Channel
     from morph.record.recording import Recording as Recording
@@ -32,9 +35,11 @@ __all__ = [
     "__version__",
     "diagnose",
     "load",
+    "load_policy",
     "load_recordings",
     "record",
     "simulate",
+    "world",
 ]
 
 # Looked up on first use, so that `import morph` stays as light as an import of nothing.
@@ -45,8 +50,10 @@ _HOMES = {
     "Simulator": ("morph.sim.simulator", "Simulator"),
     "diagnose": ("morph.model.diagnose", "diagnose"),
     "load": ("morph.body.load", "load"),
+    "load_policy": ("morph.policy.store", "load_policy"),
     "load_recordings": ("morph.record.load", "load"),
     "simulate": ("morph.sim.simulate", "simulate"),
+    "world": ("morph.physics.worlds", "world"),
 }
 
 

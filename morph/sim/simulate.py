@@ -9,7 +9,7 @@ from morph.body.load import load
 from morph.body.robot import Robot
 from morph.physics.effect import Effect
 from morph.record.recording import Recording
-from morph.sim.simulator import Command, Simulator
+from morph.sim.simulator import Command, Integrator, Simulator
 
 
 def simulate(
@@ -21,6 +21,7 @@ def simulate(
     speed: Mapping[str, float] | None = None,
     command: Mapping[str, Command] | None = None,
     step: float = 0.002,
+    integrator: Integrator = "implicitfast",
 ) -> Recording:
     """Return what a robot does under effects: positions, velocities and commands.
 
@@ -35,12 +36,13 @@ def simulate(
         command: What each actuator is told: a constant, a recorded channel, or a
             function of times; others zero.
         step: Seconds a step.
+        integrator: `implicitfast`, or `rk4` for a body that moves freely.
 
     Raises:
         RobotError: There is no such robot, or a name is not the robot's.
         SimulationFailed: An effect has no such part, or the simulation became unstable.
     """
     body = robot if isinstance(robot, Robot) else load(robot)
-    return Simulator(body, tuple(effects), step=step).run(
+    return Simulator(body, tuple(effects), step=step, integrator=integrator).run(
         seconds=seconds, start=start, speed=speed, command=command
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import mujoco
 import numpy as np
@@ -46,6 +46,18 @@ class Trajectory:
     """What each actuator was told that was told anything, shape (steps,)."""
 
 
+Integrator = Literal["implicitfast", "rk4"]
+"""How a simulation steps."""
+
+INTEGRATORS = {
+    "implicitfast": mujoco.mjtIntegrator.mjINT_IMPLICITFAST,
+    "rk4": mujoco.mjtIntegrator.mjINT_RK4,
+}
+
+MOST_SHOWN = 12
+"""Places that an error lists before it counts the rest."""
+
+
 def compiled(spec: Any, effects: tuple[Effect, ...], robot: Robot) -> Variant:
     """Return a variant: the spec with every effect's edit, compiled.
 
@@ -71,6 +83,8 @@ class Simulator:
         robot: The body.
         effects: What acts on it beyond its description.
         step: Seconds a step; the effects' own limits allow 0.5 to 5 ms.
+        integrator: `implicitfast` for contacts and stiff joints; `rk4` for a body that moves
+            freely, whose energy it keeps a thousand times better at four times the price.
 
     Raises:
         SimulationFailed: An effect names a part that the robot does not have, the step is
@@ -78,13 +92,20 @@ class Simulator:
     """
 
     def __init__(
-        self, robot: Robot, effects: tuple[Effect, ...] = (), *, step: float = 0.002
+        self,
+        robot: Robot,
+        effects: tuple[Effect, ...] = (),
+        *,
+        step: float = 0.002,
+        integrator: Integrator = "implicitfast",
     ) -> None:
         """Check that every effect has its part, and compile."""
         for effect in effects:
-            if effect.where not in effect.places(robot):
+            places = effect.places(robot)
+            if effect.where not in places:
+                more = f" and {len(places) - MOST_SHOWN} more" if len(places) > MOST_SHOWN else ""
                 raise SimulationFailed(
-                    f"{effect.name} acts on one of {', '.join(effect.places(robot))}; "
+                    f"{effect.name} acts on one of {', '.join(places[:MOST_SHOWN])}{more}; "
                     f"there is no {effect.kind} {effect.where!r}",
                     where=f"robot {robot.name}",
                     fix="name a part of this robot",
@@ -96,7 +117,9 @@ class Simulator:
                 fix="take 0.002 s, or less where the simulation is stiff",
             )
         self.robot, self.effects, self.step = robot, effects, step
-        self._variant = compiled(spec_of(robot, timestep=step), effects, robot)
+        spec = spec_of(robot, timestep=step)
+        spec.option.integrator = INTEGRATORS[integrator]
+        self._variant = compiled(spec, effects, robot)
 
     @property
     def model(self) -> mujoco.MjModel:

@@ -36,9 +36,11 @@ def test_help_loads_nothing_heavy() -> None:
 
 
 PUBLIC = {"Channel", "EFFECTS", "Recording", "Simulator", "__version__", "diagnose", "load"} | {
+    "load_policy",
     "load_recordings",
     "record",
     "simulate",
+    "world",
 }
 
 

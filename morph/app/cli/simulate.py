@@ -45,7 +45,7 @@ def run_simulate(asked: Simulate) -> int:
     around = () if world is None else world.effects
     effects = asked_effects(robot, asked.effect, file=file, world=around)
     command = _commands(asked, robot)
-    simulator = Simulator(robot, effects, step=asked.step)
+    simulator = Simulator(robot, effects, step=asked.step, integrator=asked.integrator)
     began = time.perf_counter()
     with _progress(asked, "simulating") as told:
         moved, why = _moved(simulator, asked.seconds, start, speed, command)
