@@ -90,8 +90,8 @@ def test_a_free_body_tumbles_by_kirchhoffs_equations(
     # It turns at some 2 rad/s: (2 * 0.001)^4 / 120 = 1.3e-13 a radian, 10 radians, and motions
     # that part by Munk's moment grow by exp(1.5 * 5) = 2e3: 3e-9.
     assert tumbled(robot, added, RK4, 0.001, 5.0) == pytest.approx(tumbling(whole, 5.0), abs=3e-9)
-    # MuJoCo's implicit step is of the first order: half of the step halves what it errs, less
-    # than 2 % of which is of the second.
+    # MuJoCo's implicit step is of the first order: half of the step halves its error, of
+    # which less than 2 % is of the second.
     implicit, due = mujoco.mjtIntegrator.mjINT_IMPLICITFAST, tumbling(whole, 1.0)
     coarse, fine = (tumbled(robot, added, implicit, step, 1.0) - due for step in (0.001, 0.0005))
     assert fine == pytest.approx(0.5 * coarse, abs=0.02 * float(np.abs(coarse).max()))
