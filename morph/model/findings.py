@@ -25,7 +25,7 @@ def findings(e: Evidence) -> tuple[Finding, ...]:
         stand = e.stands[index] if index < len(e.stands) else None
         estimates = {}
         slide = _on_slide(e, effect)
-        for known in effect.parameters():
+        for known in effect.free():
             estimates[known.name] = Estimate(
                 value=float(found.point[at]),
                 low90=float(low[at]),

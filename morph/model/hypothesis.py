@@ -64,8 +64,7 @@ class Hypothesis:
         return tuple(
             (index, known)
             for index, effect in enumerate(self.effects)
-            for known in effect.parameters()
-            if known.free
+            for known in effect.free()
         )
 
     @cached_property

@@ -192,8 +192,8 @@ def _felt(found: Fit) -> bool:
     """Return whether the last effect has a strength whose 90 % interval leaves neutral out."""
     effect = found.hypothesis.effects[-1]
     low, high = found.intervals()
-    count = len(effect.parameters())
-    bounds = zip(effect.parameters(), low[-count:], high[-count:], strict=True)
+    count = len(effect.free())
+    bounds = zip(effect.free(), low[-count:], high[-count:], strict=True)
     return any(p.neutral is not None and not (a <= p.neutral <= b) for p, a, b in bounds)
 
 

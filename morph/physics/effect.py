@@ -152,6 +152,11 @@ class Effect(ABC):
             if "unit" in item.metadata
         )
 
+    @classmethod
+    def free(cls) -> tuple[Parameter, ...]:
+        """Return the parameters that a diagnosis may move."""
+        return tuple(known for known in cls.parameters() if known.free)
+
     @property
     def label(self) -> str:
         """Its name and place, as `coulomb_friction@shoulder`."""

@@ -9,7 +9,8 @@ from morph.body.load import load
 from morph.body.robot import Robot
 from morph.physics.effect import Effect
 from morph.record.recording import Recording
-from morph.sim.simulator import Command, Integrator, Simulator
+from morph.sim.integrator import Integrator
+from morph.sim.simulator import Command, Simulator
 
 
 def simulate(
@@ -21,7 +22,7 @@ def simulate(
     speed: Mapping[str, float] | None = None,
     command: Mapping[str, Command] | None = None,
     step: float = 0.002,
-    integrator: Integrator = "implicitfast",
+    integrator: Integrator | None = None,
 ) -> Recording:
     """Return what a robot does under effects: positions, velocities and commands.
 
@@ -36,7 +37,7 @@ def simulate(
         command: What each actuator is told: a constant, a recorded channel, or a
             function of times; others zero.
         step: Seconds a step.
-        integrator: `implicitfast`, or `rk4` for a body that moves freely.
+        integrator: `implicitfast` or `rk4`; if not given, the better of the two.
 
     Raises:
         RobotError: There is no such robot, or a name is not the robot's.

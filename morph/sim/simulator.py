@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -17,6 +17,7 @@ from morph.physics.effect import Effect
 from morph.physics.fluid.settle import settle
 from morph.record.recording import Channel, Recording
 from morph.sim.drive import received, sensed
+from morph.sim.integrator import INTEGRATORS, Integrator, best_integrator
 from morph.sim.observe import observed
 from morph.sim.rollout import Variant, rollout
 from morph.sim.start import started
@@ -45,14 +46,6 @@ class Trajectory:
     command: Mapping[str, Array]
     """What each actuator was told that was told anything, shape (steps,)."""
 
-
-Integrator = Literal["implicitfast", "rk4"]
-"""How a simulation steps."""
-
-INTEGRATORS = {
-    "implicitfast": mujoco.mjtIntegrator.mjINT_IMPLICITFAST,
-    "rk4": mujoco.mjtIntegrator.mjINT_RK4,
-}
 
 MOST_SHOWN = 12
 """Places that an error lists before it counts the rest."""
@@ -83,8 +76,8 @@ class Simulator:
         robot: The body.
         effects: What acts on it beyond its description.
         step: Seconds a step; the effects' own limits allow 0.5 to 5 ms.
-        integrator: `implicitfast` for contacts and stiff joints; `rk4` for a body that moves
-            freely, whose energy it keeps a thousand times better at four times the price.
+        integrator: `implicitfast` for contacts and stiff joints, or `rk4` for bodies that move
+            freely; if not given, the better of the two (`best_integrator`).
 
     Raises:
         SimulationFailed: An effect names a part that the robot does not have, the step is
@@ -97,7 +90,7 @@ class Simulator:
         effects: tuple[Effect, ...] = (),
         *,
         step: float = 0.002,
-        integrator: Integrator = "implicitfast",
+        integrator: Integrator | None = None,
     ) -> None:
         """Check that every effect has its part, and compile."""
         for effect in effects:
@@ -117,9 +110,9 @@ class Simulator:
                 fix="take 0.002 s, or less where the simulation is stiff",
             )
         self.robot, self.effects, self.step = robot, effects, step
-        spec = spec_of(robot, timestep=step)
-        spec.option.integrator = INTEGRATORS[integrator]
-        self._variant = compiled(spec, effects, robot)
+        self._variant = compiled(spec_of(robot, timestep=step), effects, robot)
+        self.integrator: Integrator = integrator or best_integrator(self._variant.model)
+        self._variant.model.opt.integrator = INTEGRATORS[self.integrator]
 
     @property
     def model(self) -> mujoco.MjModel:

@@ -126,8 +126,8 @@ class Simulate:
     """How long it moves."""
     step: float = 0.002
     """Seconds a step; less where the simulation is stiff."""
-    integrator: Literal["implicitfast", "rk4"] = "implicitfast"
-    """rk4 is more exact for a body that swims or flies freely, and four times slower."""
+    integrator: Literal["implicitfast", "rk4"] | None = None
+    """How it steps; by default rk4 for what swims freely, else implicitfast."""
     start: Annotated[Many, tyro.conf.arg(metavar="NAME=VALUE")] = ()
     """Where it starts: JOINT=0.5 (rad or m), hull.position.z=1; may be repeated."""
     speed: Annotated[Many, tyro.conf.arg(metavar="NAME=VALUE")] = ()

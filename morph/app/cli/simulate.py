@@ -105,6 +105,7 @@ def _done(
         world=world,
         recording=recording,
         step=simulator.step,
+        integrator=simulator.integrator,
         asked=asked.seconds,
         seconds=float(moved.time[-1]),
         took=took,

@@ -37,6 +37,8 @@ class Done:
     """What it did."""
     step: float
     """Seconds a step."""
+    integrator: str
+    """How it stepped."""
     asked: float
     """How long it was to move, s."""
     seconds: float
@@ -71,6 +73,7 @@ def as_json(done: Done) -> JSON:
         "policy": done.policy,
         "seconds": done.seconds,
         "step": done.step,
+        "integrator": done.integrator,
         "wall_seconds": done.took,
         "stopped_short": done.why,
         "channels": {
@@ -91,7 +94,8 @@ def in_words(done: Done, columns: int | None) -> list[tuple[str, str]]:
         columns: The terminal's width; None: as wide as need be.
     """
     rate = f", {done.seconds / done.took:.3g} times as fast as it moves" if done.took > 0 else ""
-    head = f"{done.robot.name}: {done.seconds:g} s in steps of {1e3 * done.step:g} ms{rate}"
+    steps = f"steps of {1e3 * done.step:g} ms by {done.integrator}"
+    head = f"{done.robot.name}: {done.seconds:g} s in {steps}{rate}"
     around = () if done.world is None else done.world.effects
     plain = [] if done.world is None else [f"  in {done.world.name}: {_counted(around)}"]
     plain += [f"  under {shown(effect)}" for effect in done.effects if effect not in around]

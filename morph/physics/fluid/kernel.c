@@ -33,6 +33,7 @@ void morph_fluid_bind(factor_function f, allocate_function a, mark_function m, m
 
 int morph_fluid_version(void) { return mjVERSION_HEADER; }
 int morph_fluid_width(void) { return WIDTH; }
+double morph_fluid_signature(void) { return SIGNATURE; }
 
 /* Three numbers at once: in one register where the processor has one for four, else one by one. */
 #ifdef __AVX__

@@ -22,7 +22,7 @@ from morph.errors import KernelError
 from morph.files import sha256
 from morph.physics.fluid import reference
 from morph.physics.fluid.compiler import compilers, processor
-from morph.physics.fluid.numbers import WIDTH
+from morph.physics.fluid.numbers import SIGNATURE, WIDTH
 
 SOURCE = Path(__file__).with_name("kernel.c")
 FLAGS = ("-O3", "-fPIC", "-shared", "-std=c99")
@@ -107,15 +107,17 @@ def load(path: Path) -> Any:
     try:
         library = ctypes.CDLL(str(path))
         version, width = library.morph_fluid_version(), library.morph_fluid_width()
+        library.morph_fluid_signature.restype = ctypes.c_double
+        signature = library.morph_fluid_signature()
         function, bind = library.morph_fluid, library.morph_fluid_bind
     except (OSError, AttributeError) as error:
         raise KernelError(
             f"is no compiled fluid: {str(error)[:200]}", where=str(path), fix=fix
         ) from error
-    if version != mujoco.mj_version() or width != WIDTH:
+    if version != mujoco.mj_version() or (width, signature) != (WIDTH, SIGNATURE):
         raise KernelError(
-            f"was compiled for MuJoCo {version} and {width} numbers a body; "
-            f"these are MuJoCo {mujoco.mj_version()} and {WIDTH}",
+            f"was compiled for MuJoCo {version} and {width} numbers a body, signed {signature}; "
+            f"these are MuJoCo {mujoco.mj_version()} and {WIDTH}, signed {SIGNATURE}",
             where=str(path),
             fix=fix,
         )

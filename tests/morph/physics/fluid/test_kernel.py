@@ -21,7 +21,7 @@ from morph.errors import KernelError
 from morph.physics.fluid import kernel
 from morph.physics.fluid.compiler import compilers
 from morph.physics.fluid.linear_drag import LinearDrag
-from morph.physics.fluid.numbers import WIDTH
+from morph.physics.fluid.numbers import SIGNATURE, WIDTH
 from morph.sim.rollout import rollout
 from morph.sim.simulator import compiled
 
@@ -143,19 +143,27 @@ def library(folder: Path, compiler: tuple[str, ...], text: str) -> Path:
 OTHER = """
 int morph_fluid_version(void) {{ return {version}; }}
 int morph_fluid_width(void) {{ return {width}; }}
+double morph_fluid_signature(void) {{ return {signature}; }}
 void morph_fluid(const void* m, void* d) {{ }}
 void morph_fluid_bind(void* a, void* b, void* c, void* d) {{ }}
 """
 
 
 @pytest.mark.parametrize(
-    ("version", "width"), [(3003002, WIDTH), (mujoco.mj_version(), 41), (0, 0)]
+    ("version", "width", "signature"),
+    [
+        (3003002, WIDTH, SIGNATURE),
+        (mujoco.mj_version(), 41, SIGNATURE),
+        (mujoco.mj_version(), WIDTH, 0.5),
+        (0, 0, 0.0),
+    ],
 )
 def test_a_library_for_another_mujoco_or_another_table_is_refused(
-    tmp_path: Path, compiler: tuple[str, ...], version: int, width: int
+    tmp_path: Path, compiler: tuple[str, ...], version: int, width: int, signature: float
 ) -> None:
-    path = library(tmp_path, compiler, OTHER.format(version=version, width=width))
-    told = f"was compiled for MuJoCo {version} and {width} numbers a body; these are"
+    source = OTHER.format(version=version, width=width, signature=signature)
+    path = library(tmp_path, compiler, source)
+    told = f"was compiled for MuJoCo {version} and {width} numbers a body, signed {signature}; "
     with pytest.raises(KernelError, match=told) as refused:
         kernel.load(path)
     assert refused.value.where == str(path)
