@@ -23,6 +23,10 @@ MOST_CHANNELS = 24
 """Channels that are shown before the rest is counted; JSON has all."""
 
 
+MOST_EFFECTS = 8
+"""Effects that are told one by one; JSON tells all."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Done:
     """One run, and what became of it."""
@@ -98,7 +102,11 @@ def in_words(done: Done, columns: int | None) -> list[tuple[str, str]]:
     head = f"{done.robot.name}: {done.seconds:g} s in {steps}{rate}"
     around = () if done.world is None else done.world.effects
     plain = [] if done.world is None else [f"  in {done.world.name}: {_counted(around)}"]
-    plain += [f"  under {shown(effect)}" for effect in done.effects if effect not in around]
+    others = [effect for effect in done.effects if effect not in around]
+    if len(others) > MOST_EFFECTS:
+        plain.append(f"  under {_counted(others)}")
+    else:
+        plain += [f"  under {shown(effect)}" for effect in others]
     if done.policy is not None:
         plain.append(f"  commanded by {done.policy}")
     lines = [(line, "bold") for line in paragraph(harmless(head), 4, columns)]
@@ -119,8 +127,8 @@ def _counted(effects: Sequence[Effect]) -> str:
     names = dict.fromkeys(effect.name for effect in effects)
     if len(effects) == len(names):
         return "; ".join(shown(effect) for effect in effects)
-    links = len({effect.where for effect in effects})
-    return f"{', '.join(names)} on {links} links; --json lists them"
+    places = len({effect.where for effect in effects})
+    return f"{', '.join(names)} at {places} places; --json lists them"
 
 
 def _table(recording: Recording, columns: int | None) -> list[tuple[str, str]]:
