@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import TypeVar
 
 from morph.body.robot import Robot
@@ -117,9 +118,9 @@ class ContactEffect(Effect):
 
     @classmethod
     def places(cls, robot: Robot) -> tuple[str, ...]:
-        """Return `any+floor`, each link with the floor, and each pair of links."""
+        """Return `any+floor`, each link with the floor, and each pair of links, either first."""
         names = [link.name for link in robot.links]
-        pairs = (f"{one}+{two}" for at, one in enumerate(names) for two in names[at + 1 :])
+        pairs = (f"{one}+{two}" for one, two in itertools.permutations(names, 2))
         return ("any+floor", *(f"{name}+floor" for name in names), *pairs)
 
     @classmethod
