@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import re
+import shlex
 import time
 import warnings
 from pathlib import Path
@@ -8,9 +9,13 @@ from typing import Any
 
 import pytest
 
+from morph.app.cli.main import main
+
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 TUTORIALS = sorted(DOCS.glob("tutorial_*.md"))
-PAGES = [*TUTORIALS, DOCS / "card.md", DOCS / "vary.md", DOCS.parent / "README.md"]
+WORLDS = [DOCS / f"{name}.md" for name in ("water", "contact", "policies")]
+"""Pages that also hold commands, on what their Python has written before."""
+PAGES = [*TUTORIALS, *WORLDS, DOCS / "card.md", DOCS / "vary.md", DOCS.parent / "README.md"]
 STUDIES = DOCS.parent / "experiments" / "README.md"
 LONGEST = 20.0
 """Seconds that a reader may wait for a tutorial."""
@@ -23,6 +28,17 @@ def blocks(page: Path) -> list[str]:
         "\n" * text.count("\n", 0, found.start(1)) + found.group(1)
         for found in re.finditer(r"^```python\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
     ]
+
+
+def commands(page: Path) -> list[str]:
+    """Return the simulations of a page that are to be run after its Python."""
+    text = page.read_text(encoding="utf-8")
+    return re.findall(r"^morph simulate .*$", text, re.MULTILINE) if page in WORLDS else []
+
+
+@pytest.mark.parametrize("page", WORLDS, ids=lambda page: page.stem)
+def test_a_page_of_worlds_has_commands(page: Path) -> None:
+    assert commands(page)
 
 
 def test_there_are_two_tutorials() -> None:
@@ -40,6 +56,8 @@ def test_a_page_runs_from_top_to_bottom_as_it_stands(
         warnings.simplefilter("error")
         for block in blocks(page):
             exec(compile(block, str(page), "exec"), names)
+    for line in commands(page):
+        assert main(shlex.split(line)[1:]) == 0
     # The processor's time: other tests may be running beside this one. Two cores at most.
     assert time.process_time() - began < 2 * LONGEST
 
