@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -25,8 +25,8 @@ def asked_effects(
 ) -> tuple[Effect, ...]:
     """Return all effects that the command line asks for; a nearer word replaces a farther one.
 
-    A world comes first, then the file, then single effects. One that acts at the same place
-    as an earlier one of its name takes that one's place.
+    A world comes first, then the file, then single effects. One of the file that acts at the
+    same place as the world's takes its place; a single one changes the parameters that it tells.
 
     Args:
         robot: What they act on.
@@ -47,7 +47,7 @@ def asked_effects(
             found[effect.label] = effect
     single: dict[str, Effect] = {}
     for text in texts:
-        effect = parsed(text, robot)
+        effect = parsed(text, robot, found)
         if effect.label in single:
             raise EffectError(
                 f"{effect.label} is asked for twice",
@@ -58,10 +58,11 @@ def asked_effects(
     return tuple({**found, **single}.values())
 
 
-def parsed(text: str, robot: Robot) -> Effect:
+def parsed(text: str, robot: Robot, among: Mapping[str, Effect] | None = None) -> Effect:
     """Return the effect that `NAME@WHERE:param=value,param=value` asks for.
 
-    For an effect on the world `@world` may be left out.
+    For an effect on the world `@world` may be left out. Of an effect that is already `among`
+    others, by its label, only the parameters that are told change.
 
     Raises:
         EffectError: The effect, its place or a parameter is not known, or a value is out of
@@ -78,6 +79,7 @@ def parsed(text: str, robot: Robot) -> Effect:
             fix=f"write {name}@{(*kind.places(robot), 'NAME')[0]}:...",
         )
     effect = kind.at(place)
+    effect = (among or {}).get(effect.label, effect)
     _check_place(effect, robot, where=f"--effect {text}")
     given = {}
     for pair in values.split(",") if values else ():

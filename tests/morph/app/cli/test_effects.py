@@ -99,15 +99,17 @@ def test_what_cannot_be_is_refused_in_three_parts(
     assert caught.value.where.startswith(("--effect", "effect viscous_friction@hinge"))
 
 
-def test_an_effect_at_the_same_place_replaces_that_of_the_file(
+def test_an_effect_at_the_same_place_changes_that_of_the_file(
     pendulum: Robot, tmp_path: Path
 ) -> None:
     path = tmp_path / "corrected.toml"
     other = StribeckFriction(joint="hinge", c=0.1, s=0.2)
     path.write_text(effects_text((ViscousFriction(joint="hinge", b=0.3), other)))
     assert asked_effects(pendulum, (), file=path) == (ViscousFriction(joint="hinge", b=0.3), other)
-    mixed = asked_effects(pendulum, ("viscous_friction@hinge:b=0.7",), file=path)
-    assert mixed == (ViscousFriction(joint="hinge", b=0.7), other)
+    mixed = asked_effects(pendulum, ("stribeck_friction@hinge:c=0.05",), file=path)
+    # What is not told, s, stays the file's.
+    changed = StribeckFriction(joint="hinge", c=0.05, s=0.2)
+    assert mixed == (ViscousFriction(joint="hinge", b=0.3), changed)
 
 
 def test_one_effect_asked_for_twice_is_refused(pendulum: Robot) -> None:
