@@ -150,6 +150,28 @@ class Simulator:
         moved = self.trajectory(seconds=seconds, start=start, speed=speed, command=command)
         return self.recorded(moved, name)
 
+    def steps(self, seconds: float) -> int:
+        """Return how many steps a run of so many seconds takes, at least one.
+
+        Raises:
+            SimulationFailed: It is no time to run, or its states would fill the memory.
+        """
+        if not 0.0 < seconds < LONGEST:
+            raise SimulationFailed(
+                f"a run of {seconds} s is out of range, above 0 and below 1e6",
+                where=f"robot {self.robot.name}",
+                fix="give the seconds to run",
+            )
+        steps = max(1, round(seconds / self.step))
+        numbers = steps * (self.model.nq + self.model.nv + self.model.nu)
+        if numbers > MOST_NUMBERS:
+            raise SimulationFailed(
+                f"a run of {steps:.3g} steps holds {numbers:.2g} numbers, above {MOST_NUMBERS:.2g}",
+                where=f"robot {self.robot.name}",
+                fix="make shorter runs, each from where the last one ended, or larger steps",
+            )
+        return steps
+
     def trajectory(
         self,
         *,
@@ -165,21 +187,8 @@ class Simulator:
             SimulationFailed: The simulation became unstable, or what it is told is no
                 number.
         """
-        if not 0.0 < seconds < LONGEST:
-            raise SimulationFailed(
-                f"a run of {seconds} s is out of range, above 0 and below 1e6",
-                where=f"robot {self.robot.name}",
-                fix="give the seconds to run",
-            )
         model: Any = self.model
-        steps = max(1, round(seconds / self.step))
-        numbers = steps * (model.nq + model.nv + model.nu)
-        if numbers > MOST_NUMBERS:
-            raise SimulationFailed(
-                f"a run of {steps:.3g} steps holds {numbers:.2g} numbers, above {MOST_NUMBERS:.2g}",
-                where=f"robot {self.robot.name}",
-                fix="make shorter runs, each from where the last one ended, or larger steps",
-            )
+        steps = self.steps(seconds)
         times: Array = np.asarray(self.step * np.arange(steps + 1), dtype=float)
         position, velocity = started(self.robot, model, start, speed)
         control = np.zeros((1, steps, model.nu))

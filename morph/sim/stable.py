@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from morph.errors import SimulationFailed
-from morph.sim.simulator import LONGEST, Command, Simulator, Trajectory
+from morph.sim.simulator import Command, Simulator, Trajectory
 
 
 def as_far_as_stable(
@@ -22,8 +22,10 @@ def as_far_as_stable(
 
     Raises:
         RobotError: A name is not the robot's.
-        SimulationFailed: Not even the first step can be made.
+        SimulationFailed: Not even the first step can be made, or the run is too long to keep.
     """
+    # What is no time to run is no instability, and would be searched for one in vain.
+    steps = simulator.steps(seconds)
 
     def moved(steps: int) -> Trajectory:
         return simulator.trajectory(
@@ -35,13 +37,11 @@ def as_far_as_stable(
             seconds=seconds, start=start, speed=speed, command=command
         ), None
     except SimulationFailed as error:
-        if not 0.0 < seconds < LONGEST:
-            raise
         why = error
         # What is wrong from the beginning, such as a command that is no number, is told as it is.
         best = moved(1)
     # A simulation repeats itself to the last bit, so halving finds the step at which it failed.
-    good, bad = 1, max(1, round(seconds / simulator.step))
+    good, bad = 1, steps
     while bad - good > 1:
         middle = (good + bad) // 2
         try:

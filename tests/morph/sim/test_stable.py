@@ -42,3 +42,10 @@ def test_what_fails_at_once_is_refused() -> None:
         as_far_as_stable(Simulator(load("pendulum")), seconds=0.5, command={"hinge": np.nan})
     with pytest.raises(RobotError, match="there is no joint 'knee'"):
         as_far_as_stable(Simulator(load("pendulum")), seconds=0.5, start={"knee": 1.0})
+
+
+def test_a_run_too_long_to_keep_is_refused_rather_than_tried() -> None:
+    # 1e8 steps of a position and a velocity are 2e8 numbers; with the command, 3e8.
+    simulator = Simulator(load("pendulum"), step=0.001)
+    with pytest.raises(SimulationFailed, match=r"1e\+08 steps holds 3e\+08 numbers"):
+        as_far_as_stable(simulator, seconds=1e5)
