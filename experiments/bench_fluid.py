@@ -30,7 +30,8 @@ EXAMPLE = """example:
   python -m experiments.bench_fluid --plot out/fluid.html
   python -m experiments.bench_fluid --quick --json"""
 
-BODIES = ("hexapod_swimmer", "humanoid")
+BODIES = (("hexapod_swimmer", False), ("humanoid", False), ("humanoid", True))
+"""Bodies of the shelf, and whether they lie on a floor."""
 TREES = (1, 2, 5, 10, 20, 30)
 """Links of the random trees."""
 CHAIN = (1, 2, 4, 8, 12, 16, 24, 32, 45, 60)
@@ -49,9 +50,11 @@ def measured(*, quick: bool, seeds: Sequence[int]) -> JSON:
             kind: {n: [drift(n, seed, wet=wet) for seed in seeds] for n in trees}
             for kind, wet in (("wet", True), ("dry", False))
         }
-        costs = [asdict(cost(name, repeats=repeats, steps=steps)) for name in BODIES]
+        costs = [
+            asdict(cost(name, floor=floor, repeats=repeats, steps=steps)) for name, floor in BODIES
+        ]
         dry, wet = growth(chain, repeats=repeats, steps=max(steps // 10, 20))
-        both = cores(BODIES[0], rows=64, repeats=repeats, steps=max(steps // 10, 20))
+        both = cores(BODIES[0][0], rows=64, repeats=repeats, steps=max(steps // 10, 20))
     return {
         "schema": "morph.bench_fluid/1",
         "quick": quick,

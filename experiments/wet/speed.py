@@ -15,8 +15,10 @@ from experiments.wet.trees import chain
 from morph.arrays import Array
 from morph.body.load import load
 from morph.body.spec import spec_of
+from morph.physics.effect import Effect
 from morph.physics.fluid.settle import settle
 from morph.physics.fluid.water import immersed
+from morph.physics.world.ground import Ground
 from morph.sim.simulator import compiled
 
 STEP = 0.005
@@ -41,12 +43,12 @@ class Cost:
     """Simulated seconds in water by seconds, on one core."""
 
 
-def cost(name: str, *, repeats: int, steps: int) -> Cost:
+def cost(name: str, *, floor: bool, repeats: int, steps: int) -> Cost:
     """Return what water costs a body of the shelf, medians of ratios measured by turns."""
-    dry, wet, ellipsoid = variants(name)
+    dry, wet, ellipsoid = variants(name, floor=floor)
     told = by_turns([dry, wet, ellipsoid], repeats=repeats, steps=steps)
     return Cost(
-        name=name,
+        name=f"{name} on a floor" if floor else name,
         freedoms=dry.nv,
         bodies=dry.nbody - 1,
         over_dry=float(np.median(told[:, 1] / told[:, 0])),
@@ -55,19 +57,27 @@ def cost(name: str, *, repeats: int, steps: int) -> Cost:
     )
 
 
-def variants(name: str) -> tuple[Any, Any, Any]:
-    """Return a body dry, in our water, and in MuJoCo's ellipsoid fluid, under implicitfast."""
+def variants(name: str, *, floor: bool) -> tuple[Any, Any, Any]:
+    """Return a body dry, in our water, and in MuJoCo's ellipsoid fluid, under implicitfast.
+
+    MuJoCo's fluid has no buoyancy: away from a floor none of the three has weight, so that
+    they do much the same.
+    """
     robot = load(name)
-    dry = spec_of(robot, timestep=STEP)
-    # MuJoCo's fluid has no buoyancy: without weight all three bodies do much the same.
-    weightless = mujoco.mjtDisableBit.mjDSBL_GRAVITY.value
-    dry.option.disableflags |= weightless
-    ellipsoid, wet = dry.copy(), dry.copy()
+    around: tuple[Effect, ...] = (Ground(),) if floor else ()
+    spec = spec_of(robot, timestep=STEP)
+    if not floor:
+        spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_GRAVITY.value
+    ellipsoid = spec.copy()
     ellipsoid.option.density, ellipsoid.option.viscosity = 1000.0, 1e-3
     for geom in ellipsoid.geoms:
         geom.fluid_ellipsoid = 1
-    model = compiled(wet, immersed(robot).effects, robot).model
-    return dry.compile(), model, ellipsoid.compile()
+    water = immersed(robot).effects
+    return (
+        compiled(spec.copy(), around, robot).model,
+        compiled(spec, (*around, *water), robot).model,
+        compiled(ellipsoid, around, robot).model,
+    )
 
 
 def by_turns(models: Sequence[Any], *, repeats: int, steps: int) -> Array:
@@ -99,7 +109,7 @@ def growth(counts: Sequence[int], *, repeats: int, steps: int) -> tuple[Array, A
 
 def cores(name: str, *, rows: int, repeats: int, steps: int) -> float:
     """Return the throughput of a wet batch on two cores by that on one."""
-    _, model, _ = variants(name)
+    _, model, _ = variants(name, floor=False)
     batches = [Batch(model, rows, threads) for threads in (1, 2)]
     for batch in batches:
         batch.step(nstep=steps)
