@@ -7,6 +7,7 @@ from typing import Any, Literal
 import mujoco
 import numpy as np
 
+from morph.physics.fluid.kernel import flowing
 from morph.physics.fluid.reference import wet_bodies
 
 Integrator = Literal["implicitfast", "rk4"]
@@ -49,7 +50,8 @@ def _may_touch(model: mujoco.MjModel) -> bool:
 def _fastest(model: mujoco.MjModel) -> float:
     """Return the fastest rate at which springs, dampers and servos act on the joints, 1/s."""
     data = mujoco.MjData(model)
-    mujoco.mj_forward(model, data)
+    with flowing(model):
+        mujoco.mj_forward(model, data)
     inertia = np.empty((model.nv, model.nv))
     mujoco.mj_fullM(model, data, inertia)
     damping = np.diag(model.dof_damping).astype(float)

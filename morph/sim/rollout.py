@@ -81,7 +81,8 @@ def rollout(
     """
     rows, steps = command.shape[:2]
     if not all(batches(variant.model) for variant in variants):
-        return _without_kernel(variants, which, position, velocity, command)
+        with _quiet():
+            return _without_kernel(variants, which, position, velocity, command, strict)
     batch = Batch(variants[0].model, rows, 2 if rows > 1 else 1)
     if len(variants) == 1:
         batch.set_models(variants[0].model)
@@ -116,7 +117,12 @@ def rollout(
 
 
 def _without_kernel(
-    variants: Sequence[Variant], which: Integers, position: Array, velocity: Array, command: Array
+    variants: Sequence[Variant],
+    which: Integers,
+    position: Array,
+    velocity: Array,
+    command: Array,
+    strict: bool,
 ) -> tuple[Array, Array]:
     if any(effect.stepped for effect in variants[0].effects):
         raise SimulationFailed(
@@ -124,7 +130,8 @@ def _without_kernel(
             where="a simulation in a fluid, which runs in numpy here",
             fix="install a C compiler, or `pip install ziglang`, which brings one",
         )
-    return one_by_one([variants[index].model for index in which], position, velocity, command)
+    models = [variants[index].model for index in which]
+    return one_by_one(models, position, velocity, command, strict=strict)
 
 
 @contextmanager
