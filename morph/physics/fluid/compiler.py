@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import importlib.util
 import os
 import platform
@@ -14,8 +15,10 @@ from pathlib import Path
 def compilers() -> tuple[tuple[str, ...], ...]:
     """Return commands that compile C: `$CC`, those on the path, and ziglang if it is installed."""
     found = []
-    if named := shlex.split(os.environ.get("CC", "")):
-        found.append(tuple(named))
+    # A quotation that is not closed names no compiler; the others are still there.
+    with contextlib.suppress(ValueError):
+        if named := shlex.split(os.environ.get("CC", "")):
+            found.append(tuple(named))
     found += [(name,) for name in ("cc", "gcc", "clang") if shutil.which(name)]
     if importlib.util.find_spec("ziglang") is not None:
         found.append((sys.executable, "-m", "ziglang", "cc"))

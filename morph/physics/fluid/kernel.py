@@ -9,6 +9,7 @@ import os
 import platform
 import subprocess
 import tempfile
+import threading
 import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -34,6 +35,13 @@ BOUND = ("mj_factorM", "mj_stackAllocNum", "mj_markStack", "mj_freeStack")
 """MuJoCo's functions that the kernel calls."""
 
 
+class Loan:
+    """To how many simulations, in whatever threads, the numpy version is lent."""
+
+    lock = threading.RLock()
+    users = 0
+
+
 def install() -> bool:
     """Let MuJoCo call the fluid in every simulation of this process; models stay dry that are.
 
@@ -45,9 +53,11 @@ def install() -> bool:
     Raises:
         KernelError: Somebody else's function stands in `mjcb_passive`.
     """
-    kernel = _kernel()
-    if kernel is not None:
-        _put(kernel)
+    # Loaded by two threads at once, it would be two functions that bar each other.
+    with Loan.lock:
+        kernel = _kernel()
+        if kernel is not None:
+            _put(kernel)
     return kernel is not None
 
 
@@ -63,12 +73,18 @@ def flowing(model: mujoco.MjModel) -> Iterator[None]:
     """
     lent = len(reference.wet_bodies(model)) > 0 and not install()
     if lent:
-        _put(reference.passive)
+        with Loan.lock:
+            _put(reference.passive)
+            Loan.users += 1
     try:
         yield
     finally:
         if lent:
-            mujoco.set_mjcb_passive(None)
+            with Loan.lock:
+                Loan.users -= 1
+                # Whoever ends first must not leave the others dry.
+                if Loan.users == 0:
+                    mujoco.set_mjcb_passive(None)
 
 
 def _put(fluid: Any) -> None:
@@ -139,9 +155,21 @@ def build() -> Path:
     held = sorted(headers.glob("mujoco/*.h"))
     key = sha256(SOURCE, *held, " ".join(FLAGS), platform.platform(), processor())
     path = cache_folder() / "kernel" / f"fluid-{mujoco.mj_version()}-{key[:20]}.so"
-    if not path.is_file():
+    if not _sound(path):
         _compile(path, headers)
     return path
+
+
+def _sum_of(path: Path) -> Path:
+    return path.with_suffix(".sha256")
+
+
+def _sound(path: Path) -> bool:
+    """Return whether a library is as it was built: one cut short would end this process."""
+    try:
+        return sha256(path) == _sum_of(path).read_text()
+    except (OSError, ValueError):
+        return False
 
 
 def _compile(path: Path, headers: Path) -> None:
@@ -154,6 +182,8 @@ def _compile(path: Path, headers: Path) -> None:
                 made = Path(folder) / path.name
                 flags = (*FLAGS, *extra, f"-I{headers}")
                 _run([*compiler, *flags, str(SOURCE), "-o", str(made), "-lm"])
+                _sum_of(made).write_text(sha256(made))
+                os.replace(_sum_of(made), _sum_of(path))
                 os.replace(made, path)
         except (OSError, subprocess.SubprocessError) as error:
             tried.append(f"{' '.join(compiler)}: {str(error)[:200]}")

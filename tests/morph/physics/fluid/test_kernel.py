@@ -8,6 +8,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -192,11 +193,58 @@ def test_a_kernel_is_built_once_and_kept(
     monkeypatch.setattr(kernel, "compilers", lambda: ((sys.executable, "-c", "1/0"), compiler))
     path = kernel.build()
     assert ctypes.CDLL(str(path)).morph_fluid_width() == WIDTH
-    assert [each.name for each in path.parent.iterdir()] == [path.name]
+    kept = [path.name, path.with_suffix(".sha256").name]
+    assert sorted(each.name for each in path.parent.iterdir()) == sorted(kept)
     before = path.stat().st_mtime_ns
     monkeypatch.setattr(kernel, "compilers", tuple)
     assert kernel.build() == path
     assert path.stat().st_mtime_ns == before
+
+
+def test_a_kernel_cut_short_in_the_cache_is_built_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, compiler: tuple[str, ...]
+) -> None:
+    monkeypatch.setenv("MORPH_CACHE", str(tmp_path))
+    monkeypatch.setattr(kernel, "compilers", lambda: (compiler,))
+    whole = (path := kernel.build()).read_bytes()
+    # Loaded as it is, this ends the process by a bus error.
+    path.write_bytes(whole[: len(whole) // 2])
+    assert kernel.build() == path
+    assert ctypes.CDLL(str(path)).morph_fluid_width() == WIDTH
+
+
+def test_a_compiler_whose_quotation_is_not_closed_is_passed_over(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setenv("CC", '"cc')
+    assert '"cc' not in [command[0] for command in compilers()]
+
+
+def test_threads_that_ask_at_once_get_one_kernel(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, compiler: tuple[str, ...]
+) -> None:
+    monkeypatch.setenv("MORPH_CACHE", str(tmp_path))
+    held = mujoco.get_mjcb_passive()
+    mujoco.set_mjcb_passive(None)
+    kernel._kernel.cache_clear()
+    try:
+        with ThreadPoolExecutor(8) as pool:
+            assert all(pool.map(lambda _: kernel.install(), range(8)))
+    finally:
+        mujoco.set_mjcb_passive(None)
+        mujoco.set_mjcb_passive(held)
+        kernel._kernel.cache_clear()
+
+
+@pytest.mark.usefixtures("_by_numpy")
+def test_the_first_of_two_simulations_to_end_does_not_dry_the_other() -> None:
+    robot = load("swimmer_three_links")
+    model = compiled(spec_of(robot), (LinearDrag(body="tail", y=20.0),), robot).model
+    with kernel.flowing(model):
+        with kernel.flowing(model):
+            pass
+        assert mujoco.get_mjcb_passive() is not None
+    assert mujoco.get_mjcb_passive() is None
 
 
 def test_compilers_that_all_fail_are_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
