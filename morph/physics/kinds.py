@@ -6,6 +6,7 @@ import itertools
 from typing import TypeVar
 
 from morph.body.robot import Robot
+from morph.errors import EffectError
 from morph.physics.effect import Effect
 
 Some = TypeVar("Some", bound=Effect)
@@ -141,7 +142,17 @@ class WorldEffect(Effect):
 
     @classmethod
     def at(cls: type[Some], where: str = "world") -> Some:
-        """Return the effect on the world."""
+        """Return the effect on the world.
+
+        Raises:
+            EffectError: It is to act elsewhere.
+        """
+        if where != "world":
+            raise EffectError(
+                f"{cls.name} acts on the world, not on {where!r}",
+                where=f"effect {cls.name}@{where}",
+                fix=f"say {cls.name}@world",
+            )
         return cls()
 
     @classmethod
@@ -151,5 +162,5 @@ class WorldEffect(Effect):
 
     @classmethod
     def suspects(cls, robot: Robot) -> tuple[str, ...]:
-        """Return nothing, unless an effect of the world can be screened from motion alone."""
+        """Return nothing: none of the world's effects so far is screened from motion alone."""
         return ()

@@ -8,6 +8,7 @@ import mujoco
 import numpy as np
 
 from morph.physics.fluid.kernel import flowing
+from morph.physics.fluid.numbers import ADDED, DISPLACED, LINEAR, QUADRATIC, SHED
 from morph.physics.fluid.reference import wet_bodies
 
 Integrator = Literal["implicitfast", "rk4"]
@@ -30,12 +31,19 @@ def best_integrator(model: mujoco.MjModel) -> Integrator:
     contact, no closed chain, no dry friction, and no joint that is stiff for the step.
     """
     free = (
-        len(wet_bodies(model)) > 0
+        _feels_a_fluid(model)
         and model.neq == 0
         and not model.dof_frictionloss.any()
         and not _may_touch(model)
     )
     return "rk4" if free and _fastest(model) * model.opt.timestep < MARGIN else "implicitfast"
+
+
+def _feels_a_fluid(model: mujoco.MjModel) -> bool:
+    """Return whether a fluid does anything: an effect at its neutral value writes zeros."""
+    told = model.body_user[wet_bodies(model)]
+    acting = (ADDED, DISPLACED, LINEAR, QUADRATIC, SHED)
+    return any(bool(told[:, where].any()) for where in acting)
 
 
 def _may_touch(model: mujoco.MjModel) -> bool:

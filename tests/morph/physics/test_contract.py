@@ -252,7 +252,9 @@ def test_a_dissipative_effect_never_adds_energy(kind: type[Effect]) -> None:
     effect = replace(kind.at(kind.places(pendulum)[-1]), **told.values)
 
     def energy(effects: tuple[Effect, ...]) -> Array:
-        out = Simulator(pendulum, effects=effects, step=step).run(seconds=4.0, start={"hinge": 2.5})
+        # In a fluid the choice would be rk4, which is no leapfrog.
+        simulator = Simulator(pendulum, effects=effects, step=step, integrator="implicitfast")
+        out = simulator.run(seconds=4.0, start={"hinge": 2.5})
         position, velocity = out["hinge.position"][:-1], out["hinge.velocity"]
         speed = 0.5 * (velocity[1:] + velocity[:-1])
         return np.asarray(0.5 * 0.251 * speed**2 - 4.905 * np.cos(position))
@@ -424,7 +426,7 @@ def test_an_effect_survives_being_written_and_read(
                 for k in kind.parameters()
             },
         )
-        for place in (*places, 'a "b" \\c')
+        for place in (*places, 'a "b" \\c')[: 1 if kind.kind == "world" else None]
     )
     path = tmp_path / "effects.toml"
     path.write_text(effects_text(effects))

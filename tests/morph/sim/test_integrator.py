@@ -28,10 +28,17 @@ WATER: tuple[Effect, ...] = (
     [
         ((), "implicitfast"),
         (WATER, "rk4"),
+        (tuple(effect.neutral() for effect in WATER), "implicitfast"),
         ((*WATER, Ground(height=-5.0)), "implicitfast"),
         ((*WATER, CoulombFriction(joint="left_front", c=0.1)), "implicitfast"),
     ],
-    ids=["dry", "free in water", "above a floor", "with dry friction"],
+    ids=[
+        "dry",
+        "free in water",
+        "in water that does nothing",
+        "above a floor",
+        "with dry friction",
+    ],
 )
 def test_only_what_moves_freely_in_a_fluid_is_stepped_by_runge_kutta(
     effects: tuple[Effect, ...], expected: str
