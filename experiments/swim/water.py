@@ -10,6 +10,7 @@ from morph.physics.fluid.added_mass import AddedMass
 from morph.physics.fluid.buoyancy import Buoyancy
 from morph.physics.fluid.quadratic_drag import QuadraticDrag
 from morph.physics.fluid.thrust import Thrust
+from morph.physics.fluid.wet import AXES
 
 DENSITY = 1000.0
 """Fresh water, kg/m3."""
@@ -71,9 +72,6 @@ def aqua_water(robot: Robot, *, thrust: float = 1.0, drag: bool = True) -> tuple
         if thrust:
             effects.append(Thrust(body=name, C=thrust, density=DENSITY))
     return tuple(effects)
-
-
-AXES = ("x", "y", "z", "rx", "ry", "rz")
 
 
 def _blade_added(name: str) -> AddedMass:

@@ -49,7 +49,7 @@ EFFECTS: tuple[type[Effect], ...] = (
     ContactSoftness,
     Restitution,
 )
-"""Every effect that a simulation can have and a diagnosis can find."""
+"""Every effect that a simulation can have; `Effect.suspects` says where a diagnosis looks."""
 
 
 def effect_class(name: str) -> type[Effect]:

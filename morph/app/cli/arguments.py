@@ -120,7 +120,7 @@ class Simulate:
     """Physics that acts on it, as `morph list effects` names it; may be repeated."""
     effects: Annotated[str | None, tyro.conf.arg(metavar="TOML")] = None
     """File of effects, such as the corrected.toml of a diagnosis."""
-    world: str | None = None
+    world: Annotated[str | None, tyro.conf.arg(metavar="NAME")] = None
     """Where it moves: water, salt_water, hard_floor, rubber_on_wood, pla_on_carpet."""
     seconds: float = 5.0
     """How long it moves."""

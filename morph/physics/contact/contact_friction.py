@@ -20,7 +20,9 @@ class ContactFriction(ContactEffect):
     """Two bodies that touch resist sliding with up to mu times what presses them together.
 
     |f_t| <= mu f_n, against the sliding velocity where they slide. Twisting about the
-    normal is resisted with up to torsional f_n, rolling with up to rolling f_n.
+    normal is resisted with up to torsional f_n, rolling with up to rolling f_n, in full only
+    above a speed of turning of (1 - d) / (d b) mu^2 g / torsional: with MuJoCo's own d = 0.9 and
+    b = 105 / s, and mu = 1, 5 rad/s for 2 mm.
 
     Giving mu makes friction a cone, in every contact of the world, as the law has it;
     MuJoCo's own pyramid of four faces, quicker and up to 1 - 1/sqrt(2) weaker along its
@@ -44,7 +46,7 @@ class ContactFriction(ContactEffect):
     mu: float = parameter(
         -1.0, unit="-", low=-1.0, high=5.0, neutral=-1.0, scan=(0.1, 0.2, 0.4, 0.8)
     )
-    """Sliding friction coefficient; below 0 all friction is as the description has it."""
+    """Sliding friction coefficient; below 0 it is as the description has it."""
     torsional: float = parameter(0.0, unit="m", low=0.0, high=0.1, neutral=0.0)
     """Twisting friction over pressing force; 0 for none beyond the description's."""
     rolling: float = parameter(0.0, unit="m", low=0.0, high=0.1, neutral=0.0)
@@ -54,19 +56,23 @@ class ContactFriction(ContactEffect):
 
     def edit(self, spec: Any) -> None:
         """Set the friction of the contact's pairs, and the shape of friction."""
-        if self.mu < 0.0:
+        if self == self.neutral():
             return
         for pair in pairs_of(spec, self.contact, f"effect {self.label}"):
-            twist, roll = pair.friction[2], pair.friction[3]
-            if self.torsional > 0.0:
-                twist, pair.condim = self.torsional, max(pair.condim, 4)
-            if self.rolling > 0.0:
-                roll, pair.condim = self.rolling, 6
+            friction = list(pair.friction)
             # Of a contact without friction the description leaves one dimension.
             pair.condim = max(pair.condim, 3)
-            pair.friction = (self.mu, self.mu, twist, roll, roll)
-        cones = mujoco.mjtCone
-        spec.option.cone = cones.mjCONE_PYRAMIDAL if self.pyramid > 0.5 else cones.mjCONE_ELLIPTIC
+            if self.mu >= 0.0:
+                friction[:2] = self.mu, self.mu
+            if self.torsional > 0.0:
+                friction[2], pair.condim = self.torsional, max(pair.condim, 4)
+            if self.rolling > 0.0:
+                friction[3:], pair.condim = [self.rolling] * 2, 6
+            pair.friction = friction
+        if self.pyramid > 0.5:
+            spec.option.cone = mujoco.mjtCone.mjCONE_PYRAMIDAL
+        elif self.mu >= 0.0:
+            spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
 
     def regressor(self, motion: Motion) -> Array:
         """Return no columns: the pressing force is not in a recording of motion."""

@@ -102,7 +102,7 @@ def _buoyancy(model: mujoco.MjModel, data: mujoco.MjData, body: int, numbers: Ar
 
 
 def _thrust(model: mujoco.MjModel, data: mujoco.MjData, body: int, numbers: Array) -> Array:
-    """Return what leaves at the trailing edge, (nv,): Lighthill 1971, eq. 6."""
+    """Return what leaves at the trailing edge, (nv,): Lighthill 1971, as `thrust.tail_force`."""
     turned = data.xmat[body].reshape(3, 3)
     jacobian = np.zeros((3, model.nv))
     mujoco.mj_jac(model, data, jacobian, None, data.xpos[body] + turned @ numbers[EDGE], body)

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import inspect
 import json
 import re
 from pathlib import Path
@@ -9,11 +10,13 @@ import numpy as np
 import pytest
 
 import morph.app.cli.simulate
+from morph.app.cli.arguments import Simulate
 from morph.app.cli.main import main
 from morph.body.load import load
 from morph.physics.joint.coulomb_friction import CoulombFriction
 from morph.physics.joint.viscous_friction import ViscousFriction
 from morph.physics.store import effects_text
+from morph.physics.worlds import world_names
 from morph.policy.pattern import Swing, pattern
 from morph.policy.store import write_policy
 from morph.record.load import load as load_recordings
@@ -204,3 +207,8 @@ def test_many_channels_are_counted_rather_than_listed(capsys: pytest.CaptureFixt
     # 7 of the pelvis and 25 joints; 24 are shown.
     assert "\n... and 8 more; --json lists all\n" in words
     assert max(map(len, words.splitlines())) <= 80
+
+
+def test_the_help_names_every_world() -> None:
+    text = inspect.getsource(Simulate).split("world: ")[1].split('"""')[1]
+    assert text == f"Where it moves: {', '.join(world_names())}."

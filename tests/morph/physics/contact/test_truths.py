@@ -164,3 +164,22 @@ def test_a_stack_stays_where_it_was_put(made: Callable[..., Robot]) -> None:
         # Pressed 0.8 mm more at one edge than at the other, 0.1 m off, a face leans 0.008 rad:
         # each below creeps at g 0.008 (1 - d) / (d b) = 0.08 mm/s, as on the slope above.
         assert np.abs(still).max() < 0.083e-3 * (n + 1)
+
+
+def test_twisting_friction_slows_a_top_whose_sliding_friction_is_as_described(ball: Robot) -> None:
+    lever, spin, at = 0.002, 50.0, 30
+    effects = (Ground(), ContactFriction(contact=FLOOR, torsional=lever))
+    run = Simulator(ball, effects, step=STEP).run(
+        seconds=0.4, speed={"ball.angular_velocity.z": spin}
+    )
+    turning, sinking = run["ball.angular_velocity.z"], run["ball.linear_velocity.z"]
+    # The floor's impulse until then is m (g t + v); times the lever, over 2/5 m r^2. A step's
+    # change is laid at its end: 2 / m * 9.81 m/s2 * 2 ms = 0.04 rad/s.
+    slowed = lever / (0.4 * 0.05**2) * (G * at * STEP + sinking[at])
+    # It yields up to (1 - d) / (d b) mu^2 g / lever = 5 rad/s, with mu = 1, and is whole above.
+    assert slowed > 1.0
+    assert turning[at] == pytest.approx(spin - slowed, abs=0.04)
+    plain = Simulator(ball, (Ground(),), step=STEP).run(
+        seconds=0.4, speed={"ball.angular_velocity.z": spin}
+    )
+    assert plain["ball.angular_velocity.z"][-1] == pytest.approx(spin, abs=1e-9)
