@@ -90,6 +90,7 @@ def _done(
     took: float,
 ) -> Done:
     from morph.app.cli.summary import Done
+    from morph.sim.buried import buried
 
     name = Path(asked.out).name.partition(".")[0] if asked.out else simulator.robot.name
     recording = simulator.recorded(moved, name or "simulated")
@@ -99,10 +100,12 @@ def _done(
             where=f"robot {simulator.robot.name}",
             fix="give it a joint, or for a URDF --base floating",
         )
+    doubtful = buried(simulator.model, moved.position[0])
     return Done(
         robot=simulator.robot,
         effects=simulator.effects,
         world=world,
+        notes=(*(world.notes if world else ()), *filter(None, [doubtful])),
         recording=recording,
         step=simulator.step,
         integrator=simulator.integrator,

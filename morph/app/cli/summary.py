@@ -37,6 +37,8 @@ class Done:
     """What acted on it."""
     world: World | None
     """The named world around it; None if none was asked for."""
+    notes: tuple[str, ...]
+    """What had to be decided of its shapes, and what is doubtful about its start."""
     recording: Recording
     """What it did."""
     step: float
@@ -73,7 +75,7 @@ def as_json(done: Done) -> JSON:
             for effect in done.effects
         ],
         "world": None if done.world is None else done.world.name,
-        "notes": [] if done.world is None else list(done.world.notes),
+        "notes": list(done.notes),
         "policy": done.policy,
         "seconds": done.seconds,
         "step": done.step,
@@ -111,7 +113,7 @@ def in_words(done: Done, columns: int | None) -> list[tuple[str, str]]:
         plain.append(f"  commanded by {done.policy}")
     lines = [(line, "bold") for line in paragraph(harmless(head), 4, columns)]
     lines += [(line, "") for text in plain for line in paragraph(harmless(text), 4, columns)]
-    for note in () if done.world is None else done.world.notes:
+    for note in done.notes:
         lines += [(line, "yellow") for line in paragraph(harmless(f"  {note}"), 4, columns)]
     lines += [("", ""), *_table(done.recording, columns), ("", "")]
     if done.why is not None:

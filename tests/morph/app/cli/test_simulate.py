@@ -212,3 +212,10 @@ def test_many_channels_are_counted_rather_than_listed(capsys: pytest.CaptureFixt
 def test_the_help_names_every_world() -> None:
     text = inspect.getsource(Simulate).split("world: ")[1].split('"""')[1]
     assert text == f"Where it moves: {', '.join(world_names())}."
+
+
+def test_a_start_within_the_floor_is_told(capsys: pytest.CaptureFixture[str]) -> None:
+    asked = ("hexapod_swimmer", "--world", "hard_floor", "--seconds", "0.01")
+    assert "hull and floor 60 mm within each other" in " ".join(done(capsys, *asked).split())
+    content = json.loads(done(capsys, *asked, "--start", "hull.position.z=0.1", "--json"))
+    assert content["notes"] == []
