@@ -14,11 +14,9 @@ from morph.physics.effect import Effect
 from morph.physics.fluid.added_mass import AddedMass
 from morph.physics.fluid.buoyancy import Buoyancy
 from morph.physics.fluid.quadratic_drag import QuadraticDrag
-from morph.physics.fluid.tensor import Tensor, box_tensor, tensor_of_solid
 from morph.physics.fluid.wet import AXES
-from morph.physics.fluid.wetted.choose import Wetted, surface
+from morph.physics.fluid.wetted.figures import Figures, figures_of
 from morph.physics.fluid.wetted.fit import check_density, fit_of
-from morph.physics.fluid.wetted.panels import panel_drag
 from morph.physics.fluid.wetted.shapes import every_shape
 
 FRESH, SALT = 1000.0, 1025.0
@@ -39,13 +37,6 @@ class Immersed:
     """Added mass, buoyancy and drag of every link that has a shape."""
     notes: tuple[str, ...]
     """What was mended, replaced or does not fit, with its figures; empty where all is clear."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class _Part:
-    link: str
-    surface: Wetted
-    tensor: Tensor
 
 
 def immersed(
@@ -80,22 +71,22 @@ def immersed(
     card = robot.card.water if robot.card is not None else None
     scale = scale or (card.scale if card else 1.0)
     way = wetted_as or (card.wetted if card else "mesh")
-    parts = [
-        _part(
-            link, surface(tuple(one.scaled(scale) for one in shapes), how=way, where=f"link {link}")
-        )
+    parts = {
+        link: figures_of(tuple(one.scaled(scale) for one in shapes), how=way, where=f"link {link}")
         for link, shapes in every_shape(robot, rigid=True).items()
-    ]
+    }
     if not parts:
         raise RobotError(
             "none of its links has a shape for the fluid to touch",
             where=where,
             fix="give its links collision or visual shapes",
         )
-    shapes = sum(part.surface.volume for part in parts)
+    shapes = sum(part.tensor.volume for part in parts.values())
     whole = volume or (card.displaced_volume_m3 * (scale / card.scale) ** 3 if card else shapes)
     trim = fit_of(robot.mass, whole, density, where=where)
-    effects = [e for part in parts for e in _effects(part, density, whole / shapes)]
+    effects = [
+        e for name, part in parts.items() for e in _effects(name, part, density, whole / shapes)
+    ]
     return Immersed(
         effects=tuple(effects), notes=(*_notes(parts, shapes, whole), *filter(None, [trim]))
     )
@@ -109,29 +100,17 @@ def _positive(where: str, **told: float | None) -> None:
             )
 
 
-def _part(link: str, found: Wetted) -> _Part:
-    if found.box is None:
-        return _Part(link=link, surface=found, tensor=tensor_of_solid(found.vertices, found.faces))
-    box = found.box
-    tensor = box_tensor(*(float(side) for side in box.sides))
-    return _Part(
-        link=link,
-        surface=found,
-        tensor=tensor.turned(box.axes).shifted(box.centre).about((0, 0, 0)),
-    )
-
-
-def _effects(part: _Part, density: float, lift: float) -> tuple[Effect, ...]:
+def _effects(link: str, part: Figures, density: float, lift: float) -> tuple[Effect, ...]:
     """Return what acts on one link; `lift` is what it displaces over what its shapes enclose."""
-    link, found = part.link, part.surface
-    size = found.volume ** (1.0 / 3.0)
-    tidy = np.where(np.abs(found.centre) < ROUND * size, 0.0, found.centre)
+    volume, place = part.tensor.volume, part.tensor.centre
+    tidy = np.where(np.abs(place) < ROUND * volume ** (1.0 / 3.0), 0.0, place)
     centre = dict(zip(("cx", "cy", "cz"), tidy.tolist(), strict=True))
-    drag = density * panel_drag(found.vertices, found.faces, point=found.centre)
     return (
-        AddedMass.of(link, density * _tidy(part.tensor.matrix)),
-        Buoyancy(body=link, volume=lift * found.volume, density=density, **centre),
-        QuadraticDrag(body=link, **dict(zip(AXES, drag.tolist(), strict=True)), **centre),
+        AddedMass.of(link, density * _tidy(part.tensor.about((0, 0, 0)).matrix)),
+        Buoyancy(body=link, volume=lift * volume, density=density, **centre),
+        QuadraticDrag(
+            body=link, **dict(zip(AXES, (density * part.drag).tolist(), strict=True)), **centre
+        ),
     )
 
 
@@ -141,11 +120,14 @@ def _tidy(matrix: Array) -> Array:
     return np.where(np.abs(matrix) < ROUND * np.outer(size, size), 0.0, matrix)
 
 
-def _notes(parts: list[_Part], shapes: float, whole: float) -> tuple[str, ...]:
+def _notes(parts: dict[str, Figures], shapes: float, whole: float) -> tuple[str, ...]:
+    said: dict[str, list[str]] = {}
+    for link, part in parts.items():
+        if part.reason:
+            said.setdefault(part.reason + _spread(part), []).append(link)
     notes = [
-        f"link {part.link}: {part.surface.reason}{_spread(part.surface)}"
-        for part in parts
-        if part.surface.reason
+        f"link{'s' if len(links) > 1 else ''} {', '.join(links)}: {note}"
+        for note, links in said.items()
     ]
     if abs(shapes / whole - 1.0) > CLOSE:
         notes.append(
@@ -155,9 +137,7 @@ def _notes(parts: list[_Part], shapes: float, whole: float) -> tuple[str, ...]:
     return tuple(notes)
 
 
-def _spread(found: Wetted) -> str:
-    if found.spread is None:
+def _spread(part: Figures) -> str:
+    if not part.spread:
         return ""
-    return (
-        f" (added mass differs by up to {found.spread.max():.0%} among {len(found.choices)} ways)"
-    )
+    return f" (added mass differs by up to {part.spread:.0%} among what might stand for it)"

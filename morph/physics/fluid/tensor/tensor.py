@@ -88,6 +88,19 @@ class Tensor:
             point=R @ self.point,
         )
 
+    def mirrored(self, signs: Array) -> Tensor:
+        """Return the tensor of the mirrored solid, x' = s x; -1 in s mirrors an axis.
+
+        v mirrors as places do, w as their cross products: by s times the product of s.
+        """
+        both = np.concatenate([signs, signs.prod() * signs])
+        return replace(
+            self,
+            matrix=np.outer(both, both) * self.matrix,
+            centre=signs * self.centre,
+            point=signs * self.point,
+        )
+
     def shifted(self, offset: ArrayLike) -> Tensor:
         """Return the tensor of the solid moved by an offset, about the same place of the frame."""
         move = np.asarray(offset, dtype=np.float64)

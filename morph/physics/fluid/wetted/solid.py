@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from morph.arrays import Array, Integers
 from morph.body.mesh import Mesh
+from morph.physics.fluid.tensor.manifold import as_manifold, from_manifold
 
 SAMPLES = 48
 """Faces beside which a piece is asked whether it has an inside and an outside."""
@@ -30,12 +30,17 @@ class Joined:
     """What was mended, or why there is none; empty for shapes without a fault."""
 
 
-def joined(shapes: tuple[Mesh, ...]) -> Joined:
+def joined(shapes: tuple[Mesh, ...], *, grown: float = 0.0) -> Joined:
     """Return the union of shapes as one solid, its faces outward, its pieces apart.
 
     Pieces of a shape that are closed are turned right side out, so that hollows
     are filled: water does not get in. What overlaps is counted once. A body may
     consist of several solids that do not touch: each has an inside.
+
+    Args:
+        shapes: Triangle meshes, m.
+        grown: By how much each piece is made larger all round, m, so that what only
+            touches overlaps.
     """
     notes: list[str] = []
     solids: list[Mesh] = []
@@ -48,7 +53,7 @@ def joined(shapes: tuple[Mesh, ...]) -> Joined:
         if turned:
             notes.append(f"{turned} of {len(pieces)} pieces were inside out and were turned")
         solids += [_outward(piece) for piece in pieces]
-    mesh = _union(solids)
+    mesh = _union([_grown(solid, grown) for solid in solids] if grown else solids)
     if mesh is None:
         return Joined(mesh=None, notes=("its pieces cannot be joined exactly",))
     return Joined(mesh=mesh, notes=tuple(dict.fromkeys(notes)))
@@ -150,6 +155,13 @@ def _outward(piece: Mesh) -> Mesh:
     return Mesh(vertices=piece.vertices, faces=piece.faces[:, ::-1].copy())
 
 
+def _grown(piece: Mesh, length: float) -> Mesh:
+    middle, half = piece.bounds.mean(axis=0), np.ptp(piece.bounds, axis=0) / 2.0
+    return Mesh(
+        vertices=middle + (piece.vertices - middle) * (1.0 + length / half), faces=piece.faces
+    )
+
+
 def _union(solids: list[Mesh]) -> Mesh | None:
     from manifold3d import Error, Manifold, OpType
 
@@ -161,23 +173,6 @@ def _union(solids: list[Mesh]) -> Mesh | None:
     whole = Manifold.batch_boolean(parts, OpType.Add)
     kept = [piece for piece in whole.decompose() if piece.volume() > SLIVER * whole.volume()]
     return from_manifold(Manifold.compose(kept)) if kept else None
-
-
-def as_manifold(mesh: Mesh) -> Any:
-    """Return a closed mesh as a `manifold3d.Manifold`."""
-    from manifold3d import Manifold, Mesh64
-
-    faces: Integers = np.ascontiguousarray(mesh.faces)
-    return Manifold(Mesh64(mesh.vertices, faces.astype(np.uint64)))
-
-
-def from_manifold(solid: Any) -> Mesh:
-    """Return a `manifold3d.Manifold` as a mesh."""
-    found = solid.to_mesh64()
-    return Mesh(
-        vertices=np.array(found.vert_properties[:, :3], dtype=np.float64),
-        faces=np.array(found.tri_verts, dtype=np.int64),
-    )
 
 
 def _counted(faults: list[str], pieces: int) -> str:

@@ -9,8 +9,8 @@ import numpy as np
 
 from morph.arrays import Array, Integers, Mask
 from morph.body.mesh import Mesh
-from morph.physics.fluid.wetted.remesh import even
-from morph.physics.fluid.wetted.solid import from_manifold
+from morph.physics.fluid.tensor.manifold import from_manifold
+from morph.physics.fluid.tensor.remesh import remeshed
 
 RADII = (0.0, 0.01, 0.02, 0.03, 0.04, 0.06, 0.08, 0.1, 0.12)
 """Radii of the ball that must not get in, as parts of the greatest extent, tried in turn."""
@@ -98,7 +98,7 @@ def wrapped(shapes: tuple[Mesh, ...], *, cells: int, radius: float, panels: int)
         found = _without_crumbs(skin)
         # A skin may touch itself where it has details finer than its edges.
         if found.consistent:
-            found = even(found, panels)
+            found = remeshed(found, panels)
             off = abs(float(np.log(volume / found.volume)))
             return _of_volume(found, volume) if off < SHRUNK else found
         blur *= 1.5

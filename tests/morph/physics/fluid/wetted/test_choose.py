@@ -9,7 +9,7 @@ import pytest
 import morph
 from morph.body.mesh import Mesh
 from morph.errors import RobotError
-from morph.physics.fluid.tensor import kirchhoff
+from morph.physics.fluid.tensor import tensor_of_solid
 from morph.physics.fluid.wetted import surface, wetted
 from morph.physics.fluid.wetted.sound import sound
 
@@ -24,7 +24,7 @@ def mesh_of(found: object) -> Mesh:
 
 def test_the_swimmers_hull_and_paddle_displace_what_the_card_says() -> None:
     robot = morph.load("hexapod_swimmer")
-    hull, paddle = (wetted(robot, link, panels=400) for link in ("hull", "left_front_paddle"))
+    hull, paddle = (wetted(robot, link) for link in ("hull", "left_front_paddle"))
     assert hull.volume + 6 * paddle.volume == pytest.approx(0.017043487, abs=1e-9)
     assert (hull.how, hull.reason, hull.spread) == ("mesh", "", None)
     assert sound(mesh_of(hull))
@@ -35,7 +35,7 @@ def test_the_swimmers_hull_and_paddle_displace_what_the_card_says() -> None:
 
 def test_the_box_of_the_swimmers_hull_has_its_volume() -> None:
     robot = morph.load("hexapod_swimmer")
-    box = wetted(robot, "hull", how="box", panels=400)
+    box = wetted(robot, "hull", how="box")
     assert box.box is not None
     assert box.volume == pytest.approx(0.017043487 - 6 * 2.4e-5, abs=1e-9)
     # The hips widen the hull's 0.21 m and leave its length and height within 3 %.
@@ -44,7 +44,7 @@ def test_the_box_of_the_swimmers_hull_has_its_volume() -> None:
 
 def test_twice_the_scale_is_eight_times_the_volume() -> None:
     robot = morph.load("hexapod_swimmer")
-    one, two = (wetted(robot, "hull", how="box", panels=200, scale=scale) for scale in (1.0, 2.0))
+    one, two = (wetted(robot, "hull", how="box", scale=scale) for scale in (1.0, 2.0))
     assert two.volume == pytest.approx(8 * one.volume)
 
 
@@ -56,14 +56,14 @@ def test_a_scale_that_is_none_is_refused(scale: float) -> None:
 
 
 def test_a_ball_with_a_hole_is_wrapped_to_the_ball(ball: Mesh) -> None:
-    found = surface((torn(ball, 20),), panels=640)
+    found = surface((torn(ball, 20),))
     assert found.how == "wrap"
     assert found.reason.startswith("1 open of its 1 piece: wrapped watertight")
     # Of 2 mm cells on a ball of 200 mm; the skin is off by less than half of one: 3 * 1 %.
     assert found.volume == pytest.approx(ball.volume, rel=0.03)
     assert found.spread is not None
     assert {choice.how for choice in found.choices} == {"wrap", "wrap, coarser", "hull", "box"}
-    tensor = kirchhoff(found.vertices, found.faces)
+    tensor = tensor_of_solid(found.vertices, found.faces, panels=640).matrix
     assert np.linalg.eigvalsh(tensor).min() > 0
     # rho V / 2 of the true ball; 3 % of volume and 1 % of panels.
     assert np.allclose(np.diag(tensor)[:3], ball.volume / 2, rtol=0.04)
@@ -71,7 +71,7 @@ def test_a_ball_with_a_hole_is_wrapped_to_the_ball(ball: Mesh) -> None:
 
 def test_a_box_without_a_lid_is_replaced_by_its_hull_and_the_spread_is_given(cube: Mesh) -> None:
     lid = (cube.vertices[cube.faces][:, :, 2] > 0.049).all(axis=1)
-    found = surface((Mesh(vertices=cube.vertices, faces=cube.faces[~lid]),), panels=400)
+    found = surface((Mesh(vertices=cube.vertices, faces=cube.faces[~lid]),))
     assert found.how == "hull"
     assert "a wrap of it encloses nothing" in found.reason
     assert found.volume == pytest.approx(1e-3)
@@ -92,7 +92,7 @@ def test_a_tube_that_runs_through_itself_is_wrapped() -> None:
     c, d = (a + 12) % (96 * 12), (b + 12) % (96 * 12)
     faces = np.concatenate([np.stack([a, b, c], axis=1), np.stack([b, d, c], axis=1)])
     tube = Mesh(vertices=(centre[:, None] + 0.15 * ring).reshape(-1, 3), faces=faces)
-    found = surface((tube,), panels=640)
+    found = surface((tube,))
     assert found.how != "mesh"
     assert "tangled" in found.reason or "crosses" in found.reason
     assert sound(mesh_of(found))
@@ -118,13 +118,13 @@ def test_the_real_shell_of_152_open_pieces_becomes_a_solid_near_what_the_robot_d
     real_robots: Path,
 ) -> None:
     robot = morph.load(real_robots / "aqua" / "aqua_description" / "urdf" / "aqua.urdf")
-    found = wetted(robot, "aqua_base", drawn=True, rigid=True, panels=640)
+    found = wetted(robot, "aqua_base", drawn=True, rigid=True)
     assert found.how == "wrap"
     assert "22 open of its 90 pieces" in found.reason
     # The robot displaces 17 litres, 0.9 of them hips and paddles: their faces add up to 3.
     assert 0.014 < found.volume < 0.018
     assert sound(mesh_of(found))
-    tensor = 1000.0 * kirchhoff(found.vertices, found.faces)
+    tensor = 1000.0 * tensor_of_solid(found.vertices, found.faces, panels=640).matrix
     assert np.linalg.eigvalsh(tensor).min() > 0
     # Between an ellipse's plate of the shell's box, pi/4 rho b^2 l = 22 kg less its ends,
     # and the hull with the hips, 53 kg.

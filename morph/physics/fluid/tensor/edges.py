@@ -1,4 +1,4 @@
-"""The edges of a closed mesh: who their faces are, how they fold, what they are part of."""
+"""The edges of a closed mesh: who their faces are, how they fold, what meets at their ends."""
 
 from __future__ import annotations
 
@@ -9,10 +9,13 @@ import numpy as np
 from morph.arrays import Array, Integers, Mask
 
 FOLD = np.cos(np.radians(40.0))
-"""Cosine of the fold from which on an edge is a crease, that remeshing keeps."""
+"""Cosine of the fold from which on an edge is a crease; those of an icosahedron fold by 42."""
 
 SLIVER = 1e-3
 """Height by longest side below which a triangle's own normal says nothing."""
+
+BENT = 9
+"""Creases said to meet in a corner where two do, but at an angle."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -20,17 +23,19 @@ class Edges:
     """Every edge of a closed mesh once, with its two faces."""
 
     ends: Integers
-    """Its two corners, shape (edges, 2)."""
+    """Its two corners, the lower number first, shape (edges, 2)."""
     faces: Integers
-    """The face on either side, shape (edges, 2)."""
+    """The face on either side, first the one that runs from the lower; shape (edges, 2)."""
     tips: Integers
     """The third corner of each of those faces, shape (edges, 2)."""
     length: Array
     """m, shape (edges,)."""
     crease: Mask
     """Whether its faces fold sharply, shape (edges,)."""
+    convex: Mask
+    """Whether its faces fold so that it juts out, shape (edges,)."""
     creases: Integers
-    """How many creases meet in each corner; 9 where two meet at an angle; shape (corners,)."""
+    """How many creases meet in each corner, or `BENT`; shape (corners,)."""
 
 
 def edges_of(vertices: Array, faces: Integers) -> Edges:
@@ -39,22 +44,25 @@ def edges_of(vertices: Array, faces: Integers) -> Edges:
     tip, face = np.roll(faces, -2, axis=1).ravel(), np.repeat(np.arange(len(faces)), 3)
     low, high = np.minimum(start, end), np.maximum(start, end)
     # Both directions of an edge stand side by side, the rising one first.
-    order = np.argsort((low * len(vertices) + high) * 2 + (start > end), kind="stable")
-    pairs = order.reshape(-1, 2)
+    pairs = np.argsort((low * len(vertices) + high) * 2 + (start > end)).reshape(-1, 2)
     ends = np.stack([low, high], axis=1)[pairs[:, 0]]
     normal = normals(vertices, faces)
     both = face[pairs]
     fold = np.einsum("ij,ij->i", normal[both[:, 0]], normal[both[:, 1]])
     # A sliver has no normal to speak of: its neighbours alone hold its corners.
-    known = (normal != 0).sum(axis=1)[both].min(axis=1) > 0
-    crease: Mask = (fold < FOLD) & known
+    crease: Mask = (fold < FOLD) & (normal != 0).any(axis=1)[both].all(axis=1)
+    along = vertices[ends[:, 1]] - vertices[ends[:, 0]]
+    length = np.sqrt((along * along).sum(axis=1))
+    unit = along[crease] / np.maximum(length[crease], np.finfo(float).tiny)[:, None]
+    across = vertices[tip[pairs[:, 1]]] - vertices[ends[:, 0]]
     return Edges(
         ends=ends,
         faces=both,
         tips=tip[pairs],
-        length=np.linalg.norm(vertices[ends[:, 1]] - vertices[ends[:, 0]], axis=1),
+        length=length,
         crease=crease,
-        creases=_creases(vertices, ends[crease]),
+        convex=np.einsum("ij,ij->i", across, normal[both[:, 0]]) < 0.0,
+        creases=_creases(len(vertices), ends[crease], unit),
     )
 
 
@@ -70,14 +78,11 @@ def normals(vertices: Array, faces: Integers) -> Array:
     return unit
 
 
-def _creases(vertices: Array, ends: Integers) -> Integers:
-    count = np.bincount(ends.ravel(), minlength=len(vertices))
-    # Two creases that go on in the same direction cancel: a + b = 0 for unit vectors.
-    along = vertices[ends[:, 1]] - vertices[ends[:, 0]]
-    along /= np.linalg.norm(along, axis=1)[:, None]
-    total = np.zeros((len(vertices), 3))
+def _creases(corners: int, ends: Integers, along: Array) -> Integers:
+    count = np.bincount(ends.ravel(), minlength=corners)
+    # Two creases that go on in the same direction cancel: |a + b|^2 = 2 - 2 cos(bend).
+    total = np.zeros((corners, 3))
     np.add.at(total, ends[:, 0], along)
     np.add.at(total, ends[:, 1], -along)
-    # |a + b|^2 = 2 - 2 cos(angle by which the crease bends).
     bent = (total**2).sum(axis=1) > 2.0 - 2.0 * FOLD
-    return np.where((count == 2) & bent, 9, count)
+    return np.where((count == 2) & bent, BENT, count)

@@ -1,0 +1,135 @@
+"""What a fluid needs to know of a link: its tensor, its volume and its drag, computed once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from morph.arrays import Array
+from morph.body.mesh import Mesh
+from morph.errors import RobotError
+from morph.physics.fluid.tensor import Tensor, box_tensor, ellipsoid_tensor, tensor_of_solid
+from morph.physics.fluid.tensor.box import THINNEST
+from morph.physics.fluid.tensor.manifold import refined
+from morph.physics.fluid.wetted.alike import form_of
+from morph.physics.fluid.wetted.choose import check_shapes, surface
+from morph.physics.fluid.wetted.ellipsoid import as_ellipsoid
+from morph.physics.fluid.wetted.keep import kept
+from morph.physics.fluid.wetted.mend import mended
+from morph.physics.fluid.wetted.outcome import Wetted
+from morph.physics.fluid.wetted.panels import panel_drag
+
+STRIPS = 24
+"""Panels along the greatest extent, at the least, over which drag is summed."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Figures:
+    """What a fluid needs to know of a link, in the link's frame and at unit density."""
+
+    tensor: Tensor
+    """Added mass about the frame's origin, with the volume displaced and its centre."""
+    drag: Array
+    """Quadratic drag along and about the frame's axes through that centre, shape (6,)."""
+    how: str
+    """What stands for the link: its own `mesh`, a `wrap` of it, its `hull`, or a `box`."""
+    reason: str
+    """Why it is not the link's shapes as they are; empty if it is."""
+    spread: float
+    """By how much added mass differs among what might stand for it, as a part; 0 if clear."""
+
+
+def figures_of(
+    shapes: tuple[Mesh, ...], *, how: str = "mesh", where: str = "the shapes"
+) -> Figures:
+    """Return what a fluid needs to know of a body made of shapes.
+
+    Worked out once for all bodies of one form, wherever they lie and mirrored or
+    not, and kept by its content. What boundary elements refuse is mended, then
+    replaced by its hull, then by a box, and the reason says so.
+
+    Args:
+        shapes: Triangle meshes in the link's frame, m; open, torn or inside out if need be.
+        how: `mesh`, `hull` or `box`.
+        where: What to call the body in an error.
+
+    Raises:
+        RobotError: There is no shape, a corner is not a number, or nothing is enclosed.
+    """
+    check_shapes(shapes, how, where)
+    form = form_of(tuple(shape for shape in shapes if len(shape.faces)))
+    found = kept((how, *form.content), lambda: _computed(form.shapes, how, where))
+    centre = np.asarray(found["centre"], dtype=np.float64).reshape(3)
+    tensor = Tensor(
+        matrix=np.asarray(found["matrix"], dtype=np.float64).reshape(6, 6),
+        volume=float(found["volume"]),
+        centre=centre,
+        error=float(found["error"]),
+        panels=int(found["panels"]),
+    )
+    return Figures(
+        tensor=tensor.mirrored(form.signs).shifted(form.middle),
+        drag=found["drag"],
+        how=str(found["how"]),
+        reason=str(found["reason"]),
+        spread=float(found["spread"]),
+    )
+
+
+def _computed(shapes: tuple[Mesh, ...], how: str, where: str) -> dict[str, Array | float | str]:
+    found = surface(shapes, how=how, where=where)
+    try:
+        tensor = _tensor(found)
+    except RobotError:
+        found, tensor = _instead(shapes, how, where)
+    mesh = Mesh(vertices=found.vertices, faces=found.faces)
+    fine = refined(mesh, float(np.ptp(mesh.bounds, axis=0).max()) / STRIPS)
+    return {
+        "matrix": tensor.matrix,
+        "centre": tensor.centre,
+        "volume": tensor.volume,
+        "error": tensor.error,
+        "panels": float(tensor.panels),
+        "drag": panel_drag(fine.vertices, fine.faces, point=found.centre),
+        "how": found.how,
+        "reason": found.reason,
+        "spread": 0.0 if found.spread is None else float(found.spread.max()),
+    }
+
+
+def _instead(shapes: tuple[Mesh, ...], how: str, where: str) -> tuple[Wetted, Tensor]:
+    """Return what stands for shapes of whose own surface there is no tensor."""
+    fault = "boundary elements found no panels on which it does not cross itself"
+    for way in dict.fromkeys((how, "hull")):
+        found = mended(shapes, fault, how=way, where=where)
+        try:
+            return found, _tensor(found)
+        except RobotError:
+            continue
+    found = mended(shapes, fault, how="box", where=where)
+    return found, _tensor(found)
+
+
+def _tensor(found: Wetted) -> Tensor:
+    """Return the tensor of a surface about the origin: in closed form, of a box, or by panels."""
+    mesh = Mesh(vertices=found.vertices, faces=found.faces)
+    if found.box is not None:
+        # Water flows round a sheet thinner than this as round this.
+        sides = np.maximum(found.box.sides, 1.001 * THINNEST * found.box.sides.max())
+        plain = box_tensor(*sides.tolist())
+        part, axes, centre = plain, found.box.axes, found.box.centre
+    else:
+        round_one = as_ellipsoid(mesh)
+        if round_one is None:
+            return tensor_of_solid(found.vertices, found.faces)
+        part = ellipsoid_tensor(*round_one.radii.tolist())
+        axes, centre = round_one.axes, round_one.centre
+    whole = part.turned(axes).shifted(centre)
+    return Tensor(
+        matrix=whole.matrix,
+        volume=found.volume,
+        centre=found.centre,
+        error=whole.error,
+        panels=whole.panels,
+    )
