@@ -18,7 +18,7 @@ from rich.console import Console
 from rich.table import Table
 from threadpoolctl import threadpool_limits
 
-from experiments.wet.drift import drift
+from experiments.wet.drift import KINDS, drift
 from experiments.wet.growth import drawn, straightness
 from experiments.wet.speed import cores, cost, growth
 from experiments.wet.tensors import SHAPES, accuracy
@@ -30,12 +30,12 @@ EXAMPLE = """example:
   python -m experiments.bench_fluid --plot out/fluid.html
   python -m experiments.bench_fluid --quick --json"""
 
-BODIES = (("hexapod_swimmer", False), ("humanoid", False), ("humanoid", True))
-"""Bodies of the shelf, and whether they lie on a floor."""
+BODIES = ("hexapod_swimmer", "humanoid")
+"""Bodies of the shelf."""
 TREES = (1, 2, 5, 10, 20, 30)
 """Links of the random trees."""
-CHAIN = (1, 2, 4, 8, 12, 16, 24, 32, 45, 60)
-"""Links of the chains whose cost is drawn."""
+LINKS = (1, 2, 4, 8, 12, 16, 24, 32, 45, 60)
+"""Links of the limbed bodies whose cost is drawn."""
 
 
 def measured(*, quick: bool, seeds: Sequence[int]) -> JSON:
@@ -43,18 +43,15 @@ def measured(*, quick: bool, seeds: Sequence[int]) -> JSON:
     repeats, steps = (3, 100) if quick else (9, 2000)
     shapes = SHAPES[:1] if quick else SHAPES
     trees = (2, 5) if quick else TREES
-    chain = CHAIN[:3] if quick else CHAIN
+    links = LINKS[:3] if quick else LINKS
     with threadpool_limits(1):
         tensors = [asdict(accuracy(radii)) for radii in shapes]
         drifts = {
-            kind: {n: [drift(n, seed, wet=wet) for seed in seeds] for n in trees}
-            for kind, wet in (("wet", True), ("dry", False))
+            kind: {n: [drift(n, seed, kind) for seed in seeds] for n in trees} for kind in KINDS
         }
-        costs = [
-            asdict(cost(name, floor=floor, repeats=repeats, steps=steps)) for name, floor in BODIES
-        ]
-        dry, wet = growth(chain, repeats=repeats, steps=max(steps // 10, 20))
-        both = cores(BODIES[0][0], rows=64, repeats=repeats, steps=max(steps // 10, 20))
+        costs = [asdict(cost(name, repeats=repeats, steps=steps)) for name in BODIES]
+        dry, wet = growth(links, repeats=repeats, steps=max(steps // 10, 20))
+        both = cores(BODIES[0], rows=64, repeats=repeats, steps=max(steps // 10, 20))
     return {
         "schema": "morph.bench_fluid/1",
         "quick": quick,
@@ -63,8 +60,8 @@ def measured(*, quick: bool, seeds: Sequence[int]) -> JSON:
         "energy_drift": drifts,
         "costs": costs,
         "two_cores_by_one": both,
-        "chain": {"bodies": list(chain), "dry_s": dry.tolist(), "wet_s": wet.tolist()},
-        "chain_straightness": straightness(chain, wet),
+        "links": {"bodies": list(links), "dry_s": dry.tolist(), "wet_s": wet.tolist()},
+        "links_straightness": straightness(links, wet),
     }
 
 
@@ -82,7 +79,7 @@ def report(found: JSON) -> None:
     for kind, of in found["energy_drift"].items():
         every = np.array(list(of.values())).ravel()
         print(
-            f"energy drift, {kind} trees of {min(of)} to {max(of)} links, RK4, 5 s at 5 ms: median "
+            f"energy drift {kind}, trees of {min(of)} to {max(of)} links, RK4, 5 s at 5 ms: median "
             f"{np.median(every):.1e}, worst {every.max():.1e}, below 1e-6 in "
             f"{(every < 1e-6).sum()} of {len(every)}"
         )
@@ -94,8 +91,8 @@ def report(found: JSON) -> None:
         )
     print(f"two cores step {found['two_cores_by_one']:.2f} times as much as one")
     print(
-        f"time by bodies, 1 to {found['chain']['bodies'][-1]}: straight to "
-        f"{found['chain_straightness']:.1%} of its range"
+        f"time by bodies, 1 to {found['links']['bodies'][-1]}: straight to "
+        f"{found['links_straightness']:.1%} of its range"
     )
 
 
@@ -116,7 +113,7 @@ def main(arguments: list[str] | None = None) -> int:
         seeds = range(asked.seed, asked.seed + (2 if asked.quick else 5))
         found = measured(quick=asked.quick, seeds=seeds)
         if asked.plot:
-            write_whole(Path(asked.plot), drawn(found["chain"]))
+            write_whole(Path(asked.plot), drawn(found["links"]))
     except MorphError as error:
         print(error, file=sys.stderr)
         return 2

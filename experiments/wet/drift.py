@@ -12,16 +12,20 @@ SPEED = 0.5
 """Root mean square of every start velocity, m/s and rad/s."""
 
 
+KINDS = ("in a fluid", "in a fluid, with weight and lift", "dry")
+"""What may surround a tree: the last is the control, what RK4 itself loses."""
+
+
 def drift(
-    bodies: int, seed: int, *, wet: bool = True, step: float = 0.005, seconds: float = 5.0
+    bodies: int, seed: int, kind: str = KINDS[0], *, step: float = 0.005, seconds: float = 5.0
 ) -> float:
     """Return the greatest change of energy of a random tree by its kinetic energy at the start."""
     rng = np.random.default_rng([seed, bodies])
     model = random_tree(bodies, rng, step=step)
-    if not wet:
-        # The same body out of the fluid, without weight: what RK4 itself loses.
-        model.body_user[:] = 0.0
+    if kind != KINDS[1]:
         model.opt.gravity[:] = 0.0
+    if kind == KINDS[2]:
+        model.body_user[:] = 0.0
     data = mujoco.MjData(model)
     data.qvel[:] = SPEED * rng.normal(size=model.nv)
     energies = [_energy(model, data)]

@@ -15,19 +15,19 @@ def straightness(bodies: Sequence[int], seconds: Array) -> float:
     return float(np.abs(seconds - line).max() / np.ptp(seconds))
 
 
-def drawn(chain: JSON) -> str:
+def drawn(links: JSON) -> str:
     """Return a page with the time of a step against the number of links, dry and wet."""
     # Loads a library that only the picture needs.
     import plotly.graph_objects as go
 
     figure = go.Figure()
     for name, key, colour in (("in water", "wet_s", "#1f6f8b"), ("dry", "dry_s", "#9a9a9a")):
-        times = 1e6 * np.array(chain[key])
+        times = 1e6 * np.array(links[key])
         figure.add_scatter(
-            x=chain["bodies"], y=times, name=name, mode="lines+markers", line={"color": colour}
+            x=links["bodies"], y=times, name=name, mode="lines+markers", line={"color": colour}
         )
     figure.update_layout(
-        title="A floating chain: time of a step of 5 ms, one core",
+        title="A floating body with limbs of three links: time of a step of 5 ms, one core",
         xaxis_title="links",
         yaxis_title="microseconds a step",
         template="plotly_white",

@@ -11,14 +11,12 @@ import mujoco
 import numpy as np
 from mujoco.batch import Batch
 
-from experiments.wet.trees import chain
+from experiments.wet.trees import limbed
 from morph.arrays import Array
 from morph.body.load import load
 from morph.body.spec import spec_of
-from morph.physics.effect import Effect
 from morph.physics.fluid.settle import settle
 from morph.physics.fluid.water import immersed
-from morph.physics.world.ground import Ground
 from morph.sim.simulator import compiled
 
 STEP = 0.005
@@ -43,12 +41,12 @@ class Cost:
     """Simulated seconds in water by seconds, on one core."""
 
 
-def cost(name: str, *, floor: bool, repeats: int, steps: int) -> Cost:
+def cost(name: str, *, repeats: int, steps: int) -> Cost:
     """Return what water costs a body of the shelf, medians of ratios measured by turns."""
-    dry, wet, ellipsoid = variants(name, floor=floor)
+    dry, wet, ellipsoid = variants(name)
     told = by_turns([dry, wet, ellipsoid], repeats=repeats, steps=steps)
     return Cost(
-        name=f"{name} on a floor" if floor else name,
+        name=name,
         freedoms=dry.nv,
         bodies=dry.nbody - 1,
         over_dry=float(np.median(told[:, 1] / told[:, 0])),
@@ -57,27 +55,20 @@ def cost(name: str, *, floor: bool, repeats: int, steps: int) -> Cost:
     )
 
 
-def variants(name: str, *, floor: bool) -> tuple[Any, Any, Any]:
+def variants(name: str) -> tuple[Any, Any, Any]:
     """Return a body dry, in our water, and in MuJoCo's ellipsoid fluid, under implicitfast.
 
-    MuJoCo's fluid has no buoyancy: away from a floor none of the three has weight, so that
-    they do much the same.
+    MuJoCo's fluid has no buoyancy: none of the three has weight, so that they do much the same.
     """
     robot = load(name)
-    around: tuple[Effect, ...] = (Ground(),) if floor else ()
     spec = spec_of(robot, timestep=STEP)
-    if not floor:
-        spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_GRAVITY.value
-    ellipsoid = spec.copy()
+    spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_GRAVITY.value
+    dry, ellipsoid = spec.copy(), spec.copy()
     ellipsoid.option.density, ellipsoid.option.viscosity = 1000.0, 1e-3
     for geom in ellipsoid.geoms:
         geom.fluid_ellipsoid = 1
-    water = immersed(robot).effects
-    return (
-        compiled(spec.copy(), around, robot).model,
-        compiled(spec, (*around, *water), robot).model,
-        compiled(ellipsoid, around, robot).model,
-    )
+    wet = compiled(spec, immersed(robot).effects, robot).model
+    return dry.compile(), wet, ellipsoid.compile()
 
 
 def by_turns(models: Sequence[Any], *, repeats: int, steps: int) -> Array:
@@ -97,10 +88,10 @@ def by_turns(models: Sequence[Any], *, repeats: int, steps: int) -> Array:
 
 
 def growth(counts: Sequence[int], *, repeats: int, steps: int) -> tuple[Array, Array]:
-    """Return the time of a dry and of a wet step of chains, s, each shape (counts,)."""
+    """Return the time of a dry and of a wet step of limbed bodies, s, each shape (counts,)."""
     dry, wet = [], []
     for bodies in counts:
-        pair = [chain(bodies, wet=False, step=STEP), chain(bodies, wet=True, step=STEP)]
+        pair = [limbed(bodies, wet=wet_too, step=STEP) for wet_too in (False, True)]
         told = np.median(by_turns(pair, repeats=repeats, steps=steps), axis=0)
         dry.append(told[0])
         wet.append(told[1])
@@ -109,7 +100,7 @@ def growth(counts: Sequence[int], *, repeats: int, steps: int) -> tuple[Array, A
 
 def cores(name: str, *, rows: int, repeats: int, steps: int) -> float:
     """Return the throughput of a wet batch on two cores by that on one."""
-    _, model, _ = variants(name, floor=False)
+    _, model, _ = variants(name)
     batches = [Batch(model, rows, threads) for threads in (1, 2)]
     for batch in batches:
         batch.step(nstep=steps)

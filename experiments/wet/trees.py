@@ -1,4 +1,4 @@
-"""Random articulated bodies in a fluid, and chains of a given length."""
+"""Random articulated bodies in a fluid, and bodies with limbs, of a given number of links."""
 
 from __future__ import annotations
 
@@ -21,6 +21,9 @@ from morph.physics.fluid.numbers import (
 )
 from morph.physics.fluid.settle import settle
 from morph.physics.fluid.tensor import ellipsoid_tensor
+
+LIMB = 3
+"""Links of a limb."""
 
 DENSITY = 1000.0
 """Of the fluid and of the bodies, kg/m3."""
@@ -48,20 +51,22 @@ def random_tree(bodies: int, rng: np.random.Generator, *, step: float) -> mujoco
     return settle(spec.compile())
 
 
-def chain(bodies: int, *, wet: bool, step: float = 0.005) -> mujoco.MjModel:
-    """Return a floating chain of so many links on hinges that turn by turns about y and z."""
+def limbed(bodies: int, *, wet: bool, step: float = 0.005) -> mujoco.MjModel:
+    """Return a floating body with limbs of three links each, the last one maybe shorter.
+
+    A limb's depth does not grow with their number, as that of a chain would: the inertia of a
+    chain has an entry for every pair of its joints, in the fluid or out of it.
+    """
     spec = _spec(step, mujoco.mjtIntegrator.mjINT_IMPLICITFAST)
     radii = np.array([0.1, 0.04, 0.04])
-    parent = spec.worldbody
-    for at in range(bodies):
-        place = np.array([0.22, 0.0, 0.0]) if at else np.zeros(3)
-        parent = _link(spec, parent, f"link_{at}", radii, place)
-        if at:
-            parent.add_joint(axis=(0, at % 2, 1 - at % 2), pos=(-0.11, 0, 0), damping=0.05)
-        else:
-            parent.add_freejoint()
-        if wet:
-            _wet(spec, parent.name, radii, offset=np.zeros(3), drag=1.0)
+    root = link = _link(spec, spec.worldbody, "link_0", radii, np.zeros(3))
+    root.add_freejoint()
+    for at in range(1, bodies):
+        parent = root if at % LIMB == 1 else link
+        link = _link(spec, parent, f"link_{at}", radii, np.array([0.22, 0.0, 0.0]))
+        link.add_joint(axis=(0, at % 2, 1 - at % 2), pos=(-0.11, 0, 0), damping=0.05)
+    for at in range(bodies if wet else 0):
+        _wet(spec, f"link_{at}", radii, offset=np.zeros(3), drag=1.0)
     return settle(spec.compile())
 
 

@@ -6,11 +6,11 @@ import mujoco
 import numpy as np
 import pytest
 
-from experiments.wet.drift import drift
+from experiments.wet.drift import KINDS, drift
 from experiments.wet.growth import drawn, straightness
 from experiments.wet.speed import by_turns, growth
 from experiments.wet.tensors import accuracy
-from experiments.wet.trees import chain, random_tree
+from experiments.wet.trees import limbed, random_tree
 from morph.physics.fluid.reference import wet_bodies
 
 
@@ -34,12 +34,13 @@ def test_a_random_tree_keeps_the_energy_of_itself_and_its_fluid() -> None:
 
 
 def test_the_dry_control_has_no_fluid() -> None:
-    assert drift(2, 0, wet=False, seconds=0.2) != drift(2, 0, wet=True, seconds=0.2)
+    wet, weighty, dry = (drift(2, 0, kind, seconds=0.2) for kind in KINDS)
+    assert len({wet, weighty, dry}) == 3
 
 
-def test_every_link_of_a_wet_chain_is_wet_and_none_of_a_dry_one() -> None:
-    assert len(wet_bodies(chain(5, wet=True))) == 5
-    assert len(wet_bodies(chain(5, wet=False))) == 0
+def test_every_link_of_a_wet_body_is_wet_and_none_of_a_dry_one() -> None:
+    assert len(wet_bodies(limbed(5, wet=True))) == 5
+    assert len(wet_bodies(limbed(5, wet=False))) == 0
     tree = random_tree(4, np.random.default_rng(0), step=0.005)
     assert len(wet_bodies(tree)) == 4
     assert tree.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4
@@ -54,7 +55,7 @@ def test_straightness_is_the_farthest_from_the_best_line(seconds: list[float], o
 
 
 def test_times_are_positive_and_one_for_each_model() -> None:
-    told = by_turns([chain(1, wet=False), chain(1, wet=True)], repeats=2, steps=5)
+    told = by_turns([limbed(1, wet=False), limbed(1, wet=True)], repeats=2, steps=5)
     assert told.shape == (2, 2)
     assert (told > 0.0).all()
     dry, wet = growth((1, 2), repeats=1, steps=5)
