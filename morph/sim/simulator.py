@@ -13,6 +13,7 @@ from morph.arrays import Array
 from morph.body.robot import Robot
 from morph.body.spec import spec_of
 from morph.errors import SimulationFailed
+from morph.physics.apply import apply
 from morph.physics.effect import Effect
 from morph.physics.fluid.settle import settle
 from morph.record.recording import Channel, Recording
@@ -57,8 +58,7 @@ def compiled(spec: Any, effects: tuple[Effect, ...], robot: Robot) -> Variant:
     Raises:
         SimulationFailed: MuJoCo refuses the edited description.
     """
-    for effect in effects:
-        effect.edit(spec)
+    apply(spec, effects)
     try:
         return Variant(model=settle(spec.compile()), effects=effects)
     except ValueError as error:

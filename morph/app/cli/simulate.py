@@ -199,7 +199,8 @@ def _outputs(asked: Simulate) -> tuple[Path | None, Path | None]:
 
 def _check(option: str, name: str, endings: Sequence[str]) -> None:
     path = Path(name)
-    if not path.name.lower().endswith(tuple(endings)):
+    # A name that is all ending, such as `.mp4`, is a hidden file without one.
+    if not path.name.lower().endswith(tuple(endings)) or path.name.lower() in endings:
         raise OutputError(
             f"{name!r} does not say which kind of file to write",
             where=option,

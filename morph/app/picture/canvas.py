@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib import import_module
@@ -70,27 +71,31 @@ def canvas(model: Any, size: tuple[int, int]) -> Iterator[Canvas]:
     Raises:
         OutputError: This machine has no OpenGL that draws without a window.
     """
-    context = _context(size)
+    context, drawn = _first_that_draws(model, size)
     try:
-        context.make_current()
-        drawn = Canvas(model, size)
-        try:
-            yield drawn
-        finally:
-            drawn.close()
+        yield drawn
     finally:
+        drawn.close()
         context.free()
 
 
-def _context(size: tuple[int, int]) -> Any:
-    """Return an OpenGL context: the one that MUJOCO_GL names, or the first that works."""
+def _first_that_draws(model: Any, size: tuple[int, int]) -> tuple[Any, Canvas]:
+    """Return an OpenGL context and its canvas: what MUJOCO_GL names, or the first that works."""
     tried = []
     for name in _backends():
+        context = None
         try:
-            return import_module(f"mujoco.{name}").GLContext(*size)
+            with warnings.catch_warnings():
+                # glfw warns of a missing screen, and goes on without.
+                warnings.simplefilter("ignore")
+                context = import_module(f"mujoco.{name}").GLContext(*size)
+                context.make_current()
+                return context, Canvas(model, size)
         # Each backend fails in its own way where its library or its device is missing.
         except Exception as error:
             tried.append(f"{name}: {' '.join(str(error).split()) or type(error).__name__}")
+            if context is not None:
+                context.free()
     raise OutputError(
         f"there is no OpenGL to draw with ({'; '.join(tried)})",
         where="--video",

@@ -12,6 +12,7 @@ import mujoco
 from morph.body.robot import Robot
 from morph.body.spec import spec_of
 from morph.errors import SimulationFailed
+from morph.physics.apply import apply
 from morph.physics.contact.floor import FLOOR as TOUCHED
 from morph.physics.contact.floor import NOWHERE
 from morph.physics.effect import Effect
@@ -84,8 +85,7 @@ def scene_model(robot: Robot, effects: Sequence[Effect], size: tuple[int, int]) 
         SimulationFailed: MuJoCo refuses the scene.
     """
     spec = spec_of(robot)
-    for effect in effects:
-        effect.edit(spec)
+    apply(spec, effects)
     mood = WATER if is_wet(effects) else STUDIO
     spec.visual.global_.offwidth, spec.visual.global_.offheight = size
     spec.visual.quality.shadowsize, spec.visual.quality.offsamples = 2048, 4

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from morph.errors import EffectError
+from morph.physics.fluid import settle as fluid
 
 IMPEDANCE = 0.5
 """The impedance d of a contact whose softness is told.
@@ -88,13 +89,14 @@ def effective_masses(spec: Any, pairs: list[Any], where: str) -> list[float]:
 
     One over the sum of both bodies' `body_invweight0`, the mean inverse inertia of the
     body's centre of mass at the description's pose, which is how MuJoCo scales contacts. For
-    one free body it is its mass; for the foot of a leg it is what the leg lets one feel.
+    one free body it is its mass, and in water the added mass, too; for the foot of a leg it is
+    what the leg lets one feel.
 
     Raises:
         EffectError: MuJoCo refuses the description as it stands.
     """
     try:
-        model = spec.copy().compile()
+        model = fluid.settle(spec.copy().compile())
     except ValueError as error:
         raise EffectError(
             f"MuJoCo refuses the description: {error}",

@@ -166,6 +166,7 @@ def test_an_unstable_run_stops_short_and_keeps_what_came_before(
         (("pendulum", "--out", "run.txt"), "'run.txt' does not say which kind of file"),
         (("pendulum", "--out", ""), "'' does not say which kind of file"),
         (("pendulum", "--video", "run.avi"), "'run.avi' does not say which kind of file"),
+        (("pendulum", "--video", ".mp4"), "'.mp4' does not say which kind of file"),
         (("pendulum", "--out", "folder.csv"), "this is a folder"),
         (("pendulum", "--out", "file/run.csv"), "nothing can be written there"),
     ],

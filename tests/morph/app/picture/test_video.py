@@ -114,3 +114,14 @@ def test_no_opengl_is_said_with_what_to_install(
         film(load("pendulum"), (), swing.time, swing.position, tmp_path / "a.gif")
     assert "libegl1" in caught.value.fix
     assert list(tmp_path.iterdir()) == []
+
+
+def test_an_opengl_that_wants_a_screen_is_no_traceback_where_there_is_none(
+    swing: Trajectory, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for variable in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(variable, raising=False)
+    # glfw only warns; what fails is the buffer that is made without a context.
+    monkeypatch.setattr("morph.app.picture.canvas._backends", lambda: ("glfw",))
+    with pytest.raises(OutputError, match=r"there is no OpenGL to draw with \(glfw: "):
+        film(load("pendulum"), (), swing.time, swing.position, tmp_path / "a.gif")

@@ -15,6 +15,7 @@ from morph.physics.contact.contact_softness import ContactSoftness
 from morph.physics.contact.restitution import Restitution
 from morph.physics.contact.spring import ratio_of
 from morph.physics.effect import Effect
+from morph.physics.fluid.added_mass import AddedMass
 from morph.physics.world.ground import Ground
 from morph.physics.world.ground_slope import GroundSlope
 from morph.record.recording import Recording
@@ -183,3 +184,14 @@ def test_twisting_friction_slows_a_top_whose_sliding_friction_is_as_described(ba
         seconds=0.4, speed={"ball.angular_velocity.z": spin}
     )
     assert plain["ball.angular_velocity.z"][-1] == pytest.approx(spin, abs=1e-9)
+
+
+def test_a_soft_floor_under_water_is_as_soft_as_it_is_told(ball: Robot) -> None:
+    # At rest the added mass says nothing: (1 - d) m g / K, d = 0.5. With 3 kg to
+    # stop the swing about it dies at C / 2 m = 10 / s: e^-60 is left after 6 s. By 1 kg it would
+    # be a third as deep; the rest is round-off of a depth of 10 mm in a height of 50.
+    soft = ContactSoftness(contact=FLOOR, stiffness=500.0, damping=60.0)
+    water = AddedMass(body="ball", x=2.0, y=2.0, z=2.0)
+    for effects in ((Ground(), soft, water), (water, soft, Ground())):
+        run = Simulator(ball, effects, step=STEP, integrator="implicitfast").run(seconds=6.0)
+        assert 0.05 - run["ball.position.z"][-1] == pytest.approx(0.5 * G / 500.0, rel=1e-4)

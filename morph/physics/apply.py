@@ -1,0 +1,18 @@
+"""Effects written into a description, in an order that theirs does not change."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+from morph.physics.effect import Effect
+
+
+def apply(spec: Any, effects: Iterable[Effect]) -> None:
+    """Write into a `mujoco.MjSpec` what MuJoCo can hold of effects.
+
+    Those on contacts come last: a contact is told its stiffness for each kg of effective mass,
+    of which rotors, loads and the water around a link are a part.
+    """
+    for effect in sorted(effects, key=lambda effect: effect.kind == "contact"):
+        effect.edit(spec)
