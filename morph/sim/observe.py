@@ -12,6 +12,7 @@ import numpy as np
 from morph.arrays import Array
 from morph.body.robot import Robot
 from morph.physics.fluid.kernel import flowing
+from morph.physics.fluid.reference import wet_bodies
 from morph.record.quantities import WXYZ, XYZ
 from morph.record.recording import Channel
 
@@ -23,6 +24,8 @@ def observed(
     robot: Robot, model: Any, times: Array, position: Array, velocity: Array
 ) -> dict[str, Channel]:
     """Return the channels that specs of recordings name, all but the commands.
+
+    Of a body in a fluid the force sensors are left out: MuJoCo's know no fluid.
 
     Args:
         robot: The robot.
@@ -62,8 +65,11 @@ def _floating(position: Array, velocity: Array, q: int, v: int) -> Iterator[tupl
 def _sensors(
     robot: Robot, model: Any, times: Array, position: Array, velocity: Array
 ) -> dict[str, Channel]:
+    # MuJoCo tells a force between two links without the fluid's on either: no channel is better
+    # than a neutrally buoyant link that hangs from its joint by all its weight.
+    kinds = FELT if not len(wet_bodies(model)) else tuple(kind for kind in FELT if kind != "force")
     # A description's sensors come first, in its order; an effect adds its own behind them.
-    felt = [(at, one) for at, one in enumerate(robot.sensors) if one.kind in FELT and one.part]
+    felt = [(at, one) for at, one in enumerate(robot.sensors) if one.kind in kinds and one.part]
     if not felt or len(times) < 2:
         return {}
     data = _readings(model, times, position, velocity)

@@ -42,20 +42,28 @@ def asked_effects(
     if file is not None:
         from morph.physics.store import load_effects
 
-        for effect in load_effects(file):
+        loaded = load_effects(file)
+        for effect in loaded:
             _check_place(effect, robot, where=f"{file}, {effect.label}")
-            found[effect.label] = effect
-    single: dict[str, Effect] = {}
-    for text in texts:
-        effect = parsed(text, robot, found)
-        if effect.label in single:
+        _check_once(loaded, str(file))
+        found |= {effect.label: effect for effect in loaded}
+    single = [parsed(text, robot, found) for text in texts]
+    _check_once(single, "--effect")
+    return tuple({**found, **{effect.label: effect for effect in single}}.values())
+
+
+def _check_once(effects: Sequence[Effect], where: str) -> None:
+    """Refuse two of one name at one place; a contact has two names, one from each side."""
+    seen = set()
+    for effect in effects:
+        one = (effect.name, frozenset(effect.where.split("+")))
+        if one in seen:
             raise EffectError(
                 f"{effect.label} is asked for twice",
-                where=f"--effect {text}",
+                where=where,
                 fix="ask for it once, with all its parameters",
             )
-        single[effect.label] = effect
-    return tuple({**found, **single}.values())
+        seen.add(one)
 
 
 def parsed(text: str, robot: Robot, among: Mapping[str, Effect] | None = None) -> Effect:

@@ -8,6 +8,7 @@ import pytest
 
 from morph.body.load import load
 from morph.body.robot import Robot
+from morph.physics.fluid.buoyancy import Buoyancy
 from morph.physics.joint.stribeck_friction import StribeckFriction
 from morph.record.load import load as load_recordings
 from morph.record.write import write
@@ -104,3 +105,12 @@ def test_what_was_recorded_is_read_back_by_its_names(rig: Robot, tmp_path: Path)
     for name, channel in run.channels.items():
         assert np.array_equal(again[name], channel.value)
         assert np.array_equal(again.channel(name).time, channel.time)
+
+
+def test_a_force_sensor_that_knows_no_fluid_is_left_out_in_one(rig: Robot) -> None:
+    # MuJoCo would say that a hand which floats hangs from its wrist by all its weight.
+    afloat = Buoyancy(body="hand", volume=2e-4)
+    run = Simulator(rig, (afloat,), step=STEP).run(seconds=0.01)
+    assert not any(name.startswith("wrist.force") for name in run.channels)
+    assert "imu.accelerometer.x" in run.channels
+    assert "wrist.force.z" in Simulator(rig, step=STEP).run(seconds=0.01).channels

@@ -118,6 +118,19 @@ def test_one_effect_asked_for_twice_is_refused(pendulum: Robot) -> None:
         asked_effects(pendulum, ("viscous_friction@hinge:b=1", "viscous_friction@hinge:b=2"))
 
 
+def test_one_effect_twice_in_a_file_is_refused(pendulum: Robot, tmp_path: Path) -> None:
+    path = tmp_path / "corrected.toml"
+    path.write_text(effects_text(tuple(ViscousFriction(joint="hinge", b=b) for b in (0.1, 0.2))))
+    with pytest.raises(EffectError, match="viscous_friction@hinge is asked for twice"):
+        asked_effects(pendulum, (), file=path)
+
+
+def test_one_contact_from_both_its_sides_is_refused() -> None:
+    texts = ("contact_friction@foot+torso:mu=0.1", "contact_friction@torso+foot:mu=0.9")
+    with pytest.raises(EffectError, match="is asked for twice"):
+        asked_effects(load("hopper"), texts)
+
+
 def test_a_file_for_another_robot_is_refused(pendulum: Robot, tmp_path: Path) -> None:
     path = tmp_path / "corrected.toml"
     path.write_text(effects_text((ViscousFriction(joint="knee", b=0.3),)))
