@@ -72,7 +72,7 @@ def immersed(
     scale = scale or (card.scale if card else 1.0)
     way = wetted_as or (card.wetted if card else "mesh")
     parts = {
-        link: figures_of(tuple(one.scaled(scale) for one in shapes), how=way, where=f"link {link}")
+        link: figures_of(shapes, how=way, where=f"link {link}").scaled(scale)
         for link, shapes in every_shape(robot, rigid=True).items()
     }
     if not parts:
@@ -88,7 +88,7 @@ def immersed(
         e for name, part in parts.items() for e in _effects(name, part, density, whole / shapes)
     ]
     return Immersed(
-        effects=tuple(effects), notes=(*_notes(parts, shapes, whole), *filter(None, [trim]))
+        effects=tuple(effects), notes=(*_notes(parts, shapes, whole, scale), *filter(None, [trim]))
     )
 
 
@@ -120,11 +120,12 @@ def _tidy(matrix: Array) -> Array:
     return np.where(np.abs(matrix) < ROUND * np.outer(size, size), 0.0, matrix)
 
 
-def _notes(parts: dict[str, Figures], shapes: float, whole: float) -> tuple[str, ...]:
+def _notes(parts: dict[str, Figures], shapes: float, whole: float, scale: float) -> tuple[str, ...]:
     said: dict[str, list[str]] = {}
     for link, part in parts.items():
         if part.reason:
-            said.setdefault(part.reason + _spread(part), []).append(link)
+            size = "" if scale == 1.0 else "; lengths and litres at scale 1"
+            said.setdefault(part.reason + size + _spread(part), []).append(link)
     notes = [
         f"link{'s' if len(links) > 1 else ''} {', '.join(links)}: {note}"
         for note, links in said.items()
@@ -138,6 +139,10 @@ def _notes(parts: dict[str, Figures], shapes: float, whole: float) -> tuple[str,
 
 
 def _spread(part: Figures) -> str:
-    if not part.spread:
+    if not part.spread.any():
         return ""
-    return f" (added mass differs by up to {part.spread:.0%} among what might stand for it)"
+    along, about = part.spread
+    return (
+        f" (among what might stand for it, added mass differs by up to {along:.0%} along "
+        f"and {about:.0%} about an axis)"
+    )

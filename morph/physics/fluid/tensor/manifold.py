@@ -38,7 +38,8 @@ def simplified(mesh: Mesh, tolerance: float) -> Mesh:
     if solid.status() != Error.NoError:
         return mesh
     found = from_manifold(solid.simplify(tolerance))
-    return found if found.consistent and 3 < len(found.faces) < len(mesh.faces) else mesh
+    # Of a body thinner than the tolerance nothing is left.
+    return found if 3 < len(found.faces) < len(mesh.faces) and found.consistent else mesh
 
 
 def refined(mesh: Mesh, length: float) -> Mesh:

@@ -9,8 +9,8 @@ import numpy as np
 from morph.arrays import Array, Integers
 from morph.body.mesh import Mesh
 
-DIGITS = 30
-"""Binary digits that a coordinate keeps: a billionth of the whole."""
+DIGITS = 36
+"""Binary digits that a coordinate keeps: a part in 7e10 of the whole."""
 
 EVEN = 1e-6
 """Skew along an axis, as a part of its spread, below which shapes are their own mirror image."""

@@ -76,7 +76,8 @@ def surface(shapes: tuple[Mesh, ...], *, how: str = "mesh", where: str = "the sh
     whole = joined(shapes)
     if whole.mesh is None:
         return mended(shapes, whole.notes[0], how=how, where=where)
-    if sound(whole.mesh):
+    # A box is sound, however thin.
+    if as_box(whole.mesh) is not None or sound(whole.mesh):
         return _clean(whole.mesh, "; ".join(whole.notes), shapes, how)
     length = TOUCH * float(np.linalg.norm(np.ptp(_bounds(shapes), axis=0)))
     overlapping = joined(shapes, grown=length).mesh if len(shapes) > 1 else None

@@ -2,23 +2,27 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from morph.arrays import Array
 from morph.body.mesh import Mesh
 from morph.errors import RobotError
-from morph.physics.fluid.tensor import Tensor, box_tensor, ellipsoid_tensor, tensor_of_solid
+from morph.physics.fluid.tensor import Tensor, box_tensor, tensor_of_solid
 from morph.physics.fluid.tensor.box import THINNEST
 from morph.physics.fluid.tensor.manifold import refined
+from morph.physics.fluid.tensor.solid import positive
 from morph.physics.fluid.wetted.alike import form_of
 from morph.physics.fluid.wetted.choose import check_shapes, surface
-from morph.physics.fluid.wetted.ellipsoid import as_ellipsoid
 from morph.physics.fluid.wetted.keep import kept
 from morph.physics.fluid.wetted.mend import mended
 from morph.physics.fluid.wetted.outcome import Wetted
 from morph.physics.fluid.wetted.panels import panel_drag
+from morph.physics.fluid.wetted.round import round_tensor
+
+ROUGH, MORE = 0.05, 2560
+"""Error from which on a tensor is worked out again, on as many panels."""
 
 STRIPS = 24
 """Panels along the greatest extent, at the least, over which drag is summed."""
@@ -36,8 +40,18 @@ class Figures:
     """What stands for the link: its own `mesh`, a `wrap` of it, its `hull`, or a `box`."""
     reason: str
     """Why it is not the link's shapes as they are; empty if it is."""
-    spread: float
-    """By how much added mass differs among what might stand for it, as a part; 0 if clear."""
+    spread: Array
+    """By how much added mass along and about the axes differs among what might stand for it,
+    as a part, shape (2,); 0 if that is clear."""
+
+    def scaled(self, factor: float) -> Figures:
+        """Return the figures of the body grown by a factor about the frame's origin."""
+        # A force goes as area and speed squared; a torque as that times the arm cubed.
+        return replace(
+            self,
+            tensor=self.tensor.scaled(factor),
+            drag=self.drag * np.repeat([factor**2, factor**5], 3),
+        )
 
 
 def figures_of(
@@ -73,7 +87,7 @@ def figures_of(
         drag=found["drag"],
         how=str(found["how"]),
         reason=str(found["reason"]),
-        spread=float(found["spread"]),
+        spread=found["spread"],
     )
 
 
@@ -94,7 +108,7 @@ def _computed(shapes: tuple[Mesh, ...], how: str, where: str) -> dict[str, Array
         "drag": panel_drag(fine.vertices, fine.faces, point=found.centre),
         "how": found.how,
         "reason": found.reason,
-        "spread": 0.0 if found.spread is None else float(found.spread.max()),
+        "spread": np.zeros(2) if found.spread is None else found.spread.reshape(2, 3).max(axis=1),
     }
 
 
@@ -112,24 +126,29 @@ def _instead(shapes: tuple[Mesh, ...], how: str, where: str) -> tuple[Wetted, Te
 
 
 def _tensor(found: Wetted) -> Tensor:
-    """Return the tensor of a surface about the origin: in closed form, of a box, or by panels."""
+    """Return a surface's tensor about the origin: in closed form, by symmetry or by panels."""
     mesh = Mesh(vertices=found.vertices, faces=found.faces)
     if found.box is not None:
         # Water flows round a sheet thinner than this as round this.
         sides = np.maximum(found.box.sides, 1.001 * THINNEST * found.box.sides.max())
-        plain = box_tensor(*sides.tolist())
-        part, axes, centre = plain, found.box.axes, found.box.centre
+        whole = box_tensor(*sides.tolist()).turned(found.box.axes).shifted(found.box.centre)
     else:
-        round_one = as_ellipsoid(mesh)
-        if round_one is None:
-            return tensor_of_solid(found.vertices, found.faces)
-        part = ellipsoid_tensor(*round_one.radii.tolist())
-        axes, centre = round_one.axes, round_one.centre
-    whole = part.turned(axes).shifted(centre)
+        whole = round_tensor(mesh) or _by_panels(mesh)
+    size = np.concatenate([np.ones(3), np.diag(mesh.inertia) / mesh.volume])
+    about = whole.about(found.centre).matrix
     return Tensor(
-        matrix=whole.matrix,
+        matrix=positive(about, found.volume * size),
         volume=found.volume,
         centre=found.centre,
+        point=found.centre,
         error=whole.error,
         panels=whole.panels,
-    )
+    ).about((0.0, 0.0, 0.0))
+
+
+def _by_panels(mesh: Mesh) -> Tensor:
+    tensor = tensor_of_solid(mesh.vertices, mesh.faces)
+    if tensor.error < ROUGH:
+        return tensor
+    # Slender parts need more: some seconds, once.
+    return tensor_of_solid(mesh.vertices, mesh.faces, panels=MORE)

@@ -135,7 +135,9 @@ def _tangled(mesh: Mesh) -> bool:
     chosen = np.argsort(-twice)[: 4 * SAMPLES : 4]
     chosen = chosen[twice[chosen] > 0]
     normal = cross[chosen] / twice[chosen][:, None]
-    away = 1e-4 * np.sqrt(twice[chosen])[:, None] * normal
+    # Not so far that a thin body is left on the other side.
+    near = np.minimum(1e-4 * np.sqrt(twice[chosen]), 0.1 * mesh.volume / twice.sum())
+    away = near[:, None] * normal
     middle = corners[chosen].mean(axis=1)
     found = np.concatenate([winding(middle - away, mesh) - 1.0, winding(middle + away, mesh)])
     return bool((np.abs(found) > 0.5).any())

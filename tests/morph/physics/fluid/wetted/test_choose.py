@@ -1,7 +1,6 @@
 """Which surface stands for a link, and what is said of it."""
 
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -112,22 +111,3 @@ def test_no_shape_and_corners_that_are_nowhere_are_refused(cube: Mesh) -> None:
         surface((nowhere,))
     with pytest.raises(RobotError, match="its wetted surface is to be 'skin'"):
         surface((cube,), how="skin")
-
-
-def test_the_real_shell_of_152_open_pieces_becomes_a_solid_near_what_the_robot_displaces(
-    real_robots: Path,
-) -> None:
-    robot = morph.load(real_robots / "aqua" / "aqua_description" / "urdf" / "aqua.urdf")
-    found = wetted(robot, "aqua_base", drawn=True, rigid=True)
-    assert found.how == "wrap"
-    assert "22 open of its 90 pieces" in found.reason
-    # The robot displaces 17 litres, 0.9 of them hips and paddles: their faces add up to 3.
-    assert 0.014 < found.volume < 0.018
-    assert sound(mesh_of(found))
-    tensor = 1000.0 * tensor_of_solid(found.vertices, found.faces, panels=640).matrix
-    assert np.linalg.eigvalsh(tensor).min() > 0
-    # Between an ellipse's plate of the shell's box, pi/4 rho b^2 l = 22 kg less its ends,
-    # and the hull with the hips, 53 kg.
-    assert 20.0 < tensor[2, 2] < 53.0
-    assert found.spread is not None
-    assert found.spread[2] > 0.5
