@@ -11,6 +11,7 @@ from morph.arrays import JSON
 from morph.body.fulltext import fulltext
 from morph.model.episodes import gaps
 from morph.model.evidence import Evidence
+from morph.physics.apply import apply
 from morph.physics.effect import Effect
 
 
@@ -22,12 +23,9 @@ def corrected(e: Evidence, worse: bool) -> tuple[tuple[Effect, ...], str]:
         spec.compile()
         return (), fulltext(spec)
     spec = found.hypothesis.spec_at(found.point)
-    beside = []
-    for effect in found.hypothesis.effects_at(found.point):
-        if _held_by_mujoco(effect):
-            effect.edit(spec)
-        else:
-            beside.append(effect)
+    effects = found.hypothesis.effects_at(found.point)
+    beside = [effect for effect in effects if not _held_by_mujoco(effect)]
+    apply(spec, (effect for effect in effects if _held_by_mujoco(effect)))
     spec.compile()
     return tuple(beside), fulltext(spec)
 

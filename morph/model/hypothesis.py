@@ -62,9 +62,7 @@ class Hypothesis:
     @cached_property
     def _slots(self) -> tuple[tuple[int, Any], ...]:
         return tuple(
-            (index, known)
-            for index, effect in enumerate(self.effects)
-            for known in effect.free()
+            (index, known) for index, effect in enumerate(self.effects) for known in effect.free()
         )
 
     @cached_property

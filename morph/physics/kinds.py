@@ -122,7 +122,8 @@ class ContactEffect(Effect):
         """Return `any+floor`, each link with the floor, and each pair of links, either first."""
         names = [link.name for link in robot.links]
         pairs = (f"{one}+{two}" for one, two in itertools.permutations(names, 2))
-        return ("any+floor", *(f"{name}+floor" for name in names), *pairs)
+        floor = (f"{name}+floor" for name in ("any", *names))
+        return (*floor, *pairs, *(f"floor+{name}" for name in ("any", *names)))
 
     @classmethod
     def suspects(cls, robot: Robot) -> tuple[str, ...]:

@@ -12,6 +12,9 @@ from morph.errors import EffectError
 from morph.physics import effect_class
 from morph.physics.effect import Effect
 
+MOST_CHARACTERS = 2**22
+"""Longest file of effects; a thousand of the longest effects have a million characters."""
+
 
 def effects_text(effects: Sequence[Effect]) -> str:
     """Return effects as TOML, a table each, every parameter at full precision."""
@@ -31,7 +34,11 @@ def load_effects(path: Path) -> tuple[Effect, ...]:
     """
     fix = "write it as corrected.toml of a diagnosis is written"
     try:
-        content = tomllib.loads(path.read_text())
+        with path.open(encoding="utf-8") as file:
+            text = file.read(MOST_CHARACTERS + 1)
+        if len(text) > MOST_CHARACTERS:
+            raise ValueError(f"it has more than {MOST_CHARACTERS} characters")
+        content = tomllib.loads(text)
     # A number of thousands of digits is refused by Python itself, as a ValueError.
     except (OSError, ValueError) as error:
         raise EffectError(f"cannot be read: {error}", where=str(path), fix=fix) from error

@@ -19,18 +19,19 @@ EVERY = 0x7FFFFFFF
 
 
 def floor_of(spec: Any, where: str) -> Any:
-    """Return the world's geom named `floor`, made far below if the spec has none.
+    """Return the world's geom named `floor`, or its only plane; made far below if it has none.
 
-    It is the same whichever effect asks first, so that effects may come in any order.
+    It is the same whichever effect asks first, so that effects may come in any order. The
+    plane of a description is its floor, for a second one would double every contact.
 
     Args:
         spec: A `mujoco.MjSpec`.
         where: Who asks, for the error.
 
     Raises:
-        EffectError: A link's shape is named `floor`.
+        EffectError: A link's shape is named `floor`, or the description has several planes.
     """
-    found = spec.geom(FLOOR)
+    found = spec.geom(FLOOR) or _own_plane(spec, where)
     if found is None:
         return spec.worldbody.add_geom(
             name=FLOOR,
@@ -47,3 +48,18 @@ def floor_of(spec: Any, where: str) -> Any:
             fix="rename that shape in the description",
         )
     return found
+
+
+def _own_plane(spec: Any, where: str) -> Any:
+    """Return the plane that a description has already, named if it was not; None if it has none."""
+    planes = [geom for geom in spec.worldbody.geoms if geom.type == mujoco.mjtGeom.mjGEOM_PLANE]
+    if len(planes) > 1:
+        raise EffectError(
+            f"the description has {len(planes)} planes, and none is named {FLOOR}",
+            where=where,
+            fix=f"name the one that is the ground {FLOOR}",
+        )
+    for plane in planes:
+        plane.name = plane.name or FLOOR
+        return plane
+    return None

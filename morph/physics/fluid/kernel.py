@@ -89,7 +89,7 @@ def flowing(model: mujoco.MjModel) -> Iterator[None]:
 
 def _put(fluid: Any) -> None:
     held = mujoco.get_mjcb_passive()
-    if held is not None and held is not fluid:
+    if held is not None and _place(held) != _place(fluid):
         raise KernelError(
             "another function is installed as mjcb_passive, where the fluid belongs",
             where="MuJoCo",
@@ -97,6 +97,14 @@ def _put(fluid: Any) -> None:
         )
     if held is None:
         mujoco.set_mjcb_passive(fluid)
+
+
+def _place(function: Any) -> Any:
+    """Return what tells one callback from another: of a library's its address."""
+    try:
+        return ctypes.cast(function, ctypes.c_void_p).value
+    except (ctypes.ArgumentError, TypeError):
+        return function
 
 
 @functools.lru_cache(maxsize=1)

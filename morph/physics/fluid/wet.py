@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -20,6 +20,8 @@ from morph.physics.fluid.numbers import (
 )
 from morph.physics.fluid.reference import tensor
 from morph.physics.kinds import BodyEffect
+
+Wet = TypeVar("Wet", bound="WetEffect")
 
 AXES = ("x", "y", "z", "rx", "ry", "rz")
 """Along and about a link's axes; the order of every six numbers of the fluid."""
@@ -41,6 +43,12 @@ class WetEffect(BodyEffect):
     def suspects(cls, robot: Robot) -> tuple[str, ...]:
         """Return the links of a body whose card puts it into water."""
         return cls.places(robot) if robot.card is not None and robot.card.water else ()
+
+    @classmethod
+    def suspect(cls: type[Wet], robot: Robot, where: str) -> Wet:
+        """Return the effect about the link's centre of mass, mostly near that of its volume."""
+        x, y, z = robot.link(where).com
+        return cls(body=where, cx=x, cy=y, cz=z)  # type: ignore[call-arg]
 
 
 def shift(centre: Array) -> Array:
