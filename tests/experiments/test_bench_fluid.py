@@ -22,6 +22,8 @@ def test_boundary_elements_are_as_near_to_lamb_as_the_issue_asks() -> None:
     assert found.rotational < 0.014
     assert found.linear_extrapolated < 0.001
     assert found.rotational_extrapolated < 0.001
+    assert found.linear_twice < 0.0005
+    assert found.rotational_twice < 0.0005
     assert found.seconds > 0.0
 
 
