@@ -14,7 +14,7 @@ from morph.body.pieces import cache_folder
 from morph.errors import MorphError
 from morph.files import sha256, write_whole
 
-EDITION = "4"
+EDITION = "5"
 """Part of every key; raised when the same shapes and settings come to give other figures."""
 
 Values = Mapping[str, Array | float | str]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from morph.body.mesh import Mesh
+from morph.physics.fluid.tensor.edges import normals
 from morph.physics.fluid.wetted.solid import winding
 
 HALF = 1e-6
@@ -18,12 +19,13 @@ def sound(mesh: Mesh) -> bool:
     """Whether a closed surface neither crosses, touches nor holds another of its parts.
 
     From the middle of a panel, the rest of a closed surface fills half of all
-    directions; where panels cross or lie on each other, it does not. On a fine
-    mesh every so many panels are asked.
+    directions; where panels cross or lie on each other, it does not. Needles, that
+    unions leave, are not asked, and on a fine mesh only every so many panels are.
     """
     if not mesh.consistent or not mesh.volume > 0:
         return False
-    asked = np.arange(0, len(mesh.faces), 1 + len(mesh.faces) ** 2 // PAIRS)
+    plain = np.flatnonzero((normals(mesh.vertices, mesh.faces) != 0.0).any(axis=1))
+    asked = plain[:: 1 + len(plain) * len(mesh.faces) // PAIRS]
     middles = mesh.vertices[mesh.faces[asked]].mean(axis=1)
     seen = winding(middles, mesh, without=asked)
     return bool((np.abs(seen - 0.5) < HALF).all())
