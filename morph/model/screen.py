@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from morph.arrays import Array
-from morph.body.robot import Robot
 from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis, same_kind
 from morph.model.motion import Needed, all_needed
@@ -104,13 +103,9 @@ def _all(hypothesis: Hypothesis) -> list[Effect]:
     return [
         effect
         for kind in EFFECTS
-        for effect in _suspects(kind, hypothesis.robot)
+        for effect in (kind.at(place) for place in kind.suspects(hypothesis.robot))
         if not any(same_kind(effect, had) for had in hypothesis.effects)
     ]
-
-
-def _suspects(kind: type[Effect], robot: Robot) -> list[Effect]:
-    return [kind.suspect(robot, place) for place in kind.suspects(robot)]
 
 
 def _shapes(effect: Effect) -> list[Effect]:

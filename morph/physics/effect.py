@@ -131,11 +131,6 @@ class Effect(ABC):
         """Return the places at which a diagnosis looks for it, by default all of them."""
         return cls.places(robot)
 
-    @classmethod
-    def suspect(cls: type[Some], robot: Robot, where: str) -> Some:
-        """Return the effect as a diagnosis tries it at a part of a robot."""
-        return cls.at(where)
-
     def __post_init__(self) -> None:
         """Check every parameter against its bounds."""
         for known in self.parameters():

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
@@ -20,8 +20,6 @@ from morph.physics.fluid.numbers import (
 )
 from morph.physics.fluid.reference import tensor
 from morph.physics.kinds import BodyEffect
-
-Wet = TypeVar("Wet", bound="WetEffect")
 
 AXES = ("x", "y", "z", "rx", "ry", "rz")
 """Along and about a link's axes; the order of every six numbers of the fluid."""
@@ -43,12 +41,6 @@ class WetEffect(BodyEffect):
     def suspects(cls, robot: Robot) -> tuple[str, ...]:
         """Return the links of a body whose card puts it into water."""
         return cls.places(robot) if robot.card is not None and robot.card.water else ()
-
-    @classmethod
-    def suspect(cls: type[Wet], robot: Robot, where: str) -> Wet:
-        """Return the effect about the link's centre of mass, mostly near that of its volume."""
-        x, y, z = robot.link(where).com
-        return cls(body=where, cx=x, cy=y, cz=z)  # type: ignore[call-arg]
 
 
 def shift(centre: Array) -> Array:
