@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
-
-import numpy as np
+from typing import ClassVar
 
 from morph.arrays import Array
 from morph.physics.effect import parameter
-from morph.physics.fluid.numbers import LINEAR, add_numbers
-from morph.physics.fluid.wet import AXES, WetEffect, refer, shift
-from morph.physics.motion import Motion
+from morph.physics.fluid.drag import Drag
+from morph.physics.fluid.numbers import LINEAR
 
 
 @dataclass(frozen=True, kw_only=True)
-class LinearDrag(WetEffect):
+class LinearDrag(Drag):
     """Drag that grows with speed: a link that creeps through a fluid.
 
     F_i = -d_i u_i along each axis of the link, and alike about them, where u is the
@@ -25,8 +22,7 @@ class LinearDrag(WetEffect):
     """
 
     name: ClassVar[str] = "linear_drag"
-    strengths: ClassVar[tuple[str, ...]] = AXES
-    dissipative: ClassVar[bool] = True
+    slot: ClassVar[slice] = LINEAR
     twins: ClassVar[tuple[str, ...]] = ("viscous_friction", "quadratic_drag")
     excited_by: ClassVar[str] = (
         "Motion of the link at two speeds far apart, along each of its axes."
@@ -56,25 +52,7 @@ class LinearDrag(WetEffect):
     cz: float = parameter(0.0, unit="m", low=-100.0, high=100.0, free=False)
     """The point that they refer to, in the link's frame: z."""
 
-    def edit(self, spec: Any) -> None:
-        """Add to the link's numbers for the fluid."""
-        strengths = [getattr(self, axis) for axis in AXES]
-        if any(strengths):
-            refer(spec, self.body, self.centre, self.label)
-        add_numbers(spec, self.body, LINEAR, strengths)
-
-    def regressor(self, motion: Motion) -> Array:
-        """Return the force of each axis for a drag of one."""
-        body, moved = motion.bodies[self.body], shift(self.centre)
-        speed = body.velocity @ moved.T
-        load = np.einsum("ji,sj->sij", moved, -speed)
-        return body.forces(load)
-
-    def statement(self, *, slide: bool = False) -> str:
-        """Return the finding in one plain sentence."""
-        most = max(AXES, key=lambda axis: float(getattr(self, axis)))
-        return (
-            f"Link {self.body} feels a drag of {getattr(self, most):.3g} "
-            f"{'N s/m along' if most in 'xyz' else 'N m s/rad about'} its {most[-1]} axis: "
-            "the drag of the fluid was left out."
-        )
+    @staticmethod
+    def law(speed: Array) -> Array:
+        """Return the speed."""
+        return speed

@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
-
-import numpy as np
+from typing import ClassVar
 
 from morph.arrays import Array
 from morph.physics.effect import parameter
-from morph.physics.fluid.numbers import QUADRATIC, add_numbers
-from morph.physics.fluid.wet import AXES, WetEffect, refer, shift
-from morph.physics.motion import Motion
+from morph.physics.fluid.drag import Drag
+from morph.physics.fluid.numbers import QUADRATIC
 
 
 @dataclass(frozen=True, kw_only=True)
-class QuadraticDrag(WetEffect):
+class QuadraticDrag(Drag):
     """Drag that grows with the square of speed: a bluff link that moves through a fluid.
 
     F_i = -d_i u_i |u_i| along each axis of the link, and alike about them, where u is the
@@ -27,8 +24,7 @@ class QuadraticDrag(WetEffect):
     """
 
     name: ClassVar[str] = "quadratic_drag"
-    strengths: ClassVar[tuple[str, ...]] = AXES
-    dissipative: ClassVar[bool] = True
+    slot: ClassVar[slice] = QUADRATIC
     twins: ClassVar[tuple[str, ...]] = ("quadratic_damping", "linear_drag")
     excited_by: ClassVar[str] = (
         "Fast motion of the link beside slow motion, along each of its axes."
@@ -58,25 +54,7 @@ class QuadraticDrag(WetEffect):
     cz: float = parameter(0.0, unit="m", low=-100.0, high=100.0, free=False)
     """The point that they refer to, in the link's frame: z."""
 
-    def edit(self, spec: Any) -> None:
-        """Add to the link's numbers for the fluid."""
-        strengths = [getattr(self, axis) for axis in AXES]
-        if any(strengths):
-            refer(spec, self.body, self.centre, self.label)
-        add_numbers(spec, self.body, QUADRATIC, strengths)
-
-    def regressor(self, motion: Motion) -> Array:
-        """Return the force of each axis for a drag of one."""
-        body, moved = motion.bodies[self.body], shift(self.centre)
-        speed = body.velocity @ moved.T
-        load = np.einsum("ji,sj->sij", moved, -speed * abs(speed))
-        return body.forces(load)
-
-    def statement(self, *, slide: bool = False) -> str:
-        """Return the finding in one plain sentence."""
-        most = max(AXES, key=lambda axis: float(getattr(self, axis)))
-        return (
-            f"Link {self.body} feels a drag of {getattr(self, most):.3g} "
-            f"{'N s2/m2 along' if most in 'xyz' else 'N m s2/rad2 about'} its {most[-1]} axis: "
-            "the drag of the fluid was left out."
-        )
+    @staticmethod
+    def law(speed: Array) -> Array:
+        """Return its square, with its sign."""
+        return speed * abs(speed)
