@@ -67,6 +67,14 @@ class PolicyError(MorphError):
     """A policy cannot be used, or not on this body."""
 
 
+class TaskError(MorphError):
+    """A task cannot be asked of a body, or its cost is no number."""
+
+
+class SearchError(MorphError):
+    """A search cannot be made on this task, or from this data."""
+
+
 class DiagnosisError(MorphError):
     """A diagnosis cannot be made from what was given."""
 

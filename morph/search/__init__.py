@@ -1,0 +1,1 @@
+"""Searches: from a task and a simulator, or from trials alone, to a policy."""

@@ -1,0 +1,68 @@
+"""From where the runs of a task begin."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from morph.arrays import Array
+from morph.body.robot import Robot
+from morph.errors import TaskError
+from morph.sim.start import started
+
+
+@dataclass(frozen=True, kw_only=True)
+class Start:
+    """A state, and how far runs begin from it."""
+
+    position: Mapping[str, float] = field(default_factory=dict)
+    """Position of joints by name, as `Simulator.run(start=...)` takes it."""
+    speed: Mapping[str, float] = field(default_factory=dict)
+    """Velocity of joints by name, as `Simulator.run(speed=...)` takes it."""
+    spread: float = 0.01
+    """Standard deviation of every position, m or rad, and every velocity, per s."""
+    moving: tuple[str, ...] | None = None
+    """The joints that are spread; None for all of them."""
+
+    def __post_init__(self) -> None:
+        """Check the spread."""
+        if not (math.isfinite(self.spread) and self.spread >= 0.0):
+            raise TaskError(
+                f"its spread is {self.spread:g}", where="a start", fix="give 0 or more, in rad or m"
+            )
+
+    def sample(
+        self, robot: Robot, model: Any, rows: int, rng: np.random.Generator | None
+    ) -> tuple[Array, Array]:
+        """Return where runs begin: positions (rows, nq) and velocities (rows, nv).
+
+        Without `rng` all begin in the middle.
+
+        Raises:
+            RobotError: A name is not the robot's.
+        """
+        q, v = started(robot, model, self.position, self.speed)
+        position, velocity = np.tile(q, (rows, 1)), np.tile(v, (rows, 1))
+        if rng is None:
+            return position, velocity
+        # A closed chain cannot be spread joint by joint: it would be torn.
+        spread = self.spread * self._moves(model)
+        shift = spread * rng.standard_normal((rows, model.nv))
+        velocity += spread * rng.standard_normal((rows, model.nv))
+        for row in range(rows):
+            mujoco.mj_integratePos(model, position[row], shift[row], 1.0)
+        return position, velocity
+
+    def _moves(self, model: Any) -> Array:
+        if self.moving is None:
+            return np.ones(model.nv)
+        moves = np.zeros(model.nv)
+        for name in self.moving:
+            joint = model.joint(name)
+            moves[joint.dofadr[0] : joint.dofadr[0] + {0: 6, 1: 3}.get(int(joint.type[0]), 1)] = 1.0
+        return moves
