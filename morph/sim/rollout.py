@@ -81,7 +81,7 @@ def rollout(
     """
     rows, steps = command.shape[:2]
     if not all(batches(variant.model) for variant in variants):
-        with _quiet():
+        with quiet():
             return _without_kernel(variants, which, position, velocity, command, strict)
     batch = Batch(variants[0].model, rows, 2 if rows > 1 else 1)
     if len(variants) == 1:
@@ -92,7 +92,7 @@ def rollout(
     batch.bind("qpos")[:] = position
     batch.bind("qvel")[:] = velocity
     try:
-        with _quiet():
+        with quiet():
             if any(effect.stepped for effect in variants[0].effects):
                 q, v = _step_by_step(batch, variants, which, command)
             else:
@@ -135,7 +135,7 @@ def _without_kernel(
 
 
 @contextmanager
-def _quiet() -> Iterator[None]:
+def quiet() -> Iterator[None]:
     """Send MuJoCo's own warnings to our log, not to the terminal and a file of its own."""
     before = mujoco.get_mju_user_warning()
     mujoco.set_mju_user_warning(logging.getLogger("morph.sim").info)

@@ -1,0 +1,164 @@
+"""Many simulations at once in a closed loop: what is told depends on what is seen."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import mujoco
+import numpy as np
+from mujoco.batch import Batch, SimulationError
+
+from morph.arrays import Array, Mask
+from morph.errors import SimulationFailed
+from morph.physics.effect import stacked
+from morph.physics.fluid.settle import batches
+from morph.sim.rollout import Rows, quiet
+from morph.sim.simulator import Simulator
+
+Act = Callable[[Array, Array, float], Array]
+"""From `qpos` (rows, nq), `qvel` (rows, nv) and the time, s, to commands (rows, nu)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Loop:
+    """States and commands of many simulations that ran in a closed loop."""
+
+    time: Array
+    """When, s, shape (samples,): the control times, or every step if that was asked for."""
+    position: Array
+    """MuJoCo's `qpos`, shape (rows, samples, nq)."""
+    velocity: Array
+    """MuJoCo's `qvel`, shape (rows, samples, nv)."""
+    command: Array
+    """What was told from each sample on, shape (rows, samples, nu); the last is held."""
+    stable: Mask
+    """Which rows stayed stable, shape (rows,); another repeats what MuJoCo reset it to."""
+
+
+def closed_loop(
+    simulator: Simulator,
+    act: Act,
+    position: Array,
+    velocity: Array,
+    *,
+    period: float,
+    seconds: float,
+    every_step: bool = False,
+) -> Loop:
+    """Return what many simulations do when each command depends on the state.
+
+    Args:
+        simulator: The body under its effects.
+        act: What is told, asked once each control period for all rows.
+        position: Where each row starts, shape (rows, nq).
+        velocity: How fast, shape (rows, nv).
+        period: How long each command is held, s, a multiple of the simulator's step.
+        seconds: How long to run, a multiple of the period.
+        every_step: Whether every step is a sample, not only the control times.
+
+    Raises:
+        SimulationFailed: The period is no multiple of the step, an effect cannot act in a
+            closed loop, a command is no number, or MuJoCo refuses to step.
+    """
+    periods, steps = _counted(simulator, period, seconds)
+    _check_effects(simulator)
+    model: Any = simulator.model
+    rows = len(position)
+    batch = Batch(model, rows, 2 if rows > 1 else 1)
+    batch.reset(stage=mujoco.mjtStage.mjSTAGE_NONE.value)
+    q, v, control = batch.bind("qpos"), batch.bind("qvel"), batch.bind("ctrl")
+    q[:], v[:] = position, velocity
+    each = 1 if every_step else steps
+    samples = periods * steps // each + 1
+    qs, vs = np.empty((samples, rows, model.nq)), np.empty((samples, rows, model.nv))
+    us = np.zeros((samples, rows, model.nu))
+    advance = _advance(simulator, batch, each)
+    qs[0], vs[0] = q, v
+    with quiet():
+        for at in range(samples - 1):
+            if at * each % steps == 0:
+                control[:] = _told(act, q, v, at * each * simulator.step, simulator)
+            us[at] = control
+            advance()
+            qs[at + 1], vs[at + 1] = q, v
+    us[-1] = us[-2]
+    return Loop(
+        time=np.asarray(each * simulator.step * np.arange(samples), dtype=float),
+        position=qs.swapaxes(0, 1),
+        velocity=vs.swapaxes(0, 1),
+        command=us.swapaxes(0, 1),
+        stable=~batch.warning[..., 1].any(axis=1),
+    )
+
+
+def _counted(simulator: Simulator, period: float, seconds: float) -> tuple[int, int]:
+    steps = round(period / simulator.step)
+    periods = round(seconds / period) if period > 0.0 else 0
+    if steps < 1 or abs(steps * simulator.step - period) > 1e-6 * period or periods < 1:
+        raise SimulationFailed(
+            f"a control period of {period:g} s fits neither steps of {simulator.step:g} s "
+            f"nor a run of {seconds:g} s",
+            where=f"robot {simulator.robot.name}",
+            fix="give a step that divides the period, and a run of one period or more",
+        )
+    simulator.steps(seconds)
+    return periods, steps
+
+
+def _check_effects(simulator: Simulator) -> None:
+    """Refuse what a closed loop cannot do yet: filters of commands, a fluid in numpy."""
+    from morph.physics.effect import Effect
+
+    for effect in simulator.effects:
+        if type(effect).command is not Effect.command:
+            raise SimulationFailed(
+                f"{effect.label} changes commands along a whole run at once",
+                where=f"robot {simulator.robot.name}, in a closed loop",
+                fix="leave it out, or run a policy that observes nothing",
+            )
+    if not batches(simulator.model):
+        raise SimulationFailed(
+            "a closed loop needs the compiled fluid",
+            where=f"robot {simulator.robot.name} in a fluid, which runs in numpy here",
+            fix="install a C compiler, or `pip install ziglang`, which brings one",
+        )
+
+
+def _advance(simulator: Simulator, batch: Batch, each: int) -> Callable[[], None]:
+    """Return what steps every row `each` times, effects that act before each step included."""
+    rows = Rows(batch, simulator.step)
+    acting = [stacked([effect] * batch.nsim) for effect in simulator.effects if effect.stepped]
+    states = [effect.start(rows) for effect in acting]
+
+    def step() -> None:
+        try:
+            if not acting:
+                batch.step(nstep=each)
+                return
+            for _ in range(each):
+                rows.applied[:] = 0.0
+                for slot, effect in enumerate(acting):
+                    states[slot] = effect.before_step(rows, states[slot])
+                batch.step()
+        except SimulationError as error:
+            raise SimulationFailed(
+                f"MuJoCo stopped: {error}",
+                where=f"a closed loop of {batch.nsim} simulations of {simulator.robot.name}",
+                fix="check the robot's masses and inertias, or take a smaller step",
+            ) from error
+
+    return step
+
+
+def _told(act: Act, q: Array, v: Array, time: float, simulator: Simulator) -> Array:
+    command = np.asarray(act(q, v, time), dtype=float)
+    if command.shape != (len(q), simulator.model.nu) or not np.isfinite(command).all():
+        raise SimulationFailed(
+            f"its command at {time:.3g} s is not a finite number for each of "
+            f"{simulator.model.nu} actuators in each of {len(q)} runs",
+            where=f"robot {simulator.robot.name}",
+            fix="give commands of shape (rows, actuators)",
+        )
+    return command

@@ -1,0 +1,39 @@
+"""Every task by its name, and the tasks of a body."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from morph.body.robot import Robot
+from morph.errors import TaskError
+from morph.record.nearest import nearest
+from morph.task.balance import balance
+from morph.task.swing_up import swing_up
+from morph.task.task import Task
+
+TASKS: Mapping[str, Callable[[Robot], Task]] = {
+    "balance": balance,
+    "swing-up": swing_up,
+}
+"""What each task is made by."""
+
+
+def task(name: str, robot: Robot) -> Task:
+    """Return a task of a robot by its name.
+
+    Raises:
+        TaskError: There is no such task, or the body cannot be asked to do it.
+    """
+    if name not in TASKS:
+        raise TaskError(
+            f"there is no task {name!r}; there are {', '.join(TASKS)}",
+            where=f"robot {robot.name}",
+            fix=f"the nearest are {nearest(name, tuple(TASKS))}",
+        )
+    return TASKS[name](robot)
+
+
+def tasks_of(robot: Robot) -> tuple[str, ...]:
+    """Return the names of the tasks that a robot's card names, those that there are."""
+    named = robot.card.tasks if robot.card is not None else ()
+    return tuple(name for name in named if name in TASKS)
