@@ -70,10 +70,10 @@ def posture(robot: Robot, task: str, *, upright: bool) -> dict[str, float]:
         highest, lowest = _tidy(math.atan2(c, b)), _tidy(math.atan2(-c, -b))
         # What cannot be held up, such as the arms of a rider, hangs.
         wanted = (highest, lowest) if upright else (lowest,)
-        angle = next((each for each in wanted if _within(joint, each)), None)
-        if angle is None:
+        reached = [each for each in wanted if _within(joint, each)]
+        if not reached:
             raise _out_of_reach(joint, wanted[0], robot, task)
-        found[joint.name] = data.qpos[here.qposadr[0]] = angle
+        found[joint.name] = data.qpos[here.qposadr[0]] = reached[0]
     if not found:
         raise TaskError(
             "gravity swings none of its hinges",

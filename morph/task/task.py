@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 
 import numpy as np
 
@@ -46,7 +46,7 @@ class Task:
     """What costs."""
     goals: tuple[Goal, ...]
     """What must be reached, all of it."""
-    start: Start = Start()
+    start: Start = field(default_factory=Start)
     """Where runs begin."""
     horizon: float = 3.0
     """How long a run is, s."""
@@ -79,7 +79,8 @@ class Task:
                 f"control periods of {self.period:g} s",
                 "give a horizon that is a multiple of the period",
             )
-        for asked in (*self.terms, *self.goals):
+        parts: tuple[Term | Goal, ...] = (*self.terms, *self.goals)
+        for asked in parts:
             size = asked.quantity.size(self.robot)
             if size != len(asked.target):
                 self._refuse(

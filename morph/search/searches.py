@@ -1,0 +1,30 @@
+"""Every search by its name; the module of each is loaded when it is asked for."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Mapping
+from typing import cast
+
+from morph.errors import SearchError
+from morph.record.nearest import nearest
+from morph.search.search import Search
+
+SEARCHES: Mapping[str, str] = {}
+"""Module and class of each search, by its name; several import torch, which takes seconds."""
+
+
+def search(name: str) -> type[Search]:
+    """Return the class of a search by its name.
+
+    Raises:
+        SearchError: There is no such search.
+    """
+    if name not in SEARCHES:
+        raise SearchError(
+            f"there is no search {name!r}; there are {', '.join(SEARCHES)}",
+            where="morph.search",
+            fix=f"the nearest are {nearest(name, SEARCHES)}",
+        )
+    module, _, attribute = SEARCHES[name].partition(":")
+    return cast(type[Search], getattr(importlib.import_module(module), attribute))
