@@ -187,7 +187,7 @@ class Effect(ABC):
         return state
 
     def command(self, actuator: str, command: Array, step: float) -> Array:
-        """Return what an actuator receives when `command` is sent; (steps,) each."""
+        """Return what an actuator receives when `command` is sent; (..., steps) each."""
         return command
 
     def sense(self, channel: str, reading: Array) -> Array:

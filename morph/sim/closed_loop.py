@@ -12,8 +12,9 @@ from mujoco.batch import Batch, SimulationError
 
 from morph.arrays import Array, Mask
 from morph.errors import SimulationFailed
-from morph.physics.effect import stacked
+from morph.physics.effect import Effect, stacked
 from morph.physics.fluid.settle import batches
+from morph.sim.drive import received
 from morph.sim.rollout import Rows, quiet
 from morph.sim.simulator import Simulator
 
@@ -59,29 +60,32 @@ def closed_loop(
         every_step: Whether every step is a sample, not only the control times.
 
     Raises:
-        SimulationFailed: The period is no multiple of the step, an effect cannot act in a
-            closed loop, a command is no number, or MuJoCo refuses to step.
+        SimulationFailed: The period is no multiple of the step, a command is no number,
+            the fluid is not compiled, or MuJoCo refuses to step.
     """
     periods, steps = _counted(simulator, period, seconds)
-    _check_effects(simulator)
+    _check_fluid(simulator)
     model: Any = simulator.model
     rows = len(position)
     batch = Batch(model, rows, 2 if rows > 1 else 1)
     batch.reset(stage=mujoco.mjtStage.mjSTAGE_NONE.value)
-    q, v, control = batch.bind("qpos"), batch.bind("qvel"), batch.bind("ctrl")
+    q, v = batch.bind("qpos"), batch.bind("qvel")
     q[:], v[:] = position, velocity
     each = 1 if every_step else steps
     samples = periods * steps // each + 1
     qs, vs = np.empty((samples, rows, model.nq)), np.empty((samples, rows, model.nv))
     us = np.zeros((samples, rows, model.nu))
+    arrives = _received(simulator, rows, periods * steps)
     advance = _advance(simulator, batch, each)
     qs[0], vs[0] = q, v
     with quiet():
         for at in range(samples - 1):
-            if at * each % steps == 0:
-                control[:] = _told(act, q, v, at * each * simulator.step, simulator)
-            us[at] = control
-            advance()
+            now = at * each
+            if now % steps == 0:
+                told = _told(act, q, v, now * simulator.step, simulator)
+                given = arrives(told, now, steps)
+            us[at] = told
+            advance(given[..., now % steps :][..., :each] if given.shape[-1] > 1 else given)
             qs[at + 1], vs[at + 1] = q, v
     us[-1] = us[-2]
     return Loop(
@@ -107,17 +111,7 @@ def _counted(simulator: Simulator, period: float, seconds: float) -> tuple[int, 
     return periods, steps
 
 
-def _check_effects(simulator: Simulator) -> None:
-    """Refuse what a closed loop cannot do yet: filters of commands, a fluid in numpy."""
-    from morph.physics.effect import Effect
-
-    for effect in simulator.effects:
-        if type(effect).command is not Effect.command:
-            raise SimulationFailed(
-                f"{effect.label} changes commands along a whole run at once",
-                where=f"robot {simulator.robot.name}, in a closed loop",
-                fix="leave it out, or run a policy that observes nothing",
-            )
+def _check_fluid(simulator: Simulator) -> None:
     if not batches(simulator.model):
         raise SimulationFailed(
             "a closed loop needs the compiled fluid",
@@ -126,18 +120,49 @@ def _check_effects(simulator: Simulator) -> None:
         )
 
 
-def _advance(simulator: Simulator, batch: Batch, each: int) -> Callable[[], None]:
-    """Return what steps every row `each` times, effects that act before each step included."""
+def _received(simulator: Simulator, rows: int, steps: int) -> Callable[[Array, int, int], Array]:
+    """Return what tells the commands that arrive at each step of a control period.
+
+    It takes what is told (rows, nu), the first step and how many there are, and gives
+    (rows, nu, steps), or (rows, nu, 1) if nothing changes commands on their way.
+    """
+    if not any(type(effect).command is not Effect.command for effect in simulator.effects):
+        return lambda told, first, count: told[..., None]
+    history = np.empty((rows, simulator.model.nu, steps))
+
+    def filtered(told: Array, first: int, count: int) -> Array:
+        # Delays and lags look back: all that was told so far goes through them again.
+        history[..., first : first + count] = told[..., None]
+        given = np.empty((rows, simulator.model.nu, count))
+        for actuator in simulator.robot.actuators:
+            index = simulator.model.actuator(actuator.name).id
+            whole = history[:, index, : first + count]
+            given[:, index] = received(simulator.effects, actuator.name, whole, simulator.step)[
+                ..., first:
+            ]
+        return given
+
+    return filtered
+
+
+def _advance(simulator: Simulator, batch: Batch, each: int) -> Callable[[Array], None]:
+    """Return what steps every row `each` times, effects that act before each step included.
+
+    It takes the commands of these steps, (rows, nu, each), or (rows, nu, 1) for all of them.
+    """
     rows = Rows(batch, simulator.step)
+    control = batch.bind("ctrl")
     acting = [stacked([effect] * batch.nsim) for effect in simulator.effects if effect.stepped]
     states = [effect.start(rows) for effect in acting]
 
-    def step() -> None:
+    def step(given: Array) -> None:
         try:
-            if not acting:
+            if not acting and given.shape[-1] == 1:
+                control[:] = given[..., 0]
                 batch.step(nstep=each)
                 return
-            for _ in range(each):
+            for at in range(each):
+                control[:] = given[..., min(at, given.shape[-1] - 1)]
                 rows.applied[:] = 0.0
                 for slot, effect in enumerate(acting):
                     states[slot] = effect.before_step(rows, states[slot])

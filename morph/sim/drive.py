@@ -34,7 +34,7 @@ def held(channel: Channel, start: float, step: float, steps: int) -> Array:
 
 
 def received(effects: Sequence[Effect], actuator: str, command: Array, step: float) -> Array:
-    """Return what an actuator receives of a command under effects, shape (steps,)."""
+    """Return what an actuator receives of a command under effects, shape (..., steps)."""
     for effect in effects:
         command = effect.command(actuator, command, step)
     return command

@@ -44,8 +44,11 @@ class ActuatorDelay(ActuatorEffect):
         """
         if actuator != self.actuator or self.T <= 0.0:
             return command
-        steps = np.arange(len(command)) - self.T / step
-        return np.asarray(np.interp(steps, np.arange(len(command)), command))
+        late = np.maximum(np.arange(command.shape[-1]) - self.T / step, 0.0)
+        before = np.floor(late).astype(int)
+        after = np.minimum(before + 1, command.shape[-1] - 1)
+        part = late - before
+        return np.asarray((1.0 - part) * command[..., before] + part * command[..., after])
 
     def regressor(self, motion: Motion) -> Array:
         """Return what is missing, per second of delay, while the command changes."""

@@ -48,8 +48,9 @@ class ActuatorLag(ActuatorEffect):
         from scipy.signal import lfilter
 
         decay = float(np.exp(-step / self.T))
-        after = lfilter([1.0 - decay], [1.0, -decay], command, zi=[command[0] * decay])[0]
-        before = np.concatenate([command[:1], after[:-1]])
+        first = command[..., :1]
+        after, _ = lfilter([1.0 - decay], [1.0, -decay], command, zi=first * decay)
+        before = np.concatenate([first, after[..., :-1]], axis=-1)
         return np.asarray(command + (before - command) * (1.0 - decay) * self.T / step)
 
     def regressor(self, motion: Motion) -> Array:
