@@ -71,6 +71,7 @@ def attempt(
         position=loop.position,
         velocity=loop.velocity,
         command=loop.command,
+        stable=loop.stable,
     )
 
 

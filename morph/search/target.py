@@ -98,4 +98,5 @@ class Simulated(Target):
             position=loop.position,
             velocity=loop.velocity,
             command=loop.command,
+            stable=loop.stable,
         )

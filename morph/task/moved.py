@@ -10,7 +10,7 @@ import mujoco
 import numpy as np
 from mujoco.batch import Batch
 
-from morph.arrays import Array
+from morph.arrays import Array, Mask
 from morph.body.robot import Robot
 
 MOST_AT_ONCE = 8192
@@ -43,6 +43,8 @@ class Moved:
     """MuJoCo's `qvel`, shape (..., samples, nv)."""
     command: Array
     """What is commanded from each time on, shape (..., samples, nu); the last is held."""
+    stable: Mask | None = None
+    """Which runs stayed stable, shape (...,); None if all did."""
 
     def joint(self, name: str) -> Array:
         """Return the position of a hinge, rad, or a slide, m, shape (..., samples)."""
@@ -54,9 +56,12 @@ class Moved:
 
     @cached_property
     def places(self) -> Places:
-        """Where every link is at every time."""
+        """Where every link is at every time; nowhere (nan) where a position is no number."""
         shape = self.position.shape[:-1]
         rows = self.position.reshape(-1, self.position.shape[-1])
+        # MuJoCo would take the description's own positions instead, without a word.
+        lost = ~np.isfinite(rows).all(axis=-1)
+        rows = np.where(lost[:, None], self.model.qpos0, rows)
         position = np.empty((len(rows), self.model.nbody, 3))
         rotation = np.empty((len(rows), self.model.nbody, 9))
         size = min(len(rows), MOST_AT_ONCE)
@@ -69,6 +74,7 @@ class Moved:
             batch.forward(stage=mujoco.mjtStage.mjSTAGE_POS.value)
             position[first : first + size] = x[: len(here)]
             rotation[first : first + size] = R[: len(here)].reshape(len(here), -1, 9)
+        position[lost], rotation[lost] = np.nan, np.nan
         return Places(
             position=position.reshape(*shape, -1, 3),
             rotation=rotation.reshape(*shape, -1, 3, 3),

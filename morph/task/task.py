@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from dataclasses import asdict, dataclass, field
 
 import numpy as np
@@ -19,6 +20,9 @@ from morph.task.term import Goal, Term
 
 MOST_SAMPLES = 100_000
 """Most control steps of a run."""
+
+UNSTABLE = 1e6
+"""Cost of a run in which the simulation became unstable: more than any that did not."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,13 +71,16 @@ class Task:
         """Check that times fit, and that terms and goals can be asked of this body."""
         if not self.robot.actuators:
             self._refuse("the body has no actuator", "give it a motor or a servo")
+        if not (math.isfinite(self.noise) and self.noise >= 0.0):
+            self._refuse(f"its noise {self.noise:g} is none", "give 0 or more")
         multiple = self.period / self.step if self.step > 0.0 else 0.0
         if not (multiple >= 1.0 and abs(multiple - round(multiple)) < 1e-6):
             self._refuse(
                 f"its control period {self.period:g} s is no multiple of its step {self.step:g} s",
                 "give a period of one step or more",
             )
-        if not 2 <= self.samples <= MOST_SAMPLES or abs(self._excess) > 1e-6:
+        periods = self.horizon / self.period
+        if not 0.5 < periods < MOST_SAMPLES or abs(periods - round(periods)) > 1e-6:
             self._refuse(
                 f"its horizon {self.horizon:g} s is not 1 to {MOST_SAMPLES - 1} "
                 f"control periods of {self.period:g} s",
@@ -91,10 +98,6 @@ class Task:
 
     def _refuse(self, what: str, fix: str) -> None:
         raise TaskError(what, where=f"task {self.name} of {self.robot.name}", fix=fix)
-
-    @property
-    def _excess(self) -> float:
-        return self.horizon / self.period - round(self.horizon / self.period)
 
     @property
     def samples(self) -> int:
@@ -118,6 +121,8 @@ class Task:
     def loss(self, moved: Moved) -> Array:
         """Return the cost of each run over all its samples, shape (...,).
 
+        A run that became unstable costs `UNSTABLE`, whatever else it shows.
+
         Raises:
             TaskError: A cost is no number.
         """
@@ -129,11 +134,15 @@ class Task:
                     "check the states that it was given, and the quantity of this term",
                 )
             total += cost
-        return np.asarray(total.sum(axis=-1))
+        loss = total.sum(axis=-1)
+        return np.asarray(loss if moved.stable is None else np.where(moved.stable, loss, UNSTABLE))
 
     def succeeded(self, moved: Moved) -> Mask:
-        """Return which runs reach every goal, shape (...,)."""
-        reached = np.ones(moved.position.shape[:-2], dtype=bool)
+        """Return which runs reach every goal, shape (...,); one that is unstable never does."""
+        stable = moved.stable
+        reached = (
+            np.ones(moved.position.shape[:-2], dtype=bool) if stable is None else stable.copy()
+        )
         for goal in self.goals:
             reached &= goal.reached(moved)
         return reached
@@ -154,4 +163,9 @@ class Task:
 
 
 def _said(part: Term | Goal) -> dict[str, object]:
-    return {**asdict(part), "quantity": {"kind": part.quantity.name, **asdict(part.quantity)}}
+    said = {
+        key: None if value == math.inf else value
+        for key, value in vars(part).items()
+        if key != "quantity"
+    }
+    return {**said, "quantity": {"kind": part.quantity.name, **asdict(part.quantity)}}

@@ -93,7 +93,7 @@ def test_a_proportional_loop_on_a_mass_is_the_recursion_of_textbooks() -> None:
         seconds=1.0,
         every_step=True,
     )
-    x, th = loop.position[0].T
+    _, th = loop.position[0].T
     xd, thd = loop.velocity[0].T
     # p = (M + m) x' + m l/2 cos(th) th'; dp/dt = u - b x' (Gamboa Higuera 2015, figure 7).
     momentum = 1.0 * xd + 0.5 * 0.25 * np.cos(th) * thd
