@@ -14,14 +14,30 @@ import numpy as np
 from morph.arrays import Array
 from morph.body.robot import Robot
 from morph.errors import PolicyError
+from morph.policy.fields import most_of
 
 UNLIMITED = 1e6
 """Bound of an action that nothing limits, in its unit: a leg may turn without end."""
 
 
+LARGEST = 1e9
+"""Greatest number that a policy holds, or sees: a greater one is seen as this one."""
+
+MOST_HISTORY = 100
+"""Most samples of one channel that are seen at once."""
+
+LONGEST_DELAY = 10.0
+"""Longest delay of a channel, s."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Observation:
-    """One channel that a policy sees."""
+    """One channel that a policy sees: (reading - offset) / scale.
+
+    It gives as many numbers as its history is long, the newest first; before the first
+    reading it is taken to have read the same. What a policy sees is these numbers of all
+    its observations, one after another.
+    """
 
     channel: str
     """Its name, as in a recording: `slide.position`."""
@@ -35,6 +51,24 @@ class Observation:
     """How many samples it sees, this one and those before."""
     delay_s: float = 0.0
     """How old the newest sample is, s."""
+
+    def __post_init__(self) -> None:
+        """Check the numbers."""
+        right = {
+            "offset": abs(self.offset) <= LARGEST,
+            "scale": 1.0 / LARGEST <= abs(self.scale) <= LARGEST,
+            "history": self.history in range(1, MOST_HISTORY + 1),
+            "delay_s": 0.0 <= self.delay_s <= LONGEST_DELAY,
+        }
+        wrong = [name for name, holds in right.items() if not holds]
+        if wrong:
+            found = ", ".join(f"{name} = {getattr(self, name):g}" for name in wrong)
+            raise PolicyError(
+                f"{found} is out of range",
+                where=f"observation {most_of(self.channel)}",
+                fix=f"give an offset, a scale other than 0, a history of 1 to {MOST_HISTORY} "
+                f"samples and a delay of 0 to {LONGEST_DELAY:g} s",
+            )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,7 +94,7 @@ class Action:
             )
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Policy(ABC):
     """What tells every actuator of a body what to do."""
 
@@ -83,14 +117,41 @@ class Policy(ABC):
                 fix="take 0.01 s",
             )
 
+    def __eq__(self, other: object) -> bool:
+        """Return whether the other is of the same kind and says the same, number for number."""
+        if type(other) is not type(self):
+            return NotImplemented
+        mine, its = self.weights(), other.weights()
+        said = ("action", "period", "observation")
+        return (
+            all(getattr(self, name) == getattr(other, name) for name in said)
+            and mine.keys() == its.keys()
+            and all(np.array_equal(mine[name], its[name]) for name in mine)
+        )
+
+    __hash__ = None  # type: ignore[assignment]
+
+    @property
+    def size(self) -> int:
+        """How many numbers it sees."""
+        return sum(each.history for each in self.observation)
+
     @abstractmethod
     def act(self, observation: Array, time: Array) -> Array:
         """Return commands within their bounds, shape (..., actions).
 
         Args:
-            observation: What it sees, shape (..., observations).
+            observation: What it sees, shape (..., observations), `size` numbers each.
             time: The clock, s, shape (...,).
         """
+
+    def typical(self, time: Array, rng: np.random.Generator) -> Array:
+        """Return observations that it may meet at some times, (rows, observations).
+
+        Small ones and great ones: the great alone would find every command at its bound.
+        """
+        shape = (len(time), self.size)
+        return np.asarray(rng.normal(size=shape) * 10.0 ** rng.uniform(-3.0, 0.0, size=shape))
 
     @abstractmethod
     def weights(self) -> Mapping[str, Array]:

@@ -1,0 +1,184 @@
+"""What a policy sees of a body's state: channels, offset and scaled, delayed, with their past."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from morph.arrays import Array, Integers
+from morph.body.robot import Robot
+from morph.errors import PolicyError
+from morph.policy.fields import most_of
+from morph.policy.policy import Observation, Policy
+from morph.record.nearest import nearest
+from morph.record.quantities import WXYZ, XYZ
+
+FLOATING = (
+    (0, "position", "m", XYZ),
+    (0, "orientation", "1", WXYZ),
+    (1, "linear_velocity", "m/s", XYZ),
+    (1, "angular_velocity", "rad/s", XYZ),
+)
+"""What is seen of a floating body: of its position (0) or its velocity (1), with unit and axes."""
+
+
+def units(robot: Robot) -> dict[str, str]:
+    """Return the unit of every channel that follows from the state of a body.
+
+    First the positions of all joints in the body's order, then their velocities, named as
+    recordings name them; a joint that is neither hinge, slide nor free has no channel.
+    """
+    return {name: unit for rate in (0, 1) for name, unit in _channels(robot, rate)}
+
+
+def _channels(robot: Robot, rate: int) -> Iterator[tuple[str, str]]:
+    for joint in robot.joints:
+        if joint.kind in {"hinge", "slide"}:
+            yield (
+                f"{joint.name}.{('position', 'velocity')[rate]}",
+                joint.unit + ("/s" if rate else ""),
+            )
+        elif joint.kind == "free":
+            for whose, quantity, unit, axes in FLOATING:
+                if whose == rate:
+                    yield from ((f"{joint.link}.{quantity}.{axis}", unit) for axis in axes)
+
+
+def observations_of(
+    robot: Robot, channels: tuple[str, ...] | None = None
+) -> tuple[Observation, ...]:
+    """Return observations of some channels as they are; None for all that `units` names.
+
+    Raises:
+        PolicyError: The body has no such channel.
+    """
+    known = units(robot)
+    names = tuple(known) if channels is None else channels
+    return tuple(Observation(channel=name, unit=unit_of(robot, name)) for name in names)
+
+
+def unit_of(robot: Robot, channel: str, *, where: str = "") -> str:
+    """Return the unit of a channel that a policy may see.
+
+    Raises:
+        PolicyError: The body has no such channel, or it does not follow from the state.
+    """
+    known = units(robot)
+    if channel not in known:
+        raise PolicyError(
+            f"it observes {most_of(channel)}, which the state of {robot.name} does not hold",
+            where=where or f"a policy for {robot.name}",
+            fix=f"the nearest channels are {nearest(channel, known)}",
+        )
+    return known[channel]
+
+
+def addresses(robot: Robot, model: Any) -> dict[str, int]:
+    """Return where each channel of `units` stands in (qpos, qvel), one after the other."""
+    found: dict[str, int] = {}
+    for joint in robot.joints:
+        here = model.joint(joint.name)
+        starts = (int(here.qposadr[0]), model.nq + int(here.dofadr[0]))
+        if joint.kind in {"hinge", "slide"}:
+            for name, at in zip(("position", "velocity"), starts, strict=True):
+                found[f"{joint.name}.{name}"] = at
+        elif joint.kind == "free":
+            for rate in (0, 1):
+                names = [
+                    f"{joint.link}.{quantity}.{axis}"
+                    for whose, quantity, _, axes in FLOATING
+                    if whose == rate
+                    for axis in axes
+                ]
+                found |= {name: starts[rate] + at for at, name in enumerate(names)}
+    return found
+
+
+class Observer:
+    """What a policy sees in many runs at once; it remembers, so each run needs a new one.
+
+    Noise is that of the sensor: each reading has its own, which stays with it as it ages.
+
+    Args:
+        policy: Whose observations are made.
+        robot: The body.
+        model: Its compiled `mujoco.MjModel`.
+        rows: How many runs there are.
+        rng: The chance of the noise; None for none.
+        noise: Standard deviation of every reading, in its unit.
+
+    Raises:
+        PolicyError: The body lacks a channel, or a delay is no multiple of the control period.
+    """
+
+    def __init__(
+        self,
+        policy: Policy,
+        robot: Robot,
+        model: Any,
+        rows: int,
+        rng: np.random.Generator | None = None,
+        noise: float = 0.0,
+    ) -> None:
+        seen = policy.observation
+        for each in seen:
+            unit_of(robot, each.channel)
+        where = addresses(robot, model)
+        # One reading for each channel, however often it is seen: its noise is one.
+        channels = list(dict.fromkeys(each.channel for each in seen))
+        self._columns = np.array([where[name] for name in channels], dtype=np.int64)
+        self._as_it_is = np.array_equal(self._columns, np.arange(model.nq + model.nv))
+        self._rng, self._noise = rng, noise
+        self._pick, self._age = _ages(policy, channels)
+        numbers = [each for each in seen for _ in range(each.history)]
+        self._offset = np.array([each.offset for each in numbers])
+        self._scale = np.array([each.scale for each in numbers])
+        self._plain = bool((self._offset == 0.0).all() and (self._scale == 1.0).all())
+        self._newest = not self._age.any() and np.array_equal(
+            self._pick, np.arange(len(self._columns))
+        )
+        self._past: Array | None = None
+
+    def see(self, position: Array, velocity: Array) -> Array:
+        """Return what is seen at the next control time, shape (rows, observations).
+
+        Args:
+            position: MuJoCo's `qpos`, shape (rows, nq).
+            velocity: MuJoCo's `qvel`, shape (rows, nv).
+        """
+        reading = np.concatenate([position, velocity], axis=1)
+        if not self._as_it_is:
+            reading = reading[:, self._columns]
+        if self._rng is not None and self._noise > 0.0:
+            reading += self._noise * self._rng.standard_normal(reading.shape)
+        seen = reading if self._newest else self._remembered(reading)
+        return seen if self._plain else np.asarray((seen - self._offset) / self._scale)
+
+    def _remembered(self, reading: Array) -> Array:
+        if self._past is None:
+            depth = int(self._age.max(initial=0)) + 1
+            self._past = np.repeat(reading[None], depth, axis=0)
+        else:
+            self._past[1:] = self._past[:-1].copy()
+            self._past[0] = reading
+        return np.asarray(self._past[self._age, :, self._pick].T)
+
+
+def _ages(policy: Policy, channels: list[str]) -> tuple[Integers, Integers]:
+    """Return for each number seen which channel it is, and how many periods old."""
+    pick: list[int] = []
+    age: list[int] = []
+    for each in policy.observation:
+        delay = each.delay_s / policy.period
+        if abs(delay - round(delay)) > 1e-6:
+            raise PolicyError(
+                f"{each.channel} is {each.delay_s:g} s late, "
+                f"and the control period is {policy.period:g} s",
+                where=f"a policy of kind {policy.kind}",
+                fix="give a delay that is a multiple of the control period",
+            )
+        pick += [channels.index(each.channel)] * each.history
+        age += [round(delay) + past for past in range(each.history)]
+    return np.array(pick, dtype=np.int64), np.array(age, dtype=np.int64)
