@@ -48,24 +48,25 @@ class Feedback(Policy):
         bound_of(self.action, self.bound, where=place(self))
 
     @cached_property
-    def _seen(self) -> tuple[Integers, Integers]:
+    def seen(self) -> tuple[Integers, Integers]:
         """Which numbers are no angles, and which are."""
         angle = np.asarray(self.angles, dtype=bool)
         return np.flatnonzero(~angle), np.flatnonzero(angle)
 
     @cached_property
-    def _limited(self) -> Bound:
+    def limited(self) -> Bound:
+        """What keeps its commands within their bounds."""
         return bound_of(self.action, self.bound, where=place(self))
 
     @property
     def inputs(self) -> int:
         """How many features there are."""
-        plain, angles = self._seen
+        plain, angles = self.seen
         return len(plain) + 2 * len(angles)
 
     def features(self, observation: Array) -> Array:
         """Return what the function is of, shape (..., features)."""
-        return features(np.asarray(observation, dtype=float), *self._seen)
+        return features(np.asarray(observation, dtype=float), *self.seen)
 
     @abstractmethod
     def raw(self, features: Array) -> Array:
@@ -73,7 +74,7 @@ class Feedback(Policy):
 
     def act(self, observation: Array, time: Array) -> Array:
         """Return the function, bounded; it does not look at the clock."""
-        return self._limited(self.raw(self.features(observation)))
+        return self.limited(self.raw(self.features(observation)))
 
     def shared(self) -> dict[str, Array]:
         """Return the numbers of `SHARED`."""

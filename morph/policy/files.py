@@ -14,6 +14,9 @@ from morph.policy.fields import most_of, whole_of
 FILES = ("weights.safetensors", "policy.json")
 """What a policy consists of; the last makes it one."""
 
+EXPORTED = "policy.onnx"
+"""What a policy is exported to, if it is, in the same folder."""
+
 MOST_BYTES = {"policy.json": 2**20, "weights.safetensors": 2**26}
 """Largest file of each name."""
 

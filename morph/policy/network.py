@@ -17,6 +17,9 @@ from morph.policy.tensors import kept, named, place
 MOST_LAYERS = 16
 """Most layers of a network, the last included."""
 
+WIDEST = 10_000
+"""Most outputs of a layer."""
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Network(Feedback):
@@ -47,6 +50,10 @@ class Network(Feedback):
             b = kept(bias, f"{name}.bias", (len(W),), where=place(self))
             checked.append((W, b))
             inputs = len(W)
+            if inputs > WIDEST:
+                raise PolicyError(
+                    f"{name} has {inputs} outputs", where=place(self), fix=f"give at most {WIDEST}"
+                )
         object.__setattr__(self, "layers", tuple(checked))
 
     def raw(self, features: Array) -> Array:

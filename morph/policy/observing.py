@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import Any
 
@@ -75,6 +76,22 @@ def unit_of(robot: Robot, channel: str, *, where: str = "") -> str:
     return known[channel]
 
 
+def check_channels(policy: Policy, robot: Robot, *, where: str) -> None:
+    """Check that a body has every channel that a policy sees, in its unit.
+
+    Raises:
+        PolicyError: It lacks one, or has it in another unit.
+    """
+    for seen in policy.observation:
+        unit = unit_of(robot, seen.channel, where=where)
+        if seen.unit != unit:
+            raise PolicyError(
+                f"it observes {seen.channel} in {most_of(seen.unit)}, which is in {unit}",
+                where=where,
+                fix=f'write "unit": "{unit}", and convert by scale',
+            )
+
+
 def addresses(robot: Robot, model: Any) -> dict[str, int]:
     """Return where each channel of `units` stands in (qpos, qvel), one after the other."""
     found: dict[str, int] = {}
@@ -110,7 +127,8 @@ class Observer:
         noise: Standard deviation of every reading, in its unit.
 
     Raises:
-        PolicyError: The body lacks a channel, or a delay is no multiple of the control period.
+        PolicyError: The body lacks a channel, a delay is no multiple of the control period,
+            or the noise is negative.
     """
 
     def __init__(
@@ -123,14 +141,17 @@ class Observer:
         noise: float = 0.0,
     ) -> None:
         seen = policy.observation
-        for each in seen:
-            unit_of(robot, each.channel)
+        check_channels(policy, robot, where=f"a policy of kind {policy.kind}")
+        if not 0.0 <= noise < math.inf:
+            raise PolicyError(
+                f"noise of {noise:g} is none", where="an observer", fix="give 0 or more"
+            )
         where = addresses(robot, model)
         # One reading for each channel, however often it is seen: its noise is one.
         channels = list(dict.fromkeys(each.channel for each in seen))
         self._columns = np.array([where[name] for name in channels], dtype=np.int64)
         self._as_it_is = np.array_equal(self._columns, np.arange(model.nq + model.nv))
-        self._rng, self._noise = rng, noise
+        self._rows, self._rng, self._noise = rows, rng, noise
         self._pick, self._age = _ages(policy, channels)
         numbers = [each for each in seen for _ in range(each.history)]
         self._offset = np.array([each.offset for each in numbers])
@@ -147,7 +168,16 @@ class Observer:
         Args:
             position: MuJoCo's `qpos`, shape (rows, nq).
             velocity: MuJoCo's `qvel`, shape (rows, nv).
+
+        Raises:
+            PolicyError: There are more or fewer runs than it was made for.
         """
+        if len(position) != self._rows:
+            raise PolicyError(
+                f"it sees {len(position)} runs, and was made for {self._rows}",
+                where="an observer",
+                fix="make one for these runs",
+            )
         reading = np.concatenate([position, velocity], axis=1)
         if not self._as_it_is:
             reading = reading[:, self._columns]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
+from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
@@ -12,6 +13,7 @@ import numpy as np
 from morph.arrays import Array
 from morph.body.robot import Robot
 from morph.errors import PolicyError
+from morph.policy.bound import Bound, bound_of
 from morph.policy.fields import most_of
 from morph.policy.policy import Action, Observation, Policy, actions_of
 
@@ -77,13 +79,17 @@ class Pattern(Policy):
                 fix="give one swing for each action, and no observation",
             )
 
+    @cached_property
+    def limited(self) -> Bound:
+        """What keeps its commands within their bounds."""
+        return bound_of(self.action, "clip", where="a policy of kind pattern")
+
     def act(self, observation: Array, time: Array) -> Array:
         """Return offset + rate t + amplitude sin(2 pi frequency t + phase), within bounds."""
         t = np.asarray(time, dtype=float)[..., None]
         n = self.weights()
         sine = np.sin(2.0 * math.pi * n["frequency"] * t + n["phase"])
-        low, high = np.array([(each.low, each.high) for each in self.action]).reshape(-1, 2).T
-        return np.asarray(np.clip(n["offset"] + n["rate"] * t + n["amplitude"] * sine, low, high))
+        return self.limited(n["offset"] + n["rate"] * t + n["amplitude"] * sine)
 
     def weights(self) -> Mapping[str, Array]:
         """Return each number of the swings, shape (actions,)."""

@@ -26,6 +26,9 @@ LARGEST = 1e9
 MOST_HISTORY = 100
 """Most samples of one channel that are seen at once."""
 
+MOST_SEEN = 10_000
+"""Most numbers that are seen at once."""
+
 LONGEST_DELAY = 10.0
 """Longest delay of a channel, s."""
 
@@ -115,6 +118,12 @@ class Policy(ABC):
                 f"a control period of {self.period:g} s is out of range, 1e-4 to 10",
                 where=f"a policy of kind {self.kind}",
                 fix="take 0.01 s",
+            )
+        if self.size > MOST_SEEN:
+            raise PolicyError(
+                f"it sees {self.size} numbers at once",
+                where=f"a policy of kind {self.kind}",
+                fix=f"take shorter histories, at most {MOST_SEEN} numbers in all",
             )
 
     def __eq__(self, other: object) -> bool:

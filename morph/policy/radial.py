@@ -15,6 +15,9 @@ from morph.policy.feedback import SHARED, Feedback, bound_named
 from morph.policy.policy import LARGEST, Action, Observation
 from morph.policy.tensors import keep, named, place
 
+MOST_UNITS = 10_000
+"""Most basis functions."""
+
 THINNEST = 1e-6
 """Least width of a basis function."""
 
@@ -40,6 +43,12 @@ class Radial(Feedback):
         super().__post_init__()
         keep(self, centre=(None, self.inputs), width=(self.inputs,))
         keep(self, weight=(len(self.action), len(self.centre)))
+        if len(self.centre) > MOST_UNITS:
+            raise PolicyError(
+                f"it has {len(self.centre)} basis functions",
+                where=place(self),
+                fix=f"give at most {MOST_UNITS}",
+            )
         if not (self.width >= THINNEST).all():
             raise PolicyError(
                 f"a width of {self.width.min():g} is too small",
@@ -68,7 +77,7 @@ class Radial(Feedback):
 
     def typical(self, time: Array, rng: np.random.Generator) -> Array:
         """Return observations among the centres, where the functions are felt."""
-        plain, angles = self._seen
+        plain, angles = self.seen
         near = self.centre[rng.integers(len(self.centre), size=len(time))]
         near = near + self.width * rng.normal(size=near.shape)
         found = np.empty((len(time), self.size))

@@ -4,37 +4,26 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
 
 from morph.arrays import JSON, Array
 from morph.body.robot import Robot
-from morph.errors import PolicyError
-from morph.files import sha256, write_whole
-from morph.policy.fields import most_of, number_of, table_of, tables_of, text_of
-from morph.policy.files import FILES, read_json, read_tensors
-from morph.policy.pattern import Pattern
-from morph.policy.policy import Action, Observation, Policy, actions_of
-
-SCHEMA = "morph.policy/1"
-"""The only schema of policies so far."""
-
-KINDS: tuple[type[Policy], ...] = (Pattern,)
-"""Every kind of policy that can be read."""
-
-MOST_PARTS = 1000
-"""Most actions, and most observations."""
-
-REPLAYED = 64
-"""How many actions are stored, to be replayed when the policy is read."""
-
-MOST_REPLAYED = 10_000
-"""Most that are replayed."""
-
-TOLERANCE = 1e-6
-"""How near a replayed action must come to the stored one, in its unit or, above 1, relative."""
+from morph.errors import OutputError, PolicyError
+from morph.files import write_whole
+from morph.policy.fields import number_of
+from morph.policy.files import EXPORTED, FILES, read_json, read_tensors
+from morph.policy.policy import Policy
+from morph.policy.replay import check_replay, to_replay
+from morph.policy.said import (
+    actions_said,
+    check_body,
+    check_robot,
+    kind_of,
+    observations_said,
+    said_of,
+)
 
 
 def write_policy(
@@ -43,8 +32,11 @@ def write_policy(
     robot: Robot,
     *,
     task: str = "",
+    task_sha256: str = "",
     learned: JSON | None = None,
     seconds: float = 10.0,
+    observed: Array | None = None,
+    times: Array | None = None,
 ) -> Path:
     """Return the folder that a policy was written to, with actions to check it by.
 
@@ -53,25 +45,55 @@ def write_policy(
         folder: A new folder, an empty one, or one that holds an earlier policy.
         robot: The body that it commands.
         task: What it is for, in a word.
+        task_sha256: The hash of that task.
         learned: How it was found; None for one written by hand.
         seconds: How much of it is stored to be replayed.
+        observed: What it saw in a run, shape (samples, observations): some of it is stored to
+            be replayed. Without it observations are drawn.
+        times: When it saw that, s, shape (samples,).
 
     Raises:
-        PolicyError: It does not command this robot.
+        PolicyError: It does not command this robot, or what was observed does not fit it.
         OutputError: The folder cannot be written to.
     """
-    _check_body(policy, robot, where=str(folder))
+    check_body(policy, robot, where=str(folder))
     if folder.is_dir() and any(folder.iterdir()) and not (folder / FILES[-1]).is_file():
         raise PolicyError(
             "the folder is not empty and holds no earlier policy",
             where=str(folder),
             fix="name a new or an empty folder",
         )
-    said = json.dumps(_said(policy, robot, task, learned), indent=1, allow_nan=False) + "\n"
+    said = said_of(policy, robot, task=task, task_sha256=task_sha256, learned=learned)
+    text = _text(said, folder)
+    replay = to_replay(policy, seconds=seconds, observed=observed, times=times)
+    _forget_export(folder)
     # `policy.json` comes last: it makes the folder a policy.
-    write_whole(folder / FILES[0], _bytes(_tensors(policy, seconds)))
-    write_whole(folder / FILES[1], said)
+    write_whole(folder / FILES[0], _bytes({**policy.weights(), **replay}))
+    write_whole(folder / FILES[1], text)
     return folder
+
+
+def _text(said: JSON, folder: Path) -> str:
+    try:
+        return json.dumps(said, indent=1, allow_nan=False) + "\n"
+    except (TypeError, ValueError) as error:
+        raise PolicyError(
+            f"how it was learned cannot be written as JSON: {error}",
+            where=str(folder),
+            fix="give texts, finite numbers, lists and objects of them",
+        ) from error
+
+
+def _forget_export(folder: Path) -> None:
+    """Remove what an earlier policy was exported to: it would be taken for this one."""
+    try:
+        (folder / EXPORTED).unlink(missing_ok=True)
+    except OSError as error:
+        raise OutputError(
+            f"cannot be replaced: {error.strerror or error}",
+            where=str(folder / EXPORTED),
+            fix="name another folder",
+        ) from error
 
 
 def load_policy(path: str | Path, robot: Robot) -> Policy:
@@ -84,151 +106,23 @@ def load_policy(path: str | Path, robot: Robot) -> Policy:
     folder = Path(path)
     said = read_json(folder / "policy.json")
     where = str(folder / "policy.json")
-    if said.get("schema") != SCHEMA:
-        raise PolicyError(
-            f"its schema is {most_of(said.get('schema'))}",
-            where=where,
-            fix=f"give a policy of schema {SCHEMA}",
-        )
-    kinds = {kind.kind: kind for kind in KINDS}
-    kind = text_of(said, "kind", where)
-    if kind not in kinds:
-        raise PolicyError(
-            f"its kind is {most_of(kind)}", where=where, fix=f"use one of {', '.join(kinds)}"
-        )
-    body = table_of(said, "robot", where)
-    hashed = _hash(robot)
-    if text_of(body, "sha256", where) != hashed:
-        raise PolicyError(
-            f"it was made for {most_of(text_of(body, 'name', where))}, whose description and card "
-            f"have the hash {most_of(body['sha256'])}; those of {robot.name} have {hashed}",
-            where=where,
-            fix="give the robot it was made for, or make it again for this one",
-        )
-    if text_of(said, "hold", where) != "zero-order":
-        raise PolicyError(
-            f"hold is {most_of(said['hold'])}", where=where, fix='write "hold": "zero-order"'
-        )
+    kind = kind_of(said, where)
+    check_robot(said, robot, where)
     tensors = read_tensors(folder / "weights.safetensors")
     weights = {name: value for name, value in tensors.items() if not name.startswith("replay.")}
-    policy = kinds[kind].of(
+    policy = kind.of(
         weights,
-        action=tuple(_action(each, where) for each in tables_of(said, "action", MOST_PARTS, where)),
-        observation=tuple(
-            _observation(each, where) for each in tables_of(said, "observation", MOST_PARTS, where)
-        ),
+        action=actions_said(said, where),
+        observation=observations_said(said, where),
         period=number_of(said, "control_period_s", where),
     )
-    _check_body(policy, robot, where=where)
-    _replay(policy, tensors, folder / "weights.safetensors")
+    check_body(policy, robot, where=where)
+    check_replay(policy, tensors, where=str(folder / "weights.safetensors"))
     return policy
-
-
-def _said(policy: Policy, robot: Robot, task: str, learned: JSON | None) -> JSON:
-    return {
-        "schema": SCHEMA,
-        "kind": policy.kind,
-        "robot": {"name": robot.name, "sha256": _hash(robot)},
-        "task": {"name": task, "sha256": ""},
-        "observation": [vars(each) for each in policy.observation],
-        "action": [vars(each) for each in policy.action],
-        "control_period_s": policy.period,
-        "hold": "zero-order",
-        "parts": {},
-        "learned": learned,
-        "provenance": {"morph": version("morph"), "mujoco": version("mujoco")},
-    }
-
-
-def _hash(robot: Robot) -> str:
-    return robot.sha256 or sha256(robot.mjcf)
-
-
-def _tensors(policy: Policy, seconds: float) -> dict[str, Array]:
-    # Fixed seed: the same policy is written as the same bytes.
-    rng = np.random.default_rng(0)
-    time = np.sort(rng.uniform(0.0, seconds, REPLAYED))
-    observation = rng.normal(size=(REPLAYED, len(policy.observation)))
-    stored = {
-        "replay.time": time,
-        "replay.observation": observation,
-        "replay.action": policy.act(observation, time),
-    }
-    return {**policy.weights(), **stored}
 
 
 def _bytes(tensors: Mapping[str, Array]) -> bytes:
     from safetensors.numpy import save
 
-    return bytes(save({name: np.ascontiguousarray(value) for name, value in tensors.items()}))
-
-
-def _action(said: JSON, where: str) -> Action:
-    return Action(
-        actuator=text_of(said, "actuator", where),
-        unit=text_of(said, "unit", where),
-        low=number_of(said, "low", where),
-        high=number_of(said, "high", where),
-    )
-
-
-def _observation(said: JSON, where: str) -> Observation:
-    return Observation(
-        channel=text_of(said, "channel", where),
-        unit=text_of(said, "unit", where),
-        offset=number_of(said, "offset", where),
-        scale=number_of(said, "scale", where),
-        history=int(number_of(said, "history", where)),
-        delay_s=number_of(said, "delay_s", where),
-    )
-
-
-def _check_body(policy: Policy, robot: Robot, *, where: str) -> None:
-    """Check that the actions are the robot's actuators, in its order and units."""
-    found = [(each.actuator, each.unit) for each in policy.action]
-    wanted = [(each.actuator, each.unit) for each in actions_of(robot)]
-    if found != wanted:
-        raise PolicyError(
-            f"it commands {most_of(_listed(found))}, "
-            f"and the actuators of {robot.name} are {_listed(wanted)}",
-            where=where,
-            fix="give the robot it was made for",
-        )
-    parts = {each.name for each in robot.joints} | {each.name for each in robot.links}
-    for seen in policy.observation:
-        if seen.channel.partition(".")[0] not in parts:
-            raise PolicyError(
-                f"it observes {most_of(seen.channel)}, and {robot.name} has no such part",
-                where=where,
-                fix="give the robot it was made for",
-            )
-
-
-def _listed(parts: list[tuple[str, str]]) -> str:
-    return ", ".join(f"{name} ({unit})" for name, unit in parts) or "none"
-
-
-def _replay(policy: Policy, tensors: Mapping[str, Array], path: Path) -> None:
-    """Check the policy against the actions that were stored with it."""
-    time, seen, stored = (
-        tensors.get(f"replay.{name}", np.empty(0)) for name in ("time", "observation", "action")
-    )
-    rows = len(time) if time.ndim == 1 else 0
-    shapes = (seen.shape, stored.shape)
-    if not 0 < rows <= MOST_REPLAYED or shapes != (
-        (rows, len(policy.observation)),
-        (rows, len(policy.action)),
-    ):
-        raise PolicyError(
-            "it lacks observations and actions to replay, or holds too many",
-            where=str(path),
-            fix="write it again",
-        )
-    again = policy.act(seen, time)
-    worst = float(np.max(np.abs(again - stored) / np.maximum(1.0, np.abs(stored)), initial=0.0))
-    if not worst <= TOLERANCE:
-        raise PolicyError(
-            f"replayed, its actions differ from the stored ones by {worst:.2g}",
-            where=str(path),
-            fix="write it again; its numbers have changed since",
-        )
+    # A number of no axis must stay one; `ascontiguousarray` would give it one.
+    return bytes(save({name: np.array(value, order="C") for name, value in tensors.items()}))

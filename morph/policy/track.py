@@ -63,7 +63,8 @@ class Track(Policy):
         return np.flatnonzero(self.angles)
 
     @cached_property
-    def _limited(self) -> Bound:
+    def limited(self) -> Bound:
+        """What keeps its commands within their bounds."""
         return bound_of(self.action, "clip", where=place(self))
 
     def knot(self, time: Array) -> Integers:
@@ -84,7 +85,7 @@ class Track(Policy):
         else:
             away = wrapped(seen - self.nominal[knot], self._turning)
             told = (self.gain[knot] @ away[..., None])[..., 0] + self.command[knot]
-        return self._limited(told)
+        return self.limited(told)
 
     def typical(self, time: Array, rng: np.random.Generator) -> Array:
         """Return observations near what should be seen."""

@@ -102,7 +102,8 @@ def change(path: tuple[str | int, ...], value: Any) -> Callable[[dict[str, Any]]
     ("act", "what"),
     [
         (change(("schema",), "morph.policy/2"), "its schema is 'morph.policy/2'"),
-        (change(("kind",), "radial"), "its kind is 'radial'"),
+        (change(("kind",), "tabular"), "its kind is 'tabular'"),
+        (change(("kind",), "radial"), "shapes"),
         (change(("kind",), None), "kind is None, not a text"),
         (change(("kind",), "x" * 1000), "not a text of at most 200"),
         (change(("hold",), "linear"), "hold is 'linear'"),
