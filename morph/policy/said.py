@@ -1,0 +1,145 @@
+"""What `policy.json` says of a policy, and what is made of what it says."""
+
+from __future__ import annotations
+
+from importlib.metadata import version
+
+from morph.arrays import JSON
+from morph.body.robot import Robot
+from morph.errors import PolicyError
+from morph.files import sha256
+from morph.policy.fields import most_of, number_of, table_of, tables_of, text_of
+from morph.policy.kinds import KINDS
+from morph.policy.observing import check_channels
+from morph.policy.policy import Action, Observation, Policy, actions_of
+
+SCHEMA = "morph.policy/1"
+"""The only schema of policies so far."""
+
+MOST_PARTS = 1000
+"""Most actions, and most observations."""
+
+
+def said_of(
+    policy: Policy, robot: Robot, *, task: str, task_sha256: str, learned: JSON | None
+) -> JSON:
+    """Return what a policy's file says of it, but for its numbers."""
+    return {
+        "schema": SCHEMA,
+        "kind": policy.kind,
+        "robot": {"name": robot.name, "sha256": hash_of(robot)},
+        "task": {"name": task, "sha256": task_sha256},
+        "observation": [vars(each) for each in policy.observation],
+        "action": [vars(each) for each in policy.action],
+        "control_period_s": policy.period,
+        "hold": "zero-order",
+        "parts": {},
+        "learned": learned,
+        "provenance": {"morph": version("morph"), "mujoco": version("mujoco")},
+    }
+
+
+def hash_of(robot: Robot) -> str:
+    """Return the hash of a robot's description and card."""
+    return robot.sha256 or sha256(robot.mjcf)
+
+
+def kind_of(said: JSON, where: str) -> type[Policy]:
+    """Return the kind of policy that a file speaks of.
+
+    Raises:
+        PolicyError: The schema or the kind is unknown.
+    """
+    if said.get("schema") != SCHEMA:
+        raise PolicyError(
+            f"its schema is {most_of(said.get('schema'))}",
+            where=where,
+            fix=f"give a policy of schema {SCHEMA}",
+        )
+    kinds = {kind.kind: kind for kind in KINDS}
+    kind = text_of(said, "kind", where)
+    if kind not in kinds:
+        raise PolicyError(
+            f"its kind is {most_of(kind)}", where=where, fix=f"use one of {', '.join(kinds)}"
+        )
+    return kinds[kind]
+
+
+def check_robot(said: JSON, robot: Robot, where: str) -> None:
+    """Check that a file speaks of a policy for this very robot, held as we hold commands.
+
+    Raises:
+        PolicyError: It was made for another, or holds its commands otherwise.
+    """
+    body = table_of(said, "robot", where)
+    hashed = hash_of(robot)
+    if text_of(body, "sha256", where) != hashed:
+        raise PolicyError(
+            f"it was made for {most_of(text_of(body, 'name', where))}, whose description and card "
+            f"have the hash {most_of(body['sha256'])}; those of {robot.name} have {hashed}",
+            where=where,
+            fix="give the robot it was made for, or make it again for this one",
+        )
+    if text_of(said, "hold", where) != "zero-order":
+        raise PolicyError(
+            f"hold is {most_of(said['hold'])}", where=where, fix='write "hold": "zero-order"'
+        )
+
+
+def actions_said(said: JSON, where: str) -> tuple[Action, ...]:
+    """Return the actions that a file speaks of."""
+    return tuple(
+        Action(
+            actuator=text_of(each, "actuator", where),
+            unit=text_of(each, "unit", where),
+            low=number_of(each, "low", where),
+            high=number_of(each, "high", where),
+        )
+        for each in tables_of(said, "action", MOST_PARTS, where)
+    )
+
+
+def observations_said(said: JSON, where: str) -> tuple[Observation, ...]:
+    """Return the observations that a file speaks of."""
+    return tuple(
+        Observation(
+            channel=text_of(each, "channel", where),
+            unit=text_of(each, "unit", where),
+            offset=number_of(each, "offset", where),
+            scale=number_of(each, "scale", where),
+            history=_count(each, "history", where),
+            delay_s=number_of(each, "delay_s", where),
+        )
+        for each in tables_of(said, "observation", MOST_PARTS, where)
+    )
+
+
+def _count(said: JSON, key: str, where: str) -> int:
+    number = number_of(said, key, where)
+    if not number.is_integer():
+        raise PolicyError(
+            f"{key} is {number:g}, not a whole number", where=where, fix=f'write "{key}": 1'
+        )
+    return int(number)
+
+
+def check_body(policy: Policy, robot: Robot, *, where: str) -> None:
+    """Check that actions are the robot's actuators in its order, and that it can be observed.
+
+    Raises:
+        PolicyError: An actuator or a channel is not the robot's, or not in that unit.
+    """
+    found = [(each.actuator, each.unit) for each in policy.action]
+    wanted = [(each.actuator, each.unit) for each in actions_of(robot)]
+    if found != wanted:
+        raise PolicyError(
+            f"it commands {most_of(_listed(found))}, "
+            f"and the actuators of {robot.name} are {_listed(wanted)}",
+            where=where,
+            fix="give the robot it was made for",
+        )
+    check_channels(policy, robot, where=where)
+
+
+def _listed(parts: list[tuple[str, str]]) -> str:
+    return ", ".join(f"{name} ({unit})" for name, unit in parts) or "none"
