@@ -13,6 +13,17 @@ from morph.search.search import Search
 SEARCHES: Mapping[str, str] = {}
 """Module and class of each search, by its name; several import torch, which takes seconds."""
 
+DEFAULTS: Mapping[str, str] = {"balance": "lqr", "swing-up": "ddp"}
+"""Which search is tried where none is named, by the task; for the others the next."""
+
+OTHERWISE = "cmaes"
+"""What asks least of a task: it only tries."""
+
+
+def default(task: str) -> str:
+    """Return the name of the search that suits a task."""
+    return DEFAULTS.get(task, OTHERWISE)
+
 
 def search(name: str) -> type[Search]:
     """Return the class of a search by its name.

@@ -18,18 +18,27 @@ TASKS: Mapping[str, Callable[[Robot], Task]] = {
 """What each task is made by."""
 
 
+def check_name(name: str) -> None:
+    """Refuse a name of no task, before a robot is read for it.
+
+    Raises:
+        TaskError: There is no such task.
+    """
+    if name not in TASKS:
+        raise TaskError(
+            f"there is no task {name!r}; there are {', '.join(TASKS)}",
+            where="morph.task",
+            fix=f"the nearest are {nearest(name, tuple(TASKS))}; `morph list tasks` says more",
+        )
+
+
 def task(name: str, robot: Robot) -> Task:
     """Return a task of a robot by its name.
 
     Raises:
         TaskError: There is no such task, or the body cannot be asked to do it.
     """
-    if name not in TASKS:
-        raise TaskError(
-            f"there is no task {name!r}; there are {', '.join(TASKS)}",
-            where=f"robot {robot.name}",
-            fix=f"the nearest are {nearest(name, tuple(TASKS))}",
-        )
+    check_name(name)
     return TASKS[name](robot)
 
 
