@@ -1,0 +1,60 @@
+"""The regulator as a search: the linear policy that holds a body where its task asks."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from morph.search.ddp_plant import Plant
+from morph.search.evaluate import evaluate
+from morph.search.lqr_rest import rest
+from morph.search.plan_ground import held
+from morph.search.plan_policy import linear_of
+from morph.search.search import Learned, Problem, Search, State, Told, Trial, ignore
+
+ENOUGH = 0.95
+"""Share of noisy runs that must reach every goal for it to count as successful."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Lqr(Search):
+    """The linear-quadratic regulator about the state of rest that the task's goals ask for.
+
+    It looks for no way there: for tasks that begin close to where they end, such as balance.
+
+    Source: Anderson and Moore 1990, Optimal Control: Linear Quadratic Methods.
+    """
+
+    name: ClassVar[str] = "lqr"
+
+    def run(
+        self,
+        problem: Problem,
+        *,
+        seed: int,
+        trials: int | None = None,
+        told: Told = ignore,
+        state: State | None = None,
+    ) -> Learned:
+        """Return the regulator as a policy; it takes one round, and has nothing to go on from."""
+        del trials, state
+        task, began = problem.task, time.monotonic()
+        plant = Plant(problem.model, task.period)
+        still = rest(task, plant, np.random.default_rng(seed))
+        policy = linear_of(task, plant, still, held(task, plant, still))
+        score = evaluate(task, policy, problem.model, rng=np.random.default_rng([seed, 0]))
+        trial = Trial(
+            number=1, loss=score.mean, success=score.share, seconds=time.monotonic() - began
+        )
+        told(trial, {})
+        fine = score.share >= ENOUGH
+        why = (
+            ""
+            if fine
+            else f"the regulator reaches every goal in {score.share:.0%} of {len(score.loss)} "
+            "noisy runs; it may begin too far from rest, or be too weak for the noise"
+        )
+        return Learned(policy=policy, trials=(trial,), succeeded=fine, why=why)
