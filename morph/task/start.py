@@ -46,17 +46,32 @@ class Start:
         Raises:
             RobotError: A name is not the robot's.
         """
+        if rng is not None:
+            return self.spread_by(robot, model, rng.standard_normal((2, rows, model.nv)))
         q, v = started(robot, model, self.position, self.speed)
-        position, velocity = np.tile(q, (rows, 1)), np.tile(v, (rows, 1))
-        if rng is None:
-            return position, velocity
+        return np.tile(q, (rows, 1)), np.tile(v, (rows, 1))
+
+    def spread_by(self, robot: Robot, model: Any, chance: Array) -> tuple[Array, Array]:
+        """Return where runs begin whose chance was drawn already.
+
+        Args:
+            robot: The body.
+            model: Its compiled `mujoco.MjModel`.
+            chance: Standard normal numbers of all positions, then of all velocities,
+                shape (2, rows, nv).
+
+        Raises:
+            RobotError: A name is not the robot's.
+        """
+        q, v = started(robot, model, self.position, self.speed)
         # A closed chain cannot be spread joint by joint: it would be torn.
-        spread = self.spread * self._moves(model)
-        shift = spread * rng.standard_normal((rows, model.nv))
-        velocity += spread * rng.standard_normal((rows, model.nv))
-        for row in range(rows):
-            mujoco.mj_integratePos(model, position[row], shift[row], 1.0)
-        return position, velocity
+        shift, more = self.spread * self._moves(model) * chance
+        position = np.tile(q, (len(shift), 1))
+        if model.nq == model.nv:
+            return position + shift, v + more
+        for row, each in enumerate(shift):
+            mujoco.mj_integratePos(model, position[row], each, 1.0)
+        return position, v + more
 
     def _moves(self, model: Any) -> Array:
         if self.moving is None:
