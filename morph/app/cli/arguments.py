@@ -54,8 +54,9 @@ class List:
     Example: morph list effects
     """
 
-    what: tyro.conf.Positional[Literal["robots", "effects"]]
-    """robots: the shelf. effects: the physics that can be simulated and found."""
+    what: tyro.conf.Positional[Literal["robots", "effects", "tasks", "searches"]]
+    """robots: the shelf. effects: the physics that can be simulated and found. tasks: what a
+    robot can be asked to learn. searches: the ways to learn it."""
     json: bool = False
     """Print JSON."""
 
@@ -146,5 +147,45 @@ class Simulate:
     """Folder outside which nothing is read; by default the description's own."""
     json: bool = False
     """Print a summary as JSON, by the schema morph.simulation/1."""
+    quiet: bool = False
+    """Show no progress."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Learn:
+    """Learn a policy for a task, and report how it was found and how good it is.
+
+    The same command again goes on where it was interrupted; with more trials it goes on further.
+    Exit status 3: the search did not succeed; its best policy is written and marked so.
+
+    Example: morph learn swing-up --robot cartpole --search ddp --out learned
+    """
+
+    task: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="TASK")]
+    """What is to be done: a name from `morph list tasks`."""
+    robot: str
+    """A description (URDF, xacro, MJCF, assembly.toml), a robot folder, or a name on the shelf."""
+    out: Annotated[str, tyro.conf.arg(metavar="DIR")]
+    """Folder for the policy, report.html, record.json and the state of the search."""
+    search: str | None = None
+    """A name from `morph list searches`; by default one that suits the task."""
+    trials: int | None = None
+    """Most trials, generations or rounds; by default the search's own number."""
+    seed: int = 0
+    """Of every draw."""
+    world: Annotated[str | None, tyro.conf.arg(metavar="NAME")] = None
+    """Where it learns, if not where the task says: as `morph simulate --world`."""
+    effect: Annotated[Many, tyro.conf.arg(metavar="NAME@WHERE:PARAM=VALUE,...")] = ()
+    """Physics that acts on it, as `morph list effects` names it; may be repeated."""
+    effects: Annotated[str | None, tyro.conf.arg(metavar="TOML")] = None
+    """File of effects, such as the corrected.toml of a diagnosis."""
+    base: Literal["fixed", "floating", "board"] | None = None
+    """How it stands in the world, where the description does not say."""
+    folder: Path | None = None
+    """Folder outside which nothing is read; by default the description's own."""
+    fresh: bool = False
+    """Begin anew in a folder that holds an earlier search."""
+    json: bool = False
+    """Print record.json instead of words."""
     quiet: bool = False
     """Show no progress."""

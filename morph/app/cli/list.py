@@ -1,9 +1,12 @@
-"""`morph list`: the shelf of robots, the library of effects."""
+"""`morph list`: the shelf of robots, the library of effects, tasks, and searches."""
 
 from __future__ import annotations
 
+import ast
 import json
 import sys
+from importlib.util import find_spec
+from pathlib import Path
 from typing import Any
 
 from morph.app.cli.arguments import List
@@ -12,7 +15,8 @@ from morph.app.cli.words import harmless, say, table, width
 
 def run_list(asked: List) -> int:
     """Print what was asked for and return the exit status."""
-    rows = _robots() if asked.what == "robots" else _effects()
+    listed = {"robots": _robots, "effects": _effects, "tasks": _tasks, "searches": _searches}
+    rows = listed[asked.what]()
     if asked.json:
         schema = f"morph.list.{asked.what}/1"
         sys.stdout.write(json.dumps({"schema": schema, asked.what: rows}, indent=2) + "\n")
@@ -51,3 +55,60 @@ def _effects() -> list[dict[str, Any]]:
         }
         for effect in EFFECTS
     ]
+
+
+def _tasks() -> list[dict[str, Any]]:
+    from morph.body.card import load_card
+    from morph.body.shelf import find, names
+    from morph.search.searches import default
+    from morph.task.tasks import TASKS
+
+    cards = {name: load_card(find(name) / "card.toml").tasks for name in names()}
+    return [
+        {
+            "name": name,
+            "search": default(name),
+            "robots": [robot for robot, tasks in cards.items() if name in tasks],
+            "what": _first_line(maker.__doc__),
+        }
+        for name, maker in TASKS.items()
+    ]
+
+
+def _searches() -> list[dict[str, Any]]:
+    from morph.search.searches import SEARCHES
+
+    rows = []
+    for name, place in SEARCHES.items():
+        words, from_trials = _described(place)
+        needs = "trials on the target" if from_trials else "a simulator"
+        rows.append({"name": name, "needs": needs, "what": words})
+    return rows
+
+
+def _described(place: str) -> tuple[str, bool]:
+    """Return a class's first line, and whether it learns from trials alone, without importing it.
+
+    Several searches import torch, for which nobody waits who only reads a list.
+    """
+    module, _, name = place.partition(":")
+    spec = find_spec(module)
+    if spec is None or spec.origin is None:
+        return "", False
+    tree = ast.parse(Path(spec.origin).read_text(encoding="utf-8"))
+    (found,) = (each for each in tree.body if isinstance(each, ast.ClassDef) and each.name == name)
+    told = {
+        part.target.id: part.value.value
+        for part in found.body
+        if isinstance(part, ast.AnnAssign)
+        and isinstance(part.target, ast.Name)
+        and isinstance(part.value, ast.Constant)
+    }
+    return _first_line(ast.get_docstring(found)), bool(told.get("from_trials", False))
+
+
+def _first_line(words: str | None) -> str:
+    """Return what a docstring says first; a function's says that it returns it."""
+    first = (words or "").strip().splitlines()[0] if words else ""
+    first = first.removeprefix("Return the task to ").removeprefix("Return ")
+    return first[:1].upper() + first[1:]

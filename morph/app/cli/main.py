@@ -12,7 +12,7 @@ from typing import Annotated
 import tyro
 
 import morph
-from morph.app.cli.arguments import Convert, Diagnose, Inspect, List, Simulate
+from morph.app.cli.arguments import Convert, Diagnose, Inspect, Learn, List, Simulate
 from morph.app.cli.words import harmless
 from morph.errors import MorphError
 
@@ -24,6 +24,7 @@ Asked = (
     | Annotated[Inspect, tyro.conf.subcommand("inspect")]
     | Annotated[Convert, tyro.conf.subcommand("convert")]
     | Annotated[Simulate, tyro.conf.subcommand("simulate")]
+    | Annotated[Learn, tyro.conf.subcommand("learn")]
     | Annotated[List, tyro.conf.subcommand("list")]
 )
 
@@ -34,6 +35,8 @@ Example: morph inspect poppy.urdf
 Example: morph simulate pendulum --start hinge=1 --video swing.mp4
 
 Example: morph diagnose double_pendulum rig.toml --out report
+
+Example: morph learn swing-up --robot cartpole --out learned
 
 Exit status: 0 done, 2 what was given cannot be used, 3 stopped short, 130 interrupted.
 `morph --version` says which morph this is; `morph COMMAND --help` says more."""
@@ -86,9 +89,9 @@ def _open_streams() -> None:
             setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115 -- open to the end
 
 
-def _asked(given: Sequence[str]) -> Diagnose | Inspect | Convert | Simulate | List:
+def _asked(given: Sequence[str]) -> Diagnose | Inspect | Convert | Simulate | Learn | List:
     try:
-        asked: Diagnose | Inspect | Convert | Simulate | List = tyro.cli(
+        asked: Diagnose | Inspect | Convert | Simulate | Learn | List = tyro.cli(
             Asked,
             prog="morph",
             description=SUMMARY,
@@ -101,7 +104,7 @@ def _asked(given: Sequence[str]) -> Diagnose | Inspect | Convert | Simulate | Li
         sys.stdout.flush()
 
 
-def _run(asked: Diagnose | Inspect | Convert | Simulate | List) -> int:
+def _run(asked: Diagnose | Inspect | Convert | Simulate | Learn | List) -> int:
     if isinstance(asked, List):
         from morph.app.cli.list import run_list
 
@@ -118,6 +121,10 @@ def _run(asked: Diagnose | Inspect | Convert | Simulate | List) -> int:
         from morph.app.cli.simulate import run_simulate
 
         return run_simulate(asked)
+    if isinstance(asked, Learn):
+        from morph.app.cli.learn import run_learn
+
+        return run_learn(asked)
     from morph.app.cli.diagnose import run_diagnose
 
     return run_diagnose(asked)

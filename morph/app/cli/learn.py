@@ -1,0 +1,282 @@
+"""`morph learn`: a policy for a task, how it was found, and how good it is."""
+
+from __future__ import annotations
+
+import json
+import shlex
+import sys
+import time
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from morph.app.cli.arguments import Learn
+from morph.errors import OutputError, SearchError
+
+if TYPE_CHECKING:
+    from morph.app.cli.kept import Before, Kept
+    from morph.app.report.learn.outcome import Outcome
+    from morph.search.search import Learned, Search, State, Trial
+    from morph.task.task import Task
+
+DONE, STOPPED_SHORT, INTERRUPTED = 0, 3, 130
+
+
+def run_learn(asked: Learn) -> int:
+    """Search as asked and return the exit status.
+
+    Raises:
+        MorphError: An input cannot be used, the search cannot be made, or a result cannot be
+            written.
+    """
+    from morph.app.cli.kept import OURS, RESULTS, Before, Kept, check_out, clear
+
+    # Whatever the command line got wrong is told before any work is done.
+    out = _checked(asked)
+    check_out(out)
+    search = _search(asked)
+    task = _task(asked)
+    kept = Kept(out, _key(asked, task, search))
+    before = Before() if asked.fresh else kept.before()
+    status = None if asked.fresh else _already(asked, out)
+    if status is not None:
+        return status
+    try:
+        learned, took = _searched(asked, task, search, kept, before)
+        if asked.fresh:
+            # Had the search told nothing, what is there would still be the earlier one's.
+            clear(out, (*RESULTS, *OURS))
+        kept.write()
+        outcome = _written(asked, task, search, learned, kept.trials, took)
+    except KeyboardInterrupt:
+        return _interrupted(out, kept)
+    _say(asked, outcome)
+    return DONE if outcome.succeeded else STOPPED_SHORT
+
+
+def _checked(asked: Learn) -> Path:
+    if asked.trials is not None and asked.trials < 1:
+        raise SearchError(
+            f"a search of {asked.trials} trials learns nothing",
+            where="--trials",
+            fix="give at least 1, or leave it out",
+        )
+    if asked.seed < 0:
+        raise SearchError(f"{asked.seed} is no seed", where="--seed", fix="give 0 or more")
+    if not asked.out.strip():
+        # As a path it would be the folder where one stands.
+        raise OutputError("no folder is named", where="--out", fix="name a new or an empty folder")
+    return Path(asked.out)
+
+
+def _task(asked: Learn) -> Task:
+    """Return the task in the world and under the effects that are asked for."""
+    from morph.app.cli.effects import asked_effects
+    from morph.body.load import load
+    from morph.physics.worlds import world
+    from morph.task.tasks import task
+
+    robot = load(asked.robot, base=asked.base, folder=asked.folder)
+    found = task(asked.task, robot)
+    around = found.effects if asked.world is None else world(asked.world, robot).effects
+    file = None if asked.effects is None else Path(asked.effects)
+    effects = asked_effects(robot, asked.effect, file=file, world=around)
+    return replace(found, world=asked.world or found.world, effects=effects)
+
+
+def _search(asked: Learn) -> Search:
+    """Return the search, once it is known that there are such a task and such a search."""
+    from morph.search.searches import default, search
+    from morph.task.tasks import check_name
+
+    check_name(asked.task)
+    return search(asked.search or default(asked.task))()
+
+
+def _key(asked: Learn, task: Task, search: Search) -> dict[str, str]:
+    from morph.app.report.learn.outcome import robot_hash
+
+    return {
+        "task": task.sha256,
+        "body": robot_hash(task),
+        "search": repr(search),
+        "seed": str(asked.seed),
+    }
+
+
+def _already(asked: Learn, out: Path) -> int | None:
+    """Return the status of a finished search, told once more; None if there is more to do."""
+    from morph.app.cli.kept import RECORD, STATE
+    from morph.app.cli.words import harmless
+
+    if not (out / RECORD).is_file():
+        return None
+    try:
+        text = (out / RECORD).read_text(encoding="utf-8")
+        said = json.loads(text)
+        same, succeeded = said["asked_trials"] == asked.trials, bool(said["succeeded"])
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise OutputError(
+            f"it is no record of a search: {error}",
+            where=str(out / RECORD),
+            fix="begin anew by --fresh, or name a new folder",
+        ) from error
+    if not (out / STATE).is_file():
+        raise OutputError(
+            "the folder holds a finished search without its state",
+            where=str(out),
+            fix="begin anew by --fresh, or name a new folder",
+        )
+    if not same:
+        return None
+    if asked.json:
+        sys.stdout.write(text)
+    else:
+        did = "succeeded" if succeeded else "did not succeed"
+        sys.stdout.write(
+            f"{harmless(str(out))} holds this search already, and it {did}: see report.html "
+            "in it; --trials goes on with more, --fresh begins anew\n"
+        )
+    return DONE if succeeded else STOPPED_SHORT
+
+
+def _searched(
+    asked: Learn, task: Task, search: Search, kept: Kept, before: Before
+) -> tuple[Learned, float]:
+    """Return what the search found, and how long it took, the time before an interrupt too."""
+    from morph.app.cli.progress import progress
+    from morph.search.search import Problem
+    from morph.search.target import Simulated
+
+    simulator = task.simulator()
+    target = Simulated(task=task, simulator=simulator)
+    problem = Problem(task=task, simulator=None if search.from_trials else simulator, target=target)
+    spent = before.trials[-1].seconds if before.trials else 0.0
+    began = time.perf_counter() - spent
+    with progress(asked.quiet, f"{task.name} of {task.robot.name} by {search.name}") as show:
+
+        def told(trial: Trial, state: State) -> None:
+            # By this clock, which has run on since before the interrupt.
+            trial = replace(trial, seconds=time.perf_counter() - began)
+            kept.add(trial, state)
+            show(trial)
+
+        learned = search.run(
+            problem, seed=asked.seed, trials=asked.trials, told=told, state=before.state
+        )
+    known = {trial.number for trial in kept.trials}
+    kept.trials += [trial for trial in learned.trials if trial.number not in known]
+    return learned, time.perf_counter() - began
+
+
+def _written(
+    asked: Learn,
+    task: Task,
+    search: Search,
+    learned: Learned,
+    trials: list[Trial],
+    took: float,
+) -> Outcome:
+    from morph.app.report.learn.files import write_learned
+    from morph.app.report.learn.judge import judge
+    from morph.app.report.learn.outcome import Outcome
+
+    ordered = tuple(sorted(trials, key=lambda trial: trial.number))
+    outcome = Outcome(
+        task=task,
+        search=search,
+        policy=learned.policy,
+        judged=judge(task, learned.policy, task.simulator(), asked.seed),
+        trials=ordered,
+        claimed=learned.succeeded,
+        why_not=learned.why,
+        seed=asked.seed,
+        asked=asked.trials,
+        experience=max((trial.experience for trial in ordered), default=0.0),
+        seconds=took,
+        command=_command(asked, search),
+    )
+    return write_learned(outcome, Path(asked.out), see=_see(asked, task))
+
+
+def _interrupted(out: Path, kept: Kept) -> int:
+    from morph.app.cli.words import harmless
+
+    kept.write()
+    sys.stderr.write(
+        f"interrupted after {len(kept.trials)} trials; the same command goes on from there, "
+        f"by {harmless(str(out))}/state.npz\n"
+        if kept.trials
+        else "interrupted; nothing was written\n"
+    )
+    return INTERRUPTED
+
+
+def _say(asked: Learn, outcome: Outcome) -> None:
+    from morph.app.cli.words import harmless, paragraph, say, width
+    from morph.app.report.learn.outcome import record_text
+    from morph.app.report.learn.words import headline, summary
+
+    if asked.json:
+        sys.stdout.write(record_text(outcome))
+        return
+    columns = width()
+    lines = [(harmless(headline(outcome)), "bold")]
+    if not outcome.succeeded:
+        lines.append((f"  it did not succeed: {outcome.why}", "yellow"))
+    lines += [(f"  {sentence}", "") for sentence in summary(outcome)]
+    lines += [(f"  {note}", "yellow") for note in outcome.notes]
+    lines.append((f"wrote {asked.out}/policy, and {asked.out}/report.html on it", ""))
+    lines.append((f"see it by: {_see(asked, outcome.task)}", ""))
+    say(
+        (piece, style)
+        for text, style in lines
+        for piece in paragraph(harmless(text.replace("\N{NO-BREAK SPACE}", " ")), 4, columns)
+    )
+
+
+def _options(pairs: Mapping[str, object]) -> list[str]:
+    """Return options and their values; one that was left out has none."""
+    parts: list[str] = []
+    for option, value in pairs.items():
+        for each in value if isinstance(value, tuple) else (value,):
+            parts += [option, str(each)] if each is not None else []
+    return parts
+
+
+def _shared(asked: Learn) -> dict[str, object]:
+    return {
+        "--effects": asked.effects,
+        "--effect": asked.effect,
+        "--base": asked.base,
+        "--folder": asked.folder,
+    }
+
+
+def _command(asked: Learn, search: Search) -> str:
+    """Return the command that gives this result again, wherever it is to be written."""
+    told = {
+        "--robot": asked.robot,
+        "--search": search.name,
+        "--trials": asked.trials,
+        "--seed": asked.seed,
+        "--world": asked.world,
+        **_shared(asked),
+        "--out": "DIR",
+    }
+    return shlex.join(["morph", "learn", asked.task, *_options(told)])
+
+
+def _see(asked: Learn, task: Task) -> str:
+    """Return the command that shows the policy at work."""
+    told = {
+        "--policy": f"{asked.out}/policy",
+        "--world": task.world,
+        **_shared(asked),
+        "--start": tuple(f"{name}={value:.6g}" for name, value in task.start.position.items()),
+        "--speed": tuple(f"{name}={value:.6g}" for name, value in task.start.speed.items()),
+        "--seconds": f"{task.horizon:g}",
+        "--step": f"{task.step:g}",
+    }
+    return shlex.join(["morph", "simulate", asked.robot, *_options(told), "--view"])

@@ -1,0 +1,124 @@
+"""How good a policy is: runs that the search never saw, beside what it takes to do no better."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from morph.arrays import Array, Mask
+from morph.policy.pattern import pattern
+from morph.policy.policy import Policy, actions_of
+from morph.search.evaluate import ROWS, Score, attempt
+from morph.sim.closed_loop import closed_loop
+from morph.sim.simulator import Simulator
+from morph.task.moved import Moved
+from morph.task.task import Task
+
+JUDGING = 2**31 - 1
+"""Names the chance of these runs, so that it is that of no trial."""
+
+FIRST = 10
+"""Runs by which it is measured how many fit into the time."""
+
+PATIENCE = 30.0
+"""Seconds that judging may take; a heavy body is judged by fewer runs."""
+
+WILD = 3.0
+"""Bound of a random command where nothing else bounds it, in its unit: half a turn, nearly."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Judged:
+    """What a policy did over many runs, and what two that know nothing did over the same."""
+
+    moved: Moved
+    """The runs, (rows, samples, ...)."""
+    loss: Array
+    """What each cost, shape (rows,)."""
+    success: Mask
+    """Which reached every goal, shape (rows,)."""
+    terms: Mapping[str, float]
+    """What each term cost, the mean over the runs."""
+    goals: Mapping[str, float]
+    """The share of the runs that reached each goal."""
+    controls: Mapping[str, Score]
+    """`nothing`: every command zero. `random`: drawn anew each control period."""
+
+    @property
+    def rows(self) -> int:
+        """How many runs there are."""
+        return len(self.loss)
+
+    @property
+    def share(self) -> float:
+        """The share of the runs that reached every goal."""
+        return float(self.success.mean())
+
+    @property
+    def typical(self) -> int:
+        """The run whose loss is nearest to the median."""
+        return int(np.argmin(np.abs(self.loss - np.median(self.loss))))
+
+
+def judge(task: Task, policy: Policy, simulator: Simulator, seed: int) -> Judged:
+    """Return how a policy does from drawn starts, seen through the task's noise.
+
+    Raises:
+        TaskError: A cost is no number.
+        SimulationFailed: The simulation cannot run in a closed loop.
+    """
+    began = time.perf_counter()
+    attempt(task, policy, simulator, rows=FIRST, rng=_chance(seed))
+    each = (time.perf_counter() - began) / FIRST
+    rows = int(np.clip(PATIENCE / (3.0 * each), FIRST, ROWS))
+    moved = attempt(task, policy, simulator, rows=rows, rng=_chance(seed))
+    return Judged(
+        moved=moved,
+        loss=task.loss(moved),
+        success=task.succeeded(moved),
+        terms={name: float(cost.sum(-1).mean()) for name, cost in task.costs(moved).items()},
+        goals={goal.name: float(goal.reached(moved).mean()) for goal in task.goals},
+        controls=_controls(task, simulator, rows, seed),
+    )
+
+
+def _chance(seed: int) -> np.random.Generator:
+    return np.random.default_rng([seed, JUDGING])
+
+
+def _controls(task: Task, simulator: Simulator, rows: int, seed: int) -> dict[str, Score]:
+    """Return how doing nothing and random commands do from the very same starts."""
+    rest = pattern(task.robot, {}, period=task.period)
+    still = attempt(task, rest, simulator, rows=rows, rng=_chance(seed))
+    runs = {"nothing": still, "random": _random(task, simulator, rows, seed)}
+    return {
+        name: Score(loss=task.loss(moved), success=task.succeeded(moved))
+        for name, moved in runs.items()
+    }
+
+
+def _random(task: Task, simulator: Simulator, rows: int, seed: int) -> Moved:
+    rng = _chance(seed)
+    position, velocity = task.start.sample(task.robot, simulator.model, rows, rng)
+    bounds = np.array([(each.low, each.high) for each in actions_of(task.robot)])
+    # A bound that is none would command a million radians.
+    low, high = np.where(np.abs(bounds) < 1e6, bounds, np.sign(bounds) * WILD).T
+    loop = closed_loop(
+        simulator,
+        lambda q, v, now: rng.uniform(low, high, (rows, len(low))),
+        position,
+        velocity,
+        period=task.period,
+        seconds=task.horizon,
+    )
+    return Moved(
+        robot=task.robot,
+        model=simulator.model,
+        time=loop.time,
+        position=loop.position,
+        velocity=loop.velocity,
+        command=loop.command,
+    )
