@@ -9,42 +9,50 @@ from typing import Any
 import numpy as np
 
 from morph.arrays import Array, Integers
-from morph.body.robot import Robot
+from morph.body.robot import Joint, Robot
 from morph.errors import PolicyError
 from morph.policy.fields import most_of
 from morph.policy.policy import Observation, Policy
 from morph.record.nearest import nearest
 from morph.record.quantities import WXYZ, XYZ
 
-FLOATING = (
-    (0, "position", "m", XYZ),
+ROTATION = (
     (0, "orientation", "1", WXYZ),
-    (1, "linear_velocity", "m/s", XYZ),
     (1, "angular_velocity", "rad/s", XYZ),
 )
-"""What is seen of a floating body: of its position (0) or its velocity (1), with unit and axes."""
+"""What is seen of a ball joint: of its position (0) or its velocity (1), with unit and axes."""
+
+FLOATING = (
+    (0, "position", "m", XYZ),
+    ROTATION[0],
+    (1, "linear_velocity", "m/s", XYZ),
+    ROTATION[1],
+)
+"""What is seen of a floating body, likewise."""
 
 
 def units(robot: Robot) -> dict[str, str]:
     """Return the unit of every channel that follows from the state of a body.
 
     First the positions of all joints in the body's order, then their velocities, named as
-    recordings name them; a joint that is neither hinge, slide nor free has no channel.
+    recordings name them. These have no name for a ball joint: it is seen by its own name,
+    relative to the link that it hangs from.
     """
-    return {name: unit for rate in (0, 1) for name, unit in _channels(robot, rate)}
+    return {
+        name: unit for rate in (0, 1) for joint in robot.joints for name, unit in _of(joint, rate)
+    }
 
 
-def _channels(robot: Robot, rate: int) -> Iterator[tuple[str, str]]:
-    for joint in robot.joints:
-        if joint.kind in {"hinge", "slide"}:
-            yield (
-                f"{joint.name}.{('position', 'velocity')[rate]}",
-                joint.unit + ("/s" if rate else ""),
-            )
-        elif joint.kind == "free":
-            for whose, quantity, unit, axes in FLOATING:
-                if whose == rate:
-                    yield from ((f"{joint.link}.{quantity}.{axis}", unit) for axis in axes)
+def _of(joint: Joint, rate: int) -> Iterator[tuple[str, str]]:
+    """Yield name and unit of a joint's channels as MuJoCo orders them, of position or velocity."""
+    if joint.kind in {"hinge", "slide"}:
+        quantity, unit = (("position", joint.unit), ("velocity", f"{joint.unit}/s"))[rate]
+        yield f"{joint.name}.{quantity}", unit
+    elif joint.kind in {"free", "ball"}:
+        part, known = (joint.link, FLOATING) if joint.kind == "free" else (joint.name, ROTATION)
+        for whose, quantity, unit, axes in known:
+            if whose == rate:
+                yield from ((f"{part}.{quantity}.{axis}", unit) for axis in axes)
 
 
 def observations_of(
@@ -98,18 +106,8 @@ def addresses(robot: Robot, model: Any) -> dict[str, int]:
     for joint in robot.joints:
         here = model.joint(joint.name)
         starts = (int(here.qposadr[0]), model.nq + int(here.dofadr[0]))
-        if joint.kind in {"hinge", "slide"}:
-            for name, at in zip(("position", "velocity"), starts, strict=True):
-                found[f"{joint.name}.{name}"] = at
-        elif joint.kind == "free":
-            for rate in (0, 1):
-                names = [
-                    f"{joint.link}.{quantity}.{axis}"
-                    for whose, quantity, _, axes in FLOATING
-                    if whose == rate
-                    for axis in axes
-                ]
-                found |= {name: starts[rate] + at for at, name in enumerate(names)}
+        for rate, start in enumerate(starts):
+            found |= {name: start + at for at, (name, _) in enumerate(_of(joint, rate))}
     return found
 
 
