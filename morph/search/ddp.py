@@ -60,7 +60,7 @@ def ddp(
         most: Steps after which it ends in any case.
         enough: The improvement, as a share of the cost, that counts as none.
     """
-    rows, periods = start.command.shape[:2]
+    rows = len(start.command)
     half = 0.5 * (plant.high - plant.low)
     spare = np.broadcast_to(np.asarray(margin, dtype=float), (rows,))[:, None, None] * half
     low, high = plant.low + spare, plant.high - spare

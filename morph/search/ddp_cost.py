@@ -13,6 +13,9 @@ from morph.task.moved import Moved
 from morph.task.task import Task
 from morph.task.term import Goal, Term
 
+AIM = 0.1
+"""Weight of a goal's error, in what it allows, at the samples at which the goal is asked for."""
+
 STEP = 1e-5
 """Half the distance of a difference, in the state's units and in the command's."""
 
@@ -35,20 +38,13 @@ class Quadratic:
     ux: Array
     """Curvature between the two, shape (..., m, n)."""
 
-    def __add__(self, other: Quadratic) -> Quadratic:
-        """Return the sum of two."""
-        return Quadratic(
-            x=self.x + other.x,
-            u=self.u + other.u,
-            xx=self.xx + other.xx,
-            uu=self.uu + other.uu,
-            ux=self.ux + other.ux,
-        )
-
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class TaskCost:
-    """The terms of a task, a small cost of effort, and the worth of the last state."""
+    """The terms of a task, its goals while they are asked for, effort, and the worth of the end.
+
+    A tip may be at the top of a chain that is folded: the goals alone say how links should stand.
+    """
 
     task: Task
     """Whose terms cost."""
@@ -75,6 +71,9 @@ class TaskCost:
         whole = fine[:, None, None]
         moved = self.moved(np.where(whole, q, self.plant.model.qpos0), np.where(whole, v, 0.0), u)
         total = sum(self.task.costs(moved).values(), start=np.zeros(q.shape[:-1]))
+        for goal in self.task.goals:
+            error, weight = _error(goal, moved)
+            total += 0.5 * AIM * asked(goal, moved.time) * weight * np.sum(error**2, axis=-1)
         pressed = (u - self.rest) / self._half
         total[:, :-1] += 0.5 * self.effort * np.sum(pressed**2, axis=-1)
         dx = self.plant.off(q[:, -1], v[:, -1], *self.goal, wrapped=True)
@@ -107,6 +106,13 @@ class TaskCost:
         The arguments are those of `values`.
         """
         total = quadratic_of(self.task.terms, self, q, v, u)
+        time = self.task.period * np.arange(q.shape[-2])
+        for goal in self.task.goals:
+            last = int(asked(goal, time).sum())
+            held = u[:, -last + 1 :] if last > 1 else np.zeros((len(u), 1, u.shape[-1]))
+            part = quadratic_of((goal,), self, q[:, -last:], v[:, -last:], held)
+            for name, value in vars(part).items():
+                getattr(total, name)[:, -last:] += AIM * value
         scale = self.effort / self._half**2
         total.u[:, :-1] += scale * (u - self.rest)
         total.uu[:, :-1] += np.diag(scale)
@@ -153,6 +159,11 @@ def quadratic_of(
         uu=curvature[..., n:, n:],
         ux=curvature[..., n:, :n],
     )
+
+
+def asked(goal: Goal, time: Array) -> Array:
+    """Return 1 at the samples at which a goal is asked for, and 0 at others, shape (samples,)."""
+    return np.asarray(time >= time[-1] - goal.last - 1e-9, dtype=float)
 
 
 def _error(term: Term | Goal, moved: Moved) -> tuple[Array, Array]:

@@ -40,7 +40,7 @@ class Plant:
         where = f"a plan for {simulator.robot.name}"
         if not (steps > 0.5 and abs(steps - round(steps)) < 1e-6):
             raise SimulationFailed(
-                f"a control period of {period:g} s is no multiple of a step of {simulator.step:g} s",
+                f"a control period of {period:g} s is no multiple of a step, {simulator.step:g} s",
                 where=where,
                 fix="give a period of one step or more",
             )

@@ -14,8 +14,9 @@ from morph.errors import SearchError
 from morph.search.ddp import Trajectories
 from morph.search.evaluate import evaluate
 from morph.search.plan_best import Planned, planned
-from morph.search.plan_ground import Ground, grounded
+from morph.search.plan_ground import grounded
 from morph.search.plan_policy import track_of
+from morph.search.plan_seeds import Ground
 from morph.search.search import Learned, Problem, Search, State, Told, Trial, ignore
 
 ENOUGH = 0.95

@@ -19,7 +19,7 @@ from morph.search.ddp_tangent import apart
 from morph.search.lqr import Regulator
 from morph.search.lqr_rest import Rest
 from morph.search.plan_best import Planned
-from morph.search.plan_ground import Ground
+from morph.search.plan_seeds import Ground
 from morph.task.task import Task
 
 
