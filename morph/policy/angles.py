@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from morph.arrays import Array
+from morph.arrays import Array, Integers
 from morph.body.robot import Robot
 from morph.errors import PolicyError
 from morph.policy.policy import LARGEST, Observation, Policy
@@ -52,7 +52,7 @@ def marked(policy: Policy, angles: object) -> Array:
     return mask
 
 
-def features(observation: Array, plain: Array, angles: Array) -> Array:
+def features(observation: Array, plain: Integers, angles: Integers) -> Array:
     """Return the plain observations, then of each angle its sine and its cosine.
 
     Args:
@@ -71,7 +71,7 @@ def features(observation: Array, plain: Array, angles: Array) -> Array:
     return found
 
 
-def wrapped(difference: Array, angles: Array) -> Array:
+def wrapped(difference: Array, angles: Integers) -> Array:
     """Return differences of which those that are angles lie from -pi to pi.
 
     Args:

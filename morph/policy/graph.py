@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from morph.arrays import Array
+from morph.arrays import Array, Integers
 
 OPSET = 17
 """Version of ONNX's operators: what runtimes of the last years know."""
@@ -31,7 +31,9 @@ class Graph:
         self._numbers.append(numpy_helper.from_array(np.array(array, order="C"), name))
         return name
 
-    def node(self, operator: str, *inputs: str | Array | float, **attributes: Any) -> str:
+    def node(
+        self, operator: str, *inputs: str | Array | Integers | float, **attributes: Any
+    ) -> str:
         """Return the name of what an operator gives; inputs that are no names are numbers."""
         from onnx import helper
 
@@ -57,7 +59,11 @@ class Graph:
         from onnx import helper
 
         double = onnx.TensorProto.DOUBLE
-        shapes = {"observation": ["rows", seen], "time": ["rows"], "action": ["rows", told]}
+        shapes: dict[str, list[str | int | None]] = {
+            "observation": ["rows", seen],
+            "time": ["rows"],
+            "action": ["rows", told],
+        }
         ends = {
             name: helper.make_tensor_value_info(name, double, shape)
             for name, shape in shapes.items()

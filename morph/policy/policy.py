@@ -182,7 +182,7 @@ class Policy(ABC):
             PolicyError: A number is missing or more than that, or their shapes are wrong.
         """
 
-    def command(self, actuator: str, times: Array) -> Array:
+    def by_clock(self, actuator: str, times: Array) -> Array:
         """Return what an actuator is told at each time, s, if nothing need be observed.
 
         A command holds from one multiple of the control period to the next; shape (steps,).
@@ -215,8 +215,8 @@ class Policy(ABC):
             PolicyError: The policy observes.
         """
         if self.observation:
-            self.command("", np.zeros(0))
-        return {each.actuator: partial(self.command, each.actuator) for each in self.action}
+            self.by_clock("", np.zeros(0))
+        return {each.actuator: partial(self.by_clock, each.actuator) for each in self.action}
 
 
 def actions_of(robot: Robot) -> tuple[Action, ...]:

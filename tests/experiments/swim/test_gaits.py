@@ -37,7 +37,7 @@ def test_a_walk_is_slowest_where_a_leg_stands_and_the_tripods_alternate(swimmer:
     gait = tripod(swimmer, frequency=0.5, ease=0.5)
     times = np.linspace(0.0, 1.99, 200)
     for actuator in swimmer.actuators:
-        angle = gait.command(actuator.name, times)
+        angle = gait.by_clock(actuator.name, times)
         rate = np.gradient(angle, 0.01)
         slowest = math.remainder(float(angle[rate.argmin()]) + math.pi / 2.0, 2.0 * math.pi)
         # Commands are 0.01 s apart, at rates of pi / 2 rad/s and more there: half of 0.016 rad.

@@ -26,14 +26,14 @@ def test_a_swing_is_at_its_middle_at_the_start_and_at_its_end_a_quarter_later(
     swing = Swing(offset=0.3, amplitude=0.5, frequency=2.0)
     policy = pattern(swimmer, {"left_rear": swing}, period=0.005)
     # A period lasts 0.5 s: its quarters end at 0.125, 0.25 and 0.375 s.
-    told = policy.command("left_rear", np.array([0.0, 0.125, 0.25, 0.375, 0.5]))
+    told = policy.by_clock("left_rear", np.array([0.0, 0.125, 0.25, 0.375, 0.5]))
     assert told == pytest.approx([0.3, 0.8, 0.3, -0.2, 0.3], abs=1e-12)
 
 
 def test_a_leg_that_turns_comes_round_once_a_period_whatever_its_sine(swimmer: Robot) -> None:
     leg = Swing(rate=2.0 * math.pi, amplitude=0.7, frequency=1.0, phase=0.4)
     policy = pattern(swimmer, {"left_rear": leg})
-    told = policy.command("left_rear", np.array([0.25, 1.25, 2.25]))
+    told = policy.by_clock("left_rear", np.array([0.25, 1.25, 2.25]))
     assert np.diff(told) == pytest.approx(2.0 * math.pi, abs=1e-12)
 
 
@@ -49,7 +49,7 @@ def test_a_command_holds_for_the_control_period(swimmer: Robot) -> None:
     policy = pattern(swimmer, {"left_rear": Swing(rate=1.0)}, period=0.1)
     # 0.3 is a little less than 3 times 0.1 in floating point, and is the third period.
     times = np.array([0.0, 0.05, 0.0999, 0.1, 0.199, 3 * 0.1, 0.3, 0.35])
-    told = policy.command("left_rear", times)
+    told = policy.by_clock("left_rear", times)
     assert told == pytest.approx([0.0, 0.0, 0.0, 0.1, 0.1, 0.3, 0.3, 0.3], abs=1e-9)
 
 
@@ -59,7 +59,7 @@ def test_a_motor_is_never_told_more_than_its_limit() -> None:
     assert action.low == -action.high
     assert action.high < UNLIMITED
     policy = pattern(robot, {action.actuator: Swing(amplitude=1e3, frequency=1.0)}, period=0.01)
-    told = policy.command(action.actuator, np.linspace(0.0, 1.0, 101))
+    told = policy.by_clock(action.actuator, np.linspace(0.0, 1.0, 101))
     assert (told.min(), told.max()) == (action.low, action.high)
 
 
@@ -76,7 +76,7 @@ def test_a_name_that_is_not_the_robots_is_refused(swimmer: Robot) -> None:
     with pytest.raises(RobotError, match="no actuator 'left_wing'"):
         pattern(swimmer, {"left_wing": Swing()})
     with pytest.raises(PolicyError, match="not 'left_wing'"):
-        pattern(swimmer, {}).command("left_wing", np.zeros(1))
+        pattern(swimmer, {}).by_clock("left_wing", np.zeros(1))
 
 
 @pytest.mark.parametrize("name", ["offset", "amplitude", "frequency", "phase", "rate"])
