@@ -7,7 +7,7 @@ from typing import Any
 
 import gymnasium
 import numpy as np
-from gymnasium.spaces import Box
+from gymnasium.spaces import Box, Space
 from numpy.typing import NDArray
 
 from morph.arrays import Array
@@ -103,8 +103,10 @@ def task_of(task: str | Task, robot: str | Path | Robot | None) -> Task:
     return task_called(task, robot if isinstance(robot, Robot) else load(robot))
 
 
-def spaces_of(runs: Runs) -> tuple[Box, Box]:
+def spaces_of(runs: Runs) -> tuple[Space[Array], Space[Action]]:
     """Return what one run may show, and what it may be told."""
     seen, told = runs.sizes
     most, one = np.full(seen, MOST), np.ones(told, dtype=np.float32)
-    return Box(-most, most, dtype=np.float64), Box(-one, one, dtype=np.float32)
+    observation: Space[Any] = Box(-most, most, dtype=np.float64)
+    action: Space[Any] = Box(-one, one, dtype=np.float32)
+    return observation, action

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from morph.arrays import Array, Integers, Mask
 from morph.errors import SimulationFailed, TaskError
@@ -73,8 +74,10 @@ class Runs:
     def _looks_at_links(self) -> bool:
         """Return whether any quantity asks where links are, seen at one sample."""
         moved = self._moved(np.zeros(1, dtype=np.int64), 0)
-        for asked in (*self.task.terms, *self.task.goals):
-            asked.quantity.value(moved)
+        for term in self.task.terms:
+            term.quantity.value(moved)
+        for goal in self.task.goals:
+            goal.quantity.value(moved)
         return "places" in vars(moved)
 
     @property
@@ -107,9 +110,9 @@ class Runs:
             for row in rows[age == 0]:
                 self._chance[row].standard_normal(out=self._noise[row])
             reading += self.task.noise * self._noise[rows, age]
-        return np.clip(reading, -MOST, MOST)
+        return np.asarray(np.clip(reading, -MOST, MOST))
 
-    def step(self, rows: Integers, action: Array) -> Step:
+    def step(self, rows: Integers, action: ArrayLike) -> Step:
         """Let some runs go on for a control period.
 
         Args:
@@ -140,7 +143,7 @@ class Runs:
             success=ended & self._reached[rows],
         )
 
-    def _commands(self, rows: Integers, action: Array) -> Array:
+    def _commands(self, rows: Integers, action: ArrayLike) -> Array:
         told = np.asarray(action, dtype=float)
         if told.shape != (len(rows), len(self._low)) or not np.isfinite(told).all():
             raise SimulationFailed(

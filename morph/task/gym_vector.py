@@ -92,7 +92,7 @@ class Environments(VectorEnv[Array, Action, Any]):
                 where=f"environments of {self.task.robot.name}",
                 fix="give one seed, or one for each",
             )
-        had = self._chance or [None] * self.num_envs
+        had: Sequence[np.random.Generator | None] = self._chance or [None] * self.num_envs
         self._chance = [
             before if one is None and before is not None else np_random(one)[0]
             for one, before in zip(seeds, had, strict=True)

@@ -60,7 +60,7 @@ class Moved:
         shape = self.position.shape[:-1]
         rows = self.position.reshape(-1, self.position.shape[-1])
         # MuJoCo would take the description's own positions instead, without a word.
-        lost = ~np.isfinite(rows).all(axis=-1)
+        lost = np.asarray(~np.isfinite(rows).all(axis=-1))
         rows = np.where(lost[:, None], self.model.qpos0, rows)
         position = np.empty((len(rows), self.model.nbody, 3))
         rotation = np.empty((len(rows), self.model.nbody, 9))

@@ -15,7 +15,14 @@ DOCS = Path(__file__).resolve().parents[2] / "docs"
 TUTORIALS = sorted(DOCS.glob("tutorial_*.md"))
 WORLDS = [DOCS / f"{name}.md" for name in ("water", "contact", "policies")]
 """Pages that also hold commands, on what their Python has written before."""
-PAGES = [*TUTORIALS, *WORLDS, DOCS / "card.md", DOCS / "vary.md", DOCS.parent / "README.md"]
+PAGES = [
+    *TUTORIALS,
+    *WORLDS,
+    DOCS / "card.md",
+    DOCS / "gym.md",
+    DOCS / "vary.md",
+    DOCS.parent / "README.md",
+]
 STUDIES = DOCS.parent / "experiments" / "README.md"
 LONGEST = 20.0
 """Seconds that a reader may wait for a tutorial."""

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import shutil
 from dataclasses import replace
+from pathlib import Path
 
 import gymnasium
 import numpy as np
@@ -12,6 +14,7 @@ from gymnasium.utils.env_checker import check_env
 from morph.arrays import Array
 from morph.body.load import load
 from morph.body.robot import Actuator, Joint, Robot
+from morph.body.shelf import builtin_shelf
 from morph.body.spec import spec_of
 from morph.errors import MorphError, SimulationFailed, TaskError
 from morph.physics.actuator.actuator_delay import ActuatorDelay
@@ -35,7 +38,7 @@ QUICK = {"swing-up": "cartpole", "swim": "swimmer_three_links", "walk": "biped"}
 
 
 def sampled() -> list[tuple[str, str]]:
-    """Return one body for each task; `experiments/check_environments.py` tries them all."""
+    """Return one body for each task; `experiments/environments.py` tries them all."""
     first: dict[str, str] = {}
     for robot, asked in pairs():
         first.setdefault(asked, QUICK.get(asked, robot))
@@ -115,6 +118,21 @@ def test_every_pair_of_a_card_and_a_task_is_known_by_a_name_of_its_own() -> None
     assert names <= gymnasium.registry.keys()
     assert {pair for pair in found if pair[1] not in TASKS} == set()
     assert ("cartpole", "swing-up") in found
+
+
+def test_bodies_on_a_shelf_of_ones_own_are_known_and_a_broken_card_harms_no_other(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("MORPH_SHELF", str(tmp_path))
+    shutil.copytree(builtin_shelf() / "pendulum", tmp_path / "mine")
+    card = tmp_path / "mine" / "card.toml"
+    card.write_text(card.read_text().replace('name = "pendulum"', 'name = "mine"'))
+    (tmp_path / "broken").mkdir()
+    (tmp_path / "broken" / "card.toml").write_text("tasks = [")
+    found = list(pairs())
+    assert ("mine", "swing-up") in found
+    assert ("cartpole", "swing-up") in found
+    assert "broken" not in {robot for robot, _ in found}
 
 
 def linear(robot: Robot, seed: int) -> Linear:
