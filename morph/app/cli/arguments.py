@@ -163,13 +163,13 @@ class Learn:
 
     task: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="TASK")]
     """What is to be done: a name from `morph list tasks`."""
-    robot: str
+    robot: Annotated[str, tyro.conf.arg(metavar="ROBOT")]
     """A description (URDF, xacro, MJCF, assembly.toml), a robot folder, or a name on the shelf."""
     out: Annotated[str, tyro.conf.arg(metavar="DIR")]
     """Folder for the policy, report.html, record.json and the state of the search."""
-    search: str | None = None
+    search: Annotated[str | None, tyro.conf.arg(metavar="NAME")] = None
     """A name from `morph list searches`; by default one that suits the task."""
-    trials: int | None = None
+    trials: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
     """Most trials, generations or rounds; by default the search's own number."""
     seed: int = 0
     """Of every draw."""

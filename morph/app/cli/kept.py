@@ -27,7 +27,7 @@ OURS = (STATE, RECORD)
 """Files by one of which a folder is known as ours."""
 
 RESULTS = (
-    *(RECORD, "report.html", "strip.png"),
+    *(RECORD, "report.html", "strip.jpg"),
     *("policy/policy.json", "policy/weights.safetensors", "policy/policy.onnx"),
 )
 """All that a finished search leaves beside its state; the first made it one."""
@@ -178,7 +178,8 @@ def _bytes(key: Mapping[str, str], trials: list[Trial], state: Mapping[str, Any]
 
 def _read(path: Path) -> tuple[dict[str, str], tuple[Trial, ...], dict[str, Any]]:
     try:
-        with np.load(path, allow_pickle=False) as file:
+        # Opened here: of a spoilt file the reader would leave it open.
+        with path.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
             key = json.loads(str(file["key"]))
             trials = tuple(Trial(**said) for said in json.loads(str(file["trials"])))
             names = [name for name in file.files if name.startswith(STATES)]

@@ -68,8 +68,8 @@ def _tasks() -> list[dict[str, Any]]:
         {
             "name": name,
             "search": default(name),
-            "robots": [robot for robot, tasks in cards.items() if name in tasks],
             "what": _first_line(maker.__doc__),
+            "robots": [robot for robot, tasks in cards.items() if name in tasks],
         }
         for name, maker in TASKS.items()
     ]

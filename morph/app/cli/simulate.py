@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from morph.app.cli.summary import Done
     from morph.body.robot import Robot
     from morph.physics.worlds import World
+    from morph.policy.policy import Policy
     from morph.sim.simulator import Command, Simulator, Trajectory
 
 DONE, STOPPED_SHORT = 0, 3
@@ -44,11 +45,11 @@ def run_simulate(asked: Simulate) -> int:
     world = _world(asked, robot)
     around = () if world is None else world.effects
     effects = asked_effects(robot, asked.effect, file=file, world=around)
-    command = _commands(asked, robot)
+    constant, policy = _pairs("--command", asked.command), _policy(asked, robot)
     simulator = Simulator(robot, effects, step=asked.step, integrator=asked.integrator)
     began = time.perf_counter()
     with _progress(asked, "simulating") as told:
-        moved, why = _moved(simulator, asked.seconds, start, speed, command)
+        moved, why = _moved(simulator, asked.seconds, start, speed, constant, policy)
         took = time.perf_counter() - began
         told(1.0)
     done = _done(asked, simulator, world, moved, why, took)
@@ -137,21 +138,28 @@ def _moved(
     seconds: float,
     start: Mapping[str, float],
     speed: Mapping[str, float],
-    command: Mapping[str, Command],
+    constant: Mapping[str, float],
+    policy: Policy | None,
 ) -> tuple[Trajectory, SimulationFailed | None]:
+    """Return a run; what `--command` tells comes before the policy."""
+    if policy is not None and policy.observation:
+        from morph.app.cli.driven import driven
+
+        return driven(
+            simulator, policy, seconds=seconds, start=start, speed=speed, command=constant
+        )
     from morph.sim.stable import as_far_as_stable
 
+    command: dict[str, Command] = {**({} if policy is None else policy.commands()), **constant}
     return as_far_as_stable(simulator, seconds=seconds, start=start, speed=speed, command=command)
 
 
-def _commands(asked: Simulate, robot: Robot) -> dict[str, Command]:
-    """Return what each actuator is told; `--command` comes before the policy."""
-    constant = _pairs("--command", asked.command)
+def _policy(asked: Simulate, robot: Robot) -> Policy | None:
     if asked.policy is None:
-        return {**constant}
+        return None
     from morph.policy.store import load_policy
 
-    return {**load_policy(Path(asked.policy), robot).commands(), **constant}
+    return load_policy(Path(asked.policy), robot)
 
 
 def _pairs(option: str, texts: Sequence[str]) -> dict[str, float]:

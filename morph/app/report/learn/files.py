@@ -13,7 +13,7 @@ from morph.files import write_whole
 from morph.policy.export import export_policy
 from morph.policy.store import write_policy
 
-RECORD, REPORT, STRIP, POLICY = "record.json", "report.html", "strip.png", "policy"
+RECORD, REPORT, STRIP, POLICY = "record.json", "report.html", "strip.jpg", "policy"
 """What a search writes; the first makes it a finished one."""
 
 

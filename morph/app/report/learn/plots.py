@@ -197,8 +197,8 @@ class _Axes:
 
 
 def ticks(low: float, high: float, *, whole: bool = False) -> list[float]:
-    """Return three to six round levels between two; with `whole` no fractions."""
-    raw = (high - low) / 4.0
+    """Return two to six round levels between two; with `whole` no fractions."""
+    raw = (high - low) / 5.0
     power = 10.0 ** math.floor(math.log10(raw))
     step = next(many * power for many in (1.0, 2.0, 5.0, 10.0) if many * power >= raw * 0.999)
     if whole:

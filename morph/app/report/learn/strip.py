@@ -46,7 +46,7 @@ class Still:
 def strip(
     robot: Robot, effects: Sequence[Effect], times: Array, positions: Array
 ) -> tuple[tuple[Still, ...], bytes]:
-    """Return pictures of a run, evenly in time, and all of them as one PNG.
+    """Return pictures of a run, evenly in time, and all of them as one JPEG.
 
     Args:
         robot: What moves.
@@ -84,8 +84,8 @@ def strip(
     stills = []
     for at, image in enumerate(images):
         whole.paste(image, (at % ACROSS * SIZE[0], at // ACROSS * SIZE[1]))
-        stills.append(Still(time=float(times[which[at]]), jpeg=_saved(image, "JPEG", quality=85)))
-    return tuple(stills), _saved(whole, "PNG", optimize=True)
+        stills.append(Still(time=float(times[which[at]]), jpeg=_saved(image)))
+    return tuple(stills), _saved(whole)
 
 
 @contextmanager
@@ -101,7 +101,7 @@ def _only_what_moves(model: Any) -> Iterator[None]:
         model.geom_group[:] = groups
 
 
-def _saved(image: Any, kind: str, **how: Any) -> bytes:
+def _saved(image: Any) -> bytes:
     buffer = io.BytesIO()
-    image.save(buffer, kind, **how)
+    image.save(buffer, "JPEG", quality=88)
     return buffer.getvalue()
