@@ -13,20 +13,19 @@ from gymnasium.utils.env_checker import check_env
 
 from morph.arrays import Array
 from morph.body.load import load
-from morph.body.robot import Actuator, Joint, Robot
+from morph.body.robot import Robot
 from morph.body.shelf import builtin_shelf
-from morph.body.spec import spec_of
 from morph.errors import MorphError, SimulationFailed, TaskError
 from morph.physics.actuator.actuator_delay import ActuatorDelay
 from morph.physics.effect import Effect
 from morph.physics.joint.stribeck_friction import StribeckFriction
 from morph.policy.linear import Linear
-from morph.policy.observing import addresses, observations_of
+from morph.policy.observing import observations_of
 from morph.policy.policy import actions_of
 from morph.search.evaluate import attempt
 from morph.task.gym import environment, environment_id, pairs
 from morph.task.gym_env import Environment
-from morph.task.gym_spaces import FREE, FREE_HINGE, channels, columns, command_range
+from morph.task.gym_spaces import command_range
 from morph.task.moved import Moved
 from morph.task.task import UNSTABLE
 from morph.task.tasks import TASKS, task
@@ -229,41 +228,6 @@ def test_an_unstable_run_is_terminated_and_costs_what_a_task_says_that_it_costs(
         inner.step(action)
     made.reset()
     assert not made.step(action)[2]
-
-
-@pytest.mark.parametrize("name", ["cartpole", "hopper", "sea_snake", "quadruped_four_bar"])
-def test_what_is_seen_stands_in_the_order_in_which_policies_see_it(name: str) -> None:
-    robot = load(name)
-    seen = [each.channel for each in observations_of(robot)]
-    assert list(channels(robot)) == seen
-    model = spec_of(robot).compile()
-    where = addresses(robot, model)
-    assert columns(robot, model, seen).tolist() == [where[each] for each in seen]
-
-
-def body(kind: str, joint: str, limits: tuple[float, float] | None, effort: float | None) -> Robot:
-    return Robot(
-        name="one",
-        links=(),
-        joints=(Joint(name="j", kind=joint, link="l", limits=limits),),
-        actuators=(Actuator(name="a", joint="j", kind=kind, limit=effort),),
-        mjcf="",
-    )
-
-
-@pytest.mark.parametrize(
-    ("robot", "low", "high"),
-    [
-        (body("motor", "hinge", (-1.0, 1.0), 4.0), -4.0, 4.0),
-        (body("motor", "slide", None, None), -FREE, FREE),
-        (body("position", "hinge", (-0.5, 2.0), 4.0), -0.5, 2.0),
-        (body("position", "hinge", None, 4.0), -FREE_HINGE, FREE_HINGE),
-        (body("position", "slide", None, 4.0), -FREE, FREE),
-    ],
-)
-def test_an_action_of_one_is_the_greatest_command(robot: Robot, low: float, high: float) -> None:
-    found = command_range(robot)
-    assert (found[0].tolist(), found[1].tolist()) == ([low], [high])
 
 
 def test_an_action_beyond_one_is_taken_as_one(cartpole: Robot) -> None:
