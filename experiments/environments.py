@@ -19,7 +19,7 @@ from mujoco.batch import Batch
 
 from morph.errors import MorphError
 from morph.task.gym import environment_id, pairs
-from morph.task.gym_vector import Environments
+from morph.task.gym.vector import Environments
 from morph.task.tasks import task as task_called
 
 

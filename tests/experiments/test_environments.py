@@ -19,7 +19,7 @@ def test_an_environment_that_cannot_be_made_is_told_with_the_reason(
 ) -> None:
     lost = EnvSpec(
         id="morph/Nobody-SwingUp-v0",
-        entry_point="morph.task.gym_env:Environment",
+        entry_point="morph.task.gym.env:Environment",
         kwargs={"task": "swing-up", "robot": "nobody"},
     )
     monkeypatch.setitem(gymnasium.registry, lost.id, lost)

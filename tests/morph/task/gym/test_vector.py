@@ -18,8 +18,8 @@ from morph.physics.effect import Effect
 from morph.physics.joint.stribeck_friction import StribeckFriction
 from morph.physics.worlds import world
 from morph.task.gym import environments
-from morph.task.gym_env import Environment
-from morph.task.gym_vector import Environments
+from morph.task.gym.env import Environment
+from morph.task.gym.vector import Environments
 from morph.task.quantity import Direction, Point
 from morph.task.task import UNSTABLE, Task
 from morph.task.tasks import task

@@ -24,8 +24,8 @@ from morph.policy.observing import observations_of
 from morph.policy.policy import actions_of
 from morph.search.evaluate import attempt
 from morph.task.gym import environment, environment_id, pairs
-from morph.task.gym_env import Environment
-from morph.task.gym_spaces import command_range
+from morph.task.gym.env import Environment
+from morph.task.gym.spaces import command_range
 from morph.task.moved import Moved
 from morph.task.task import UNSTABLE
 from morph.task.tasks import TASKS, task

@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike
 from morph.arrays import Array, Integers, Mask
 from morph.errors import SimulationFailed, TaskError
 from morph.physics.effect import Effect
-from morph.task.gym_plant import Plant
-from morph.task.gym_spaces import MOST, channels, columns, command_range
+from morph.task.gym.plant import Plant
+from morph.task.gym.spaces import MOST, channels, columns, command_range
 from morph.task.moved import Moved
 from morph.task.task import UNSTABLE, Task
 

@@ -15,8 +15,8 @@ from morph.body.load import load
 from morph.body.robot import Robot
 from morph.errors import TaskError
 from morph.physics.effect import Effect
-from morph.task.gym_runs import Runs
-from morph.task.gym_spaces import MOST
+from morph.task.gym.runs import Runs
+from morph.task.gym.spaces import MOST
 from morph.task.task import Task
 from morph.task.tasks import task as task_called
 

@@ -8,7 +8,7 @@ from morph.body.load import load
 from morph.body.robot import Actuator, Joint, Robot
 from morph.body.spec import spec_of
 from morph.policy.observing import addresses, observations_of
-from morph.task.gym_spaces import FREE, FREE_HINGE, channels, columns, command_range
+from morph.task.gym.spaces import FREE, FREE_HINGE, channels, columns, command_range
 
 
 @pytest.mark.parametrize("name", ["cartpole", "hopper", "sea_snake", "quadruped_four_bar"])

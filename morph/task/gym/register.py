@@ -1,7 +1,4 @@
-"""Every pair of a robot of the shelf and a task of its card, by a name that Gymnasium knows.
-
-`gymnasium.make("morph.task.gym:morph/CartPole-SwingUp-v0")` imports this module first.
-"""
+"""Every pair of a robot of the shelf and a task of its card, by a name that Gymnasium knows."""
 
 from __future__ import annotations
 
@@ -19,14 +16,14 @@ from morph.body.card import load_card
 from morph.body.robot import Robot
 from morph.errors import RobotError
 from morph.physics.effect import Effect
-from morph.task.gym_env import task_of
+from morph.task.gym.env import task_of
 from morph.task.task import Task
 from morph.task.tasks import TASKS
 
-ENTRY = "morph.task.gym_env:Environment"
+ENTRY = "morph.task.gym.env:Environment"
 """What makes one environment."""
 
-VECTOR_ENTRY = "morph.task.gym_vector:Environments"
+VECTOR_ENTRY = "morph.task.gym.vector:Environments"
 """What makes many at once."""
 
 IRREGULAR = {"cartpole": "CartPole", "so101": "SO101"}
@@ -123,8 +120,3 @@ def _spec(task: Task, effects: tuple[Effect, ...]) -> EnvSpec:
         vector_entry_point=VECTOR_ENTRY,
         kwargs={"task": task, "effects": effects},
     )
-
-
-# Gymnasium imports this module for what happens here: its "module:name" has no other way to
-# make names known. Nothing else imports it.
-register_all()

@@ -15,8 +15,8 @@ from morph.arrays import Array, Integers, Mask
 from morph.body.robot import Robot
 from morph.errors import TaskError
 from morph.physics.effect import Effect
-from morph.task.gym_env import Action, spaces_of, task_of
-from morph.task.gym_runs import Runs
+from morph.task.gym.env import Action, spaces_of, task_of
+from morph.task.gym.runs import Runs
 from morph.task.task import Task
 
 
