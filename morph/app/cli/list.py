@@ -97,14 +97,26 @@ def _described(place: str) -> tuple[str, bool]:
         return "", False
     tree = ast.parse(Path(spec.origin).read_text(encoding="utf-8"))
     (found,) = (each for each in tree.body if isinstance(each, ast.ClassDef) and each.name == name)
-    told = {
-        part.target.id: part.value.value
+    told = [
+        part.value.value
         for part in found.body
-        if isinstance(part, ast.AnnAssign)
-        and isinstance(part.target, ast.Name)
+        if isinstance(part, ast.Assign | ast.AnnAssign)
         and isinstance(part.value, ast.Constant)
+        and "from_trials" in {name.id for name in ast.walk(part) if isinstance(name, ast.Name)}
+    ]
+    if told:
+        return _first_line(ast.get_docstring(found)), bool(told[-1])
+    # What a class does not say itself, the class that it inherits from says.
+    names = {base.id for base in found.bases if isinstance(base, ast.Name)}
+    origins = {
+        alias.name: f"{part.module}:{alias.name}"
+        for part in tree.body
+        if isinstance(part, ast.ImportFrom)
+        for alias in part.names
+        if alias.name in names
     }
-    return _first_line(ast.get_docstring(found)), bool(told.get("from_trials", False))
+    inherited = any(_described(origin)[1] for origin in origins.values() if "morph" in origin)
+    return _first_line(ast.get_docstring(found)), inherited
 
 
 def _first_line(words: str | None) -> str:

@@ -46,6 +46,7 @@ def learning(outcome: Outcome) -> tuple[Plot, ...]:
             x_title=title,
             lines=(Line(x=np.array(x, dtype=float), y=loss, dots=len(loss) <= 40),),
             rules=tuple(rules),
+            from_zero=True,
         )
         for title, x in by.items()
         if title != "experience, s" or outcome.experience > 0.0

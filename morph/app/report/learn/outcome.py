@@ -62,6 +62,11 @@ class Outcome:
         return self.claimed and self.judged.share >= MOST_OFTEN
 
     @property
+    def count(self) -> int:
+        """How many trials, generations or rounds there were; number 0, by chance, is none."""
+        return sum(trial.number > 0 for trial in self.trials)
+
+    @property
     def why(self) -> str:
         """Why it did not succeed; empty if it did."""
         if self.succeeded:
@@ -81,7 +86,7 @@ def learned(outcome: Outcome) -> JSON:
     """Return what `policy.json` tells of how the policy was found."""
     return {
         "search": outcome.search.name,
-        "trials": len(outcome.trials),
+        "trials": outcome.count,
         "experience_s": outcome.experience,
         "seconds": outcome.seconds,
         "seed": outcome.seed,
@@ -115,7 +120,7 @@ def as_json(outcome: Outcome) -> JSON:
             for trial in outcome.trials
         ],
         "spent": {
-            "trials": len(outcome.trials),
+            "trials": outcome.count,
             "experience_s": outcome.experience,
             "seconds": outcome.seconds,
         },

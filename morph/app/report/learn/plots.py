@@ -64,6 +64,8 @@ class Plot:
     """Levels that are not to be passed, drawn as dashes where they are near."""
     rules: tuple[tuple[float, str], ...] = ()
     """Levels to compare with, each with its name."""
+    from_zero: bool = False
+    """Whether what runs to the right begins at 0."""
 
     @property
     def svg(self) -> Markup:
@@ -96,6 +98,7 @@ class _Axes:
 
     def __init__(self, plot: Plot) -> None:
         xs, ys = _all([line.x for line in plot.lines]), _all([line.y for line in plot.lines])
+        xs = np.append(xs, 0.0) if plot.from_zero else xs
         ys = np.concatenate([ys, [level for level, _ in plot.rules if math.isfinite(level)]])
         ys = np.concatenate([ys, *[band.y for band in plot.bands]])
         self.log = bool(len(ys) and ys.min() > 0.0 and np.ptp(np.log10(ys)) > DECADES)

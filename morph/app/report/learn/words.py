@@ -51,7 +51,7 @@ def summary(outcome: Outcome) -> tuple[str, ...]:
 
 def spent(outcome: Outcome) -> str:
     """Return what the search took."""
-    count = counted(len(outcome.trials), *_called(outcome))
+    count = counted(outcome.count, *_called(outcome))
     on_robot = (
         f" and {number(outcome.experience)} s of experience" if outcome.experience > 0.0 else ""
     )

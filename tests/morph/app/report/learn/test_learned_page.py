@@ -190,6 +190,13 @@ def test_a_failure_names_its_reason_and_success_is_not_claimed_for_the_search_al
     assert "All of 100 noisy runs" in summary(modest)[0]
 
 
+def test_the_trial_by_chance_is_experience_and_no_trial(outcome: Outcome) -> None:
+    first = Trial(number=0, loss=300.0, success=0.0, seconds=0.5, experience=5.0)
+    begun = replace(outcome, trials=(first, *outcome.trials))
+    assert begun.count == 4
+    assert "took 8 s, four trials and 20 s of experience." in summary(begun)[1]
+
+
 def test_a_loss_that_is_no_number_is_null(outcome: Outcome) -> None:
     lost = replace(outcome, trials=(replace(outcome.trials[0], loss=float("inf")),))
     said = json.loads(record_text(lost))
