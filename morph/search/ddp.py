@@ -103,13 +103,25 @@ def follow(
     high: Array,
     *,
     length: Array | float = 1.0,
+    begin: tuple[Array, Array] | None = None,
 ) -> Trajectories:
-    """Return trajectories from the same starts under a law; their cost is not computed.
+    """Return trajectories under a law; their cost is not computed.
 
     u = clip(command + length change + gain dx, low, high).
+
+    Args:
+        plant: The body.
+        plan: Trajectories from which states and commands are counted.
+        law: How commands change.
+        low: Least commands, shape (rows, periods, m), or (rows, 1, m) for all periods.
+        high: Greatest commands.
+        length: Share of the change that is made; one number, or one a row.
+        begin: Positions (rows, nq) and velocities (rows, nv); None for the plan's own.
     """
     share = np.broadcast_to(np.asarray(length, dtype=float), plan.cost.shape)[:, None]
     q, v, u = plan.position.copy(), plan.velocity.copy(), plan.command.copy()
+    if begin is not None:
+        q[:, 0], v[:, 0] = begin
     for at in range(u.shape[1]):
         dx = plant.off(q[:, at], v[:, at], plan.position[:, at], plan.velocity[:, at])
         back = (law.gain[:, at] @ dx[..., None])[..., 0]

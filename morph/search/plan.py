@@ -22,6 +22,9 @@ from morph.search.search import Learned, Problem, Search, State, Told, Trial, ig
 ENOUGH = 0.95
 """Share of noisy runs that must reach every goal for a search to count as successful."""
 
+SURE = 0.99
+"""Share of the runs by which plans are compared that must, for no further round to begin."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Plan(Search):
@@ -99,7 +102,7 @@ class Plan(Search):
                 )
             )
             told(record[-1], _kept(best, number))
-            if best.success >= ENOUGH and (self.target <= 0.0 or best.loss <= self.target):
+            if best.success >= SURE and (self.target <= 0.0 or best.loss <= self.target):
                 break
         if best is None:
             raise SearchError(

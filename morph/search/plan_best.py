@@ -74,6 +74,11 @@ def refined(
     order = np.argsort(guesses.cost)[:keep]
     order = order[guesses.cost[order] <= HOPELESS * guesses.cost[order[0]]]
     plans = ddp(ground.plant, ground.cost, guesses.rows(order), margin=ground.margin, most=most)
+    return judged(ground, plans, runs=runs, rng=rng)
+
+
+def judged(ground: Ground, plans: Trajectories, *, runs: int, rng: np.random.Generator) -> Planned:
+    """Return the plan and the feedback that do best together in so many noisy runs."""
     gains = [feedback(ground, plans, effort) for effort in EFFORTS]
     gain = np.concatenate(gains)
     plans = joined([plans] * len(gains))
