@@ -30,13 +30,21 @@ def best_integrator(model: mujoco.MjModel) -> Integrator:
     of its energy in 5 s at 2 ms. RK4 is of fourth order, and four times slower. It bears no
     contact, no closed chain, no dry friction, and no joint that is stiff for the step.
     """
-    free = (
-        _feels_a_fluid(model)
-        and model.neq == 0
-        and not model.dof_frictionloss.any()
-        and not _may_touch(model)
-    )
-    return "rk4" if free and _fastest(model) * model.opt.timestep < MARGIN else "implicitfast"
+    free = _feels_a_fluid(model) and model.neq == 0 and not model.dof_frictionloss.any()
+    return "rk4" if free and not _may_touch(model) and not _stiff(model) else "implicitfast"
+
+
+def is_smooth(model: mujoco.MjModel) -> bool:
+    """Return whether nothing ever jerks: no contact, closed chain, limit, dry or stiff joint.
+
+    Such a body RK4 moves best, at several times the step that implicitfast would need.
+    """
+    held = model.neq or model.jnt_limited.any() or model.tendon_limited.any()
+    return not (held or model.dof_frictionloss.any() or _may_touch(model) or _stiff(model))
+
+
+def _stiff(model: mujoco.MjModel) -> bool:
+    return _fastest(model) * model.opt.timestep >= MARGIN
 
 
 def _feels_a_fluid(model: mujoco.MjModel) -> bool:

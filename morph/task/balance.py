@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from morph.body.robot import Robot
-from morph.task.chain import posture, slides_of
+from morph.task.chain import posture, slides_of, stepping
 from morph.task.quantity import AngleSum, Commands, JointPositions, JointSpeeds
 from morph.task.start import Start
 from morph.task.task import Task
@@ -49,11 +49,14 @@ def balance(robot: Robot) -> Task:
         rest = (0.0,) * len(slides)
         quantity = JointPositions(joints=slides)
         terms.append(Term(name="place", quantity=quantity, target=rest, width=STRAY))
+    step, integrator = stepping(robot)
     return Task(
         name=name,
         robot=robot,
         terms=tuple(terms),
         goals=upright_goals(robot, top, last=4.5),
+        step=step,
+        integrator=integrator,
         start=Start(position=top, spread=0.02),
         horizon=5.0,
         period=0.02,

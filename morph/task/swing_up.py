@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from morph.body.robot import Robot
 from morph.task.balance import LAST, upright_goals
-from morph.task.chain import end_of, place_of, posture
+from morph.task.chain import end_of, place_of, posture, stepping
 from morph.task.quantity import Point
 from morph.task.start import Start
 from morph.task.task import Task
@@ -34,10 +34,13 @@ def swing_up(robot: Robot) -> Task:
         width=WIDTH * length,
         norm="saturating",
     )
+    step, integrator = stepping(robot)
     return Task(
         name=name,
         robot=robot,
         terms=(tip,),
         goals=upright_goals(robot, top, last=LAST),
+        step=step,
+        integrator=integrator,
         start=Start(position=posture(robot, name, upright=False)),
     )

@@ -13,6 +13,7 @@ from morph.body.robot import Robot
 from morph.errors import TaskError
 from morph.files import sha256
 from morph.physics.effect import Effect
+from morph.sim.integrator import Integrator
 from morph.sim.simulator import Simulator
 from morph.task.moved import Moved
 from morph.task.start import Start
@@ -58,6 +59,8 @@ class Task:
     """How long each command is held, s."""
     step: float = 0.005
     """Step of the simulation, s; the period is a multiple of it."""
+    integrator: Integrator | None = None
+    """What the simulation steps with; None for the simulator's own choice."""
     noise: float = 0.01
     """Standard deviation of every observation, in its unit."""
     world: str | None = None
@@ -112,7 +115,8 @@ class Task:
 
     def simulator(self, effects: tuple[Effect, ...] = ()) -> Simulator:
         """Return the body in the world of the task, under further effects if given."""
-        return Simulator(self.robot, (*self.effects, *effects), step=self.step)
+        all_effects = (*self.effects, *effects)
+        return Simulator(self.robot, all_effects, step=self.step, integrator=self.integrator)
 
     def costs(self, moved: Moved) -> dict[str, Array]:
         """Return what each term costs at each sample, (..., samples), by its name."""
