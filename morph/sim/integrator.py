@@ -40,7 +40,8 @@ def is_smooth(model: mujoco.MjModel) -> bool:
     Such a body RK4 moves best, at several times the step that implicitfast would need.
     """
     held = model.neq or model.jnt_limited.any() or model.tendon_limited.any()
-    return not (held or model.dof_frictionloss.any() or _may_touch(model) or _stiff(model))
+    jerks = held or model.dof_frictionloss.any() or _may_touch(model) or _stiff(model)
+    return not bool(jerks)
 
 
 def _stiff(model: mujoco.MjModel) -> bool:
