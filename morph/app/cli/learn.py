@@ -278,5 +278,6 @@ def _see(asked: Learn, task: Task) -> str:
         "--speed": tuple(f"{name}={value:.6g}" for name, value in task.start.speed.items()),
         "--seconds": f"{task.horizon:g}",
         "--step": f"{task.step:g}",
+        "--integrator": task.integrator,
     }
     return shlex.join(["morph", "simulate", asked.robot, *_options(told), "--view"])

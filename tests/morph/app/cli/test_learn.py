@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import json
 import re
+import shlex
 import signal
 import subprocess
 import sys
@@ -23,9 +24,11 @@ from morph.policy.linear import Linear
 from morph.policy.observing import observations_of
 from morph.policy.policy import actions_of
 from morph.policy.store import load_policy
+from morph.record.load import load as load_recordings
 from morph.search import searches
-from morph.search.evaluate import evaluate
+from morph.search.evaluate import attempt, evaluate
 from morph.search.search import Learned, Problem, Search, State, Told, Trial, ignore
+from morph.task.tasks import task
 
 SCHEMA = json.loads(
     (Path(morph.app.report.learn.__file__).parent / "learned.schema.json").read_text()
@@ -194,6 +197,25 @@ def test_the_policy_on_disk_is_the_one_that_was_judged() -> None:
         pytest.approx(record()["judged"]["loss"]["mean"]),
         1.0,
     )
+
+
+def test_the_command_that_shows_the_policy_moves_as_the_judged_runs(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "1000")
+    learn(*BALANCE, "--quiet")
+    line = capsys.readouterr().out.partition("see it by: morph ")[2].strip()
+    words = shlex.split(line.removesuffix(" --view"))
+    assert main([*words, "--out", "run.npz"]) == 0
+    (run,) = load_recordings(Path("run.npz"), robot=load("cartpole"))
+    balance = task("balance", load("cartpole"))
+    policy = load_policy("out/policy", balance.robot)
+    due = attempt(balance, policy, balance.simulator(), rows=1, rng=None)
+    every = round(balance.period / balance.step)
+    # The start is told to six figures, so an angle of pi is off by 3e-6; feedback does not grow it.
+    for joint in ("slide", "hinge"):
+        found = run[f"{joint}.position"][::every]
+        assert found == pytest.approx(due.joint(joint)[0], abs=1e-4)
 
 
 def test_each_trial_is_a_line_unless_quiet(capsys: pytest.CaptureFixture[str]) -> None:
@@ -402,6 +424,27 @@ def test_a_body_without_actuators_is_refused(capsys: pytest.CaptureFixture[str])
     )
     found = refused(capsys, *[{"cartpole": "bare.xml"}.get(word, word) for word in BALANCE])
     assert found["what"] == "the body has no actuator"
+
+
+def test_goals_that_a_body_cannot_reach_are_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    Path("held.xml").write_text(
+        '<mujoco><worldbody><body name="rod"><joint name="hinge" axis="0 1 0" limited="true" '
+        'range="28.65 57.3"/><geom type="capsule" fromto="0 0 0 0 0 -0.5" size="0.02" mass="1"/>'
+        '</body></worldbody><actuator><motor name="motor" joint="hinge"/></actuator></mujoco>'
+    )
+    found = refused(capsys, *[{"cartpole": "held.xml"}.get(word, word) for word in BALANCE])
+    # It hangs at 0 and stands at pi; 28.65 degrees are 0.5 rad.
+    assert "would have to stand at 3.14 rad, and its range is 0.5 to 1" in found["what"]
+
+
+def test_a_cost_that_is_no_number_is_one_message(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(
+        "morph.task.term.Term.error",
+        lambda self, moved: np.full((*moved.position.shape[:-1], 1), np.nan),
+    )
+    assert "is no number in" in refused(capsys, *BALANCE, "--quiet")["what"]
 
 
 def test_a_place_that_is_not_ours_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
