@@ -10,7 +10,11 @@ from morph.errors import SearchError
 from morph.record.nearest import nearest
 from morph.search.search import Search
 
-SEARCHES: Mapping[str, str] = {}
+SEARCHES: Mapping[str, str] = {
+    "chance": "morph.search.evolution:Chance",
+    "cmaes": "morph.search.cmaes:CmaEs",
+    "evolution": "morph.search.evolution:Evolution",
+}
 """Module and class of each search, by its name; several import torch, which takes seconds."""
 
 DEFAULTS: Mapping[str, str] = {"balance": "lqr", "swing-up": "ddp"}

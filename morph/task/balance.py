@@ -5,9 +5,11 @@ from __future__ import annotations
 from morph.body.robot import Robot
 from morph.task.chain import posture, slides_of, stepping
 from morph.task.quantity import AngleSum, Commands, JointPositions, JointSpeeds
+from morph.task.stand import stand
 from morph.task.start import Start
 from morph.task.task import Task
 from morph.task.term import Goal, Term
+from morph.task.torso import torso_of
 
 LEAN = 0.17
 """Farthest that a link may lean, rad: ten degrees."""
@@ -22,10 +24,14 @@ LAST = 0.5
 def balance(robot: Robot) -> Task:
     """Return the task to keep a chain upright for 5 s; a board that nothing drives may roll.
 
+    A body that is held by nothing but its feet balances where it stands: see `stand`.
+
     Raises:
         TaskError: The body has no hinges that swing in gravity, or cannot stand upright.
     """
     name = "balance"
+    if torso_of(robot) is not None:
+        return stand(robot, name=name)
     top = posture(robot, name, upright=True)
     hinges = tuple(top)
     slides = tuple(joint.name for joint in slides_of(robot, driven=True))

@@ -8,12 +8,18 @@ from morph.body.robot import Robot
 from morph.errors import TaskError
 from morph.record.nearest import nearest
 from morph.task.balance import balance
+from morph.task.stand import stand
+from morph.task.swim import swim
 from morph.task.swing_up import swing_up
 from morph.task.task import Task
+from morph.task.walk import walk
 
 TASKS: Mapping[str, Callable[[Robot], Task]] = {
     "balance": balance,
+    "stand": stand,
+    "swim": swim,
     "swing-up": swing_up,
+    "walk": walk,
 }
 """What each task is made by."""
 

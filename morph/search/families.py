@@ -1,0 +1,34 @@
+"""Which policies suit a task: the family that a search chooses from if none is given."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from morph.search.family import Family
+from morph.search.gait import gait
+from morph.search.hold import hold
+from morph.task.task import Task
+
+
+def _gait(task: Task) -> Family:
+    return gait(task.robot, period=task.period)
+
+
+def _hold(task: Task) -> Family:
+    return hold(task.robot, task.start.position, period=task.period)
+
+
+FAMILIES: Mapping[str, Callable[[Task], Family]] = {
+    "walk": _gait,
+    "swim": _gait,
+}
+"""The family of each task by its name; all others hold the posture in which they start."""
+
+
+def family_of(task: Task) -> Family:
+    """Return the policies that a search by trying chooses from.
+
+    Raises:
+        SearchError: The body has no actuator.
+    """
+    return FAMILIES.get(task.name, _hold)(task)

@@ -1,0 +1,137 @@
+"""Holding a posture: servos told where to stay, or motors that act like springs and dampers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from morph.arrays import Array
+from morph.body.robot import Robot
+from morph.errors import SearchError
+from morph.policy.linear import Linear
+from morph.policy.observing import observations_of
+from morph.policy.pattern import Pattern, Swing
+from morph.policy.policy import Action, Observation, Policy, actions_of
+from morph.search.family import Family, Number
+from morph.search.gait_parts import Part, parts_of
+
+WIDEST = 0.1
+"""Farthest from its posture that a joint may be told to stay, rad."""
+
+SOFTEST, STIFFEST = 1.0, 20.0
+"""Least and greatest stiffness of a motor's spring, in greatest efforts per rad."""
+
+BRIEFEST, LONGEST = 0.003, 0.1
+"""Least and greatest damping of a motor, in stiffnesses times s."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Hold(Family):
+    """Policies that hold a posture, a little corrected; mirrored joints are corrected alike.
+
+    A servo is told its set point p + o and holds it by itself; a motor is told
+    k (p + o - q) - d k v, q and v being the position and velocity of its joint. The correction
+    o, the stiffness k and the time d belong to a role, such as both knees.
+    """
+
+    action: tuple[Action, ...]
+    """Every actuator of the body."""
+    parts: tuple[Part, ...]
+    """What the name of each tells."""
+    posture: tuple[float, ...]
+    """p, where the joint of each actuator is to stay, rad or m."""
+    sprung: tuple[bool, ...]
+    """Which actuators are motors."""
+    observation: tuple[Observation, ...]
+    """The positions of the motors' joints and then their velocities; nothing without motors."""
+    period: float = 0.02
+    """How long each command is held, s."""
+
+    def make(self, values: Array) -> Policy:
+        """Return the policy of these values: a pattern for servos, linear with motors."""
+        free = {number.name: float(v) for number, v in zip(self.numbers, values, strict=True)}
+        point = np.array(
+            [
+                place + free[f"{part.role} offset".strip()]
+                for place, part in zip(self.posture, self.parts, strict=True)
+            ]
+        )
+        if not any(self.sprung):
+            swings = tuple(Swing(offset=float(each)) for each in point)
+            return Pattern(swings=swings, action=self.action, period=self.period)
+        motors = np.flatnonzero(self.sprung)
+        weight = np.zeros((len(self.action), 2 * len(motors)))
+        bias = point.copy()
+        for column, at in enumerate(motors):
+            role = self.parts[at].role
+            k = 10.0 ** free[f"{role} stiffness".strip()]
+            d = 10.0 ** free[f"{role} damping".strip()]
+            weight[at, column], weight[at, len(motors) + column] = -k, -d * k
+            bias[at] = k * point[at]
+        return Linear(
+            weight=weight,
+            bias=bias,
+            action=self.action,
+            observation=self.observation,
+            period=self.period,
+        )
+
+
+def hold(
+    robot: Robot,
+    posture: Mapping[str, float],
+    *,
+    period: float = 0.02,
+    widest: float = WIDEST,
+) -> Hold:
+    """Return the policies that hold a robot near a posture.
+
+    Args:
+        robot: The body.
+        posture: Where its joints are to stay, by name; those that are not named, at zero.
+        period: How long each command is held, s.
+        widest: Farthest correction of a joint, rad.
+
+    Raises:
+        SearchError: It has no actuator.
+    """
+    action = actions_of(robot)
+    if not action:
+        raise SearchError(
+            "it has no actuator", where=f"robot {robot.name}", fix="give it a motor or a servo"
+        )
+    driven = [robot.actuator(each.actuator) for each in action]
+    sprung = tuple(each.kind != "position" for each in driven)
+    parts = parts_of(tuple(each.actuator for each in action))
+    numbers: list[Number] = []
+    for role in dict.fromkeys(part.role for part in parts):
+        first = next(at for at, part in enumerate(parts) if part.role == role)
+        named = f"{role} ".lstrip()
+        numbers.append(Number(name=f"{named}offset", low=-widest, high=widest, start=0.0))
+        if sprung[first]:
+            numbers += _spring(named, action[first])
+    held = [each.joint for each, spring in zip(driven, sprung, strict=True) if spring]
+    channels = [f"{name}.{rate}" for rate in ("position", "velocity") for name in held]
+    return Hold(
+        numbers=tuple(numbers),
+        action=action,
+        parts=parts,
+        posture=tuple(float(posture.get(each.joint, 0.0)) for each in driven),
+        sprung=sprung,
+        observation=observations_of(robot, tuple(channels)) if channels else (),
+        period=period,
+        # What stands already falls where all its joints are corrected far.
+        sigma=0.12,
+    )
+
+
+def _spring(named: str, action: Action) -> list[Number]:
+    # By their logarithms: ten is to one what one is to a tenth.
+    low, high = np.log10([SOFTEST * action.high, STIFFEST * action.high])
+    brief, long = np.log10([BRIEFEST, LONGEST])
+    return [
+        Number(name=f"{named}stiffness", low=low, high=high, start=0.5 * (low + high)),
+        Number(name=f"{named}damping", low=brief, high=long, start=0.5 * (brief + long)),
+    ]

@@ -1,0 +1,81 @@
+"""Many policies tried at once: every run of every policy is a row of one batch."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from morph.arrays import Array
+from morph.policy.observing import Observer
+from morph.policy.policy import Policy
+from morph.search.evaluate import Score
+from morph.sim.closed_loop import closed_loop
+from morph.sim.simulator import Simulator
+from morph.task.moved import Moved
+from morph.task.task import Task
+
+UNSTABLE = 1e3
+"""Loss of a run that became unstable, more than any other can cost by far."""
+
+
+def tried(
+    task: Task,
+    policies: Sequence[Policy],
+    simulator: Simulator,
+    *,
+    runs: int,
+    rng: np.random.Generator,
+) -> Score:
+    """Return how each policy did in each of some noisy runs, shape (policies, runs).
+
+    All policies begin from the same starts: so they are compared by what they are, and not by
+    their luck.
+
+    Raises:
+        SimulationFailed: The simulation cannot run in a closed loop.
+    """
+    q, v = task.start.sample(task.robot, simulator.model, runs, rng)
+    observers = [
+        Observer(each, task.robot, simulator.model, runs, rng=rng, noise=task.noise)
+        for each in policies
+    ]
+    clock = np.empty(runs)
+
+    def act(position: Array, velocity: Array, time: float) -> Array:
+        clock[:] = time
+        told = np.empty((len(position), simulator.model.nu))
+        for at, (policy, observer) in enumerate(zip(policies, observers, strict=True)):
+            rows = slice(at * runs, (at + 1) * runs)
+            # Without observations there is nothing to draw noise for.
+            seen = (
+                observer.see(position[rows], velocity[rows])
+                if policy.observation
+                else np.empty((runs, 0))
+            )
+            told[rows] = policy.act(seen, clock)
+        return told
+
+    many = len(policies)
+    loop = closed_loop(
+        simulator,
+        act,
+        np.tile(q, (many, 1)),
+        np.tile(v, (many, 1)),
+        period=policies[0].period,
+        seconds=task.horizon,
+    )
+    moved = Moved(
+        robot=task.robot,
+        model=simulator.model,
+        time=loop.time,
+        position=loop.position,
+        velocity=loop.velocity,
+        command=loop.command,
+    )
+    # MuJoCo sets an unstable row back to its start, where it may look like success.
+    loss = np.where(loop.stable, task.loss(moved), UNSTABLE)
+    return Score(
+        loss=loss.reshape(many, runs),
+        success=(task.succeeded(moved) & loop.stable).reshape(many, runs),
+    )

@@ -1,0 +1,95 @@
+"""Stand: a body on its feet stays on them."""
+
+from __future__ import annotations
+
+from morph.body.robot import Robot
+from morph.physics.worlds import world
+from morph.task.quantity import Direction, Point, Quantity
+from morph.task.start import Start
+from morph.task.task import Task
+from morph.task.term import Goal, Term
+from morph.task.torso import origin_of, stance, torso
+from morph.task.travel import effort_terms
+
+FLOOR = "hard_floor"
+"""What is stood and walked on."""
+
+LEAN = 0.35
+"""Farthest that any part of the torso's upright axis may be off, about the sine of 20 degrees."""
+
+SINK = 0.1
+"""Farthest that the torso may sink or rise, in heights of the torso."""
+
+STEP = 0.002
+"""Step of a simulation on a floor, s."""
+
+SETTLE = 1.0
+"""How long a body has to come to rest before it must be within both, s."""
+
+
+def stand(robot: Robot, *, name: str = "stand", horizon: float = 5.0) -> Task:
+    """Return the task to stay on one's feet; the torso may move, but not sink or lean.
+
+    A body with motors alone begins in its `stance`, one with servos as it is described.
+
+    Raises:
+        TaskError: The body is held to the world, or has no actuator.
+    """
+    link = torso(robot, name)
+    start = stance(robot)
+    x, y, height = (float(each) for each in origin_of(robot, link, start))
+    period = period_of(robot)
+    upright = Direction(link=link)
+    level = Point(link=link, axes="z")
+    terms = (
+        _near("lean", upright, (0.0, 0.0, 1.0), LEAN, period),
+        _near("height", level, (height,), SINK * height, period),
+        _near("place", Point(link=link, axes="xy"), (x, y), 0.5, 0.1 * period),
+        *effort_terms(robot, weight=1e-3 * period),
+    )
+    last = horizon - SETTLE
+    goals = (
+        Goal(name="upright", quantity=upright, target=(0.0, 0.0, 1.0), within=LEAN, last=last),
+        Goal(name="height", quantity=level, target=(height,), within=SINK * height, last=last),
+    )
+    return Task(
+        name=name,
+        robot=robot,
+        terms=terms,
+        goals=goals,
+        start=Start(position=start, moving=moving_of(robot)),
+        horizon=horizon,
+        period=period,
+        step=STEP,
+        world=FLOOR,
+        effects=world(FLOOR, robot).effects,
+    )
+
+
+def period_of(robot: Robot) -> float:
+    """Return the control period on a floor, s: short where a policy itself must be the spring.
+
+    Servos hold by themselves. Motors are told efforts, and a leg of a kilogram that stiff
+    feedback holds at 10 ms already shakes itself off the floor.
+    """
+    return 0.02 if all(each.kind == "position" for each in robot.actuators) else STEP
+
+
+def moving_of(robot: Robot) -> tuple[str, ...]:
+    """Return the joints that a start on a floor may shift: those that are driven.
+
+    Shifted as a whole, a body would begin with its feet in the floor, and be thrown off it. A
+    closed chain would be torn joint by joint: of such a body only what floats is shifted.
+    """
+    if robot.loops:
+        return tuple(joint.name for joint in robot.joints if joint.kind == "free")
+    return tuple(dict.fromkeys(actuator.joint for actuator in robot.actuators))
+
+
+def _near(
+    name: str, quantity: Quantity, target: tuple[float, ...], width: float, weight: float
+) -> Term:
+    # Weighed by the control period, a sum over samples is an integral over time, in s.
+    return Term(
+        name=name, quantity=quantity, target=target, width=width, weight=weight, norm="saturating"
+    )
