@@ -11,7 +11,7 @@ import numpy as np
 
 from morph.arrays import Array, Integers
 from morph.search.moments import Moments, ProcessMoments
-from morph.search.moments_waves import Lift, LiftTape, Squash
+from morph.search.moments_waves import Lift, LiftTape, Squasher
 
 
 class Law(ABC):
@@ -59,7 +59,7 @@ class Plant:
     """Which of (x, sin a, cos a) the policy sees, in the order of its features."""
     lift: Lift
     """Which angles have a sine and a cosine."""
-    squash: Squash
+    squash: Squasher
     """What makes commands out of the policy's numbers."""
     noise: Array
     """Variance of what disturbs each change of velocity, shape (joints,)."""

@@ -10,6 +10,7 @@ from morph.arrays import Array
 from morph.search.belief import Law
 from morph.search.moments import Moments
 from morph.search.moments_radial import RadialNumbers, radial_backward, radial_forward
+from morph.search.moments_waves import Squasher
 
 
 class LinearLaw(Law):
@@ -69,3 +70,17 @@ class RadialLaw(Law):
             for each in (numbers.centre, numbers.width, numbers.weight)
         ]
         return into_m, into_S, np.concatenate(flat, axis=-1)
+
+
+class Straight(Squasher):
+    """Commands that are the law's numbers as they are."""
+
+    def forward(self, m: Array, S: Array) -> tuple[Array, Array, Array, Any]:
+        """Return mean, covariance and slope 1."""
+        return m, S, np.ones_like(m), None
+
+    def backward(
+        self, tape: Any, mean: Array, covariance: Array, gain: Array
+    ) -> tuple[Array, Array]:
+        """Return the adjoints, which pass through."""
+        return mean, covariance

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from abc import ABC, abstractmethod
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -140,7 +141,21 @@ class Lift:
         return into_m, 0.5 * (into_S + into_S.mT)
 
 
-class Squash:
+class Squasher(ABC):
+    """What makes commands of a law's numbers r."""
+
+    @abstractmethod
+    def forward(self, m: Array, S: Array) -> tuple[Array, Array, Array, Any]:
+        """Return mean and covariance of u, E[du/dr], shape (..., actions), and the tape."""
+
+    @abstractmethod
+    def backward(
+        self, tape: Any, mean: Array, covariance: Array, gain: Array
+    ) -> tuple[Array, Array]:
+        """Return the adjoints of m and S from those of what `forward` gave."""
+
+
+class Squash(Squasher):
     """Commands low <= u <= high out of numbers r of any size: (9 sin r + sin 3r) / 8, scaled.
 
     Source: Deisenroth, Fox and Rasmussen 2015, IEEE TPAMI 37(2), section 4.1.
