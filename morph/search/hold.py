@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from morph.arrays import Array
 from morph.body.robot import Robot
+from morph.body.spec import spec_of
 from morph.errors import SearchError
 from morph.policy.linear import Linear
 from morph.policy.observing import observations_of
@@ -32,7 +34,7 @@ class Hold(Family):
     """Policies that hold a posture, a little corrected; mirrored joints are corrected alike.
 
     A servo is told its set point p + o and holds it by itself; a motor is told
-    k (p + o - q) - d k v, q and v being the position and velocity of its joint. The correction
+    e + k (p + o - q) - d k v, q and v being the position and velocity of its joint. The correction
     o, the stiffness k and the time d belong to a role, such as both knees.
     """
 
@@ -42,6 +44,8 @@ class Hold(Family):
     """What the name of each tells."""
     posture: tuple[float, ...]
     """p, where the joint of each actuator is to stay, rad or m."""
+    carried: tuple[float, ...]
+    """e, the effort that each motor gives there, N m or N."""
     sprung: tuple[bool, ...]
     """Which actuators are motors."""
     observation: tuple[Observation, ...]
@@ -69,7 +73,7 @@ class Hold(Family):
             k = 10.0 ** free[f"{role} stiffness".strip()]
             d = 10.0 ** free[f"{role} damping".strip()]
             weight[at, column], weight[at, len(motors) + column] = -k, -d * k
-            bias[at] = k * point[at]
+            bias[at] = k * point[at] + self.carried[at]
         return Linear(
             weight=weight,
             bias=bias,
@@ -83,6 +87,7 @@ def hold(
     robot: Robot,
     posture: Mapping[str, float],
     *,
+    carried: Mapping[str, float] | None = None,
     period: float = 0.02,
     widest: float = WIDEST,
 ) -> Hold:
@@ -91,6 +96,8 @@ def hold(
     Args:
         robot: The body.
         posture: Where its joints are to stay, by name; those that are not named, at zero.
+        carried: What gravity asks of its joints there, by name, N m or N; None for nothing. A
+            servo is told that much farther, by its stiffness.
         period: How long each command is held, s.
         widest: Farthest correction of a joint, rad.
 
@@ -105,6 +112,9 @@ def hold(
     driven = [robot.actuator(each.actuator) for each in action]
     sprung = tuple(each.kind != "position" for each in driven)
     parts = parts_of(tuple(each.actuator for each in action))
+    efforts = [float((carried or {}).get(each.joint, 0.0)) for each in driven]
+    model: Any = spec_of(robot).compile()
+    stiffness = [float(model.actuator(each.name).gainprm[0]) for each in driven]
     numbers: list[Number] = []
     for role in dict.fromkeys(part.role for part in parts):
         first = next(at for at, part in enumerate(parts) if part.role == role)
@@ -118,7 +128,11 @@ def hold(
         numbers=tuple(numbers),
         action=action,
         parts=parts,
-        posture=tuple(float(posture.get(each.joint, 0.0)) for each in driven),
+        posture=tuple(
+            float(posture.get(each.joint, 0.0)) + (0.0 if spring else effort / stiff)
+            for each, spring, effort, stiff in zip(driven, sprung, efforts, stiffness, strict=True)
+        ),
+        carried=tuple(efforts),
         sprung=sprung,
         observation=observations_of(robot, tuple(channels)) if channels else (),
         period=period,

@@ -8,6 +8,7 @@ from morph.body.robot import Robot
 from morph.errors import TaskError
 from morph.record.nearest import nearest
 from morph.task.balance import balance
+from morph.task.reach import reach
 from morph.task.stand import stand
 from morph.task.swim import swim
 from morph.task.swing_up import swing_up
@@ -16,6 +17,7 @@ from morph.task.walk import walk
 
 TASKS: Mapping[str, Callable[[Robot], Task]] = {
     "balance": balance,
+    "reach": reach,
     "stand": stand,
     "swim": swim,
     "swing-up": swing_up,
