@@ -76,7 +76,7 @@ class GaussianProcess:
         K = covariance(self.inputs, self.inputs, self.lengths, self.signal)
         at = np.arange(len(self.inputs))
         K[:, at, at] += (self.noise**2)[:, None]
-        return np.linalg.cholesky(K)
+        return np.asarray(np.linalg.cholesky(K), dtype=np.float64)
 
     @cached_property
     def weights(self) -> Array:
@@ -145,7 +145,7 @@ def covariance(x: Array, y: Array, lengths: Array, signal: Array) -> Array:
     np.minimum(power, 0.0, out=power)
     np.exp(power, out=power)
     power *= (signal**2)[:, None, None]
-    return power
+    return np.asarray(power)
 
 
 def check_data(inputs: Array, targets: Array) -> None:

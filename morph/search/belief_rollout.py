@@ -8,7 +8,7 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.search.belief import Law, Plant
-from morph.search.saturating import ExpectedCost
+from morph.search.saturating import ExpectedCost, expected
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -52,20 +52,17 @@ def imagine(
     z_last, C_last, last = plant.lift.forward(m, S)
     z = np.stack([*(each.z for each in tapes), z_last])
     C = np.stack([*(each.C for each in tapes), C_last])
-    values = [cost.value(z, C) for cost in costs]
-    loss = sum(value.sum(axis=0) for value, _, _ in values)
-    into_z = sum(first for _, first, _ in values)
-    into_C = sum(second for _, _, second in values)
+    loss, into_z, into_C = expected(costs, z, C)
     into_m, into_S = plant.lift.backward(last, into_z[-1], into_C[-1])
-    gradient = 0.0
+    gradient: Array = np.zeros(())
     for at in range(periods - 1, -1, -1):
         into_m, into_S, numbers = plant.backward(
             tapes[at], law, into_m, into_S, into_z[at], into_C[at]
         )
         gradient = gradient + numbers
     return Imagined(
-        loss=np.asarray(loss),
-        gradient=np.asarray(gradient),
+        loss=loss.sum(axis=0),
+        gradient=gradient,
         mean=np.stack(means),
         covariance=np.stack(spreads),
     )

@@ -96,7 +96,7 @@ class ProcessMoments:
         e, at = self._outputs, self._diagonal
         T = np.repeat(S[..., None, :, :], len(self._L), axis=-3)
         T[..., at, at] += self._L
-        inverse = np.linalg.inv(T)
+        inverse: Array = np.asarray(np.linalg.inv(T), dtype=np.float64)
         scale = self._root * np.sqrt(np.linalg.det(inverse))
         delta = self._inputs - m[..., None, :]
         near = delta[..., None, :, :]

@@ -57,7 +57,7 @@ def radial_forward(numbers: RadialNumbers, m: Array, S: Array) -> tuple[Moments,
     T = np.repeat(S[..., None, :, :], 2, axis=-3)
     T[..., 0, at, at] += square
     T[..., 1, at, at] += 0.5 * square
-    inverse = np.linalg.inv(T)
+    inverse: Array = np.asarray(np.linalg.inv(T), dtype=np.float64)
     scale = np.sqrt(np.linalg.det(inverse))
     root = np.sqrt(square.prod(axis=-1))
     U, V = inverse[..., 0, :, :], inverse[..., 1, :, :]

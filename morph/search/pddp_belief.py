@@ -9,12 +9,13 @@ from functools import cached_property
 import numpy as np
 from scipy.special import erf
 
-from morph.arrays import Array
+from morph.arrays import Array, Integers
 from morph.model.gp import GaussianProcess
 from morph.search.belief import Plant
 from morph.search.belief_laws import LinearLaw, Straight
 from morph.search.belief_task import View
 from morph.search.ddp_cost import Quadratic
+from morph.search.saturating import expected
 
 MEAN_STEP = 1e-4
 """Half the distance of a difference in a mean, in its unit."""
@@ -60,10 +61,10 @@ class BeliefPlant:
     """What a command at its bound costs, a sample: effort / 2 (u / half its range)^2."""
 
     @cached_property
-    def upper(self) -> tuple[Array, Array]:
+    def upper(self) -> tuple[Integers, Integers]:
         """Which entries of the covariance stand in b."""
         rows, columns = np.triu_indices(len(self.view.start[0]))
-        return rows, columns
+        return rows.astype(np.int64), columns.astype(np.int64)
 
     @cached_property
     def _each(self) -> tuple[Array, Array]:
@@ -146,7 +147,7 @@ class BeliefPlant:
     def costs(self, mean: Array, covariance: Array, command: Array) -> Array:
         """Return the expected cost of rows of beliefs, shape (rows,)."""
         z, C, _ = self.view.lift.forward(mean, covariance)
-        total = sum(cost.value(z, C)[0].sum(axis=-1) for cost in self.view.costs)
+        total = expected(self.view.costs, z, C)[0].sum(axis=-1)
         return np.asarray(total + 0.5 * (self._stiff * command**2).sum(axis=(-2, -1)))
 
     @cached_property
@@ -157,9 +158,8 @@ class BeliefPlant:
     def _slope(self, m: Array, S: Array) -> Array:
         """Return the slope in b of what a belief costs, shape (..., numbers)."""
         z, C, tape = self.view.lift.forward(m, S)
-        parts = [cost.value(z, C) for cost in self.view.costs]
-        into = self.view.lift.backward(tape, sum(p[1] for p in parts), sum(p[2] for p in parts))
-        return self._flat(*into)
+        _, into_z, into_C = expected(self.view.costs, z, C)
+        return self._flat(*self.view.lift.backward(tape, into_z, into_C))
 
     def quadratic(self, beliefs: Beliefs) -> Quadratic:
         """Return slope and curvature of the cost along one row; the curvature is never negative."""

@@ -54,3 +54,15 @@ class ExpectedCost:
         into_mu = left[..., None] * g
         into_C = 0.5 * left[..., None, None] * (R - g[..., :, None] * g[..., None, :])
         return self.weight - left, into_mu @ A, A.T @ into_C @ A
+
+
+def expected(costs: tuple[ExpectedCost, ...], m: Array, S: Array) -> tuple[Array, Array, Array]:
+    """Return what all terms cost together at z ~ N(m, S), and its derivatives in m and in S.
+
+    Shapes (...,), (..., d) and (..., d, d).
+    """
+    value, into_m, into_S = np.zeros(m.shape[:-1]), np.zeros_like(m), np.zeros_like(S)
+    for cost in costs:
+        more, first, second = cost.value(m, S)
+        value, into_m, into_S = value + more, into_m + first, into_S + second
+    return value, into_m, into_S

@@ -14,6 +14,8 @@ SEARCHES: Mapping[str, str] = {
     "chance": "morph.search.evolution:Chance",
     "cmaes": "morph.search.cmaes:CmaEs",
     "evolution": "morph.search.evolution:Evolution",
+    "pddp": "morph.search.pddp:Pddp",
+    "pilco": "morph.search.pilco:Pilco",
 }
 """Module and class of each search, by its name; several import torch, which takes seconds."""
 

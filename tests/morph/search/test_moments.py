@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -130,7 +131,7 @@ def test_squashed_commands_have_the_moments_of_samples() -> None:
 
 
 @pytest.mark.parametrize("norm", ["saturating", "quadratic"])
-def test_an_expected_cost_is_the_mean_of_samples(norm: str) -> None:
+def test_an_expected_cost_is_the_mean_of_samples(norm: Literal["saturating", "quadratic"]) -> None:
     rng = np.random.default_rng(7)
     cost = ExpectedCost(A=rng.normal(size=(2, 3)), b=rng.normal(size=2), weight=2.0, norm=norm)
     m, S = _input(3)

@@ -39,12 +39,12 @@ def _close(mine: np.ndarray, theirs: np.ndarray) -> None:
 
 
 def _even(S: np.ndarray) -> np.ndarray:
-    return 0.5 * (S + S.T)
+    return np.asarray(0.5 * (S + S.T))
 
 
 def _covariance(d: int, scale: float = 0.3) -> np.ndarray:
     root = scale * np.random.default_rng(d).normal(size=(d, d))
-    return root @ root.T + 0.01 * np.eye(d)
+    return np.asarray(root @ root.T + 0.01 * np.eye(d))
 
 
 def _process(d: int) -> GaussianProcess:
@@ -90,12 +90,11 @@ def test_the_adjoint_of_radial_functions_is_a_finite_difference() -> None:
     _close(into_m, _slope(lambda x: told(numbers, x, S), m, 1e-3))
     _close(into_S, _slope(lambda x: told(numbers, m, x), S, 1e-3))
     for name in numbers._fields:
-        there = _slope(
-            lambda x, name=name: told(numbers._replace(**{name: x}), m, S),
-            getattr(numbers, name),
-            1e-3,
-        )
-        _close(getattr(into, name), there)
+
+        def other(x: np.ndarray, name: str = name) -> float:
+            return told(numbers._replace(**{name: x}), m, S)
+
+        _close(getattr(into, name), _slope(other, getattr(numbers, name), 1e-3))
 
 
 def test_the_adjoint_of_sines_and_cosines_is_a_finite_difference() -> None:

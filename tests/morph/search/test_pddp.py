@@ -43,7 +43,7 @@ def _after(plant: BeliefPlant, beliefs: Beliefs, at: int, b: Array, u: Array) ->
     d, (rows, columns) = 4, plant.upper
     S = np.zeros((1, d, d))
     S[0, rows, columns], S[0, columns, rows] = b[d:], b[d:]
-    return plant.vector(*plant.after(b[None, :d], S, u[None], beliefs.gain[:, at]))[0]
+    return np.asarray(plant.vector(*plant.after(b[None, :d], S, u[None], beliefs.gain[:, at]))[0])
 
 
 def test_the_slopes_of_a_belief_are_finite_differences(

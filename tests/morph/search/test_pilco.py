@@ -8,11 +8,12 @@ import pytest
 from morph.arrays import Array
 from morph.body.load import load
 from morph.errors import SearchError
+from morph.policy.policy import Policy
 from morph.search.belief_search import BeliefSearch
 from morph.search.pddp import Pddp
 from morph.search.pilco import Pilco
 from morph.search.search import Problem, State, Trial
-from morph.search.target import Simulated
+from morph.search.target import Experience, Simulated
 from morph.task.task import Task
 from morph.task.tasks import task
 
@@ -68,7 +69,7 @@ def test_an_expected_loss_is_that_of_the_trial_once_the_body_is_known(
 
 def test_data_that_are_no_numbers_are_refused(short: Task) -> None:
     class Broken(Simulated):
-        def trial(self, policy: object, rng: np.random.Generator) -> object:
+        def trial(self, policy: Policy | Array, rng: np.random.Generator) -> Experience:
             found = super().trial(policy, rng)
             return replace(found, velocity=np.full_like(found.velocity, np.nan))
 
