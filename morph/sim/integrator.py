@@ -45,7 +45,7 @@ def is_smooth(model: mujoco.MjModel) -> bool:
 
 
 def _stiff(model: mujoco.MjModel) -> bool:
-    return _fastest(model) * model.opt.timestep >= MARGIN
+    return bool(_fastest(model) * model.opt.timestep >= MARGIN)
 
 
 def _feels_a_fluid(model: mujoco.MjModel) -> bool:
