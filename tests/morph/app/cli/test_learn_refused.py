@@ -1,0 +1,129 @@
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+BALANCE = ("balance", "--robot", "cartpole", "--search", "growing", "--out", "out")
+
+
+@pytest.mark.parametrize(
+    ("others", "what"),
+    [
+        (("--seed", "1"), "another seed"),
+        (("--search", "from-trials"), "another search"),
+        (("--effect", "viscous_friction@hinge:b=0.1"), "another task"),
+    ],
+)
+def test_a_folder_is_kept_for_its_own_search(
+    others: tuple[str, ...], what: str, capsys: pytest.CaptureFixture[str], bench: Any
+) -> None:
+    bench.learn(*BALANCE, "--quiet", "--trials", "1", status=3)
+    capsys.readouterr()
+    found = bench.refused(*BALANCE, "--trials", "1", *others)
+    assert what in found["what"]
+    assert "--fresh" in found["fix"]
+    bench.learn(*BALANCE, "--quiet", "--trials", "1", "--fresh", *others, status=3)
+    assert [each["number"] for each in bench.record()["trials"]] == [1]
+
+
+@pytest.mark.parametrize(
+    ("changed", "what", "fix"),
+    [
+        ({0: "balanse"}, "there is no task 'balanse'", "'balance'"),
+        ({2: "cartpol"}, "no robot is called", "morph list robots"),
+        ({4: "growin"}, "there is no search 'growin'", "'growing'"),
+        ({0: "walk"}, "task walk of cartpole", "give a body"),
+        ({4: "refusing"}, "it needs gradients", "cmaes"),
+        ({6: " "}, "no folder is named", "name a new"),
+    ],
+)
+def test_what_cannot_be_done_is_one_message(
+    changed: dict[int, str], what: str, fix: str, bench: Any
+) -> None:
+    words = [changed.get(at, word) for at, word in enumerate(BALANCE)]
+    found = bench.refused(*words)
+    assert what in f"{found['where']}: {found['what']}"
+    assert fix in found["fix"]
+
+
+@pytest.mark.parametrize(
+    ("more", "what"),
+    [
+        (("--trials", "0"), "a search of 0 trials learns nothing"),
+        (("--seed", "-1"), "-1 is no seed"),
+        (("--world", "wate"), "there is no world 'wate'"),
+        (("--effect", "coulomb@hinge"), "there is no effect 'coulomb'"),
+        (("--effects", "none.toml"), "none.toml"),
+    ],
+)
+def test_what_no_option_can_hold_is_one_message(
+    more: tuple[str, ...], what: str, bench: Any
+) -> None:
+    found = bench.refused(*BALANCE, *more)
+    assert what in f"{found['where']}: {found['what']}"
+
+
+def test_a_body_without_actuators_is_refused(bench: Any) -> None:
+    Path("bare.xml").write_text(
+        '<mujoco><worldbody><body name="rod"><joint name="hinge" axis="0 1 0"/>'
+        '<geom type="capsule" fromto="0 0 0 0 0 -0.5" size="0.02" mass="1"/></body>'
+        "</worldbody></mujoco>"
+    )
+    found = bench.refused(*[{"cartpole": "bare.xml"}.get(word, word) for word in BALANCE])
+    assert found["what"] == "the body has no actuator"
+
+
+def test_goals_that_a_body_cannot_reach_are_refused(bench: Any) -> None:
+    Path("held.xml").write_text(
+        '<mujoco><worldbody><body name="rod"><joint name="hinge" axis="0 1 0" limited="true" '
+        'range="28.65 57.3"/><geom type="capsule" fromto="0 0 0 0 0 -0.5" size="0.02" mass="1"/>'
+        '</body></worldbody><actuator><motor name="motor" joint="hinge"/></actuator></mujoco>'
+    )
+    found = bench.refused(*[{"cartpole": "held.xml"}.get(word, word) for word in BALANCE])
+    # It hangs at 0 and stands at pi; 28.65 degrees are 0.5 rad.
+    assert "would have to stand at 3.14 rad, and its range is 0.5 to 1" in found["what"]
+
+
+def test_a_cost_that_is_no_number_is_one_message(
+    monkeypatch: pytest.MonkeyPatch, bench: Any
+) -> None:
+    monkeypatch.setattr(
+        "morph.task.term.Term.error",
+        lambda self, moved: np.full((*moved.position.shape[:-1], 1), np.nan),
+    )
+    assert "is no number in" in bench.refused(*BALANCE, "--quiet")["what"]
+
+
+def test_a_place_that_is_not_ours_is_refused(bench: Any) -> None:
+    Path("file").write_text("mine")
+    Path("folder").mkdir()
+    Path("folder/mine.txt").write_text("mine")
+    assert "this is a file" in bench.refused(*BALANCE[:-1], "file")["what"]
+    assert "not empty" in bench.refused(*BALANCE[:-1], "folder")["what"]
+    assert "nothing can be written" in bench.refused(*BALANCE[:-1], "/proc/morph/out")["what"]
+
+
+@pytest.mark.parametrize("name", ["state.npz", "record.json"])
+def test_a_spoilt_file_is_refused_and_begun_anew_when_asked(
+    name: str, capsys: pytest.CaptureFixture[str], bench: Any
+) -> None:
+    bench.learn(*BALANCE, "--quiet", "--trials", "1", status=3)
+    Path("out", name).write_bytes(b"PK\x03\x04 no more")
+    capsys.readouterr()
+    found = bench.refused(*BALANCE, "--trials", "1")
+    assert name in found["where"]
+    assert "--fresh" in found["fix"]
+    bench.learn(*BALANCE, "--quiet", "--trials", "1", "--fresh", status=3)
+    assert bench.record()["why"]
+
+
+def test_a_finished_search_without_its_state_is_not_begun_over_it(
+    capsys: pytest.CaptureFixture[str], bench: Any
+) -> None:
+    bench.learn(*BALANCE, "--quiet", "--trials", "1", status=3)
+    Path("out/state.npz").unlink()
+    capsys.readouterr()
+    assert "without its state" in bench.refused(*BALANCE, "--trials", "2")["what"]
