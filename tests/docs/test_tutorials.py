@@ -20,6 +20,7 @@ PAGES = [
     *WORLDS,
     DOCS / "card.md",
     DOCS / "gym.md",
+    DOCS / "tasks.md",
     DOCS / "vary.md",
     DOCS.parent / "README.md",
 ]

@@ -1,0 +1,192 @@
+"""Searches in figures: how often, how soon and at what loss each finds a policy that works.
+
+A policy counts as strict if at least 95 of 100 noisy runs reach every goal: for a swing-up the
+cart within 0.15 m and every link within 0.17 rad through the last half second. The seeds 0 to 19
+judge; the searches were built on others. Seconds are wall time of one process on two cores.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+
+from experiments.search import growth, model_free, moments
+from experiments.search.controls import controls, throughput
+from experiments.search.swing import Run, runs
+from morph.arrays import JSON
+from morph.body.load import load
+from morph.errors import MorphError
+from morph.files import write_whole
+from morph.policy.linear import Linear
+from morph.policy.observing import observations_of
+from morph.policy.policy import actions_of
+
+EXAMPLE = """example:
+  python -m experiments.bench_search --only inside --seeds 5
+  python -m experiments.bench_search --plot out/search.html --json > out/search.json
+  python -m experiments.bench_search --quick"""
+
+INSIDE = (("ddp", "swing-up", "cartpole"),)
+"""Search, task and robot inside the simulator."""
+
+LINKS = tuple(
+    (search, name, body)
+    for body in ("double_pendulum", "cart_two_links")
+    for search, name in (("ddp", "swing-up"), ("lqr", "balance"))
+)
+"""The same with two links."""
+
+FROM_DATA = "gp-ddp"
+"""The search that learns from trials alone."""
+
+TRIALS = 4
+"""Policy trials that it may make."""
+
+
+def _told(each: Run) -> None:
+    trials = f", trials {' '.join(f'{loss:.1f}' for loss in each.trial_losses)}"
+    print(
+        f"  seed {each.seed}: {each.seconds:.1f} s, loss {each.loss:.2f}, "
+        f"{each.share:.0%} strict{trials if each.trial_losses else ''}",
+        file=sys.stderr,
+        flush=True,
+    )
+
+
+def _inside(seeds: range, quick: bool) -> list[JSON]:
+    return [runs(*each, seeds, told=_told) for each in INSIDE]
+
+
+def _links(seeds: range, quick: bool) -> list[JSON]:
+    return [runs(*each, seeds, told=_told) for each in LINKS[: 1 if quick else None]]
+
+
+def _data(seeds: range, quick: bool) -> list[JSON]:
+    trials = 1 if quick else TRIALS
+    return [runs(FROM_DATA, "swing-up", "cartpole", seeds, trials=trials, told=_told)]
+
+
+def _throughput(seeds: range, quick: bool) -> JSON:
+    robot = load("cartpole")
+    policy = Linear(
+        action=actions_of(robot),
+        observation=observations_of(robot),
+        period=0.05,
+        weight=np.array([[1.0, 2.0, 1.0, 1.0]]),
+        bias=np.zeros(1),
+    )
+    counts = (64,) if quick else (256, 1024, 4096)
+    return {str(rows): throughput("cartpole", policy, rows=rows) for rows in counts}
+
+
+def _growth(seeds: range, quick: bool) -> JSON:
+    repeats = 1 if quick else 5
+    return {
+        "bodies": growth.by_body(growth.BODIES[: 2 if quick else None], repeats=repeats),
+        "horizons": growth.by_horizon((25, 50) if quick else (25, 50, 100, 200, 400, 800), repeats=repeats),
+        "data": growth.by_data((30, 60) if quick else (60, 120, 240, 480), repeats=repeats),
+    }
+
+
+def _model_free(seeds: range, quick: bool) -> JSON | None:
+    if not model_free.installed():
+        return None
+    return model_free.baseline(seeds[0], trials=8 if quick else 150)
+
+
+PARTS: dict[str, Callable[[range, bool], object]] = {
+    "inside": _inside,
+    "links": _links,
+    "data": _data,
+    "moments": lambda seeds, quick: moments.measured(quick=quick),
+    "controls": lambda seeds, quick: controls("swing-up", "cartpole", seed=seeds[0]),
+    "throughput": _throughput,
+    "growth": _growth,
+    "model-free": _model_free,
+}
+"""Every part by its name."""
+
+
+def report(found: JSON) -> None:
+    """Print the figures as tables."""
+    console = Console()
+    table = Table(title="Searches: policies judged by 100 noisy runs a seed")
+    for title in ("search", "task", "robot", "strict", "median loss", "median s", "worst s"):
+        table.add_column(title, justify="left" if title in {"search", "task", "robot"} else "right")
+    for part in ("inside", "links", "data"):
+        for row in found.get(part, []):
+            table.add_row(
+                row["search"],
+                row["task"],
+                row["robot"],
+                f"{row['strict']} of {row['seeds']}",
+                f"{row['median_loss']:.2f}",
+                f"{row['median_seconds']:.1f}",
+                f"{row['worst_seconds']:.1f}",
+            )
+    console.print(table)
+    for row in found.get("data", []):
+        within = ", ".join(f"{most}: {count}" for most, count in row["strict_within"].items())
+        print(
+            f"{row['search']}, trials on the target alone: seeds with a strict trial within so "
+            f"many policy trials: {within}; median loss of the last trial "
+            f"{row['median_loss_of_last_trial']:.2f}"
+        )
+    for name, (loss, share) in found.get("controls", {}).items():
+        print(f"{name}: loss {loss:.2f}, {share:.0%} strict")
+    for rows, rate in found.get("throughput", {}).items():
+        print(f"closed loop of {rows} cart-poles with a linear policy: {rate:,.0f} steps/s")
+    if "moments" in found:
+        moments.report(found["moments"])
+    if found.get("growth"):
+        of = found["growth"]
+        x, y = ([row[key] for row in of["bodies"]] for key in ("freedoms", "seconds"))
+        print(f"a step of planning: {', '.join(f'{a} dof {1e3 * b:.0f} ms' for a, b in zip(x, y, strict=True))}")
+    if "model-free" in found:
+        print(f"SAC: {found['model-free'] or 'stable-baselines3 is not installed'}")
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run the benchmark and return its exit status."""
+    parser = argparse.ArgumentParser(
+        prog="python -m experiments.bench_search",
+        description=__doc__,
+        epilog=EXAMPLE,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--only", nargs="+", choices=tuple(PARTS), help="these parts alone")
+    parser.add_argument("--seed", type=int, default=0, help="the first seed")
+    parser.add_argument("--seeds", type=int, default=20, help="how many seeds")
+    parser.add_argument("--quick", action="store_true", help="little of each: does it work at all")
+    parser.add_argument("--plot", metavar="FILE.html", help="draw how the price grows")
+    parser.add_argument("--json", action="store_true", help="print JSON instead of words")
+    asked = parser.parse_args(arguments)
+    try:
+        seeds = range(asked.seed, asked.seed + (1 if asked.quick else max(1, asked.seeds)))
+        found: JSON = {"schema": "morph.bench_search/1", "seeds": list(seeds)}
+        for part in asked.only or PARTS:
+            print(f"{part} ...", file=sys.stderr, flush=True)
+            found[part] = PARTS[part](seeds, asked.quick)
+        if asked.plot and "growth" in found:
+            write_whole(Path(asked.plot), growth.drawn(found["growth"]))
+    except MorphError as error:
+        print(error, file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        return 130
+    if asked.json:
+        print(json.dumps(found, indent=1))
+    else:
+        report(found)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
