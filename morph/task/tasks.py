@@ -8,19 +8,29 @@ from morph.body.robot import Robot
 from morph.errors import TaskError
 from morph.record.nearest import nearest
 from morph.task.balance import balance
+from morph.task.gait_speed import gait_speed
+from morph.task.hop import hop
 from morph.task.reach import reach
+from morph.task.ride import ride
 from morph.task.stand import stand
+from morph.task.steer import steer
 from morph.task.swim import swim
 from morph.task.swing_up import swing_up
 from morph.task.task import Task
+from morph.task.track import track
 from morph.task.walk import walk
 
 TASKS: Mapping[str, Callable[[Robot], Task]] = {
     "balance": balance,
+    "gait-speed": gait_speed,
+    "hop": hop,
     "reach": reach,
+    "ride": ride,
     "stand": stand,
+    "steer": steer,
     "swim": swim,
     "swing-up": swing_up,
+    "track": track,
     "walk": walk,
 }
 """What each task is made by."""

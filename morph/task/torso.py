@@ -106,6 +106,14 @@ def stance(robot: Robot) -> dict[str, float]:
     }
 
 
+def feet_of(robot: Robot) -> tuple[str, ...]:
+    """Return the links at the end of a leg, those that are lowest as the body is described."""
+    model: Any = spec_of(robot).compile()
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    return tuple(str(model.body(int(each)).name) for each in _feet(model, data))
+
+
 def _feet(model: Any, data: Any) -> Array:
     """Return MuJoCo's numbers of the links at the end of a leg whose shapes are lowest."""
     parents = set(model.body_parentid.tolist())
