@@ -60,7 +60,9 @@ class ProcessMoments:
     def __init__(self, process: GaussianProcess, *, certain: bool = False) -> None:
         squares = process.lengths**2
         outputs = len(squares)
-        self.pairs = [(a, b) for a in range(outputs) for b in range(a, outputs)]
+        apart = [(a, b) for a in range(outputs) for b in range(a + 1, outputs)]
+        self.pairs = [*((a, a) for a in range(outputs)), *apart]
+        self._scratch = np.empty(0)
         self._first = np.array([a for a, _ in self.pairs])
         self._second = np.array([b for _, b in self.pairs])
         self._twice = np.where(self._first == self._second, 1.0, 2.0)
@@ -134,13 +136,21 @@ class ProcessMoments:
         right[..., d] = 1.0
         (zV * z).sum(axis=-1, out=right[..., d + 1])
         right[..., d + 1] *= -0.5
-        P = left @ right.mT
+        # The one great array is kept: to be given its memory anew costs as much as filling it.
+        shape = (*y.shape[:-1], y.shape[-2])
+        if self._scratch.shape != shape:
+            self._scratch = np.empty(shape)
+        P = np.matmul(left, right.mT, out=self._scratch)
         np.exp(P, out=P)
         P *= self._W
         # In left and right there already is a column of ones, and z stands in right.
         left[..., :d] = y
         rows = P @ right[..., : d + 1]
-        columns = left[..., None, :, d + 1] @ P
+        # Of a function with itself P is symmetric; those pairs stand first.
+        columns, own = rows[..., None, :, d].copy(), self._outputs
+        if own < len(self.pairs):
+            ones = left[..., own:, None, :, d + 1]
+            np.matmul(ones, P[..., own:, :, :], out=columns[..., own:, :, :])
         across = y.mT @ rows
         zeroth = rows[..., d].sum(axis=-1)
         first = across[..., d] + (columns @ z)[..., 0, :]
