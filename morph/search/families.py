@@ -7,18 +7,49 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from morph.search.family import Family
+from morph.search.follow import follow
 from morph.search.gait import gait
+from morph.search.gait_parts import parts_of
 from morph.search.hold import hold
 from morph.task.arm import Arm
 from morph.task.task import Task
+from morph.task.torso import legs_of, torso_of
+from morph.task.track import Course
+
+MOST_ROLES = 6
+"""Most roles that swing in a gait; of a body with more, such as a person, the legs alone do."""
 
 
 def _gait(task: Task) -> Family:
-    return gait(task.robot, period=task.period)
+    parts = parts_of(tuple(each.name for each in task.robot.actuators))
+    if len({part.role for part in parts}) <= MOST_ROLES:
+        return gait(task.robot, period=task.period)
+    legs = legs_of(task.robot)
+    walking = [
+        part.role
+        for part, actuator in zip(parts, task.robot.actuators, strict=True)
+        if actuator.joint in legs
+    ]
+    return gait(task.robot, period=task.period, roles=tuple(dict.fromkeys(walking)))
+
+
+LEAN = 0.4
+"""How far joints may be told to lean where a rider is to steer, rad."""
+
+
+def _course(task: Task) -> Family:
+    course = task.goals[0].quantity
+    if isinstance(course, Course) and torso_of(task.robot) is None:
+        return follow(task.robot, course, seconds=task.horizon, period=task.period)
+    return _gait(task)
 
 
 def _hold(task: Task) -> Family:
     return hold(task.robot, task.start.position, period=task.period)
+
+
+def _lean(task: Task) -> Family:
+    return hold(task.robot, task.start.position, period=task.period, widest=LEAN)
 
 
 def _posture(task: Task) -> Family:
@@ -34,8 +65,11 @@ def _posture(task: Task) -> Family:
 
 
 FAMILIES: Mapping[str, Callable[[Task], Family]] = {
+    "gait-speed": _gait,
     "reach": _posture,
+    "steer": _lean,
     "swim": _gait,
+    "track": _course,
     "walk": _gait,
 }
 """The family of each task by its name; all others hold the posture in which they start."""

@@ -84,16 +84,23 @@ SIDES_LAG = "lag of the right"
 """What the phase between the sides is called."""
 
 
-def gait(robot: Robot, *, period: float = 0.02, fastest: float = 3.0) -> Gait:
+def gait(
+    robot: Robot,
+    *,
+    period: float = 0.02,
+    fastest: float = 3.0,
+    roles: tuple[str, ...] | None = None,
+) -> Gait:
     """Return the gaits of a robot: what is free follows from its actuators' names and ranges.
 
     Args:
         robot: The body.
         period: How long each command is held, s.
         fastest: Greatest frequency, Hz.
+        roles: Which roles swing, such as `hip`; the others rest at zero. None for all.
 
     Raises:
-        SearchError: It has no actuator.
+        SearchError: It has no actuator, or none of such a role.
     """
     action = actions_of(robot)
     if not action:
@@ -101,11 +108,20 @@ def gait(robot: Robot, *, period: float = 0.02, fastest: float = 3.0) -> Gait:
             "it has no actuator", where=f"robot {robot.name}", fix="give it a motor or a servo"
         )
     parts = parts_of(tuple(each.actuator for each in action))
+    known = tuple(dict.fromkeys(part.role for part in parts))
+    swinging = known if roles is None else roles
+    if not swinging or not set(swinging) <= set(known):
+        raise SearchError(
+            f"a gait of {', '.join(swinging) or 'nothing'} was asked for, "
+            f"and its actuators are {', '.join(known)}",
+            where=f"robot {robot.name}",
+            fix="name roles of its actuators",
+        )
     numbers = [Number(name="frequency", low=0.2, high=fastest, start=0.2 + 0.4 * (fastest - 0.2))]
     if len({part.side for part in parts} - {None}) > 1:
         numbers.append(_turn(SIDES_LAG, math.pi))
     turning = []
-    for role in dict.fromkeys(part.role for part in parts):
+    for role in swinging:
         those = [(one, part) for one, part in zip(action, parts, strict=True) if part.role == role]
         free = _turns(robot, those)
         turning += [role] if free else []

@@ -53,9 +53,9 @@ class Generations(Search):
     """Most generations."""
     population: int = 12
     """Policies in a generation."""
-    runs: int = 4
+    runs: int = 2
     """Noisy runs of each."""
-    checks: int = 48
+    checks: int = 32
     """Noisy runs that must all succeed before the search is content."""
     sigma: float | None = None
     """How far from its middle the first generation reaches, in sides of the cube; None for as

@@ -82,6 +82,15 @@ class Arm:
         starts = [rest, *rng.uniform(self.low, self.high, size=(tries, len(rest)))]
         return min((self._descend(point, start) for start in starts), key=lambda each: each[1])
 
+    def along(self, points: Array) -> Array:
+        """Return postures that follow points, each found from the last, shape (points, joints)."""
+        posture, _ = self.posture(points[0])
+        found = np.empty((len(points), len(posture)))
+        for at, point in enumerate(points):
+            posture, _ = self._descend(point, posture)
+            found[at] = posture
+        return found
+
     def _descend(self, point: Array, posture: Array) -> tuple[Array, float]:
         jacobian = np.zeros((3, self._model.nv))
         error = point - self.end(posture)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from morph.body.robot import Robot
 from morph.physics.worlds import world
 from morph.task.quantity import Direction, Point, Quantity
@@ -19,6 +21,9 @@ LEAN = 0.35
 
 SINK = 0.1
 """Farthest that the torso may sink or rise, in heights of the torso."""
+
+SPREAD = 0.01
+"""Standard deviation of every driven joint at the start, rad, and of its velocity, rad/s."""
 
 STEP = 0.002
 """Step of a simulation on a floor, s."""
@@ -57,7 +62,7 @@ def stand(robot: Robot, *, name: str = "stand", horizon: float = 5.0) -> Task:
         robot=robot,
         terms=terms,
         goals=goals,
-        start=Start(position=start, moving=moving_of(robot)),
+        start=start_of(robot, start),
         horizon=horizon,
         period=period,
         step=STEP,
@@ -75,15 +80,17 @@ def period_of(robot: Robot) -> float:
     return 0.02 if all(each.kind == "position" for each in robot.actuators) else STEP
 
 
-def moving_of(robot: Robot) -> tuple[str, ...]:
-    """Return the joints that a start on a floor may shift: those that are driven.
+def start_of(robot: Robot, position: Mapping[str, float]) -> Start:
+    """Return a start on a floor near a posture: what is driven is shifted.
 
     Shifted as a whole, a body would begin with its feet in the floor, and be thrown off it. A
-    closed chain would be torn joint by joint: of such a body only what floats is shifted.
+    closed chain would be torn joint by joint: of such a body what floats is shifted, by little.
     """
     if robot.loops:
-        return tuple(joint.name for joint in robot.joints if joint.kind == "free")
-    return tuple(dict.fromkeys(actuator.joint for actuator in robot.actuators))
+        floating = tuple(joint.name for joint in robot.joints if joint.kind == "free")
+        return Start(position=position, spread=0.2 * SPREAD, moving=floating)
+    driven = tuple(dict.fromkeys(actuator.joint for actuator in robot.actuators))
+    return Start(position=position, spread=SPREAD, moving=driven)
 
 
 def _near(

@@ -114,6 +114,18 @@ def feet_of(robot: Robot) -> tuple[str, ...]:
     return tuple(str(model.body(int(each)).name) for each in _feet(model, data))
 
 
+def legs_of(robot: Robot) -> set[str]:
+    """Return the joints between the torso and the feet."""
+    parents = {link.name: link.parent for link in robot.links}
+    links: set[str] = set()
+    for foot in feet_of(robot):
+        link = foot
+        while link in parents and link != torso_of(robot):
+            links.add(link)
+            link = parents[link]
+    return {joint.name for joint in robot.joints if joint.link in links}
+
+
 def _feet(model: Any, data: Any) -> Array:
     """Return MuJoCo's numbers of the links at the end of a leg whose shapes are lowest."""
     parents = set(model.body_parentid.tolist())

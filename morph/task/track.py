@@ -58,15 +58,18 @@ class Course(Quantity):
     def _point(self) -> Point:
         return Point(link=self.link, offset=self.offset, axes=self.axes)
 
-    def value(self, moved: Moved) -> Array:
-        """Return the point less the course, shape (..., samples, axes)."""
-        angle = 2.0 * math.pi * moved.time / self.turn
-        course = np.array(self.begin) + np.outer(moved.time, self.velocity)
+    def at(self, time: Array) -> Array:
+        """Return where the course is at each time, s, m, shape (times, 3)."""
+        angle = 2.0 * math.pi * time / self.turn
+        course = np.array(self.begin) + np.outer(time, self.velocity)
         course[:, 1] += self.radius * (np.cos(angle) - 1.0)
         course[:, 2] += self.radius * np.sin(angle)
-        return np.asarray(
-            self._point.value(moved) - course[:, ["xyz".index(axis) for axis in self.axes]]
-        )
+        return np.asarray(course)
+
+    def value(self, moved: Moved) -> Array:
+        """Return the point less the course, shape (..., samples, axes)."""
+        course = self.at(moved.time)[:, ["xyz".index(axis) for axis in self.axes]]
+        return np.asarray(self._point.value(moved) - course)
 
 
 def track(robot: Robot) -> Task:
@@ -93,7 +96,6 @@ def _arm(robot: Robot) -> Task:
     if not isinstance(end, Point):
         return task
     x, y, z = task.goals[0].target
-    # Two seconds before the course's round ends it is where it begins, near enough to come to.
     course = Course(link=end.link, offset=end.offset, begin=(x, y, z), radius=RADIUS, turn=TURN)
     return _following(task, course, within=0.02, last=TURN)
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 from morph.body.robot import Robot
 from morph.physics.worlds import world
 from morph.task.quantity import Direction
-from morph.task.stand import FLOOR, STEP, moving_of, period_of
-from morph.task.start import Start
+from morph.task.stand import FLOOR, STEP, period_of, start_of
 from morph.task.task import Task
 from morph.task.term import Goal, Term
 from morph.task.torso import stance, torso
@@ -50,7 +49,7 @@ def walk(robot: Robot, *, distance: float = 1.0, horizon: float = 10.0) -> Task:
                 last=horizon,
             ),
         ),
-        start=Start(position=start, moving=moving_of(robot)),
+        start=start_of(robot, start),
         horizon=horizon,
         period=period,
         step=STEP,

@@ -81,3 +81,13 @@ def test_every_point_of_the_cube_is_a_policy_within_its_bounds(body: str) -> Non
 def test_a_start_beyond_its_bounds_is_refused() -> None:
     with pytest.raises(SearchError, match="begins at 3 within 0 and 1"):
         Number(name="amplitude", low=0.0, high=1.0, start=3.0)
+
+
+def test_only_the_roles_that_are_asked_for_swing() -> None:
+    robot = load("humanoid")
+    family = gait(robot, roles=("hip_y", "knee_y"))
+    made = family.policy(family.start)
+    swinging = {a.actuator for a, s in zip(made.action, made.swings, strict=True) if s.amplitude}
+    assert swinging == {"l_hip_y", "r_hip_y", "l_knee_y", "r_knee_y"}
+    with pytest.raises(SearchError, match="a gait of wing was asked for"):
+        gait(robot, roles=("wing",))
