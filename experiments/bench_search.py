@@ -90,7 +90,9 @@ def _growth(seeds: range, quick: bool) -> JSON:
     repeats = 1 if quick else 5
     return {
         "bodies": growth.by_body(growth.BODIES[: 2 if quick else None], repeats=repeats),
-        "horizons": growth.by_horizon((25, 50) if quick else (25, 50, 100, 200, 400, 800), repeats=repeats),
+        "horizons": growth.by_horizon(
+            (25, 50) if quick else (25, 50, 100, 200, 400, 800), repeats=repeats
+        ),
         "data": growth.by_data((30, 60) if quick else (60, 120, 240, 480), repeats=repeats),
     }
 
@@ -148,7 +150,9 @@ def report(found: JSON) -> None:
     if found.get("growth"):
         of = found["growth"]
         x, y = ([row[key] for row in of["bodies"]] for key in ("freedoms", "seconds"))
-        print(f"a step of planning: {', '.join(f'{a} dof {1e3 * b:.0f} ms' for a, b in zip(x, y, strict=True))}")
+        print(
+            f"a step of planning: {', '.join(f'{a} dof {1e3 * b:.0f} ms' for a, b in zip(x, y, strict=True))}"
+        )
     if "model-free" in found:
         print(f"SAC: {found['model-free'] or 'stable-baselines3 is not installed'}")
 
