@@ -13,9 +13,12 @@ from morph.search.search import Search
 SEARCHES: Mapping[str, str] = {
     "chance": "morph.search.evolution:Chance",
     "cmaes": "morph.search.cmaes:CmaEs",
+    "ddp": "morph.search.plan:Plan",
     "evolution": "morph.search.evolution:Evolution",
+    "lqr": "morph.search.lqr_search:Lqr",
     "pddp": "morph.search.pddp:Pddp",
     "pilco": "morph.search.pilco:Pilco",
+    "receding": "morph.search.receding:Receding",
 }
 """Module and class of each search, by its name; several import torch, which takes seconds."""
 
