@@ -6,21 +6,30 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
+from morph.physics.contact.presets import SURFACES
 from morph.search.family import Family
 from morph.search.follow import follow
 from morph.search.gait import gait
 from morph.search.gait_parts import parts_of
 from morph.search.hold import hold
+from morph.search.stride import stride
 from morph.task.arm import Arm
 from morph.task.task import Task
 from morph.task.torso import legs_of, torso_of
 from morph.task.track import Course
+
+FLOORS = {each.name for each in SURFACES}
+"""Worlds in which a body with motors must hold itself up while it walks."""
 
 MOST_ROLES = 6
 """Most roles that swing in a gait; of a body with more, such as a person, the legs alone do."""
 
 
 def _gait(task: Task) -> Family:
+    robot = task.robot
+    motors = all(each.kind == "motor" for each in robot.actuators)
+    if motors and task.world in FLOORS:
+        return stride(robot, task.start.position, seconds=task.horizon, period=task.period)
     parts = parts_of(tuple(each.name for each in task.robot.actuators))
     if len({part.role for part in parts}) <= MOST_ROLES:
         return gait(task.robot, period=task.period)
@@ -66,6 +75,7 @@ def _posture(task: Task) -> Family:
 
 FAMILIES: Mapping[str, Callable[[Task], Family]] = {
     "gait-speed": _gait,
+    "hop": _gait,
     "reach": _posture,
     "steer": _lean,
     "swim": _gait,

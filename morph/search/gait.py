@@ -90,6 +90,7 @@ def gait(
     period: float = 0.02,
     fastest: float = 3.0,
     roles: tuple[str, ...] | None = None,
+    action: tuple[Action, ...] | None = None,
 ) -> Gait:
     """Return the gaits of a robot: what is free follows from its actuators' names and ranges.
 
@@ -98,11 +99,13 @@ def gait(
         period: How long each command is held, s.
         fastest: Greatest frequency, Hz.
         roles: Which roles swing, such as `hip`; the others rest at zero. None for all.
+        action: What is told to each actuator, and within which bounds; if not given, what the
+            robot takes.
 
     Raises:
         SearchError: It has no actuator, or none of such a role.
     """
-    action = actions_of(robot)
+    action = actions_of(robot) if action is None else action
     if not action:
         raise SearchError(
             "it has no actuator", where=f"robot {robot.name}", fix="give it a motor or a servo"

@@ -22,11 +22,11 @@ from morph.search.gait_parts import Part, parts_of
 WIDEST = 0.1
 """Farthest from its posture that a joint may be told to stay, rad."""
 
-SOFTEST, STIFFEST = 1.0, 20.0
-"""Least and greatest stiffness of a motor's spring, in greatest efforts per rad."""
+SOFTEST, FIRST_STIFF, STIFFEST = 1.0, 10.0, 20.0
+"""Least, first and greatest stiffness of a motor's spring, in greatest efforts per rad."""
 
-BRIEFEST, LONGEST = 0.003, 0.1
-"""Least and greatest damping of a motor, in stiffnesses times s."""
+BRIEFEST, FIRST_BRIEF, LONGEST = 0.003, 0.015, 0.1
+"""Least, first and greatest damping of a motor, in stiffnesses times s."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -142,10 +142,20 @@ def hold(
 
 
 def _spring(named: str, action: Action) -> list[Number]:
-    # By their logarithms: ten is to one what one is to a tenth.
-    low, high = np.log10([SOFTEST * action.high, STIFFEST * action.high])
-    brief, long = np.log10([BRIEFEST, LONGEST])
     return [
-        Number(name=f"{named}stiffness", low=low, high=high, start=0.5 * (low + high)),
-        Number(name=f"{named}damping", low=brief, high=long, start=0.5 * (brief + long)),
+        Number(name=f"{named}{name}", low=low, high=high, start=start)
+        for name, low, start, high in springs(action.high)
     ]
+
+
+def springs(limit: float) -> tuple[tuple[str, float, float, float], ...]:
+    """Return name, least, first and greatest logarithm of a motor's stiffness and damping time.
+
+    By their logarithms: ten is to one what one is to a tenth.
+
+    Args:
+        limit: The greatest effort of the motor, N m or N.
+    """
+    stiffness = np.log10(limit * np.array([SOFTEST, FIRST_STIFF, STIFFEST])).tolist()
+    damping = np.log10([BRIEFEST, FIRST_BRIEF, LONGEST]).tolist()
+    return ("stiffness", *stiffness), ("damping", *damping)

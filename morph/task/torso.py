@@ -99,8 +99,9 @@ def stance(robot: Robot) -> dict[str, float]:
     begin = model.qpos0.copy()
     begin[driven] += np.clip(0.0, limits[:, 0] + BENT, limits[:, 1] - BENT)
     found = least_squares(off, begin).x
+    # To a tenth of a milliradian, which reads better and stands as well.
     return {
-        joint.name: float(found[model.joint(joint.name).qposadr[0]])
+        joint.name: round(float(found[model.joint(joint.name).qposadr[0]]), 4) + 0.0
         for joint in robot.joints
         if joint.kind in {"hinge", "slide"}
     }

@@ -40,7 +40,7 @@ def test_motors_are_told_what_springs_and_dampers_would_do() -> None:
 
 @pytest.mark.parametrize("body", ["hopper", "biped"])
 def test_motors_that_hold_keep_a_walker_on_its_feet_and_without_them_it_falls(body: str) -> None:
-    task = stand(load(body), horizon=2.0)
+    task = stand(load(body), horizon=5.0)
     family = hold(task.robot, task.start.position, period=task.period)
     limp = Linear(
         weight=np.zeros((len(family.action), len(family.observation))),
