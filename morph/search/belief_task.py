@@ -25,6 +25,9 @@ from morph.task.term import Term
 PROBES = 400
 """Postures at which it is tried whether a term is linear in sines and cosines."""
 
+FAR, NEAR = 2.5, 0.3
+"""How far postures are tried, rad or m: anywhere, and about the start."""
+
 EXACT = 1e-6
 """Greatest error, in widths, of a term that is."""
 
@@ -133,13 +136,22 @@ def view_of(task: Task) -> View:
 def _costs(
     task: Task, model: Any, turn: Integers, where: str
 ) -> tuple[Lift, tuple[ExpectedCost, ...]]:
-    """Return the least lift in which every term is linear, and the terms."""
+    """Return the least lift in which every term is linear, and the terms.
+
+    An angle's error is wrapped, which no linear function is. About a start that is far from
+    where it jumps it is taken without: so a task to balance is served.
+    """
     single = np.zeros((len(turn), 2 * model.nv))
     single[np.arange(len(turn)), turn] = 1.0
-    sums = np.cumsum(single, axis=0)[1:]
-    probes = _probes(task, model)
+    sums = np.concatenate([single, np.cumsum(single, axis=0)[1:]])
+    start, _ = task.start.sample(task.robot, model, 1, None)
+    tries = [
+        (angles, _probes(task, model, middle, reach))
+        for middle, reach in ((np.zeros(model.nq), FAR), (start[0], NEAR))
+        for angles in (single, sums)
+    ]
     lost = ""
-    for angles in (single, np.concatenate([single, sums])):
+    for angles, probes in tries:
         lift = Lift(angles)
         found = [_linear(term, probes, lift, where) for term in task.terms]
         if all(cost is not None for cost in found):
@@ -152,15 +164,15 @@ def _costs(
     )
 
 
-def _probes(task: Task, model: Any) -> Moved:
+def _probes(task: Task, model: Any, middle: Array, reach: float) -> Moved:
     """Return chance postures, speeds and no commands: kinematics, and nothing of the motion."""
     rng = np.random.default_rng(0)
     return Moved(
         robot=task.robot,
         model=model,
         time=np.zeros(1),
-        position=rng.uniform(-2.5, 2.5, size=(PROBES, 1, model.nq)),
-        velocity=rng.uniform(-2.5, 2.5, size=(PROBES, 1, model.nv)),
+        position=middle + rng.uniform(-reach, reach, size=(PROBES, 1, model.nq)),
+        velocity=rng.uniform(-FAR, FAR, size=(PROBES, 1, model.nv)),
         command=np.zeros((PROBES, 1, model.nu)),
     )
 

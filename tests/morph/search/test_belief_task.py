@@ -12,12 +12,22 @@ from morph.task.moved import Moved
 from morph.task.tasks import task
 
 
-@pytest.mark.parametrize("body", ["cartpole", "double_pendulum", "cart_two_links"])
-def test_the_cost_of_a_certain_state_is_the_tasks(body: str) -> None:
-    asked = task("swing-up", load(body))
+@pytest.mark.parametrize(
+    ("name", "body", "reach"),
+    [
+        ("swing-up", "cartpole", 4.0),
+        ("swing-up", "double_pendulum", 4.0),
+        ("swing-up", "cart_two_links", 4.0),
+        # An angle's error is wrapped, half a turn from the top where a balance begins.
+        ("balance", "cartpole", 1.0),
+        ("balance", "cart_two_links", 1.0),
+    ],
+)
+def test_the_cost_of_a_certain_state_is_the_tasks(name: str, body: str, reach: float) -> None:
+    asked = task(name, load(body))
     view = view_of(asked)
     rng = np.random.default_rng(1)
-    states = rng.uniform(-4.0, 4.0, size=(50, 2 * view.joints))
+    states = view.start[0] + rng.uniform(-reach, reach, size=(50, 2 * view.joints))
     moved = Moved(
         robot=asked.robot,
         model=asked.simulator().model,
