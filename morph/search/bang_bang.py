@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from morph.arrays import Array
+from morph.arrays import Array, Integers
 
 MOST_SWITCHES = 5
 """Most times that a command switches before it rests."""
@@ -49,7 +49,7 @@ class Switches:
         half, middle = 0.5 * (high - low), 0.5 * (high + low)
         return np.swapaxes(middle[:, None] + half[:, None] * share, 1, 2)
 
-    def rows(self, which: Array) -> Switches:
+    def rows(self, which: Integers) -> Switches:
         """Return some of them."""
         return Switches(duration=self.duration[which], level=self.level[which])
 

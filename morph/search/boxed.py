@@ -74,11 +74,11 @@ def freed_gain(H: Array, G: Array, free: Mask) -> Array:
 def _freed(H: Array, free: Mask) -> Array:
     """Return H with the rows and columns of held numbers made those of the unit matrix."""
     both = free[..., :, None] & free[..., None, :]
-    return np.where(both, H, np.eye(H.shape[-1]))
+    return np.asarray(np.where(both, H, np.eye(H.shape[-1])), dtype=float)
 
 
 def _solved(H: Array, g: Array) -> Array:
-    return np.linalg.solve(H, g[..., None])[..., 0]
+    return np.asarray(np.linalg.solve(H, g[..., None])[..., 0], dtype=float)
 
 
 def _times(H: Array, x: Array) -> Array:

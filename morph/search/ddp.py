@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from morph.arrays import Array
+from morph.arrays import Array, Integers
 from morph.search.ddp_backward import Law, backward
 from morph.search.ddp_cost import TaskCost
 from morph.search.ddp_plant import Plant
@@ -35,7 +35,7 @@ class Trajectories:
     cost: Array
     """Shape (rows,)."""
 
-    def rows(self, which: Array) -> Trajectories:
+    def rows(self, which: Integers) -> Trajectories:
         """Return some of them."""
         return Trajectories(**{name: value[which] for name, value in vars(self).items()})
 

@@ -67,7 +67,7 @@ class TaskCost:
             v: Velocities, shape (rows, samples, nv).
             u: Commands, shape (rows, samples - 1, nu).
         """
-        fine = np.isfinite(q).all((-2, -1)) & np.isfinite(v).all((-2, -1))
+        fine = np.asarray(np.isfinite(q).all((-2, -1)) & np.isfinite(v).all((-2, -1)))
         whole = fine[:, None, None]
         moved = self.moved(np.where(whole, q, self.plant.model.qpos0), np.where(whole, v, 0.0), u)
         total = sum(self.task.costs(moved).values(), start=np.zeros(q.shape[:-1]))
@@ -86,11 +86,14 @@ class TaskCost:
         return Moved(
             robot=self.task.robot,
             model=self.plant.model,
-            time=self.task.period * np.arange(q.shape[-2]),
+            time=self._times(q),
             position=q,
             velocity=v,
             command=held,
         )
+
+    def _times(self, q: Array) -> Array:
+        return np.asarray(self.task.period * np.arange(q.shape[-2]), dtype=float)
 
     @property
     def _half(self) -> Array:
@@ -106,7 +109,7 @@ class TaskCost:
         The arguments are those of `values`.
         """
         total = quadratic_of(self.task.terms, self, q, v, u)
-        time = self.task.period * np.arange(q.shape[-2])
+        time = self._times(q)
         for goal in self.task.goals:
             last = int(asked(goal, time).sum())
             held = u[:, -last + 1 :] if last > 1 else np.zeros((len(u), 1, u.shape[-1]))

@@ -16,6 +16,9 @@ from morph.search.ddp_tangent import apart
 from morph.sim.rollout import Variant, quiet, rollout
 from morph.sim.simulator import Simulator
 
+HUGE = 1e6
+"""Position or velocity, in its unit, from which a row counts as unstable."""
+
 MOST_KEPT = 8
 """Batches of different sizes that a plant keeps, as making one takes milliseconds."""
 
@@ -75,7 +78,7 @@ class Plant:
         # stays. Without either there is nothing to forget, and a reset costs a seventh of it all.
         if self._remembers or np.asarray(batch.warning[..., 1]).any():
             batch.reset(stage=mujoco.mjtStage.mjSTAGE_NONE.value)
-        fine = np.isfinite(position).all(-1) & np.isfinite(velocity).all(-1)
+        fine = np.asarray(np.isfinite(position).all(-1) & np.isfinite(velocity).all(-1))
         good = fine[:, None]
         batch.bind("qpos")[:] = np.where(good, position, self.model.qpos0)
         batch.bind("qvel")[:] = np.where(good, velocity, 0.0)
@@ -89,12 +92,12 @@ class Plant:
                 where=f"a plan for {self.robot.name}",
                 fix="check the robot's masses and inertias, or take a smaller step",
             ) from error
-        fine &= ~np.asarray(batch.warning[..., 1]).reshape(len(command), -1).any(axis=1)
+        fine = fine & ~np.asarray(batch.warning[..., 1]).reshape(len(command), -1).any(axis=1)
+        q, v = batch.bind("qpos"), batch.bind("qvel")
+        # What MuJoCo still bears at such speeds is no motion that a plan could use.
+        fine &= (np.abs(q) < HUGE).all(axis=1) & (np.abs(v) < HUGE).all(axis=1)
         good = fine[:, None]
-        return (
-            np.where(good, batch.bind("qpos"), np.nan),
-            np.where(good, batch.bind("qvel"), np.nan),
-        )
+        return np.where(good, q, np.nan), np.where(good, v, np.nan)
 
     def _batch(self, rows: int) -> Batch:
         if rows not in self._kept:

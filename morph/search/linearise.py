@@ -18,8 +18,9 @@ def linearise(
     """Return A and B of dx' = A dx + B du over one control period, at many states at once.
 
     Every perturbation of every state is a row of one batch: centred differences in the tangent
-    space, of an error of second order in `STEP`. On the cart-pole, 60 periods of ten steps take
-    6 ms so; `mjd_transitionFD`, chained over the steps of each period, takes ten times that.
+    space, of an error of second order in `STEP`. For 60 periods of ten steps that takes a third
+    of the processor time of `mjd_transitionFD`, chained over the steps, on the cart-pole, and nine
+    tenths on a cart with five links; and a batch runs on all cores, and with any integrator.
 
     Args:
         plant: The body.

@@ -12,17 +12,13 @@ import numpy as np
 from morph.arrays import Array
 from morph.errors import SearchError
 from morph.search.ddp import Trajectories
-from morph.search.evaluate import evaluate
 from morph.search.plan_best import Planned, planned
+from morph.search.plan_concluded import concluded
 from morph.search.plan_ground import grounded
 from morph.search.plan_policy import track_of
-from morph.search.plan_seeds import Ground
 from morph.search.search import Learned, Problem, Search, State, Told, Trial, ignore
 
-ENOUGH = 0.95
-"""Share of noisy runs that must reach every goal for a search to count as successful."""
-
-SURE = 0.99
+SURE = 0.97
 """Share of the runs by which plans are compared that must, for no further round to begin."""
 
 
@@ -110,23 +106,14 @@ class Plan(Search):
                 where=f"the search {self.name}",
                 fix="give one trial or more",
             )
-        return _learned(problem, ground, best, tuple(record), seed)
-
-
-def _learned(
-    problem: Problem, ground: Ground, best: Planned, record: tuple[Trial, ...], seed: int
-) -> Learned:
-    """Return the plan as a policy, judged by fresh noisy runs."""
-    policy = track_of(ground, best)
-    score = evaluate(problem.task, policy, problem.model, rng=np.random.default_rng([seed, 0]))
-    fine = score.share >= ENOUGH
-    why = (
-        ""
-        if fine
-        else f"the best plan reaches every goal in {score.share:.0%} of {len(score.loss)} noisy "
-        f"runs, at a mean loss of {score.mean:.3g}"
-    )
-    return Learned(policy=policy, trials=record, succeeded=fine, why=why)
+        return concluded(
+            problem,
+            track_of(ground, best),
+            tuple(record),
+            seed=seed,
+            what="the best plan",
+            hint="more rounds, more rows or a margin may find a better one",
+        )
 
 
 def _kept(best: Planned, number: int) -> Mapping[str, Array]:

@@ -24,8 +24,8 @@ EFFORT = 0.003
 """Cost of a command at its bound while a plan is improved: it only has to be convex."""
 
 
-FEW = 5
-"""Steps of a control period in which guesses are drawn."""
+FEWER = {"rk4": 0.4, "implicitfast": 0.2}
+"""Steps of a control period in which guesses are drawn, as a share of the simulator's."""
 
 
 def grounded(
@@ -46,16 +46,17 @@ def grounded(
         still=still,
         regulator=regulator,
         begin=(q[0], v[0]),
-        quick=Plant(_coarser(simulator, plant), task.period) if plant.substeps > FEW else plant,
+        quick=Plant(_coarser(simulator, plant), task.period),
         margin=margin,
     )
 
 
 def _coarser(simulator: Simulator, plant: Plant) -> Simulator:
+    steps = max(2, round(FEWER[simulator.integrator] * plant.substeps))
     return Simulator(
         simulator.robot,
         simulator.effects,
-        step=plant.period / FEW,
+        step=plant.period / min(steps, plant.substeps),
         integrator=simulator.integrator,
     )
 

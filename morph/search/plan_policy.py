@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from morph.arrays import Array, Integers
+from morph.arrays import Integers
 from morph.body.robot import Robot
 from morph.errors import SearchError
 from morph.policy.angles import turning
@@ -101,9 +101,3 @@ def columns(robot: Robot, model: Any, channels: tuple[str, ...] | None) -> Integ
             fix="let the task observe every joint, or search for a policy that needs less",
         )
     return np.array([known[name] for name in names], dtype=np.int64)
-
-
-def starts_apart(task: Task, plant: Plant, still: Rest) -> Array:
-    """Return how far the task's start is from rest, shape (nv,)."""
-    q, _ = task.start.sample(task.robot, plant.model, 1, None)
-    return apart(plant.model, q[0], still.position, wrapped=True)

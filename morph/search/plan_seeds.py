@@ -11,8 +11,8 @@ import numpy as np
 
 from morph.arrays import Array, Integers
 from morph.search.bang_bang import Switches, drawn
-from morph.search.ddp import Law, Trajectories, follow
-from morph.search.ddp_backward import backward
+from morph.search.ddp import Trajectories, follow
+from morph.search.ddp_backward import Law, backward
 from morph.search.ddp_cost import Quadratic, TaskCost
 from morph.search.ddp_plant import Plant
 from morph.search.ddp_tangent import moved_by, turning
@@ -82,7 +82,8 @@ def swung(ground: Ground, rows: int, keep: int, rng: np.random.Generator) -> Tra
 
     Switching times are drawn, and those of the best are varied, less each round. A swing is
     judged where it comes closest: by what it has cost up to there and what the regulator's
-    cost-to-go says of the rest. All but the last round are run in coarser steps.
+    cost-to-go says of the rest; the most promising are run to the end. All but the last round
+    are run in coarser steps.
 
     Args:
         ground: What they stand on.
@@ -90,22 +91,33 @@ def swung(ground: Ground, rows: int, keep: int, rng: np.random.Generator) -> Tra
         keep: How many are given back.
         rng: Chance.
     """
-    plant = ground.plant
     periods = max(2, round(SWING_SHARE * ground.periods))
-    guesses = drawn(rows, plant.model.nu, slowest_swing(ground), rng)
-    for spread in (*SPREADS, None):
-        command = guesses.commands(*ground.bounds, period=plant.period, periods=periods)
-        score, reach = _judged(ground, plant if spread is None else ground.quick, command)
-        order = np.argsort(score)[:ELITE]
-        best = guesses.rows(order)
-        if spread is None:
-            return _best(ground, taken_over(ground, command[order], reach[order]), keep)
-        varied = best.rows(rng.integers(0, len(order), rows // 4)).jittered(spread, rng)
+    guesses = drawn(rows, ground.plant.model.nu, slowest_swing(ground), rng)
+    for spread in SPREADS:
+        order, _ = _ranked(ground, ground.quick, guesses, periods)
+        best = guesses.rows(order[:ELITE])
+        varied = best.rows(rng.integers(0, len(best.level), rows // 4)).jittered(spread, rng)
         guesses = Switches(
             duration=np.concatenate([best.duration, varied.duration]),
             level=np.concatenate([best.level, varied.level]),
         )
-    raise AssertionError
+    _, runs = _ranked(ground, ground.plant, guesses, periods)
+    return _best(ground, runs, keep)
+
+
+def _ranked(
+    ground: Ground, plant: Plant, guesses: Switches, periods: int
+) -> tuple[Integers, Trajectories]:
+    """Return the numbers of the most promising guesses, the best first, and their runs.
+
+    A cost-to-go promises too much far from rest, so the regulator shows what it can catch.
+    """
+    command = guesses.commands(*ground.bounds, period=plant.period, periods=periods)
+    score, reach = _judged(ground, plant, command)
+    order = np.argsort(score)[: 2 * ELITE]
+    runs = taken_over(ground, plant, command[order], reach[order])
+    best = np.argsort(runs.cost)
+    return order[best], runs.rows(best)
 
 
 def slowest_swing(ground: Ground) -> float:
@@ -140,9 +152,9 @@ def _judged(ground: Ground, plant: Plant, command: Array) -> tuple[Array, Intege
     return total.min(axis=1), total.argmin(axis=1)
 
 
-def taken_over(ground: Ground, command: Array, reach: Integers) -> Trajectories:
+def taken_over(ground: Ground, plant: Plant, command: Array, reach: Integers) -> Trajectories:
     """Return runs that follow commands through so many periods, and then the regulator."""
-    plant, still, low, high = ground.plant, ground.still, *ground.bounds
+    still, low, high = ground.still, *ground.bounds
     rows = len(command)
     q = np.empty((rows, ground.periods + 1, plant.model.nq))
     v = np.empty((rows, ground.periods + 1, plant.model.nv))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
@@ -11,19 +11,16 @@ import numpy as np
 from morph.errors import SearchError
 from morph.search.ddp import Trajectories, ddp, follow
 from morph.search.ddp_backward import Law
-from morph.search.evaluate import evaluate
 from morph.search.plan_best import joined, judged
+from morph.search.plan_concluded import concluded
 from morph.search.plan_feedback import feedback
 from morph.search.plan_ground import grounded
 from morph.search.plan_policy import track_of
 from morph.search.plan_seeds import Ground, costed, led, swung
-from morph.search.search import Learned, Problem, Search, State, Told, Trial, ignore
+from morph.search.search import Learned, Problem, Search, State, Told, ignore
 
 EFFORTS = (1.0, 3.0, 10.0)
 """What feedback that leads back to a plan may cost, in costs of the regulator's."""
-
-ENOUGH = 0.95
-"""Share of noisy runs that must reach every goal for it to count as successful."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -85,19 +82,17 @@ class Receding(Search):
         first = ddp(ground.plant, ground.cost, first, margin=self.margin, most=self.first)
         trace = followed(ground, first, self.most, rng)
         policy = track_of(ground, judged(ground, trace, runs=self.runs, rng=rng))
-        score = evaluate(task, policy, problem.model, rng=np.random.default_rng([seed, 0]))
-        trial = Trial(
-            number=1, loss=score.mean, success=score.share, seconds=time.monotonic() - began
+        found = concluded(
+            problem,
+            policy,
+            (),
+            seed=seed,
+            what="the trace of its run",
+            hint="the search ddp chooses among several plans",
         )
+        trial = replace(found.trials[0], seconds=time.monotonic() - began)
         told(trial, {})
-        fine = score.share >= ENOUGH
-        why = (
-            ""
-            if fine
-            else f"the trace of its run reaches every goal in {score.share:.0%} of "
-            f"{len(score.loss)} noisy runs; the search ddp chooses among several plans"
-        )
-        return Learned(policy=policy, trials=(trial,), succeeded=fine, why=why)
+        return replace(found, trials=(trial,))
 
 
 def followed(

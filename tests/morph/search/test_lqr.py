@@ -68,9 +68,10 @@ def test_a_drift_that_nothing_moves_is_left_alone() -> None:
 
 def test_louder_noise_makes_smaller_gains() -> None:
     A, B = np.array([[1.0, 0.05], [0.5, 1.0]]), np.array([[0.0], [0.05]])
-    shared = {"where": "a test", "bounds": np.array([10.0])}
     told = [
-        noise_aware(A, B, np.eye(2), np.eye(1), np.full(2, noise), **shared)
+        noise_aware(
+            A, B, np.eye(2), np.eye(1), np.full(2, noise), where="a test", bounds=np.array([10.0])
+        )
         for noise in (0.001, 0.3)
     ]
     assert np.abs(told[0].gain).max() > np.abs(told[1].gain).max()

@@ -1,0 +1,42 @@
+"""How a search inside a simulator ends: its policy, judged by fresh noisy runs."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from morph.policy.policy import Policy
+from morph.search.evaluate import evaluate
+from morph.search.search import Learned, Problem, Trial
+
+ENOUGH = 0.95
+"""Share of noisy runs that must reach every goal for a search to count as successful."""
+
+
+def concluded(
+    problem: Problem,
+    policy: Policy,
+    record: tuple[Trial, ...],
+    *,
+    seed: int,
+    what: str,
+    hint: str,
+) -> Learned:
+    """Return what a search gives back; if it failed, with the reason.
+
+    Args:
+        problem: What it was given.
+        policy: Its best policy.
+        record: Its learning record; if empty, these runs become its only line.
+        seed: Its seed; these runs have chance of their own.
+        what: What the policy is, to begin the reason with.
+        hint: What to end the reason with.
+    """
+    rng = np.random.default_rng([seed, 0])
+    score = evaluate(problem.task, policy, problem.model, rng=rng)
+    fine = score.share >= ENOUGH
+    why = (
+        f"{what} reaches every goal in {score.share:.0%} of {len(score.loss)} noisy runs, "
+        f"at a mean loss of {score.mean:.3g}; {hint}"
+    )
+    record = record or (Trial(number=1, loss=score.mean, success=score.share, seconds=0.0),)
+    return Learned(policy=policy, trials=record, succeeded=fine, why="" if fine else why)
