@@ -50,6 +50,10 @@ TRIALS = 4
 """Policy trials that it may make."""
 
 
+PERIODS = (25, 50, 100, 200, 400, 800)
+"""Control periods of the plans whose price is drawn."""
+
+
 def _told(each: Run) -> None:
     trials = f", trials {' '.join(f'{loss:.1f}' for loss in each.trial_losses)}"
     print(

@@ -118,7 +118,6 @@ def exponent(x: Sequence[float], y: Sequence[float]) -> float:
 
 def drawn(growth: JSON) -> str:
     """Return a page with the three curves."""
-    import plotly.graph_objects as go
     from plotly.subplots import make_subplots
 
     titles = ("degrees of freedom", "control periods of the plan", "data points")

@@ -1,5 +1,7 @@
-"""Stable-Baselines3's SAC on the same swing-up, where it is installed: what learning costs without
-a model. It gets the environment of `morph.task.gym` and many more trials than anybody would make.
+"""Stable-Baselines3's SAC on the same swing-up, where it is installed.
+
+What learning costs without a model: it gets the environment of `morph.task.gym`, and many more
+trials than anybody would make.
 """
 
 from __future__ import annotations
