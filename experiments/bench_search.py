@@ -153,10 +153,13 @@ def report(found: JSON) -> None:
         moments.report(found["moments"])
     if found.get("growth"):
         of = found["growth"]
-        x, y = ([row[key] for row in of["bodies"]] for key in ("freedoms", "seconds"))
-        print(
-            f"a step of planning: {', '.join(f'{a} dof {1e3 * b:.0f} ms' for a, b in zip(x, y, strict=True))}"
-        )
+        for key, x, y in (
+            ("bodies", "freedoms", "seconds"),
+            ("horizons", "periods", "seconds"),
+            ("data", "data", "fit_s"),
+        ):
+            each = [f"{row[x]}: {row[y]:.3g}" for row in of[key]]
+            print(f"seconds by {x} ({key}): {', '.join(each)}")
     if "model-free" in found:
         print(f"SAC: {found['model-free'] or 'stable-baselines3 is not installed'}")
 
