@@ -18,11 +18,8 @@ from morph.model.transition import Transitions
 JITTER = 1e-6
 """Variance added to that of the noise, of accelerations in units of their size."""
 
-CORRECTIONS = 3
-"""How often the targets are corrected for what happens within a period."""
-
-STEPS = (60, 30, 0)
-"""Most steps of the search for the kernel's settings, at each correction."""
+FEW, MANY = 240, 800
+"""Most periods from which the kernel's settings are learned, and with them the accelerations."""
 
 AROUND = 300
 """Postures for each turning joint, among which landmarks are chosen beside those seen."""
@@ -62,38 +59,54 @@ def fit(data: Transitions, settings: Settings, before: Array | None = None) -> J
     Raises:
         SearchError: A joint never moved, or its accelerations cannot be told apart.
     """
-    q, v, u = (torch.as_tensor(a) for a in (*data.middle, data.command))
-    begin = (torch.as_tensor(data.position), torch.as_tensor(data.velocity), u)
+    data = data.thinned(MANY)
+    few = data.thinned(FEW)
+    model = _empty(data, settings, before)
+    for part, steps in ((few, 60), (few, 30), (data, 0)):
+        aimed = _corrected(model, part) if model.parts else torch.as_tensor(part.acceleration)
+        model = _solved(_settled(_shown(model, part, aimed), steps))
+    return model
+
+
+def _empty(data: Transitions, settings: Settings, before: Array | None) -> Jointed:
+    """Return a model that has its units from the data, but has not seen them yet."""
     joints = data.position.shape[1]
-    target = torch.as_tensor(data.acceleration)
-    size = target.std(dim=0)
+    size = torch.as_tensor(data.acceleration.std(axis=0))
     _check_moved(size, data)
     layout = Layout(
         turning=settings.turning,
         sliding=settings.sliding,
         joints=joints,
-        commands=u.shape[1],
+        commands=data.command.shape[1],
         lawful=settings.lawful,
     )
-    model = Jointed(
+    none = torch.zeros(0, joints, dtype=torch.float64)
+    return Jointed(
         layout=layout,
         logs=layout.prior[0].repeat(joints, 1) if before is None else torch.as_tensor(before),
         parts=(),
-        seen=Seen(place=layout.place(q), velocity=v, command=u),
-        target=target,
-        velocity_size=v.std(dim=0) + 1e-9,
+        seen=Seen(place=none, velocity=none, command=none),
+        target=none,
+        velocity_size=torch.as_tensor(data.velocity.std(axis=0) + 1e-9),
         command_size=torch.as_tensor(np.asarray(settings.command_size, dtype=float)),
         size=size,
         period=data.period,
     )
-    model = replace(model, seen=model.look(q, v, u))
-    for correction in range(CORRECTIONS):
-        if correction > 0:
-            _, came = through(model.mean, *begin, data.period)
-            missed = (torch.as_tensor(data.next_velocity) - came) / data.period
-            target = model.mean(q, v, u) + missed
-        model = _solved(_settled(replace(model, target=target / size), STEPS[correction]))
-    return model
+
+
+def _shown(model: Jointed, data: Transitions, acceleration: torch.Tensor) -> Jointed:
+    """Return the model with other data, not conditioned on them yet; (n, joints)."""
+    q, v, u = (torch.as_tensor(a) for a in (*data.middle, data.command))
+    return replace(model, seen=model.look(q, v, u), target=acceleration / model.size)
+
+
+def _corrected(model: Jointed, data: Transitions) -> torch.Tensor:
+    """Return accelerations in the middle that a step of the model misses nothing with."""
+    q, v, u = (torch.as_tensor(a) for a in (*data.middle, data.command))
+    begin = torch.as_tensor(data.position), torch.as_tensor(data.velocity)
+    _, came = through(model.mean, *begin, u, data.period)
+    missed = (torch.as_tensor(data.next_velocity) - came) / data.period
+    return model.mean(q, v, u) + missed
 
 
 def _check_moved(size: torch.Tensor, data: Transitions) -> None:
@@ -108,7 +121,7 @@ def _check_moved(size: torch.Tensor, data: Transitions) -> None:
 
 def _settled(model: Jointed, steps: int) -> Jointed:
     """Return the model with the likeliest settings under their prior."""
-    if steps == 0:
+    if not steps:
         return model
     logs = model.logs.clone().requires_grad_(True)
     search = torch.optim.LBFGS(

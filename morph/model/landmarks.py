@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import torch
 
-TOLERANCE = 1e-5
+TOLERANCE = 1e-4
 """Share of a function's variance that the features may leave out."""
 
-MOST = 300
+MOST = 200
 """Most landmarks."""
 
 

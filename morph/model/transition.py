@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from morph.arrays import Array
+from morph.arrays import Array, Integers
 from morph.errors import SearchError
 
 FEWEST = 8
@@ -72,6 +72,35 @@ class Transitions:
         bend = (self.next_velocity - self.velocity) * self.period / 8.0
         position = 0.5 * (self.position + self.next_position) - bend
         return position, 0.5 * (self.velocity + self.next_velocity)
+
+    def slower(self, turning: tuple[int, ...], farthest: float) -> Transitions:
+        """Return the periods in which no joint turned farther than so many rad.
+
+        Raises:
+            SearchError: Too few are left.
+        """
+        joints = list(turning)
+        turned = np.abs(self.next_position - self.position)[:, joints].max(axis=1, initial=0.0)
+        kept = turned <= farthest
+        if int(kept.sum()) < FEWEST:
+            raise SearchError(
+                f"in {int((~kept).sum())} of {len(kept)} control periods a joint turned by more "
+                f"than {farthest:g} rad",
+                where="the periods to learn from",
+                fix="begin with weaker random commands, or take a shorter control period",
+            )
+        return self.rows(np.flatnonzero(kept))
+
+    def thinned(self, most: int) -> Transitions:
+        """Return at most so many of them, evenly spread."""
+        if len(self.command) <= most:
+            return self
+        return self.rows(np.linspace(0.0, len(self.command) - 1.0, most).round().astype(np.int64))
+
+    def rows(self, which: Integers) -> Transitions:
+        """Return some of them."""
+        parts = {name: value[which] for name, value in vars(self).items() if name != "period"}
+        return Transitions(**parts, period=self.period)
 
     def position_noise(self, velocity_noise: Array) -> Array:
         """Return the standard deviation of the positions' noise, shape (joints,).

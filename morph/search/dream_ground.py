@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -50,12 +51,13 @@ class Aim:
         there; then nothing is fed back, and a plan ends where it ends.
         """
         n, m = self.slopes[1].shape
-        try:
-            return lqr(*self.slopes, self.state, rho * self.command, where=self.where)
-        except SearchError:
-            return Regulator(
-                gain=np.zeros((m, n)), worth=self.state, effort=float("nan"), noisy=float("nan")
-            )
+        if all(np.isfinite(each).all() for each in self.slopes):
+            # What cannot be held as far as is known is not held.
+            with suppress(SearchError):
+                return lqr(*self.slopes, self.state, rho * self.command, where=self.where)
+        return Regulator(
+            gain=np.zeros((m, n)), worth=self.state, effort=float("nan"), noisy=float("nan")
+        )
 
 
 def aim(task: Task, dream: Dream) -> Aim:

@@ -13,6 +13,10 @@ from morph.search.dream_choice import Plans, joined
 from morph.search.search import State, Trial
 from morph.search.target import Experience
 
+FARTHEST = 1.2
+"""Angle by which a joint may turn in a control period that is learned from, rad: in more, a
+command meets too many postures for one acceleration to say what it did."""
+
 SEEN = ("position", "velocity", "command")
 """What is kept of each trial, beside its period, loss and success."""
 
@@ -22,9 +26,9 @@ class Memory:
     """All that a search needs to go on after a kill."""
 
     experience: tuple[Experience, ...] = ()
-    """Every trial, the one with random commands first."""
+    """Every trial, those with random commands first."""
     tried: Plans | None = None
-    """What was tried in each but the first."""
+    """What was tried in each but the random ones."""
     lines: tuple[Trial, ...] = ()
     """The learning record."""
     logs: Array | None = None
@@ -35,16 +39,20 @@ class Memory:
         """Wall time until the last trial, s."""
         return self.lines[-1].seconds if self.lines else 0.0
 
-    def periods(self, period: float) -> Transitions:
-        """Return what all trials showed."""
-        return transitions(
-            [(each.position, each.velocity, each.command) for each in self.experience], period
-        )
+    @property
+    def begun(self) -> int:
+        """How many trials had random commands."""
+        return len(self.experience) - (0 if self.tried is None else len(self.tried.command))
+
+    def periods(self, turning: tuple[int, ...], period: float) -> Transitions:
+        """Return what all trials showed, but for periods in which a joint turned too far."""
+        runs = [(each.position, each.velocity, each.command) for each in self.experience]
+        return transitions(runs, period).slower(turning, FARTHEST)
 
     def after(self, shown: Experience, plan: Plans | None, seconds: float, note: str) -> Memory:
         """Return it with one more trial."""
         line = Trial(
-            number=len(self.experience),
+            number=0 if plan is None else len(self.experience) - self.begun + 1,
             loss=shown.loss,
             success=float(shown.success),
             seconds=seconds,
@@ -66,6 +74,7 @@ class Memory:
             "seen.loss": np.array([each.loss for each in self.experience]),
             "seen.success": np.array([float(each.success) for each in self.experience]),
             "seconds": np.array([each.seconds for each in self.lines]),
+            "begun": np.array([float(self.begun)]),
         }
         for name in SEEN:
             state[f"seen.{name}"] = np.stack([getattr(each, name) for each in self.experience])
@@ -88,12 +97,12 @@ def recalled(state: State) -> Memory:
             state["seconds"],
             strict=True,
         )
-        memory = Memory()
+        memory, begun = Memory(), int(state["begun"][0])
         for at, (position, velocity, command, period, loss, success, seconds) in enumerate(parts):
             plan = None
-            if at > 0:
+            if at >= begun:
                 kept = {name: state[f"tried.{name}"] for name in ("state", "command", "gain")}
-                plan = Plans(**kept).rows(slice(at - 1, at))
+                plan = Plans(**kept).rows(slice(at - begun, at - begun + 1))
             shown = Experience(
                 position=position,
                 velocity=velocity,

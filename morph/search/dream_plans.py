@@ -21,6 +21,12 @@ HOPELESS = 10.0
 APART = 0.03
 """Mean difference of commands, in halves of their ranges, below which two guesses are one."""
 
+GENTLE, HELD = 0.3, 4
+"""Share of the bounds, and control periods, of random commands where no plan can be made."""
+
+WORTHWHILE = 0.02
+"""By how much a new plan must promise to be better than one that was tried, as a share."""
+
 FAILURE = 3.0
 """What a run that fails counts beyond its loss, in mean losses, when plans are compared."""
 
@@ -56,6 +62,8 @@ def plans(task: Task, dream: Dream, effort: Effort, rng: np.random.Generator) ->
         found = _different(swung(ground, effort.rows, 4 * effort.keep, rng), half, effort.keep)
         guesses.append(found)
         margins.append(np.full(len(found.cost), margin))
+    if not any(len(found.cost) for found in guesses):
+        return _wandering(task, dream, rng)
     together = Trajectories(
         **{name: np.concatenate([getattr(g, name) for g in guesses]) for name in vars(guesses[0])}
     )
@@ -65,14 +73,28 @@ def plans(task: Task, dream: Dream, effort: Effort, rng: np.random.Generator) ->
     return with_feedback(dream, aims, paths, effort.rhos)
 
 
+def _wandering(task: Task, dream: Dream, rng: np.random.Generator) -> Plans:
+    """Return one plan of random commands without feedback, to see more where nothing is believed.
+
+    It is for models in which every swing leaves all that was seen behind.
+    """
+    n, m, knots = 2 * dream.model.nv, dream.model.nu, task.samples
+    drawn = rng.uniform(dream.low, dream.high, size=(knots // HELD + 1, m))
+    command = GENTLE * np.repeat(drawn, HELD, axis=0)[:knots]
+    q, v = task.start.sample(task.robot, dream.model, 1, None)
+    state = np.tile(np.concatenate([q[0], v[0]]), (1, knots, 1))
+    return Plans(state=state, command=command[None], gain=np.zeros((1, knots, m, n)))
+
+
 def _different(guesses: Trajectories, half: Array, most: int) -> Trajectories:
     """Return the best guesses of which no two are nearly the same; they come best first."""
     kept: list[int] = []
-    for at in np.flatnonzero(guesses.cost <= guesses.cost.min() + HOPELESS):
+    fine = np.isfinite(guesses.cost) & (guesses.cost <= guesses.cost.min() + HOPELESS)
+    for at in np.flatnonzero(fine):
         apart = np.abs(guesses.command[kept] - guesses.command[at]) / half
         if len(kept) < most and (apart.mean(axis=(1, 2)) > APART).all():
             kept.append(int(at))
-    return guesses.rows(np.array(kept or [0]))
+    return guesses.rows(np.array(kept, dtype=np.int64))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -124,7 +146,9 @@ def chosen(
         left.append(tried)
     rest = joined(left)
     seen = foreseen(task, dream, draw(dream.learned, many, rng), rest, noise, rng)
-    at = int(np.argmin(score(seen)))
+    value = score(seen)
+    value[fresh:] *= 1.0 - WORTHWHILE
+    at = int(np.argmin(value))
     return Chosen(
         plans=rest.rows(slice(at, at + 1)),
         loss=float(seen.loss[at]),

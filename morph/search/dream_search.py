@@ -11,10 +11,19 @@ import numpy as np
 from morph.arrays import Array
 from morph.errors import SearchError
 from morph.model.jointed_fit import fit
-from morph.search.dream import Dream, known, settings_of
-from morph.search.dream_memory import Memory, recalled
+from morph.search.dream import HINGE, Dream, known, settings_of
+from morph.search.dream_memory import FARTHEST, Memory, recalled
 from morph.search.dream_plans import Chosen, Effort, chosen, plans
 from morph.search.search import Learned, Problem, Search, State, Told, ignore
+
+MOST_RANDOM = 4
+"""Most trials with random commands: as long as they spin a joint, ever weaker ones follow."""
+
+WEAKER = 0.3
+"""By what factor."""
+
+WILD = 0.2
+"""Share of control periods in which they may."""
 
 TRIALS = 4
 """Trials of policies, if nothing else is said."""
@@ -39,6 +48,8 @@ class LearnedPlans(Search):
 
     hold: float = 0.2
     """How long each random command of the first trial is held, s: long enough to swing."""
+    strength: float = 1.0
+    """Share of the bounds within which they are drawn, at first."""
     lawful: bool = True
     """Whether accelerations are known to be quadratic in velocities and affine in commands, as
     those of joints without dry friction, stops or fluid are; what is not is learned beside it."""
@@ -49,11 +60,11 @@ class LearnedPlans(Search):
 
     def __post_init__(self) -> None:
         """Check the settings."""
-        if not self.hold > 0.0:
+        if not (self.hold > 0.0 and 0.0 < self.strength <= 1.0):
             raise SearchError(
-                f"random commands are held for {self.hold:g} s",
+                f"random commands of {self.strength:g} of the bounds are held for {self.hold:g} s",
                 where=f"search {self.name}",
-                fix="give a time above 0 s",
+                fix="give a share above 0 and at most 1, and a time above 0 s",
             )
 
     def run(
@@ -82,23 +93,32 @@ class LearnedPlans(Search):
         model, bounds = known(task)
         memory = Memory() if state is None else recalled(state)
         begun = time.perf_counter() - memory.seconds
-        if not memory.experience:
-            rng = np.random.default_rng((seed, 0))
-            shown = target.trial(self._random(problem, bounds, rng), rng)
-            memory = memory.after(shown, None, time.perf_counter() - begun, "random commands")
+        while not memory.experience or (memory.tried is None and self._wild(memory, model)):
+            rng = np.random.default_rng((seed, 0, memory.begun))
+            share = self.strength * WEAKER**memory.begun
+            shown = target.trial(share * self._random(problem, bounds, rng), rng)
+            note = f"random commands within {share:g} of their bounds"
+            memory = memory.after(shown, None, time.perf_counter() - begun, note)
             told(memory.lines[-1], memory.state())
-        while len(memory.experience) <= most:
-            rng = np.random.default_rng((seed, len(memory.experience)))
+        while len(memory.experience) - memory.begun < most:
+            rng = np.random.default_rng((seed, 1, len(memory.experience)))
             memory, best = self._best(problem, model, bounds, memory, rng, anew=True)
-            if best.tried is not None and memory.experience[best.tried + 1].success:
+            if best.tried is not None and memory.experience[best.tried + memory.begun].success:
                 break
             shown = target.trial(best.plans.track(0, task), rng)
             note = f"foreseen: loss {best.loss:.3g}, success {best.success:.2f}"
             memory = memory.after(shown, best.plans, time.perf_counter() - begun, note)
             told(memory.lines[-1], memory.state())
-        rng = np.random.default_rng((seed, most + 1))
+        rng = np.random.default_rng((seed, 2))
         _, best = self._best(problem, model, bounds, memory, rng, anew=False)
         return self._learned(problem, memory, best)
+
+    def _wild(self, memory: Memory, model: Any) -> bool:
+        """Return whether the last random commands spun the body too fast to learn much from."""
+        turns = model.jnt_type == HINGE
+        steps = np.abs(np.diff(memory.experience[-1].position, axis=0))[:, turns]
+        wild = steps.max(axis=1, initial=0.0) > FARTHEST
+        return memory.begun < MOST_RANDOM and float(wild.mean()) > WILD
 
     def _random(
         self, problem: Problem, bounds: tuple[Array, Array], rng: np.random.Generator
@@ -121,8 +141,8 @@ class LearnedPlans(Search):
     ) -> tuple[Memory, Chosen]:
         """Return what promises most by all that was seen, of new plans too if they are wanted."""
         task = problem.task
-        data = memory.periods(task.period)
         settings = settings_of(model, bounds, slides=self.slides, lawful=self.lawful)
+        data = memory.periods(settings.turning, task.period)
         learned = fit(data, settings, memory.logs)
         dream = Dream(task, model, bounds, learned)
         new = plans(task, dream, self.effort, rng) if anew else None
@@ -133,10 +153,11 @@ class LearnedPlans(Search):
         return replace(memory, logs=learned.logs.numpy()), best
 
     def _learned(self, problem: Problem, memory: Memory, best: Chosen) -> Learned:
-        number = (best.tried or 0) + 1
-        succeeded = memory.experience[number].success
+        number = best.tried or 0
+        succeeded = memory.experience[number + memory.begun].success
+        tried = len(memory.experience) - memory.begun
         why = (
-            f"in trial {number}, the best of {len(memory.experience) - 1}, it missed a goal; by "
+            f"in trial {number + 1}, the best of {tried}, it missed a goal; by "
             f"all that was seen it should reach them in {100.0 * best.success:.0f} of 100 runs"
         )
         return Learned(
