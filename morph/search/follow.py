@@ -73,7 +73,7 @@ def follow(robot: Robot, course: Course, *, seconds: float, period: float) -> Fo
         )
     arm = Arm(robot)
     # A little longer than it runs: what is told ahead of the end must be there.
-    time = period * np.arange(round((seconds + LATEST) / period) + 1)
+    time: Array = np.asarray(period * np.arange(round((seconds + LATEST) / period) + 1), float)
     postures = arm.along(course.at(time))
     model: Any = spec_of(robot).compile()
     stiffness = np.array([model.actuator(each.name).gainprm[0] for each in robot.actuators])

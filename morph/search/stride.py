@@ -42,8 +42,10 @@ class Stride(Family):
         """Return the trajectory of these values: those of the gait, then stiffness and damping."""
         *swung, stiffness, damping = values
         pattern = self.gait.make(np.array(swung))
-        time = self.period * np.arange(round(self.seconds / self.period) + 1)
-        point = self.posture + pattern.act(np.empty((len(time), 0)), time)
+        time: Array = np.asarray(
+            self.period * np.arange(round(self.seconds / self.period) + 1), float
+        )
+        point = np.asarray(pattern.act(np.empty((len(time), 0)), time) + self.posture)
         k = 10.0**stiffness * np.array([each.high for each in self.action])
         gain = -np.hstack([np.diag(k), np.diag(10.0**damping * k)])
         return Track(
