@@ -57,6 +57,13 @@ def _hold(task: Task) -> Family:
     return hold(task.robot, task.start.position, period=task.period)
 
 
+def _carry(task: Task) -> Family:
+    arm = Arm(task.robot)
+    posture = np.array([task.start.position[name] for name in arm.joints])
+    efforts = dict(zip(arm.joints, arm.holding(posture).tolist(), strict=True))
+    return hold(task.robot, task.start.position, carried=efforts, period=task.period)
+
+
 def _lean(task: Task) -> Family:
     return hold(task.robot, task.start.position, period=task.period, widest=LEAN)
 
@@ -75,6 +82,7 @@ def _posture(task: Task) -> Family:
 
 FAMILIES: Mapping[str, Callable[[Task], Family]] = {
     "gait-speed": _gait,
+    "hold": _carry,
     "hop": _gait,
     "reach": _posture,
     "steer": _lean,

@@ -46,6 +46,10 @@ class Arm:
         self._at = [int(self._model.joint(name).qposadr[0]) for name in self.joints]
         self._dofs = [int(self._model.joint(name).dofadr[0]) for name in self.joints]
 
+    def rest(self) -> dict[str, float]:
+        """Return the position of each driven joint as the body is described, rad or m."""
+        return dict(zip(self.joints, self._model.qpos0[self._at].tolist(), strict=True))
+
     def far(self) -> Array:
         """Return a point that the end can reach, far from where it rests, m, shape (3,).
 

@@ -9,6 +9,7 @@ from morph.errors import TaskError
 from morph.record.nearest import nearest
 from morph.task.balance import balance
 from morph.task.gait_speed import gait_speed
+from morph.task.hold import hold
 from morph.task.hop import hop
 from morph.task.reach import reach
 from morph.task.ride import ride
@@ -23,6 +24,7 @@ from morph.task.walk import walk
 TASKS: Mapping[str, Callable[[Robot], Task]] = {
     "balance": balance,
     "gait-speed": gait_speed,
+    "hold": hold,
     "hop": hop,
     "reach": reach,
     "ride": ride,

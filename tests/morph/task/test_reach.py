@@ -11,7 +11,11 @@ from morph.body.load import load
 from morph.body.robot import Robot
 from morph.body.spec import spec_of
 from morph.errors import TaskError
+from morph.search.families import family_of
+from morph.search.hold import hold as hold_near
+from morph.search.population import tried
 from morph.task.arm import Arm
+from morph.task.hold import hold
 from morph.task.reach import reach
 
 ARM = """
@@ -79,3 +83,18 @@ def test_the_point_that_is_asked_for_by_default_is_far_and_above_the_table() -> 
     target = np.array(reach(robot).goals[0].target)
     assert np.linalg.norm(target - Arm(robot).end(np.zeros(6))) > 0.2
     assert target[2] > 0.1
+
+
+def test_servos_that_are_told_their_posture_sag_and_told_what_they_carry_they_hold() -> None:
+    task = hold(load("so101"), {"Pitch": 1.0, "Elbow": -0.5})
+    family = family_of(task)
+    naive = hold_near(task.robot, task.start.position, period=task.period)
+    policies = [family.policy(family.start), naive.policy(naive.start)]
+    score = tried(task, policies, task.simulator(), runs=2, rng=np.random.default_rng(0))
+    # 0.79 N m at the shoulder (0.45 kg at some 0.18 m) bend a servo of 17.8 N m/rad by 0.044 rad.
+    assert score.success.all(axis=1).tolist() == [True, False]
+
+
+def test_a_posture_beyond_a_joint_is_refused() -> None:
+    with pytest.raises(TaskError, match=r"'Pitch' is to stay at 3 rad, and its range is -1.75"):
+        hold(load("so101"), {"Pitch": 3.0})
