@@ -16,6 +16,7 @@ SEARCHES: Mapping[str, str] = {
     "ddp": "morph.search.plan:Plan",
     "evolution": "morph.search.evolution:Evolution",
     "lqr": "morph.search.lqr_search:Lqr",
+    "mc-pilco": "morph.search.mc_pilco:McPilco",
     "pddp": "morph.search.pddp:Pddp",
     "pilco": "morph.search.pilco:Pilco",
     "receding": "morph.search.receding:Receding",

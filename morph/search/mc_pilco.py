@@ -1,0 +1,94 @@
+"""MC-PILCO: a policy improved by the gradient of its mean loss over particles."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+import torch
+
+from morph.arrays import Array
+from morph.errors import SearchError
+from morph.model.gp import GaussianProcess
+from morph.search.belief_memory import Memory
+from morph.search.belief_radial import radial_of, scale_of
+from morph.search.belief_search import BeliefSearch, Improved
+from morph.search.belief_task import View
+from morph.search.particles import Chance, Particles
+
+SMALLEST_SHARE = 0.1
+"""Share of the step size that is left at the last step."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class McPilco(BeliefSearch):
+    """Radial basis functions, improved by Adam on particles that are drawn anew each step.
+
+    Source: Amadio and others 2022, IEEE T-RO 38(6), algorithm 1, with kernels of one kind, no
+    dropout, and steps that shrink as a cosine instead of by watching the loss.
+    """
+
+    name: ClassVar[str] = "mc-pilco"
+
+    units: int = 50
+    """Basis functions."""
+    particles: int = 100
+    """Particles."""
+    steps: int = 200
+    """Steps of Adam after each trial."""
+    size: float = 0.05
+    """First step, in the units of the policy's numbers."""
+    starts: int = 8
+    """Policies by chance that are looked at before the best of them is improved."""
+
+    def __post_init__(self) -> None:
+        """Check the settings."""
+        super().__post_init__()
+        least = min(self.units, self.particles, self.steps, self.starts)
+        if least < 1 or not 0.0 < self.size <= 1.0:
+            raise SearchError(
+                f"it has {self.units} units, {self.particles} particles, {self.steps} steps of "
+                f"{self.size:g} and {self.starts} starts",
+                where=f"search {self.name}",
+                fix="give 1 or more of each, and a step size above 0 and at most 1",
+            )
+
+    def improved(
+        self, view: View, process: GaussianProcess, memory: Memory, rng: np.random.Generator
+    ) -> Improved:
+        """Return the policy after the steps."""
+        scale = scale_of(view, memory, self.units)
+        bunch = Particles(view, process, scale)
+        chance = Chance.drawn(view, self.particles, rng)
+        begun = [scale.drawn(rng) for _ in range(self.starts)]
+        if memory.numbers is not None:
+            begun.append(scale.packed(memory.numbers))
+        with torch.no_grad():
+            first = [float(bunch.loss(torch.from_numpy(each), chance)) for each in begun]
+        vector = self._descended(bunch, begun[int(np.argmin(first))], view, rng)
+        with torch.no_grad():
+            expected = float(bunch.loss(torch.from_numpy(vector), chance))
+        return Improved(
+            policy=radial_of(view, scale.numbers(vector)),
+            numbers=scale.unpacked(vector),
+            expected=expected,
+        )
+
+    def _descended(
+        self, bunch: Particles, start: Array, view: View, rng: np.random.Generator
+    ) -> Array:
+        at = torch.from_numpy(start.copy()).requires_grad_()
+        adam = torch.optim.Adam([at], lr=self.size)
+        low, high = torch.from_numpy(np.array(bunch.scale.bounds).T.copy())
+        for step in range(self.steps):
+            share = 0.5 * (1.0 + np.cos(np.pi * step / self.steps))
+            adam.param_groups[0]["lr"] = self.size * max(share, SMALLEST_SHARE)
+            adam.zero_grad()
+            loss = bunch.loss(at, Chance.drawn(view, self.particles, rng))
+            loss.backward()  # type: ignore[no-untyped-call]
+            torch.nn.utils.clip_grad_norm_([at], 10.0)
+            adam.step()
+            with torch.no_grad():
+                at.copy_(torch.maximum(torch.minimum(at, high), low))
+        return np.asarray(at.detach().numpy())
