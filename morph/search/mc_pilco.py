@@ -15,7 +15,7 @@ from morph.search.belief_memory import Memory
 from morph.search.belief_radial import radial_of, scale_of
 from morph.search.belief_search import BeliefSearch, Improved
 from morph.search.belief_task import View
-from morph.search.particles import Chance, Particles
+from morph.search.particles import Chance, Particles, one_thread
 
 SMALLEST_SHARE = 0.1
 """Share of the step size that is left at the last step."""
@@ -58,6 +58,12 @@ class McPilco(BeliefSearch):
         self, view: View, process: GaussianProcess, memory: Memory, rng: np.random.Generator
     ) -> Improved:
         """Return the policy after the steps."""
+        with one_thread():
+            return self._improved(view, process, memory, rng)
+
+    def _improved(
+        self, view: View, process: GaussianProcess, memory: Memory, rng: np.random.Generator
+    ) -> Improved:
         scale = scale_of(view, memory, self.units)
         bunch = Particles(view, process, scale)
         chance = Chance.drawn(view, self.particles, rng)
