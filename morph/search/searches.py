@@ -23,7 +23,7 @@ SEARCHES: Mapping[str, str] = {
 }
 """Module and class of each search, by its name; several import torch, which takes seconds."""
 
-DEFAULTS: Mapping[str, str] = {"balance": "lqr", "swing-up": "ddp"}
+DEFAULTS: Mapping[str, str] = {"balance": "lqr", "ride": "lqr", "swing-up": "ddp"}
 """Which search is tried where none is named, by the task; for the others the next."""
 
 OTHERWISE = "cmaes"
