@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import torch
+from scipy.optimize import minimize
 
 from morph.arrays import Array
 from morph.errors import SearchError
@@ -123,23 +124,26 @@ def _settled(model: Jointed, steps: int) -> Jointed:
     """Return the model with the likeliest settings under their prior."""
     if not steps:
         return model
-    logs = model.logs.clone().requires_grad_(True)
-    search = torch.optim.LBFGS(
-        [logs], max_iter=steps, history_size=20, line_search_fn="strong_wolfe"
-    )
     middle, spread = model.layout.prior
+    shape = model.logs.shape
 
-    def unlikeliness() -> torch.Tensor:
-        search.zero_grad()
+    def unlikeliness(vector: Array) -> tuple[float, Array]:
+        logs = torch.tensor(vector.reshape(shape), requires_grad=True)
         total = 0.5 * (((logs - middle) / spread) ** 2).sum()
         for at in range(model.layout.joints):
             total = total - log_evidence(model, at, model.layout.scales(logs[at]))
-        total.backward()  # type: ignore[no-untyped-call]
-        return total
+        (slope,) = torch.autograd.grad(total, logs)
+        return float(total.detach()), slope.numpy().ravel()
 
-    search.step(unlikeliness)  # type: ignore[arg-type]
-    found = logs.detach()
-    return replace(model, logs=torch.where(torch.isfinite(found), found, model.logs))
+    # Not torch's own search: that imports a compiler, which takes seconds.
+    found = minimize(
+        unlikeliness,
+        model.logs.numpy().ravel(),
+        jac=True,
+        method="L-BFGS-B",
+        options={"maxiter": steps},
+    )
+    return replace(model, logs=torch.as_tensor(found.x.reshape(shape)))
 
 
 def log_evidence(model: Jointed, at: int, scales: Scales) -> torch.Tensor:
@@ -151,12 +155,14 @@ def log_evidence(model: Jointed, at: int, scales: Scales) -> torch.Tensor:
     factor = _factor(covariance, scales)
     weight = torch.cholesky_solve(model.target[:, at : at + 1], factor)[:, 0]
     fits = 0.5 * (model.target[:, at] * weight).sum()
-    return -fits - torch.log(torch.diagonal(factor)).sum()
+    evidence: torch.Tensor = -fits - torch.log(torch.diagonal(factor)).sum()
+    return evidence
 
 
 def _factor(covariance: torch.Tensor, scales: Scales) -> torch.Tensor:
     noise = (scales.noise**2 + JITTER) * torch.ones(len(covariance), dtype=torch.float64)
-    return torch.linalg.cholesky(covariance + torch.diag(noise))
+    factor: torch.Tensor = torch.linalg.cholesky(covariance + torch.diag(noise))
+    return factor
 
 
 def _solved(model: Jointed) -> Jointed:

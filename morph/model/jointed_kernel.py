@@ -72,7 +72,7 @@ class Layout:
         middle, spread = self.prior
         bounded = middle + spread * ((logs - middle) / spread).clamp(-WIDEST, WIDEST)
         sizes = (self.places, 1, self.joints, self.joints, self.commands, 1)
-        *parts, rest = torch.split(bounded.exp(), (*sizes, len(logs) - sum(sizes)))
+        *parts, rest = torch.split(bounded.exp(), [*sizes, len(logs) - sum(sizes)])
         place, constant, speed, product, command, free = parts
         products = [
             product[i] * product[j] * (1.0 if i == j else math.sqrt(2.0)) for i, j in self.pairs

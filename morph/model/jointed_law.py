@@ -31,7 +31,8 @@ class Law:
         place = torch.cat([seen.place, seen.place * seen.place], dim=-1)
         near = torch.exp(place @ self.slope + self.offset)
         monomials = layout.monomials(seen.velocity, seen.command)
-        many = (near @ self.coefficient).unflatten(-1, (monomials.shape[-1], layout.joints))
+        shape = (*monomials.shape, layout.joints)
+        many = (near @ self.coefficient).reshape(shape)
         return (monomials[..., None, :] @ many)[..., 0, :]
 
 

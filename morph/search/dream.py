@@ -63,11 +63,12 @@ class Dream:
         return np.concatenate([q for q, _ in parts]), np.concatenate([v for _, v in parts])
 
     def _advance(self, position: Array, velocity: Array, command: Array) -> tuple[Array, Array]:
-        given = [torch.from_numpy(np.array(a)) for a in (position, velocity, command)]
+        q, v, u = (torch.from_numpy(np.array(a)) for a in (position, velocity, command))
         with torch.no_grad():
-            q, v = (a.numpy() for a in through(self.learned.mean, *given, self.period))
-        fine = np.isfinite(q).all(-1) & (np.abs(v) <= self._fastest).all(-1)
-        return np.where(fine[:, None], q, np.nan), np.where(fine[:, None], v, np.nan)
+            after = through(self.learned.mean, q, v, u, self.period)
+        place, rate = (a.numpy() for a in after)
+        fine = np.isfinite(place).all(-1) & (np.abs(rate) <= self._fastest).all(-1)
+        return np.where(fine[:, None], place, np.nan), np.where(fine[:, None], rate, np.nan)
 
     def rollout(self, position: Array, velocity: Array, command: Array) -> tuple[Array, Array]:
         """Return all states under commands that nothing corrects, the first included.

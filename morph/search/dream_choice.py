@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import torch
 
-from morph.arrays import Array
+from morph.arrays import Array, Integers
 from morph.model.jointed_draws import Draws
 from morph.policy.angles import turning
 from morph.policy.observing import observations_of
@@ -38,7 +38,7 @@ class Plans:
     gain: Array
     """Shape (plans, knots, nu, 2 nv)."""
 
-    def rows(self, which: Array | slice) -> Plans:
+    def rows(self, which: Integers | slice) -> Plans:
         """Return some of them."""
         return Plans(state=self.state[which], command=self.command[which], gain=self.gain[which])
 
@@ -163,7 +163,7 @@ def foreseen(
     moved = Moved(
         robot=task.robot,
         model=dream.model,
-        time=task.period * np.arange(task.samples),
+        time=np.asarray(task.period * np.arange(task.samples), dtype=float),
         position=torch.stack(seen_q, dim=2).numpy(),
         velocity=torch.stack(seen_v, dim=2).numpy(),
         command=torch.stack([*told, told[-1]], dim=2).numpy(),

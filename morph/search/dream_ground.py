@@ -144,9 +144,9 @@ def _holding(dream: Dream, position: Array) -> Array:
     """Return the command within its bounds by which a posture accelerates least, shape (nu,)."""
     many = dream.model.nu
     told = np.concatenate([np.zeros((1, many)), np.diag(dream.high)])
-    rows = [torch.as_tensor(np.tile(a, (many + 1, 1))) for a in (position, np.zeros(len(position)))]
+    q = torch.as_tensor(np.tile(position, (many + 1, 1)))
     with torch.no_grad():
-        a = dream.learned.mean(*rows, torch.as_tensor(told)).numpy()
+        a = dream.learned.mean(q, torch.zeros_like(q), torch.as_tensor(told)).numpy()
     moment = (a[1:] - a[0]).T / dream.high
     command, *_ = np.linalg.lstsq(moment, -a[0], rcond=1e-3)
-    return np.clip(command, dream.low, dream.high)
+    return np.asarray(np.clip(command, dream.low, dream.high))

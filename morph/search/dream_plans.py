@@ -140,7 +140,7 @@ def chosen(
     left = []
     if new is not None:
         first = foreseen(task, dream, draw(dream.learned, few, rng), new, noise, rng)
-        left.append(new.rows(np.argsort(score(first))[: effort.best]))
+        left.append(new.rows(np.argsort(score(first))[: effort.best].astype(np.int64)))
     fresh = len(left[0].command) if left else 0
     if tried is not None:
         left.append(tried)

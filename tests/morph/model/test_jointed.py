@@ -91,7 +91,8 @@ def test_the_noise_that_was_added_is_found(learned: Jointed) -> None:
 def test_a_step_through_a_whole_period_is_right(learned: Jointed) -> None:
     q, v, u = (0.5 * each for each in asked(50))
     found_q, found_v = (a.numpy()[:, 0] for a in through(learned.mean, q, v, u, H))
-    known = np.array([later(*(float(a[i, 0]) for a in (q, v, u))) for i in range(50)])
+    begun = torch.cat([q, v, u], dim=-1).tolist()
+    known = np.array([later(at, speed, push) for at, speed, push in begun])
     # An acceleration that errs by 2 % of 15 moves a velocity by 0.015 in a period.
     assert np.abs(found_v - known[:, 1]).max() < 0.06
     assert np.abs(found_q - known[:, 0]).max() < 0.003
