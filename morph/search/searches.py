@@ -15,6 +15,7 @@ SEARCHES: Mapping[str, str] = {
     "cmaes": "morph.search.cmaes:CmaEs",
     "ddp": "morph.search.plan:Plan",
     "evolution": "morph.search.evolution:Evolution",
+    "gp-ddp": "morph.search.dream_search:LearnedPlans",
     "lqr": "morph.search.lqr_search:Lqr",
     "mc-pilco": "morph.search.mc_pilco:McPilco",
     "pddp": "morph.search.pddp:Pddp",
