@@ -6,6 +6,7 @@ import importlib
 from collections.abc import Mapping
 from typing import cast
 
+from morph.body.robot import Robot
 from morph.errors import SearchError
 from morph.record.nearest import nearest
 from morph.search.search import Search
@@ -31,9 +32,13 @@ OTHERWISE = "cmaes"
 """What asks least of a task: it only tries."""
 
 
-def default(task: str) -> str:
-    """Return the name of the search that suits a task."""
-    return DEFAULTS.get(task, OTHERWISE)
+def default(task: str, robot: Robot | None = None) -> str:
+    """Return the name of the search that suits a task, or that task of a robot.
+
+    Regulators and plans know joints alone: what floats or stands on a floor is tried out.
+    """
+    floats = robot is not None and any(joint.kind == "free" for joint in robot.joints)
+    return OTHERWISE if floats else DEFAULTS.get(task, OTHERWISE)
 
 
 def search(name: str) -> type[Search]:

@@ -35,8 +35,10 @@ def run_learn(asked: Learn) -> int:
     # Whatever the command line got wrong is told before any work is done.
     out = _checked(asked)
     check_out(out)
-    search = _search(asked)
+    # Both names are checked before a robot is read, which takes longer.
+    _check_names(asked)
     task = _task(asked)
+    search = _search(asked, task)
     kept = Kept(out, _key(asked, task, search))
     before = Before() if asked.fresh else kept.before()
     status = None if asked.fresh else _already(asked, out)
@@ -85,13 +87,21 @@ def _task(asked: Learn) -> Task:
     return replace(found, world=asked.world or found.world, effects=effects)
 
 
-def _search(asked: Learn) -> Search:
-    """Return the search, once it is known that there are such a task and such a search."""
-    from morph.search.searches import default, search
+def _check_names(asked: Learn) -> None:
+    """Refuse a task or a search that there is not."""
+    from morph.search.searches import search
     from morph.task.tasks import check_name
 
     check_name(asked.task)
-    return search(asked.search or default(asked.task))()
+    if asked.search is not None:
+        search(asked.search)
+
+
+def _search(asked: Learn, task: Task) -> Search:
+    """Return the search that is asked for, or the one that suits the task of this body."""
+    from morph.search.searches import default, search
+
+    return search(asked.search or default(asked.task, task.robot))()
 
 
 def _key(asked: Learn, task: Task, search: Search) -> dict[str, str]:
