@@ -9,15 +9,15 @@ import numpy as np
 
 from morph.arrays import JSON
 from morph.body.load import load
-from morph.model.gp import GaussianProcess
-from morph.search.belief_laws import RadialLaw
-from morph.search.belief_memory import Memory
-from morph.search.belief_radial import scale_of
-from morph.search.belief_rollout import imagine
-from morph.search.belief_task import View, view_of
+from morph.model.gp.gp import GaussianProcess
+from morph.search.belief.laws import RadialLaw
+from morph.search.belief.memory import Memory
+from morph.search.belief.particles import Chance, Particles, one_thread
+from morph.search.belief.radial import scale_of
+from morph.search.belief.rollout import imagine
+from morph.search.belief.task import View, view_of
 from morph.search.mc_pilco import McPilco
-from morph.search.moments import ProcessMoments
-from morph.search.particles import Chance, Particles, one_thread
+from morph.search.moments.moments import ProcessMoments
 from morph.search.target import Simulated
 from morph.task.tasks import task
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.errors import SearchError
-from morph.search.generations import Generations
+from morph.search.generations.generations import Generations
 from morph.search.search import State
 
 

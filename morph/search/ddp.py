@@ -1,157 +1,149 @@
-"""Differential dynamic programming with bounded commands, on many trajectories at once."""
+"""Plans: bang-bang seeds, improved by dynamic programming, followed with feedback."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
-from morph.arrays import Array, Integers
-from morph.search.ddp_backward import Law, backward
-from morph.search.ddp_cost import TaskCost
-from morph.search.ddp_plant import Plant
-from morph.search.linearise import linearise
+from morph.arrays import Array
+from morph.errors import SearchError
+from morph.search.plan.best import Planned, planned
+from morph.search.plan.concluded import concluded
+from morph.search.plan.ground import grounded
+from morph.search.plan.policy import track_of
+from morph.search.search import Learned, Problem, Search, State, Told, Trial, ignore
+from morph.search.trajectory.ddp import Trajectories
 
-LENGTHS = (1.0, 0.5, 0.2, 0.05)
-"""Shares of the change that are tried, all at once."""
-
-DAMPING = 1e-3
-"""Curvature of a command's range that is added first, as a share of the cost's unit."""
-
-MOST_DAMPING = 1e6
-"""Damping at which a trajectory counts as arrived."""
+SURE = 0.97
+"""Share of the runs by which plans are compared that must, for no further round to begin."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Trajectories:
-    """States and commands of many runs, and what they cost."""
+class Plan(Search):
+    """Differential dynamic programming from sampled seeds, in a simulator.
 
-    position: Array
-    """Shape (rows, periods + 1, nq)."""
-    velocity: Array
-    """Shape (rows, periods + 1, nv)."""
-    command: Array
-    """Shape (rows, periods, nu)."""
-    cost: Array
-    """Shape (rows,)."""
+    Swings of bang-bang commands and straight paths are tried in batches, the best are improved
+    by differential dynamic programming within the bounds of the commands, and of those the one
+    is taken that does best with its feedback in the noise. If it fails there, another round
+    begins with more seeds.
 
-    def rows(self, which: Integers) -> Trajectories:
-        """Return some of them."""
-        return Trajectories(**{name: value[which] for name, value in vars(self).items()})
-
-
-def ddp(
-    plant: Plant,
-    cost: TaskCost,
-    start: Trajectories,
-    *,
-    margin: Array | float = 0.0,
-    most: int = 30,
-    enough: float = 1e-3,
-) -> Trajectories:
-    """Return trajectories improved until none gets better by a share of `enough` in a step.
-
-    Args:
-        plant: The body.
-        cost: What is to become least.
-        start: Trajectories of the body, one a row.
-        margin: Share of each command's range that is left free at both of its ends, for the
-            feedback to act in; one number, or one a row.
-        most: Steps after which it ends in any case.
-        enough: The improvement, as a share of the cost, that counts as none.
+    Source: Tassa, Mansard and Todorov 2014, Control-Limited Differential Dynamic Programming.
     """
-    rows = len(start.command)
-    half = 0.5 * (plant.high - plant.low)
-    spare = np.broadcast_to(np.asarray(margin, dtype=float), (rows,))[:, None, None] * half
-    low, high = plant.low + spare, plant.high - spare
-    now = restarted(plant, cost, start, np.clip(start.command, low, high))
-    damping = np.full(rows, DAMPING)
-    busy = np.ones(rows, dtype=bool)
-    for _ in range(most):
-        at = np.flatnonzero(busy)
-        part = now.rows(at)
-        law = law_of(plant, cost, part, low[at], high[at], damping[at])
-        tried = _tried(plant, cost, part, law, low[at], high[at])
-        fell = part.cost - tried.cost
-        better = fell > 0.0
-        for name, value in vars(tried).items():
-            getattr(now, name)[at[better]] = value[better]
-        damping[at] *= np.where(better, 0.3, 10.0)
-        small = fell <= enough * np.abs(part.cost)
-        lost = ~better & ((damping[at] > MOST_DAMPING) | (law.promised <= enough * part.cost))
-        busy[at] = ~((better & small) | lost)
-        if not busy.any():
-            break
-    return now
 
+    name: ClassVar[str] = "ddp"
 
-def law_of(
-    plant: Plant, cost: TaskCost, now: Trajectories, low: Array, high: Array, damping: Array
-) -> Law:
-    """Return the law of one backward pass along trajectories; low and high bound the commands."""
-    A, B = linearise(plant, now.position[:, :-1], now.velocity[:, :-1], now.command)
-    quadratic = cost.quadratic(now.position, now.velocity, now.command)
-    scale = damping[:, None] / (0.5 * (plant.high - plant.low)) ** 2
-    return backward(A, B, quadratic, low - now.command, high - now.command, scale)
+    rows: int = 768
+    """Bang-bang swings that the first round draws; each later round draws twice as many."""
+    keep: int = 4
+    """Guesses that a round improves."""
+    most: int = 20
+    """Most steps of dynamic programming in a round."""
+    runs: int = 32
+    """Noisy runs by which each plan is judged."""
+    rounds: int = 4
+    """Most rounds; fewer if a plan succeeds."""
+    margin: float = 0.0
+    """Share of each command's range, at both its ends, that plans leave to the feedback."""
+    target: float = 0.0
+    """Mean loss down to which rounds go on even if a plan succeeds already."""
 
+    def __post_init__(self) -> None:
+        """Check the numbers."""
+        least = min(self.rows // 16, self.keep, self.most, self.runs, self.rounds)
+        if least < 1 or not 0.0 <= self.margin < 1.0:
+            raise SearchError(
+                f"it draws {self.rows} rows, keeps {self.keep}, takes {self.most} steps, "
+                f"{self.runs} runs and {self.rounds} rounds, with a margin of {self.margin:g}",
+                where="the search ddp",
+                fix="give at least 16 rows, 1 of each other, and a margin from 0 to below 1",
+            )
 
-def follow(
-    plant: Plant,
-    plan: Trajectories,
-    law: Law,
-    low: Array,
-    high: Array,
-    *,
-    length: Array | float = 1.0,
-    begin: tuple[Array, Array] | None = None,
-) -> Trajectories:
-    """Return trajectories under a law; their cost is not computed.
-
-    u = clip(command + length change + gain dx, low, high).
-
-    Args:
-        plant: The body.
-        plan: Trajectories from which states and commands are counted.
-        law: How commands change.
-        low: Least commands, shape (rows, periods, m), or (rows, 1, m) for all periods.
-        high: Greatest commands.
-        length: Share of the change that is made; one number, or one a row.
-        begin: Positions (rows, nq) and velocities (rows, nv); None for the plan's own.
-    """
-    share = np.broadcast_to(np.asarray(length, dtype=float), plan.cost.shape)[:, None]
-    q, v, u = plan.position.copy(), plan.velocity.copy(), plan.command.copy()
-    if begin is not None:
-        q[:, 0], v[:, 0] = begin
-    for at in range(u.shape[1]):
-        dx = plant.off(q[:, at], v[:, at], plan.position[:, at], plan.velocity[:, at])
-        back = (law.gain[:, at] @ dx[..., None])[..., 0]
-        wanted = plan.command[:, at] + share * law.change[:, at] + back
-        u[:, at] = np.clip(
-            wanted, low[:, min(at, low.shape[1] - 1)], high[:, min(at, high.shape[1] - 1)]
+    def run(
+        self,
+        problem: Problem,
+        *,
+        seed: int,
+        trials: int | None = None,
+        told: Told = ignore,
+        state: State | None = None,
+    ) -> Learned:
+        """Return the best plan as a policy; the arguments are those of `Search.run`."""
+        task, simulator = problem.task, problem.model
+        began = time.monotonic()
+        ground = grounded(task, simulator, margin=self.margin, rng=np.random.default_rng(seed))
+        best, first = (None, 1) if state is None else _restored(state)
+        record: list[Trial] = []
+        for number in range(first, (trials or self.rounds) + 1):
+            # Each round has chance of its own, so that one that goes on finds what it would have.
+            rng = np.random.default_rng([seed, number])
+            found = planned(
+                ground,
+                rows=self.rows * 2 ** min(number - 1, 3),
+                keep=self.keep,
+                most=self.most,
+                runs=self.runs,
+                rng=rng,
+            )
+            best = found if best is None or found.score < best.score else best
+            record.append(
+                Trial(
+                    number=number,
+                    loss=best.loss,
+                    success=best.success,
+                    seconds=time.monotonic() - began,
+                )
+            )
+            told(record[-1], _kept(best, number))
+            if best.success >= SURE and (self.target <= 0.0 or best.loss <= self.target):
+                break
+        if best is None:
+            raise SearchError(
+                "it was given no round to search in",
+                where=f"the search {self.name}",
+                fix="give one trial or more",
+            )
+        return concluded(
+            problem,
+            track_of(ground, best),
+            tuple(record),
+            seed=seed,
+            what="the best plan",
+            hint="more rounds, more rows or a margin may find a better one",
         )
-        q[:, at + 1], v[:, at + 1] = plant.advance(q[:, at], v[:, at], u[:, at])
-    return Trajectories(position=q, velocity=v, command=u, cost=plan.cost)
 
 
-def restarted(plant: Plant, cost: TaskCost, plan: Trajectories, command: Array) -> Trajectories:
-    """Return what a body does from the same starts under other commands, and its cost."""
-    if np.array_equal(command, plan.command) and np.isfinite(plan.cost).all():
-        return replace(plan, **{name: value.copy() for name, value in vars(plan).items()})
-    q, v = plant.rollout(plan.position[:, 0], plan.velocity[:, 0], command)
-    return Trajectories(
-        position=q, velocity=v, command=command, cost=cost.values(q, v, command).sum(-1)
-    )
+def _kept(best: Planned, number: int) -> Mapping[str, Array]:
+    """Return the best plan so far and the number of its round, as arrays."""
+    return {
+        "round": np.array(float(number)),
+        "gain": best.gain,
+        "judged": np.array([best.loss, best.success]),
+        **{f"plan.{name}": value for name, value in vars(best.plan).items()},
+    }
 
 
-def _tried(
-    plant: Plant, cost: TaskCost, now: Trajectories, law: Law, low: Array, high: Array
-) -> Trajectories:
-    """Return the best of all lengths, a row each."""
-    rows, many = len(now.cost), len(LENGTHS)
-    each = np.repeat(np.arange(rows), many)
-    length = np.tile(np.array(LENGTHS), rows)
-    repeated = Law(change=law.change[each], gain=law.gain[each], promised=law.promised[each])
-    run = follow(plant, now.rows(each), repeated, low[each], high[each], length=length)
-    total = cost.values(run.position, run.velocity, run.command).sum(-1)
-    best = np.arange(rows) * many + np.argmin(total.reshape(rows, many), axis=1)
-    return replace(run, cost=total).rows(best)
+def _restored(state: State) -> tuple[Planned, int]:
+    """Return the best plan so far, and the round with which to go on.
+
+    Raises:
+        SearchError: It is not what such a search keeps.
+    """
+    try:
+        names = ("position", "velocity", "command", "cost")
+        best = Planned(
+            plan=Trajectories(**{name: np.asarray(state[f"plan.{name}"]) for name in names}),
+            gain=np.asarray(state["gain"]),
+            loss=float(state["judged"][0]),
+            success=float(state["judged"][1]),
+        )
+        return best, int(state["round"]) + 1
+    except (KeyError, IndexError, TypeError, ValueError) as error:
+        raise SearchError(
+            f"what it is to go on from lacks a plan: {error}",
+            where="the search ddp",
+            fix="begin anew, or give what this search wrote",
+        ) from error

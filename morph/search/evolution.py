@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 
 from morph.arrays import Array
-from morph.search.generations import Generations
+from morph.search.generations.generations import Generations
 from morph.search.search import State
 
 

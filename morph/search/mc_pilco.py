@@ -10,12 +10,12 @@ import torch
 
 from morph.arrays import Array
 from morph.errors import SearchError
-from morph.model.gp import GaussianProcess
-from morph.search.belief_memory import Memory
-from morph.search.belief_radial import radial_of, scale_of
-from morph.search.belief_search import BeliefSearch, Improved
-from morph.search.belief_task import View
-from morph.search.particles import Chance, Particles, one_thread
+from morph.model.gp.gp import GaussianProcess
+from morph.search.belief.memory import Memory
+from morph.search.belief.particles import Chance, Particles, one_thread
+from morph.search.belief.radial import radial_of, scale_of
+from morph.search.belief.search import BeliefSearch, Improved
+from morph.search.belief.task import View
 
 SMALLEST_SHARE = 0.1
 """Share of the step size that is left at the last step."""

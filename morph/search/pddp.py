@@ -9,16 +9,16 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.errors import SearchError
-from morph.model.gp import GaussianProcess
+from morph.model.gp.gp import GaussianProcess
 from morph.policy.bound import limits
 from morph.policy.policy import Policy
 from morph.policy.track import Track
-from morph.search.belief_memory import Memory
-from morph.search.belief_search import BeliefSearch, Improved
-from morph.search.belief_task import View
-from morph.search.ddp_backward import Law, backward
-from morph.search.pddp_belief import BeliefPlant, Beliefs, belief_plant
-from morph.search.pddp_seeds import seeds
+from morph.search.belief.memory import Memory
+from morph.search.belief.plant import BeliefPlant, Beliefs, belief_plant
+from morph.search.belief.search import BeliefSearch, Improved
+from morph.search.belief.seeds import seeds
+from morph.search.belief.task import View
+from morph.search.trajectory.backward import Law, backward
 
 LENGTHS = np.array([1.0, 0.5, 0.2, 0.05])
 """Shares of the change that are tried, all at once."""

@@ -10,13 +10,13 @@ import numpy as np
 from scipy.optimize import minimize
 
 from morph.arrays import Array
-from morph.model.gp import GaussianProcess
-from morph.search.belief_laws import RadialLaw
-from morph.search.belief_memory import Memory
-from morph.search.belief_radial import Scale, radial_of, scale_of
-from morph.search.belief_rollout import imagine
-from morph.search.belief_search import BeliefSearch, Improved
-from morph.search.belief_task import View
+from morph.model.gp.gp import GaussianProcess
+from morph.search.belief.laws import RadialLaw
+from morph.search.belief.memory import Memory
+from morph.search.belief.radial import Scale, radial_of, scale_of
+from morph.search.belief.rollout import imagine
+from morph.search.belief.search import BeliefSearch, Improved
+from morph.search.belief.task import View
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,15 +9,15 @@ from typing import ClassVar
 import numpy as np
 
 from morph.errors import SearchError
-from morph.search.ddp import Trajectories, ddp, follow
-from morph.search.ddp_backward import Law
-from morph.search.plan_best import joined, judged
-from morph.search.plan_concluded import concluded
-from morph.search.plan_feedback import feedback
-from morph.search.plan_ground import grounded
-from morph.search.plan_policy import track_of
-from morph.search.plan_seeds import Ground, costed, led, swung
+from morph.search.plan.best import joined, judged
+from morph.search.plan.concluded import concluded
+from morph.search.plan.feedback import feedback
+from morph.search.plan.ground import grounded
+from morph.search.plan.policy import track_of
+from morph.search.plan.seeds import Ground, costed, led, swung
 from morph.search.search import Learned, Problem, Search, State, Told, ignore
+from morph.search.trajectory.backward import Law
+from morph.search.trajectory.ddp import Trajectories, ddp, follow
 
 EFFORTS = (1.0, 3.0, 10.0)
 """What feedback that leads back to a plan may cost, in costs of the regulator's."""

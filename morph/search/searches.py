@@ -14,10 +14,10 @@ from morph.search.search import Search
 SEARCHES: Mapping[str, str] = {
     "chance": "morph.search.evolution:Chance",
     "cmaes": "morph.search.cmaes:CmaEs",
-    "ddp": "morph.search.plan:Plan",
+    "ddp": "morph.search.ddp:Plan",
     "evolution": "morph.search.evolution:Evolution",
-    "gp-ddp": "morph.search.dream_search:LearnedPlans",
-    "lqr": "morph.search.lqr_search:Lqr",
+    "gp-ddp": "morph.search.gp_ddp:LearnedPlans",
+    "lqr": "morph.search.lqr:Lqr",
     "mc-pilco": "morph.search.mc_pilco:McPilco",
     "pddp": "morph.search.pddp:Pddp",
     "pilco": "morph.search.pilco:Pilco",

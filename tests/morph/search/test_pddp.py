@@ -7,11 +7,11 @@ import pytest
 
 from morph.arrays import Array
 from morph.body.load import load
-from morph.model.gp import GaussianProcess
-from morph.search.belief_task import view_of
-from morph.search.ddp_backward import backward
+from morph.model.gp.gp import GaussianProcess
+from morph.search.belief.plant import BeliefPlant, Beliefs, belief_plant
+from morph.search.belief.task import view_of
 from morph.search.pddp import begun, followed
-from morph.search.pddp_belief import BeliefPlant, Beliefs, belief_plant
+from morph.search.trajectory.backward import backward
 from morph.task.tasks import task
 
 

@@ -9,7 +9,7 @@ from morph.arrays import Array
 from morph.body.load import load
 from morph.errors import SearchError
 from morph.policy.policy import Policy
-from morph.search.belief_search import BeliefSearch
+from morph.search.belief.search import BeliefSearch
 from morph.search.pddp import Pddp
 from morph.search.pilco import Pilco
 from morph.search.search import Problem, State, Trial
@@ -79,7 +79,7 @@ def test_data_that_are_no_numbers_are_refused(short: Task) -> None:
 
 
 def test_random_commands_stay_within_their_bounds_and_are_held(short: Task) -> None:
-    from morph.search.belief_task import view_of
+    from morph.search.belief.task import view_of
 
     view = view_of(short)
     told: Array = replace(SMALL[0], hold=4).random(view, np.random.default_rng(0))

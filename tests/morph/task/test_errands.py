@@ -7,7 +7,7 @@ import pytest
 from morph.body.load import load
 from morph.errors import TaskError
 from morph.policy.pattern import pattern
-from morph.search.population import tried
+from morph.search.generations.population import tried
 from morph.sim.closed_loop import closed_loop
 from morph.task.gait_speed import gait_speed
 from morph.task.hop import Leap, hop

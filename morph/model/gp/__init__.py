@@ -1,0 +1,1 @@
+"""Gaussian processes: what is foreseen, and the settings that fit the data."""

@@ -1,0 +1,1 @@
+"""A learned model of a body's accelerations, its outputs joined by one physical kernel."""

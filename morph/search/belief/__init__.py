@@ -1,0 +1,1 @@
+"""What is believed of a learned body's future, and policies improved on it."""

@@ -1,0 +1,1 @@
+"""A model learned from trials, and plans made inside of it."""

@@ -1,0 +1,1 @@
+"""Families of policies: which numbers a search may turn, body by body."""

@@ -1,0 +1,161 @@
+"""Holding a posture: servos told where to stay, or motors that act like springs and dampers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from morph.arrays import Array
+from morph.body.robot import Robot
+from morph.body.spec import spec_of
+from morph.errors import SearchError
+from morph.policy.linear import Linear
+from morph.policy.observing import observations_of
+from morph.policy.pattern import Pattern, Swing
+from morph.policy.policy import Action, Observation, Policy, actions_of
+from morph.search.family.family import Family, Number
+from morph.search.family.parts import Part, parts_of
+
+WIDEST = 0.1
+"""Farthest from its posture that a joint may be told to stay, rad."""
+
+SOFTEST, FIRST_STIFF, STIFFEST = 1.0, 10.0, 20.0
+"""Least, first and greatest stiffness of a motor's spring, in greatest efforts per rad."""
+
+BRIEFEST, FIRST_BRIEF, LONGEST = 0.003, 0.015, 0.1
+"""Least, first and greatest damping of a motor, in stiffnesses times s."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Hold(Family):
+    """Policies that hold a posture, a little corrected; mirrored joints are corrected alike.
+
+    A servo is told its set point p + o and holds it by itself; a motor is told
+    e + k (p + o - q) - d k v, q and v being the position and velocity of its joint. The correction
+    o, the stiffness k and the time d belong to a role, such as both knees.
+    """
+
+    action: tuple[Action, ...]
+    """Every actuator of the body."""
+    parts: tuple[Part, ...]
+    """What the name of each tells."""
+    posture: tuple[float, ...]
+    """p, where the joint of each actuator is to stay, rad or m."""
+    carried: tuple[float, ...]
+    """e, the effort that each motor gives there, N m or N."""
+    sprung: tuple[bool, ...]
+    """Which actuators are motors."""
+    observation: tuple[Observation, ...]
+    """The positions of the motors' joints and then their velocities; nothing without motors."""
+    period: float = 0.02
+    """How long each command is held, s."""
+
+    def make(self, values: Array) -> Policy:
+        """Return the policy of these values: a pattern for servos, linear with motors."""
+        free = {number.name: float(v) for number, v in zip(self.numbers, values, strict=True)}
+        point = np.array(
+            [
+                place + free[f"{part.role} offset".strip()]
+                for place, part in zip(self.posture, self.parts, strict=True)
+            ]
+        )
+        if not any(self.sprung):
+            swings = tuple(Swing(offset=float(each)) for each in point)
+            return Pattern(swings=swings, action=self.action, period=self.period)
+        motors = np.flatnonzero(self.sprung)
+        weight = np.zeros((len(self.action), 2 * len(motors)))
+        bias = point.copy()
+        for column, at in enumerate(motors):
+            role = self.parts[at].role
+            k = 10.0 ** free[f"{role} stiffness".strip()]
+            d = 10.0 ** free[f"{role} damping".strip()]
+            weight[at, column], weight[at, len(motors) + column] = -k, -d * k
+            bias[at] = k * point[at] + self.carried[at]
+        return Linear(
+            weight=weight,
+            bias=bias,
+            action=self.action,
+            observation=self.observation,
+            period=self.period,
+        )
+
+
+def hold(
+    robot: Robot,
+    posture: Mapping[str, float],
+    *,
+    carried: Mapping[str, float] | None = None,
+    period: float = 0.02,
+    widest: float = WIDEST,
+) -> Hold:
+    """Return the policies that hold a robot near a posture.
+
+    Args:
+        robot: The body.
+        posture: Where its joints are to stay, by name; those that are not named, at zero.
+        carried: What gravity asks of its joints there, by name, N m or N; None for nothing. A
+            servo is told that much farther, by its stiffness.
+        period: How long each command is held, s.
+        widest: Farthest correction of a joint, rad.
+
+    Raises:
+        SearchError: It has no actuator.
+    """
+    action = actions_of(robot)
+    if not action:
+        raise SearchError(
+            "it has no actuator", where=f"robot {robot.name}", fix="give it a motor or a servo"
+        )
+    driven = [robot.actuator(each.actuator) for each in action]
+    sprung = tuple(each.kind != "position" for each in driven)
+    parts = parts_of(tuple(each.actuator for each in action))
+    efforts = [float((carried or {}).get(each.joint, 0.0)) for each in driven]
+    model: Any = spec_of(robot).compile()
+    stiffness = [float(model.actuator(each.name).gainprm[0]) for each in driven]
+    numbers: list[Number] = []
+    for role in dict.fromkeys(part.role for part in parts):
+        first = next(at for at, part in enumerate(parts) if part.role == role)
+        named = f"{role} ".lstrip()
+        numbers.append(Number(name=f"{named}offset", low=-widest, high=widest, start=0.0))
+        if sprung[first]:
+            numbers += _spring(named, action[first])
+    held = [each.joint for each, spring in zip(driven, sprung, strict=True) if spring]
+    channels = [f"{name}.{rate}" for rate in ("position", "velocity") for name in held]
+    return Hold(
+        numbers=tuple(numbers),
+        action=action,
+        parts=parts,
+        posture=tuple(
+            float(posture.get(each.joint, 0.0)) + (0.0 if spring else effort / stiff)
+            for each, spring, effort, stiff in zip(driven, sprung, efforts, stiffness, strict=True)
+        ),
+        carried=tuple(efforts),
+        sprung=sprung,
+        observation=observations_of(robot, tuple(channels)) if channels else (),
+        period=period,
+        # What stands already falls where all its joints are corrected far.
+        sigma=0.12,
+    )
+
+
+def _spring(named: str, action: Action) -> list[Number]:
+    return [
+        Number(name=f"{named}{name}", low=low, high=high, start=start)
+        for name, low, start, high in springs(action.high)
+    ]
+
+
+def springs(limit: float) -> tuple[tuple[str, float, float, float], ...]:
+    """Return name, least, first and greatest logarithm of a motor's stiffness and damping time.
+
+    By their logarithms: ten is to one what one is to a tenth.
+
+    Args:
+        limit: The greatest effort of the motor, N m or N.
+    """
+    stiffness = np.log10(limit * np.array([SOFTEST, FIRST_STIFF, STIFFEST])).tolist()
+    damping = np.log10([BRIEFEST, FIRST_BRIEF, LONGEST]).tolist()
+    return ("stiffness", *stiffness), ("damping", *damping)

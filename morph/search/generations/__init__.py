@@ -1,0 +1,1 @@
+"""Searches that try many policies at once, generation after generation."""

@@ -1,0 +1,1 @@
+"""Regulators: feedback that holds a body where it can rest."""

@@ -1,0 +1,1 @@
+"""Optimal trajectories: differential dynamic programming on many of them at once."""

@@ -1,0 +1,124 @@
+"""A learned body stands in for the body, and plans are judged by what the data leave open."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from morph.arrays import Array
+from morph.body.load import load
+from morph.errors import SearchError
+from morph.model.jointed.draws import draw
+from morph.model.jointed.fit import fit
+from morph.model.jointed.transition import transitions
+from morph.search.dream.choice import Plans, foreseen
+from morph.search.dream.dream import Dream, known, settings_of
+from morph.search.dream.ground import aim
+from morph.search.evaluate import evaluate
+from morph.search.target import Simulated
+from morph.task.task import Task
+from morph.task.tasks import task
+
+NOISE = np.full(4, 0.01)
+
+
+@pytest.fixture(scope="module")
+def swing() -> Task:
+    return task("swing-up", load("cartpole"))
+
+
+@pytest.fixture(scope="module")
+def dream(swing: Task) -> Dream:
+    """The cart-pole as two trials with random commands show it."""
+    rng = np.random.default_rng(0)
+    target = Simulated(task=swing, simulator=swing.simulator())
+    runs = []
+    for _ in range(2):
+        command = np.repeat(rng.uniform(-10.0, 10.0, (15, 1)), 4, axis=0)
+        shown = target.trial(command, rng)
+        runs.append((shown.position, shown.velocity, shown.command))
+    model, bounds = known(swing)
+    learned = fit(
+        transitions(runs, swing.period), settings_of(model, bounds, slides=False, lawful=True)
+    )
+    return Dream(swing, model, bounds, learned)
+
+
+def test_rows_are_stepped_as_they_would_be_alone(dream: Dream) -> None:
+    rng = np.random.default_rng(1)
+    q, v, u = rng.normal(size=(5, 2)), rng.normal(size=(5, 2)), rng.normal(size=(5, 1))
+    together = dream.advance(q, v, u)
+    for at in range(5):
+        alone = dream.advance(q[at : at + 1], v[at : at + 1], u[at : at + 1])
+        assert alone[0][0] == pytest.approx(together[0][at], abs=1e-10)
+        assert alone[1][0] == pytest.approx(together[1][at], abs=1e-10)
+
+
+def test_a_row_beyond_all_that_was_seen_is_no_number(dream: Dream) -> None:
+    q, v = np.zeros((2, 2)), np.array([[0.0, 0.0], [0.0, 1e4]])
+    after = dream.advance(q, v, np.zeros((2, 1)))
+    assert np.isfinite(after[0][0]).all()
+    assert np.isnan(after[0][1]).all()
+    assert np.isnan(after[1][1]).all()
+
+
+def test_the_goal_is_found_by_kinematics_alone(swing: Task, dream: Dream) -> None:
+    still = aim(swing, dream).still
+    # The pull towards the start, 1e-3 against 1 / 0.15 and 1 / 0.17, moves it by 1e-7.
+    assert still.position[0] == pytest.approx(0.0, abs=1e-5)
+    assert np.cos(still.position[1]) == pytest.approx(-1.0, abs=1e-9)
+
+
+def test_what_cannot_be_held_as_far_as_is_known_is_not_held(swing: Task, dream: Dream) -> None:
+    aims = aim(swing, dream)
+    A, B = aims.slopes
+    # Without commands nothing keeps a pole up.
+    helpless = replace(aims, slopes=(A, 0.0 * B))
+    assert (helpless.regulator(10.0).gain == 0.0).all()
+    assert (aims.regulator(10.0).gain != 0.0).any()
+
+
+def hanging(swing: Task, command: Array) -> Plans:
+    """Return plans without feedback from the start; one row of commands each."""
+    rows = len(command)
+    return Plans(
+        state=np.zeros((rows, swing.samples, 4)),
+        command=command,
+        gain=np.zeros((rows, swing.samples, 1, 4)),
+    )
+
+
+def test_what_is_foreseen_is_what_happens(swing: Task, dream: Dream) -> None:
+    # Small pushes about the rest below, which the random trials showed well.
+    push = 2.0 * np.sin(4.0 * swing.period * np.arange(swing.samples))[None, :, None]
+    plans = hanging(swing, push)
+    bodies = draw(dream.learned, 64, np.random.default_rng(2))
+    seen = foreseen(swing, dream, bodies, plans, NOISE, np.random.default_rng(3))
+    true = evaluate(
+        swing, plans.track(0, swing), swing.simulator(), rng=np.random.default_rng(4), rows=64
+    )
+    # Below, a sample costs nearly 1 whatever the body: 61 of them, and none succeeds.
+    assert seen.loss[0] == pytest.approx(true.mean, abs=0.2)
+    assert seen.success[0] == true.share == 0.0
+
+
+def test_a_track_does_what_its_plan_says(swing: Task) -> None:
+    rng = np.random.default_rng(5)
+    plans = Plans(
+        state=rng.normal(size=(2, swing.samples, 4)),
+        command=rng.normal(size=(2, swing.samples, 1)),
+        gain=rng.normal(size=(2, swing.samples, 1, 4)),
+    )
+    seen = plans.state[1, 7] + 0.1 * rng.normal(size=4)
+    said = plans.command[1, 7] + plans.gain[1, 7] @ (seen - plans.state[1, 7])
+    told = plans.track(1, swing).act(seen, np.array(7 * swing.period))
+    assert told == pytest.approx(np.clip(said, -10.0, 10.0))
+
+
+def test_a_body_that_floats_is_refused() -> None:
+    robot = load("hexapod_swimmer")
+    floating = replace(task("swing-up", load("cartpole")), robot=robot, terms=(), goals=())
+    with pytest.raises(SearchError, match="neither hinge nor slide"):
+        known(floating)
