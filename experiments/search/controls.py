@@ -11,9 +11,9 @@ from morph.search.evaluate import attempt
 from morph.search.search import Problem
 from morph.search.searches import search
 from morph.search.target import Simulated
-from morph.sim.closed_loop import closed_loop
 from morph.sim.simulator import Simulator
 from morph.task.moved import Moved
+from morph.task.run import run
 from morph.task.task import Task
 from morph.task.tasks import task
 
@@ -53,23 +53,7 @@ def _told(wanted: Task, simulator: Simulator, command: Array, seed: int) -> tupl
     """Return the score of commands (samples, rows, nu) that depend on nothing seen."""
     rng = np.random.default_rng(seed)
     q, v = wanted.start.sample(wanted.robot, simulator.model, command.shape[1], rng)
-    loop = closed_loop(
-        simulator,
-        lambda q, v, time: command[round(time / wanted.period)],
-        q,
-        v,
-        period=wanted.period,
-        seconds=wanted.horizon,
-    )
-    moved = Moved(
-        robot=wanted.robot,
-        model=simulator.model,
-        time=loop.time,
-        position=loop.position,
-        velocity=loop.velocity,
-        command=loop.command,
-        stable=loop.stable,
-    )
+    moved = run(wanted, simulator, lambda q, v, time: command[round(time / wanted.period)], q, v)
     return _score(wanted, moved)
 
 

@@ -14,8 +14,7 @@ import numpy as np
 from morph.body.load import load
 from morph.policy.observing import observations_of
 from morph.search.evaluate import Score
-from morph.sim.closed_loop import closed_loop
-from morph.task.moved import Moved
+from morph.task.run import run
 from morph.task.tasks import task
 
 
@@ -48,17 +47,8 @@ def baseline(seed: int, *, trials: int) -> dict[str, float]:
         seen = np.concatenate([q, v], axis=1)
         seen = seen + rng.normal(scale=wanted.noise, size=(len(q), size))
         told, _ = learner.predict(seen.astype(learner.observation_space.dtype), deterministic=True)
-        return np.asarray(np.clip(told, low, high), dtype=float) * (10.0 / high)
+        return np.asarray(np.clip(told, low, high) * (10.0 / high), dtype=float)
 
-    loop = closed_loop(simulator, act, q, v, period=wanted.period, seconds=wanted.horizon)
-    moved = Moved(
-        robot=wanted.robot,
-        model=simulator.model,
-        time=loop.time,
-        position=loop.position,
-        velocity=loop.velocity,
-        command=loop.command,
-        stable=loop.stable,
-    )
+    moved = run(wanted, simulator, act, q, v)
     score = Score(loss=wanted.loss(moved), success=wanted.succeeded(moved))
     return {"seconds": seconds, "trials": trials, "loss": score.mean, "share": score.share}

@@ -47,7 +47,8 @@ def errors(view: View, memory: Memory, process: GaussianProcess, *, samples: int
     for at in rng.integers(len(inputs), size=2):
         m, S = inputs[at], np.diag((0.1 * inputs.std(axis=0)) ** 2)
         found, _ = ProcessMoments(process).forward(m, S)
-        total, square, own, parts = 0.0, 0.0, 0.0, max(1, samples // 50_000)
+        total, square, own = (np.zeros_like(found.mean) for _ in range(3))
+        parts = max(1, samples // 50_000)
         for _ in range(parts):
             x = rng.multivariate_normal(m, S, size=samples // parts)
             y, variance = process.predict(x)

@@ -9,9 +9,9 @@ import numpy as np
 from morph.arrays import Array, Mask
 from morph.policy.observing import Observer
 from morph.policy.policy import Policy
-from morph.sim.closed_loop import closed_loop
 from morph.sim.simulator import Simulator
 from morph.task.moved import Moved
+from morph.task.run import run
 from morph.task.task import Task
 
 ROWS = 100
@@ -61,18 +61,7 @@ def attempt(
     def act(q: Array, v: Array, time: float) -> Array:
         return policy.act(observer.see(q, v), np.full(rows, time))
 
-    loop = closed_loop(
-        simulator, act, position, velocity, period=policy.period, seconds=task.horizon
-    )
-    return Moved(
-        robot=task.robot,
-        model=simulator.model,
-        time=loop.time,
-        position=loop.position,
-        velocity=loop.velocity,
-        command=loop.command,
-        stable=loop.stable,
-    )
+    return run(task, simulator, act, position, velocity, period=policy.period)
 
 
 def evaluate(

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
 from morph.errors import SearchError
 from morph.search.plan.best import joined, judged
-from morph.search.plan.concluded import concluded
+from morph.search.plan.concluded import concluded_at_once
 from morph.search.plan.feedback import feedback
 from morph.search.plan.ground import grounded
 from morph.search.plan.policy import track_of
@@ -82,17 +82,15 @@ class Receding(Search):
         first = ddp(ground.plant, ground.cost, first, margin=self.margin, most=self.first)
         trace = followed(ground, first, self.most, rng)
         policy = track_of(ground, judged(ground, trace, runs=self.runs, rng=rng))
-        found = concluded(
+        return concluded_at_once(
             problem,
             policy,
-            (),
             seed=seed,
+            began=began,
+            told=told,
             what="the trace of its run",
             hint="the search ddp chooses among several plans",
         )
-        trial = replace(found.trials[0], seconds=time.monotonic() - began)
-        told(trial, {})
-        return replace(found, trials=(trial,))
 
 
 def followed(

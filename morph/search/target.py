@@ -10,9 +10,9 @@ import numpy as np
 from morph.arrays import Array
 from morph.policy.policy import Policy
 from morph.search.evaluate import attempt
-from morph.sim.closed_loop import closed_loop
 from morph.sim.simulator import Simulator
 from morph.task.moved import Moved
+from morph.task.run import run
 from morph.task.task import Task
 
 
@@ -83,20 +83,8 @@ class Simulated(Target):
         task, simulator = self.task, self.simulator
         position, velocity = task.start.sample(task.robot, simulator.model, 1, rng)
         told = np.asarray(command, dtype=float)
-        loop = closed_loop(
-            simulator,
-            lambda q, v, time: told[None, min(round(time / task.period), len(told) - 1)],
-            position,
-            velocity,
-            period=task.period,
-            seconds=task.horizon,
-        )
-        return Moved(
-            robot=task.robot,
-            model=simulator.model,
-            time=loop.time,
-            position=loop.position,
-            velocity=loop.velocity,
-            command=loop.command,
-            stable=loop.stable,
-        )
+
+        def act(q: Array, v: Array, time: float) -> Array:
+            return told[None, min(round(time / task.period), len(told) - 1)]
+
+        return run(task, simulator, act, position, velocity)

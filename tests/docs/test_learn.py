@@ -31,6 +31,12 @@ def test_every_command_names_what_there_is() -> None:
         assert named in SEARCHES, line
 
 
+def test_the_table_of_searches_holds_every_search_and_no_other() -> None:
+    (rows,) = re.findall(r"^\| search \|.*\n((?:\|.*\n)+)", TEXT, re.MULTILINE)
+    named = re.findall(r"`([\w-]+)`", " ".join(row.split("|")[1] for row in rows.splitlines()))
+    assert sorted(named) == sorted(SEARCHES)
+
+
 def test_the_quickest_command_of_the_page_leaves_what_the_page_says(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -38,7 +44,8 @@ def test_the_quickest_command_of_the_page_leaves_what_the_page_says(
     line = next(line for line in COMMANDS if line.startswith("morph learn balance"))
     assert main([*shlex.split(line)[1:], "--quiet"]) == 0
     assert capsys.readouterr().err == ""
-    told = set(re.findall(r"^\| `([\w.]+)/?` \|", TEXT, re.MULTILINE))
+    (files,) = re.findall(r"^\| in the folder of .*\n(?:\|.*\n)+", TEXT, re.MULTILINE)
+    told = set(re.findall(r"^\| `([\w.]+)/?` \|", files, re.MULTILINE))
     found = {path.name for path in Path("balanced").iterdir()}
     # Pictures are drawn where there is something to draw with.
     assert told - {"strip.jpg"} == found - {"strip.jpg"}

@@ -28,6 +28,6 @@ def test_an_environment_that_cannot_be_made_is_told_with_the_reason(
 
 def test_a_batch_is_measured_over_the_same_steps_as_a_bare_one() -> None:
     ours, theirs, steps = batch_seconds("cartpole", "swing-up", 8, 1)
-    # A control period of 0.05 s in steps of 0.005 s.
-    assert steps == 10
+    # A control period of 0.05 s in steps of 0.01 s.
+    assert steps == 5
     assert min(ours, theirs) > 0.0

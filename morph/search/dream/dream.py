@@ -14,8 +14,7 @@ from morph.errors import SearchError
 from morph.model.jointed.fit import Settings
 from morph.model.jointed.jointed import Accelerations, Jointed, through
 from morph.policy.policy import UNLIMITED
-from morph.search.trajectory.plant import Plant, bounds_of
-from morph.search.trajectory.tangent import apart
+from morph.search.trajectory.plant import Plant, Stepped, bounds_of
 from morph.sim.simulator import Simulator
 from morph.task.task import Task
 
@@ -29,8 +28,8 @@ AT_ONCE = 4096
 """Rows that are stepped at once; more would leave the processor's cache."""
 
 
-class Dream:
-    """What a learned body does, as optimal control sees it: the members of `Plant`.
+class Dream(Stepped):
+    """What a learned body does, as optimal control sees it: all that others ask of a `Plant`.
 
     Of the compiled model it uses the kinematics and the bounds of the commands alone.
 
@@ -69,30 +68,6 @@ class Dream:
         place, rate = (a.numpy() for a in after)
         fine = np.isfinite(place).all(-1) & (np.abs(rate) <= self._fastest).all(-1)
         return np.where(fine[:, None], place, np.nan), np.where(fine[:, None], rate, np.nan)
-
-    def rollout(self, position: Array, velocity: Array, command: Array) -> tuple[Array, Array]:
-        """Return all states under commands that nothing corrects, the first included.
-
-        Args:
-            position: Where each row starts, shape (rows, nq).
-            velocity: How fast, shape (rows, nv).
-            command: What it is told, shape (rows, periods, nu).
-
-        Returns:
-            Positions (rows, periods + 1, nq) and velocities (rows, periods + 1, nv).
-        """
-        rows, periods = command.shape[:2]
-        q = np.empty((rows, periods + 1, self.model.nq))
-        v = np.empty((rows, periods + 1, self.model.nv))
-        q[:, 0], v[:, 0] = position, velocity
-        for at in range(periods):
-            q[:, at + 1], v[:, at + 1] = self.advance(q[:, at], v[:, at], command[:, at])
-        return q, v
-
-    def off(self, q: Array, v: Array, at_q: Array, at_v: Array, *, wrapped: bool = False) -> Array:
-        """Return how far states are from others, shape (..., 2 nv)."""
-        place = apart(self.model, q, at_q, wrapped=wrapped)
-        return np.concatenate(np.broadcast_arrays(place, v - at_v), axis=-1)
 
     @property
     def plant(self) -> Plant:

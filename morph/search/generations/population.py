@@ -10,13 +10,9 @@ from morph.arrays import Array
 from morph.policy.observing import Observer
 from morph.policy.policy import Policy
 from morph.search.evaluate import Score
-from morph.sim.closed_loop import closed_loop
 from morph.sim.simulator import Simulator
-from morph.task.moved import Moved
+from morph.task.run import run
 from morph.task.task import Task
-
-UNSTABLE = 1e3
-"""Loss of a run that became unstable, more than any other can cost by far."""
 
 
 def tried(
@@ -57,25 +53,9 @@ def tried(
         return told
 
     many = len(policies)
-    loop = closed_loop(
-        simulator,
-        act,
-        np.tile(q, (many, 1)),
-        np.tile(v, (many, 1)),
-        period=policies[0].period,
-        seconds=task.horizon,
-    )
-    moved = Moved(
-        robot=task.robot,
-        model=simulator.model,
-        time=loop.time,
-        position=loop.position,
-        velocity=loop.velocity,
-        command=loop.command,
-    )
-    # MuJoCo sets an unstable row back to its start, where it may look like success.
-    loss = np.where(loop.stable, task.loss(moved), UNSTABLE)
+    starts = (np.tile(q, (many, 1)), np.tile(v, (many, 1)))
+    moved = run(task, simulator, act, *starts, period=policies[0].period)
     return Score(
-        loss=loss.reshape(many, runs),
-        success=(task.succeeded(moved) & loop.stable).reshape(many, runs),
+        loss=task.loss(moved).reshape(many, runs),
+        success=task.succeeded(moved).reshape(many, runs),
     )

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import time
+from dataclasses import replace
+
 import numpy as np
 
 from morph.policy.policy import Policy
 from morph.search.evaluate import evaluate
-from morph.search.search import Learned, Problem, Trial
+from morph.search.search import Learned, Problem, Told, Trial
 
 ENOUGH = 0.95
 """Share of noisy runs that must reach every goal for a search to count as successful."""
@@ -40,3 +43,30 @@ def concluded(
     )
     record = record or (Trial(number=1, loss=score.mean, success=score.share, seconds=0.0),)
     return Learned(policy=policy, trials=record, succeeded=fine, why="" if fine else why)
+
+
+def concluded_at_once(
+    problem: Problem,
+    policy: Policy,
+    *,
+    seed: int,
+    began: float,
+    told: Told,
+    what: str,
+    hint: str,
+) -> Learned:
+    """Return what a search of a single round gives back, and tell that round.
+
+    Args:
+        problem: What it was given.
+        policy: Its policy.
+        seed: Its seed.
+        began: When it began, by `time.monotonic`, s.
+        told: Is called with the round.
+        what: What the policy is, to begin the reason with if it failed.
+        hint: What to end the reason with.
+    """
+    found = concluded(problem, policy, (), seed=seed, what=what, hint=hint)
+    trial = replace(found.trials[0], seconds=time.monotonic() - began)
+    told(trial, {})
+    return replace(found, trials=(trial,))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from typing import Any
 
 import mujoco
@@ -23,10 +24,49 @@ MOST_KEPT = 8
 """Batches of different sizes that a plant keeps, as making one takes milliseconds."""
 
 
-class Plant:
-    """A body whose commands are held for a control period, through several steps of physics.
+class Stepped(ABC):
+    """What goes from one control period to the next, many rows at once: a body, or a dream of one.
 
     Its state is a position and a velocity: x = (q, v), of 2 nv numbers in the tangent space.
+    """
+
+    model: Any
+    """The compiled `mujoco.MjModel`."""
+
+    @abstractmethod
+    def advance(self, position: Array, velocity: Array, command: Array) -> tuple[Array, Array]:
+        """Return positions (rows, nq) and velocities (rows, nv) one control period later.
+
+        A row that becomes unstable is NaN from then on.
+        """
+
+    def rollout(self, position: Array, velocity: Array, command: Array) -> tuple[Array, Array]:
+        """Return all states under commands that nothing corrects, the first included.
+
+        Args:
+            position: Where each row starts, shape (rows, nq).
+            velocity: How fast, shape (rows, nv).
+            command: What it is told, shape (rows, periods, nu).
+
+        Returns:
+            Positions (rows, periods + 1, nq) and velocities (rows, periods + 1, nv).
+        """
+        rows, periods = command.shape[:2]
+        q = np.empty((rows, periods + 1, self.model.nq))
+        v = np.empty((rows, periods + 1, self.model.nv))
+        q[:, 0], v[:, 0] = position, velocity
+        for at in range(periods):
+            q[:, at + 1], v[:, at + 1] = self.advance(q[:, at], v[:, at], command[:, at])
+        return q, v
+
+    def off(self, q: Array, v: Array, at_q: Array, at_v: Array, *, wrapped: bool = False) -> Array:
+        """Return how far states are from others in the tangent space, shape (..., 2 nv)."""
+        place = apart(self.model, q, at_q, wrapped=wrapped)
+        return np.concatenate(np.broadcast_arrays(place, v - at_v), axis=-1)
+
+
+class Plant(Stepped):
+    """A body whose commands are held for a control period, through several steps of physics.
 
     Args:
         simulator: The body under its effects.
@@ -106,30 +146,6 @@ class Plant:
             self._kept[rows] = Batch(self.model, rows, 2 if rows > 16 else 1)
             self._kept[rows].reset(stage=mujoco.mjtStage.mjSTAGE_NONE.value)
         return self._kept[rows]
-
-    def rollout(self, position: Array, velocity: Array, command: Array) -> tuple[Array, Array]:
-        """Return all states under commands that nothing corrects, the first included.
-
-        Args:
-            position: Where each row starts, shape (rows, nq).
-            velocity: How fast, shape (rows, nv).
-            command: What it is told, shape (rows, periods, nu).
-
-        Returns:
-            Positions (rows, periods + 1, nq) and velocities (rows, periods + 1, nv).
-        """
-        rows, periods = command.shape[:2]
-        q = np.empty((rows, periods + 1, self.model.nq))
-        v = np.empty((rows, periods + 1, self.model.nv))
-        q[:, 0], v[:, 0] = position, velocity
-        for at in range(periods):
-            q[:, at + 1], v[:, at + 1] = self.advance(q[:, at], v[:, at], command[:, at])
-        return q, v
-
-    def off(self, q: Array, v: Array, at_q: Array, at_v: Array, *, wrapped: bool = False) -> Array:
-        """Return how far states are from others in the tangent space, shape (..., 2 nv)."""
-        place = apart(self.model, q, at_q, wrapped=wrapped)
-        return np.concatenate(np.broadcast_arrays(place, v - at_v), axis=-1)
 
 
 def may_touch(model: Any) -> bool:

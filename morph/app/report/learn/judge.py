@@ -12,9 +12,9 @@ from morph.arrays import Array, Mask
 from morph.policy.pattern import pattern
 from morph.policy.policy import Policy, actions_of
 from morph.search.evaluate import ROWS, Score, attempt
-from morph.sim.closed_loop import closed_loop
 from morph.sim.simulator import Simulator
 from morph.task.moved import Moved
+from morph.task.run import run
 from morph.task.task import Task
 
 JUDGING = 2**31 - 1
@@ -106,19 +106,8 @@ def _random(task: Task, simulator: Simulator, rows: int, seed: int) -> Moved:
     bounds = np.array([(each.low, each.high) for each in actions_of(task.robot)])
     # A bound that is none would command a million radians.
     low, high = np.where(np.abs(bounds) < 1e6, bounds, np.sign(bounds) * WILD).T
-    loop = closed_loop(
-        simulator,
-        lambda q, v, now: rng.uniform(low, high, (rows, len(low))),
-        position,
-        velocity,
-        period=task.period,
-        seconds=task.horizon,
-    )
-    return Moved(
-        robot=task.robot,
-        model=simulator.model,
-        time=loop.time,
-        position=loop.position,
-        velocity=loop.velocity,
-        command=loop.command,
-    )
+
+    def act(q: Array, v: Array, now: float) -> Array:
+        return rng.uniform(low, high, (rows, len(low)))
+
+    return run(task, simulator, act, position, velocity)
