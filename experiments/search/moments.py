@@ -12,13 +12,14 @@ from morph.body.load import load
 from morph.model.gp.gp import GaussianProcess
 from morph.search.belief.laws import RadialLaw
 from morph.search.belief.memory import Memory
-from morph.search.belief.particles import Chance, Particles, one_thread
+from morph.search.belief.particles import Chance, Particles
 from morph.search.belief.radial import scale_of
 from morph.search.belief.rollout import imagine
 from morph.search.belief.task import View, view_of
 from morph.search.mc_pilco import McPilco
 from morph.search.moments.moments import ProcessMoments
 from morph.search.target import Simulated
+from morph.search.threads import one_thread
 from morph.task.tasks import task
 
 PEER = 0.65

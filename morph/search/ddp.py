@@ -62,7 +62,7 @@ class Plan(Search):
                 fix="give at least 16 rows, 1 of each other, and a margin from 0 to below 1",
             )
 
-    def run(
+    def found(
         self,
         problem: Problem,
         *,

@@ -67,7 +67,7 @@ class LearnedPlans(Search):
                 fix="give a share above 0 and at most 1, and a time above 0 s",
             )
 
-    def run(
+    def found(
         self,
         problem: Problem,
         *,

@@ -27,7 +27,7 @@ class Lqr(Search):
 
     name: ClassVar[str] = "lqr"
 
-    def run(
+    def found(
         self,
         problem: Problem,
         *,

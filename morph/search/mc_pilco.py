@@ -12,7 +12,7 @@ from morph.arrays import Array
 from morph.errors import SearchError
 from morph.model.gp.gp import GaussianProcess
 from morph.search.belief.memory import Memory
-from morph.search.belief.particles import Chance, Particles, one_thread
+from morph.search.belief.particles import Chance, Particles
 from morph.search.belief.radial import radial_of, scale_of
 from morph.search.belief.search import BeliefSearch, Improved
 from morph.search.belief.task import View
@@ -58,12 +58,6 @@ class McPilco(BeliefSearch):
         self, view: View, process: GaussianProcess, memory: Memory, rng: np.random.Generator
     ) -> Improved:
         """Return the policy after the steps."""
-        with one_thread():
-            return self._improved(view, process, memory, rng)
-
-    def _improved(
-        self, view: View, process: GaussianProcess, memory: Memory, rng: np.random.Generator
-    ) -> Improved:
         scale = scale_of(view, memory, self.units)
         bunch = Particles(view, process, scale)
         chance = Chance.drawn(view, self.particles, rng)

@@ -60,7 +60,7 @@ class Receding(Search):
                 fix="give at least 16 rows, and 1 of each other",
             )
 
-    def run(
+    def found(
         self,
         problem: Problem,
         *,

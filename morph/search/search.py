@@ -11,6 +11,7 @@ from morph.arrays import Array
 from morph.errors import SearchError
 from morph.policy.policy import Policy
 from morph.search.target import Experience, Target
+from morph.search.threads import one_thread
 from morph.sim.simulator import Simulator
 from morph.task.task import Task
 
@@ -111,7 +112,6 @@ class Search(ABC):
     from_trials: ClassVar[bool] = False
     """Whether it learns from trials on the target alone, without a simulator."""
 
-    @abstractmethod
     def run(
         self,
         problem: Problem,
@@ -133,3 +133,17 @@ class Search(ABC):
         Raises:
             SearchError: The search cannot be made on this task, or not from this data.
         """
+        with one_thread():
+            return self.found(problem, seed=seed, trials=trials, told=told, state=state)
+
+    @abstractmethod
+    def found(
+        self,
+        problem: Problem,
+        *,
+        seed: int,
+        trials: int | None = None,
+        told: Told = ignore,
+        state: State | None = None,
+    ) -> Learned:
+        """Return what `run` is to give back; numerical libraries keep to one thread meanwhile."""

@@ -63,7 +63,7 @@ class BeliefSearch(Search):
     ) -> Improved:
         """Return the policy that is to be tried next."""
 
-    def run(
+    def found(
         self,
         problem: Problem,
         *,

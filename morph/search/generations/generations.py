@@ -79,7 +79,7 @@ class Generations(Search):
     def sampler(self, start: Array, sigma: float, state: State | None) -> Sampler:
         """Return what proposes points, about a start in the cube or from an earlier state."""
 
-    def run(
+    def found(
         self,
         problem: Problem,
         *,

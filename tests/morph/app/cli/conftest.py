@@ -45,7 +45,7 @@ class Growing(Search):
     seen: ClassVar[list[Problem]] = []
     slow: ClassVar[float] = 0.0
 
-    def run(
+    def found(
         self,
         problem: Problem,
         *,
