@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,10 +11,12 @@ import numpy as np
 from morph.arrays import Array, Integers
 from morph.body.robot import Joint, Robot
 from morph.errors import PolicyError
+from morph.physics.effect import Effect
 from morph.policy.fields import most_of
 from morph.policy.policy import Observation, Policy
 from morph.record.nearest import nearest
 from morph.record.quantities import WXYZ, XYZ
+from morph.sim.drive import sensed
 
 ROTATION = (
     (0, "orientation", "1", WXYZ),
@@ -123,6 +125,7 @@ class Observer:
         rows: How many runs there are.
         rng: The chance of the noise; None for none.
         noise: Standard deviation of every reading, in its unit.
+        effects: What acts on the body; a biased sensor is seen biased.
 
     Raises:
         PolicyError: The body lacks a channel, a delay is no multiple of the control period,
@@ -137,6 +140,7 @@ class Observer:
         rows: int,
         rng: np.random.Generator | None = None,
         noise: float = 0.0,
+        effects: Sequence[Effect] = (),
     ) -> None:
         seen = policy.observation
         check_channels(policy, robot, where=f"a policy of kind {policy.kind}")
@@ -150,6 +154,8 @@ class Observer:
         self._columns = np.array([where[name] for name in channels], dtype=np.int64)
         self._as_it_is = np.array_equal(self._columns, np.arange(model.nq + model.nv))
         self._rows, self._rng, self._noise = rows, rng, noise
+        self._sensing = [each for each in effects if type(each).sense is not Effect.sense]
+        self._channels = channels
         self._pick, self._age = _ages(policy, channels)
         numbers = [each for each in seen for _ in range(each.history)]
         self._offset = np.array([each.offset for each in numbers])
@@ -179,6 +185,9 @@ class Observer:
         reading = np.concatenate([position, velocity], axis=1)
         if not self._as_it_is:
             reading = reading[:, self._columns]
+        if self._sensing:
+            for at, channel in enumerate(self._channels):
+                reading[:, at] = sensed(self._sensing, channel, reading[:, at])
         if self._rng is not None and self._noise > 0.0:
             reading += self._noise * self._rng.standard_normal(reading.shape)
         seen = reading if self._newest else self._remembered(reading)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from morph.arrays import Array, Mask
+from morph.errors import SearchError
 from morph.policy.observing import Observer
 from morph.policy.policy import Policy
 from morph.sim.simulator import Simulator
@@ -38,6 +39,21 @@ class Score:
         return float(self.success.mean())
 
 
+def check_period(policy: Policy, task: Task) -> None:
+    """Refuse a policy whose control period is not the task's: its loss would count otherwise.
+
+    Raises:
+        SearchError: It is another.
+    """
+    if abs(policy.period - task.period) > 1e-9:
+        raise SearchError(
+            f"the policy commands every {policy.period:g} s, and the task counts every "
+            f"{task.period:g} s",
+            where=f"task {task.name} of {task.robot.name}",
+            fix="give a policy of the task's control period",
+        )
+
+
 def attempt(
     task: Task,
     policy: Policy,
@@ -52,11 +68,21 @@ def attempt(
     are in MuJoCo's order of actuators, which is the robot's.
 
     Raises:
+        SearchError: The policy's control period is not the task's.
         SimulationFailed: The simulation cannot run in a closed loop.
     """
+    check_period(policy, task)
     position, velocity = task.start.sample(task.robot, simulator.model, rows, rng)
     noise = 0.0 if rng is None else task.noise
-    observer = Observer(policy, task.robot, simulator.model, rows, rng=rng, noise=noise)
+    observer = Observer(
+        policy,
+        task.robot,
+        simulator.model,
+        rows,
+        rng=rng,
+        noise=noise,
+        effects=simulator.effects,
+    )
 
     def act(q: Array, v: Array, time: float) -> Array:
         return policy.act(observer.see(q, v), np.full(rows, time))

@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from morph.arrays import Array
+from morph.errors import SearchError
+from morph.policy.observing import Observer, addresses
 from morph.policy.policy import Policy
-from morph.search.evaluate import attempt
+from morph.search.evaluate import check_period
+from morph.sim.closed_loop import Act
+from morph.sim.drive import sensed
 from morph.sim.simulator import Simulator
-from morph.task.moved import Moved
 from morph.task.run import run
 from morph.task.task import Task
 
@@ -29,9 +34,9 @@ class Experience:
     period: float
     """Time from one sample to the next, s."""
     loss: float
-    """What the trial cost; of a simulated target by its true states."""
+    """What the trial cost, as a referee beside the robot says: by true states, if simulated."""
     success: bool
-    """Whether it reached every goal."""
+    """Whether it reached every goal, as the same referee says."""
 
     @property
     def seconds(self) -> float:
@@ -62,29 +67,54 @@ class Simulated(Target):
     """The simulation."""
 
     def trial(self, policy: Policy | Array, rng: np.random.Generator) -> Experience:
-        """Return one run from a drawn start, its states seen through the task's noise."""
-        task = self.task
-        if isinstance(policy, Policy):
-            moved = attempt(task, policy, self.simulator, rows=1, rng=rng)
-        else:
-            moved = self._open(policy, rng)
-        noise = rng.normal(scale=task.noise, size=(2, task.samples, self.simulator.model.nq))
-        velocity = moved.velocity[0]
+        """Return one run from a drawn start; what is recorded is what the policy saw.
+
+        Raises:
+            SearchError: The simulation became unstable.
+        """
+        task, simulator = self.task, self.simulator
+        model: Any = simulator.model
+        position, velocity = task.start.sample(task.robot, model, 1, rng)
+        noise = rng.normal(scale=task.noise, size=(task.samples, model.nq + model.nv))
+
+        def shown(q: Array, v: Array, at: int | slice) -> tuple[Array, Array]:
+            reading = self._sensed(np.concatenate([q, v], axis=-1)) + noise[at]
+            return reading[..., : model.nq], reading[..., model.nq :]
+
+        act = self._driven(policy, shown)
+        moved = run(task, simulator, act, position, velocity)
+        if moved.stable is not None and not moved.stable.all():
+            raise SearchError(
+                "a trial became unstable, and what it shows is worth nothing",
+                where=f"task {task.name} of {task.robot.name}",
+                fix="take a smaller step, or check the body and the effects that act on it",
+            )
+        seen, speed = shown(moved.position[0], moved.velocity[0], slice(None))
         return Experience(
-            position=moved.position[0] + noise[0],
-            velocity=velocity + noise[1][:, : velocity.shape[1]],
+            position=seen,
+            velocity=speed,
             command=moved.command[0, :-1],
             period=task.period,
             loss=float(task.loss(moved)[0]),
             success=bool(task.succeeded(moved)[0]),
         )
 
-    def _open(self, command: Array, rng: np.random.Generator) -> Moved:
-        task, simulator = self.task, self.simulator
-        position, velocity = task.start.sample(task.robot, simulator.model, 1, rng)
-        told = np.asarray(command, dtype=float)
+    def _driven(
+        self, policy: Policy | Array, shown: Callable[[Array, Array, int], tuple[Array, Array]]
+    ) -> Act:
+        """Return what tells the body: a policy that sees what is shown, or commands as told."""
+        period = self.task.period
+        if not isinstance(policy, Policy):
+            told = np.asarray(policy, dtype=float)
+            return lambda q, v, time: told[None, min(round(time / period), len(told) - 1)]
+        check_period(policy, self.task)
+        observer = Observer(policy, self.task.robot, self.simulator.model, 1)
+        return lambda q, v, time: policy.act(
+            observer.see(*shown(q, v, round(time / period))), np.full(1, time)
+        )
 
-        def act(q: Array, v: Array, time: float) -> Array:
-            return told[None, min(round(time / task.period), len(told) - 1)]
-
-        return run(task, simulator, act, position, velocity)
+    def _sensed(self, state: Array) -> Array:
+        """Return states (..., nq + nv) as sensors under the effects report them."""
+        for channel, at in addresses(self.task.robot, self.simulator.model).items():
+            state[..., at] = sensed(self.simulator.effects, channel, state[..., at])
+        return state

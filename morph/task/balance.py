@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from morph.body.robot import Robot
-from morph.task.chain import posture, slides_of, stepping
+from morph.task.chain import posture, slides_of, stepping, ways
 from morph.task.quantity import AngleSum, Commands, JointPositions, JointSpeeds
 from morph.task.stand import stand
 from morph.task.start import Start
@@ -87,18 +87,17 @@ def _effort(robot: Robot) -> list[Term]:
 def upright_goals(robot: Robot, top: dict[str, float], *, last: float) -> tuple[Goal, ...]:
     """Return the goals of a chain that stands: every link upright, and its carrier in place.
 
-    A link's lean is the sum of the angles from the root to it.
+    A link's lean is the signed sum of the angles on the way from the root to it.
     """
-    hinges = tuple(top)
     goals = [
         Goal(
             name=f"upright at {hinge}",
-            quantity=AngleSum(joints=hinges[: at + 1]),
-            target=(sum(list(top.values())[: at + 1]),),
+            quantity=AngleSum(joints=way, signs=signs),
+            target=(sum(sign * top[name] for sign, name in zip(signs, way, strict=True)),),
             within=LEAN,
             last=last,
         )
-        for at, hinge in enumerate(hinges)
+        for hinge, (way, signs) in ways(robot, top).items()
     ]
     goals += [
         Goal(

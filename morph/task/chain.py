@@ -19,6 +19,9 @@ LONG, SHORT = 0.01, 0.002
 MANY = 3
 """Hinges from which on the links at the end of a chain are fast enough for half that step."""
 
+Signs = tuple[float, ...]
+"""1 or -1 for each of several hinges."""
+
 HORIZONTAL = 0.1
 """Greatest vertical part of the axis of a hinge that swings in gravity."""
 
@@ -123,6 +126,32 @@ def _out_of_reach(joint: Joint, angle: float, robot: Robot, task: str) -> TaskEr
         where=f"task {task} of {robot.name}",
         fix="give a body that can reach this posture, or another task",
     )
+
+
+def ways(robot: Robot, angles: dict[str, float]) -> dict[str, tuple[tuple[str, ...], Signs]]:
+    """Return for each hinge the hinges on the way to its link, and how each of them turns.
+
+    A sign is 1 if a hinge turns as the first on the way does, and -1 if the other way round: so
+    the signed sum of the angles says how the link stands, wherever it branches off.
+    """
+    model: Any = spec_of(robot).compile()
+    data = mujoco.MjData(model)
+    for name, angle in angles.items():
+        data.qpos[model.joint(name).qposadr[0]] = angle
+    mujoco.mj_kinematics(model, data)
+    found = {}
+    for hinge in angles:
+        body = int(model.joint(hinge).bodyid[0])
+        way: list[str] = []
+        while body:
+            first = int(model.body_jntadr[body])
+            here = [model.joint(first + at).name for at in range(int(model.body_jntnum[body]))]
+            way = [name for name in here if name in angles] + way
+            body = int(model.body_parentid[body])
+        axes = [data.xaxis[model.joint(name).id] for name in way]
+        signs = tuple(1.0 if float(axis @ axes[0]) >= 0.0 else -1.0 for axis in axes)
+        found[hinge] = (tuple(way), signs)
+    return found
 
 
 def end_of(robot: Robot) -> tuple[str, tuple[float, float, float]]:

@@ -22,8 +22,8 @@ from morph.task.term import Goal, Term
 MOST_SAMPLES = 100_000
 """Most control steps of a run."""
 
-UNSTABLE = 1e6
-"""Cost of a run in which the simulation became unstable: more than any that did not."""
+UNSTABLE = 1e9
+"""Cost of a run in which the simulation became unstable: more than a full push all along costs."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -89,6 +89,20 @@ class Task:
                 f"control periods of {self.period:g} s",
                 "give a horizon that is a multiple of the period",
             )
+        for kind, named in (("term", self.terms), ("goal", self.goals)):
+            names = [each.name for each in named]
+            if not names or len(set(names)) < len(names):
+                self._refuse(
+                    f"its {kind}s are {', '.join(names) or 'none'}",
+                    f"give a {kind} or more, each with a name of its own",
+                )
+        parts = {joint.name for joint in self.robot.joints} | {x.name for x in self.robot.links}
+        for name in (*self.start.position, *self.start.speed):
+            if name.partition(".")[0] not in parts:
+                self._refuse(f"its start names {name!r}", "name joints and floating links of it")
+        self._check_sizes()
+
+    def _check_sizes(self) -> None:
         parts: tuple[Term | Goal, ...] = (*self.terms, *self.goals)
         for asked in parts:
             size = asked.quantity.size(self.robot)
@@ -134,7 +148,7 @@ class Task:
         for name, cost in self.costs(moved).items():
             if not np.isfinite(cost).all():
                 self._refuse(
-                    f"term {name!r} is no number in {int(np.isnan(cost).sum())} samples",
+                    f"term {name!r} is no number in {int((~np.isfinite(cost)).sum())} samples",
                     "check the states that it was given, and the quantity of this term",
                 )
             total += cost

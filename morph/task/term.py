@@ -87,6 +87,16 @@ class Goal:
 
     def __post_init__(self) -> None:
         """Check that it asks for something."""
+        if not all(math.isfinite(each) for each in self.target):
+            raise TaskError(
+                "its target is no finite number", where=f"goal {self.name}", fix="give finite ones"
+            )
+        if math.isinf(self.within) and not self.beyond:
+            raise TaskError(
+                "whatever happens reaches it",
+                where=f"goal {self.name}",
+                fix="say within which distance of the target, or that it is beyond it",
+            )
         if not (self.within > 0.0 and self.last >= 0.0 and math.isfinite(self.last)):
             raise TaskError(
                 f"it asks for {self.within:g} through the last {self.last:g} s",

@@ -51,7 +51,7 @@ def driven(
 
     def ran(periods: int) -> Loop:
         # It remembers what it saw, so each run needs a new one.
-        observer = Observer(policy, robot, model, 1)
+        observer = Observer(policy, robot, model, 1, effects=simulator.effects)
 
         def act(q: Array, v: Array, time: float) -> Array:
             told = np.array(policy.act(observer.see(q, v), np.full(1, time)))

@@ -33,7 +33,15 @@ def tried(
     """
     q, v = task.start.sample(task.robot, simulator.model, runs, rng)
     observers = [
-        Observer(each, task.robot, simulator.model, runs, rng=rng, noise=task.noise)
+        Observer(
+            each,
+            task.robot,
+            simulator.model,
+            runs,
+            rng=rng,
+            noise=task.noise,
+            effects=simulator.effects,
+        )
         for each in policies
     ]
     clock = np.empty(runs)

@@ -11,6 +11,7 @@ from mujoco.batch import Batch, SimulationError
 
 from morph.arrays import Array
 from morph.errors import SimulationFailed
+from morph.physics.effect import Effect
 from morph.physics.fluid.settle import batches
 from morph.policy.policy import actions_of
 from morph.search.trajectory.tangent import apart
@@ -86,6 +87,14 @@ class Plant(Stepped):
                 f"a control period of {period:g} s is no multiple of a step, {simulator.step:g} s",
                 where=where,
                 fix="give a period of one step or more",
+            )
+        late = [e.label for e in simulator.effects if type(e).command is not Effect.command]
+        if late:
+            raise SimulationFailed(
+                f"{', '.join(late)} changes commands on their way, and a plan knows positions and "
+                "velocities alone",
+                where=where,
+                fix="leave it out, or take a search that tries policies, such as cmaes",
             )
         if model.na:
             raise SimulationFailed(

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from morph.arrays import Array, Integers, Mask
 from morph.errors import SimulationFailed, TaskError
 from morph.physics.effect import Effect
+from morph.sim.drive import sensed
 from morph.task.gym.plant import Plant
 from morph.task.gym.spaces import MOST, channels, columns, command_range
 from morph.task.moved import Moved
@@ -59,6 +60,7 @@ class Runs:
         model = self._plant.model
         names = channels(task.robot) if task.observes is None else task.observes
         self._columns = columns(task.robot, model, names)
+        self._names, self._effects = names, (*task.effects, *effects)
         self._low, self._high = command_range(task.robot)
         self._chance: Sequence[np.random.Generator] = ()
         self._noise = np.zeros((rows, DRAWN, len(names)))
@@ -105,6 +107,8 @@ class Runs:
         """Return what is seen of some runs, to be asked once a sample, (rows, observations)."""
         state = np.concatenate([self._plant.position[rows], self._plant.velocity[rows]], axis=1)
         reading = state[:, self._columns]
+        for at, channel in enumerate(self._names):
+            reading[:, at] = sensed(self._effects, channel, reading[:, at])
         if self.task.noise > 0.0:
             age = self._at[rows] % DRAWN
             for row in rows[age == 0]:

@@ -63,16 +63,30 @@ class AngleSum(Quantity):
     name: ClassVar[str] = "sum of angles"
 
     joints: tuple[str, ...]
-    """The hinges from the root to the link."""
+    """The hinges on the way from the root to the link."""
+    signs: tuple[float, ...] = ()
+    """1 for each hinge that turns as the first does, -1 for the others; empty if all do."""
 
     def size(self, robot: Robot) -> int:
-        """Return 1."""
+        """Return 1.
+
+        Raises:
+            RobotError: There is no such joint, or there are more or fewer signs than joints.
+        """
         single(robot, self.joints)
+        if self.signs and len(self.signs) != len(self.joints):
+            raise RobotError(
+                f"it has {len(self.signs)} signs for {len(self.joints)} joints",
+                where=f"a sum of angles of {robot.name}",
+                fix="give one sign for each joint, or none",
+            )
         return 1
 
     def value(self, moved: Moved) -> Array:
         """Return the sum, shape (..., samples, 1)."""
-        return np.asarray(sum(moved.joint(name) for name in self.joints))[..., None]
+        signs = self.signs or (1.0,) * len(self.joints)
+        each = [s * moved.joint(name) for s, name in zip(signs, self.joints, strict=True)]
+        return np.asarray(sum(each))[..., None]
 
     def error(self, moved: Moved, target: tuple[float, ...]) -> Array:
         """Return the sum less the target, the shorter way round."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -235,4 +236,39 @@ def test_a_run_that_became_unstable_never_succeeds_and_costs_more_than_any_other
     q = np.full((2, 61, 2), (0.0, math.pi))
     seen = replace(moved(swing, q), stable=np.array([True, False]))
     np.testing.assert_array_equal(swing.succeeded(seen), [True, False])
-    np.testing.assert_allclose(swing.loss(seen), [0.0, 1e6], atol=1e-9)
+    np.testing.assert_allclose(swing.loss(seen), [0.0, 1e9], atol=1e-9)
+
+
+TURNED = """<mujoco><worldbody><body name="a"><joint name="one" axis="0 {first} 0"/>
+<geom type="capsule" fromto="0 0 0 0 0 -0.3" size="0.02"/><body name="b" pos="0 0 -0.3">
+<joint name="two" axis="0 {second} 0"/><geom type="capsule" fromto="0 0 0 0 0 -0.3" size="0.02"/>
+</body></body></worldbody><actuator><motor joint="one" ctrlrange="-1 1"/>
+<motor joint="two" ctrlrange="-1 1"/></actuator></mujoco>"""
+
+
+@pytest.mark.parametrize("axes", [(1, 1), (1, -1), (-1, 1), (-1, -1)])
+def test_how_a_link_leans_does_not_depend_on_which_way_its_hinges_count(
+    axes: tuple[int, int], tmp_path: Path
+) -> None:
+    (tmp_path / "robot.xml").write_text(TURNED.format(first=axes[0], second=axes[1]))
+    about = task("balance", load(tmp_path / "robot.xml"))
+    rng = np.random.default_rng(2)
+    q = np.array(list(about.start.position.values())) + rng.uniform(-0.5, 0.5, (50, 2))
+    seen = moved(about, q[:, None])
+    # The outer link, drawn downward in its own frame, points up where it stands.
+    up = -seen.places.rotation[:, 0, about.simulator().model.body("b").id, 2, 2]
+    lean = np.abs(about.goals[1].quantity.error(seen, about.goals[1].target))[:, 0, 0]
+    np.testing.assert_allclose(np.cos(lean), up, atol=1e-9)
+
+
+def test_goals_that_ask_for_nothing_and_names_that_stand_twice_are_refused(swing: Task) -> None:
+    quantity = JointPositions(joints=("slide",))
+    with pytest.raises(TaskError, match="whatever happens reaches it"):
+        Goal(name="there", quantity=quantity, target=(0.0,))
+    with pytest.raises(TaskError, match="its target is no finite number"):
+        Goal(name="there", quantity=quantity, target=(math.nan,), within=1.0)
+    for change in ({"goals": ()}, {"terms": ()}, {"terms": swing.terms * 2}):
+        with pytest.raises(TaskError, match="each with a name of its own"):
+            replace(swing, **change)
+    with pytest.raises(TaskError, match="its start names 'knee'"):
+        replace(swing, start=Start(position={"knee": 1.0}))
