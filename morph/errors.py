@@ -75,6 +75,10 @@ class SearchError(MorphError):
     """A search cannot be made on this task, or from this data."""
 
 
+class StateError(SearchError):
+    """What a search is to go on from is not what such a search kept."""
+
+
 class DiagnosisError(MorphError):
     """A diagnosis cannot be made from what was given."""
 

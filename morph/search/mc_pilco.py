@@ -11,6 +11,7 @@ import torch
 from morph.arrays import Array
 from morph.errors import SearchError
 from morph.model.gp.gp import GaussianProcess
+from morph.policy.radial import Radial
 from morph.search.belief.memory import Memory
 from morph.search.belief.particles import Chance, Particles
 from morph.search.belief.radial import radial_of, scale_of
@@ -30,6 +31,7 @@ class McPilco(BeliefSearch):
     """
 
     name: ClassVar[str] = "mc-pilco"
+    kind = Radial
 
     units: int = 50
     """Basis functions."""

@@ -36,6 +36,7 @@ class Pddp(BeliefSearch):
     """
 
     name: ClassVar[str] = "pddp"
+    kind = Track
 
     steps: int = 20
     """Most improvements of a trajectory, at each width."""

@@ -11,6 +11,7 @@ from scipy.optimize import minimize
 
 from morph.arrays import Array
 from morph.model.gp.gp import GaussianProcess
+from morph.policy.radial import Radial
 from morph.search.belief.laws import RadialLaw
 from morph.search.belief.memory import Memory
 from morph.search.belief.radial import Scale, radial_of, scale_of
@@ -28,6 +29,7 @@ class Pilco(BeliefSearch):
     """
 
     name: ClassVar[str] = "pilco"
+    kind = Radial
 
     units: int = 30
     """Basis functions."""

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from morph.arrays import Array
+from morph.errors import SearchError, StateError
 from morph.model.gp.gp import GaussianProcess
 from morph.search.belief.task import View
 from morph.search.search import State
@@ -15,13 +17,18 @@ from morph.search.target import Experience
 RUN = ("position", "velocity", "command")
 """The arrays of an experience."""
 
+TRIED = "tried."
+"""How the numbers of policies begin in a state."""
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Memory:
     """Every trial, and what the last improvement began from."""
 
     runs: tuple[Experience, ...] = ()
-    """The trials."""
+    """The trials, the one with random commands first."""
+    tried: tuple[Mapping[str, Array], ...] = ()
+    """The numbers of the policy of each but the first, as `Policy.weights` gives them."""
     process: GaussianProcess | None = None
     """What was learned before the last trial."""
     numbers: Array | None = None
@@ -34,15 +41,31 @@ class Memory:
         """Time on the target, s."""
         return sum(run.seconds for run in self.runs)
 
+    @property
+    def best(self) -> int:
+        """The trial that cost least, of those that reached every goal if any did.
+
+        The first one, of random commands, does not count: no policy made it.
+        """
+        runs = self.runs
+        return min(range(1, len(runs)), key=lambda at: (not runs[at].success, runs[at].loss))
+
     def after(
         self,
         run: Experience,
         *,
+        tried: Mapping[str, Array] | None = None,
         process: GaussianProcess | None = None,
         numbers: Array | None = None,
     ) -> Memory:
         """Return the memory with another trial."""
-        return replace(self, runs=(*self.runs, run), process=process, numbers=numbers)
+        return replace(
+            self,
+            runs=(*self.runs, run),
+            tried=self.tried if tried is None else (*self.tried, tried),
+            process=process,
+            numbers=numbers,
+        )
 
     def at(self, seconds: float) -> Memory:
         """Return the memory at another time."""
@@ -89,28 +112,53 @@ class Memory:
             said |= {f"process.{name}": value for name, value in vars(self.process).items()}
         if self.numbers is not None:
             said["numbers"] = self.numbers
+        for name in self.tried[0] if self.tried else ():
+            said[TRIED + name] = np.stack([each[name] for each in self.tried])
         return said
 
     @classmethod
     def of(cls, state: State | None, period: float) -> Memory:
-        """Return the memory that `state` gave; an empty one of None."""
+        """Return the memory that `state` gave; an empty one of None.
+
+        Raises:
+            StateError: It does not hold trials, and one policy for each but the first.
+        """
         if state is None:
             return cls()
-        parts = ("inputs", "targets", "lengths", "signal", "noise")
-        process = None
-        if "process.inputs" in state:
-            process = GaussianProcess(**{name: state[f"process.{name}"] for name in parts})
-        runs = tuple(
-            Experience(
-                position=q, velocity=v, command=u, period=period, loss=float(c), success=bool(s)
-            )
-            for q, v, u, c, s in zip(
-                *(state[name] for name in (*RUN, "loss", "success")), strict=True
-            )
-        )
-        return cls(
-            runs=runs,
-            process=process,
-            numbers=state.get("numbers"),
-            seconds=float(state["seconds"]),
-        )
+        try:
+            memory = _recalled(state, period)
+            shapes = [
+                run.position.ndim + run.velocity.ndim + run.command.ndim for run in memory.runs
+            ]
+            if set(shapes) != {6} or len(memory.tried) != len(memory.runs) - 1:
+                raise ValueError(f"{len(memory.runs)} trials, and {len(memory.tried)} policies")
+        except (LookupError, TypeError, ValueError, SearchError) as error:
+            raise StateError(
+                f"its state cannot be read: {error}",
+                where="a search to be resumed",
+                fix="begin anew, or give the state as this search kept it",
+            ) from error
+        return memory
+
+
+def _recalled(state: State, period: float) -> Memory:
+    parts = ("inputs", "targets", "lengths", "signal", "noise")
+    process = None
+    if "process.inputs" in state:
+        process = GaussianProcess(**{name: state[f"process.{name}"] for name in parts})
+    runs = tuple(
+        Experience(position=q, velocity=v, command=u, period=period, loss=float(c), success=bool(s))
+        for q, v, u, c, s in zip(*(state[name] for name in (*RUN, "loss", "success")), strict=True)
+    )
+    names = [name for name in state if name.startswith(TRIED)]
+    tried = tuple(
+        dict(zip((name.removeprefix(TRIED) for name in names), each, strict=True))
+        for each in zip(*(state[name] for name in names), strict=True)
+    )
+    return Memory(
+        runs=runs,
+        tried=tried,
+        process=process,
+        numbers=state.get("numbers"),
+        seconds=float(state["seconds"]),
+    )

@@ -66,7 +66,7 @@ class Particles:
         self._precision = number(process.precision)
         self._angles = number(view.lift.angles.T.copy())
         mean, covariance = view.start
-        self._start = number(mean), number(np.linalg.cholesky(covariance))
+        self._start = number(mean), number(_root(covariance))
         low, high = view.bounds
         self._middle, self._half = number((low + high) / 2.0), number((high - low) / 2.0)
         self._costs = [(number(c.A.T.copy()), number(c.b), c.weight, c.norm) for c in view.costs]
@@ -130,3 +130,9 @@ class Particles:
         loss = self.loss(at, chance)
         (slope,) = torch.autograd.grad(loss, at)
         return float(loss.detach()), slope.numpy()
+
+
+def _root(covariance: Array) -> Array:
+    """Return the symmetric square root of a covariance, which may be that of no chance at all."""
+    values, vectors = np.linalg.eigh(covariance)
+    return np.asarray((vectors * np.sqrt(np.maximum(values, 0.0))) @ vectors.T)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from abc import abstractmethod
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -35,6 +36,8 @@ class BeliefSearch(Search):
     """A trial with random commands; then, in turn, learn, improve the policy, and try it."""
 
     from_trials = True
+    kind: ClassVar[type[Policy]]
+    """What it makes: of this kind are the numbers that it keeps of what it tried."""
 
     rounds: int = 6
     """Trials of policies, if nothing else is said."""
@@ -81,7 +84,6 @@ class BeliefSearch(Search):
         memory = Memory.of(state, problem.task.period)
         begun = time.perf_counter() - memory.seconds
         record: list[Trial] = []
-        policies: dict[int, Policy] = {}
         for number in range(len(memory.runs), (trials or self.rounds) + 1):
             # Each trial has a chance of its own, so that one that is resumed is the same.
             rng = np.random.default_rng((seed, number))
@@ -91,9 +93,10 @@ class BeliefSearch(Search):
             else:
                 process = self.learned(view, memory)
                 found = self.improved(view, process, memory, rng)
-                policies[number] = found.policy
                 run = target.trial(found.policy, rng)
-                memory = memory.after(run, process=process, numbers=found.numbers)
+                memory = memory.after(
+                    run, tried=found.policy.weights(), process=process, numbers=found.numbers
+                )
                 note = f"expected {found.expected:.1f}"
             memory = memory.at(time.perf_counter() - begun)
             record.append(
@@ -107,7 +110,7 @@ class BeliefSearch(Search):
                 )
             )
             told(record[-1], memory.state())
-        return self._best(policies, memory, tuple(record), problem)
+        return self._best(view, memory, tuple(record))
 
     def random(self, view: View, rng: np.random.Generator) -> Array:
         """Return random commands within their bounds, each held for some periods."""
@@ -121,28 +124,22 @@ class BeliefSearch(Search):
         inputs, targets = memory.data(view)
         return fit(*memory.spread(inputs, targets, self.most_data), before=memory.process)
 
-    def _best(
-        self,
-        policies: dict[int, Policy],
-        memory: Memory,
-        record: tuple[Trial, ...],
-        problem: Problem,
-    ) -> Learned:
-        if not policies:
-            raise SearchError(
-                f"all {len(memory.runs)} trials were made before, and no policy is left to try",
-                where=f"search {self.name}, task {problem.task.name}",
-                fix="ask for more trials",
-            )
-        best = min(policies, key=lambda at: (not memory.runs[at].success, memory.runs[at].loss))
-        succeeded = memory.runs[best].success
+    def _best(self, view: View, memory: Memory, record: tuple[Trial, ...]) -> Learned:
+        """Return the policy whose trial was the best of all, those before a kill too."""
+        run = memory.runs[memory.best]
+        policy = self.kind.of(
+            memory.tried[memory.best - 1],
+            action=view.action,
+            period=view.task.period,
+            observation=view.observation,
+        )
         return Learned(
-            policy=policies[best],
+            policy=policy,
             trials=record,
-            succeeded=succeeded,
+            succeeded=run.success,
             why=""
-            if succeeded
-            else f"none of {len(policies)} trials reached every goal; the best cost "
-            f"{memory.runs[best].loss:.1f}",
+            if run.success
+            else f"none of {len(memory.tried)} trials reached every goal; the best cost "
+            f"{run.loss:.1f}",
             experience=memory.runs,
         )

@@ -1,15 +1,17 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import ClassVar
 
 import numpy as np
 import pytest
 
 from morph.arrays import Array
 from morph.body.load import load
-from morph.errors import SearchError
+from morph.errors import SearchError, StateError
 from morph.policy.policy import Policy
 from morph.search.belief.search import BeliefSearch
+from morph.search.mc_pilco import McPilco
 from morph.search.pddp import Pddp
 from morph.search.pilco import Pilco
 from morph.search.search import Problem, State, Trial
@@ -19,6 +21,7 @@ from morph.task.tasks import task
 
 SMALL: tuple[BeliefSearch, ...] = (
     Pilco(units=8, steps=12, short=4, starts=1),
+    McPilco(units=8, particles=20, steps=6, starts=2),
     Pddp(steps=4, samples=50, starts=1, widths=(2.0, 1.0)),
 )
 
@@ -45,6 +48,50 @@ def test_a_killed_search_goes_on_to_the_same_policy(search: BeliefSearch, proble
     assert [trial.number for trial in resumed.trials] == [2]
     assert resumed.experience[2].loss == whole.experience[2].loss
     assert np.array_equal(resumed.experience[2].command, whole.experience[2].command)
+    assert resumed.policy == whole.policy
+    assert resumed.why == whole.why
+
+
+class Fading(Simulated):
+    """A target on which each trial is said to cost one more than the one before."""
+
+    made: ClassVar[list[Policy | Array]] = []
+
+    def trial(self, policy: Policy | Array, rng: np.random.Generator) -> Experience:
+        self.made.append(policy)
+        return replace(super().trial(policy, rng), loss=float(len(self.made)))
+
+
+@pytest.mark.parametrize("search", SMALL, ids=lambda each: each.name)
+@pytest.mark.parametrize("trials", [1, 2, 3])
+def test_a_search_that_goes_on_still_knows_the_best_before_the_kill(
+    search: BeliefSearch, trials: int, short: Task, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made: list[Policy | Array] = []
+    monkeypatch.setattr(Fading, "made", made)
+    problem = Problem(task=short, target=Fading(task=short, simulator=short.simulator()))
+    states: list[State] = []
+    search.run(problem, seed=8, trials=2, told=lambda _, state: states.append(state))
+    found = search.run(problem, seed=8, trials=trials, state=states[-1])
+    # The second one after the random commands cost more; those before it are no policy.
+    assert found.policy == made[1]
+    assert len(made) == max(3, trials + 1)
+    assert f"none of {max(2, trials)} trials" in found.why
+
+
+def test_policies_that_are_missing_are_not_overlooked(problem: Problem) -> None:
+    states: list[State] = []
+    SMALL[0].run(problem, seed=8, trials=1, told=lambda _, state: states.append(state))
+    spoilt = {name: each for name, each in states[1].items() if not name.startswith("tried.")}
+    with pytest.raises(StateError, match="2 trials, and 0 policies"):
+        SMALL[0].run(problem, seed=8, trials=2, state=spoilt)
+
+
+@pytest.mark.parametrize("search", SMALL, ids=lambda each: each.name)
+def test_a_start_that_is_known_exactly_is_no_obstacle(search: BeliefSearch, short: Task) -> None:
+    exact = replace(short, start=replace(short.start, spread=0.0))
+    problem = Problem(task=exact, target=Simulated(task=exact, simulator=exact.simulator()))
+    assert len(search.run(problem, seed=9, trials=1).trials) == 2
 
 
 @pytest.mark.parametrize("search", SMALL, ids=lambda each: each.name)
