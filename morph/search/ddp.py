@@ -10,7 +10,7 @@ from typing import ClassVar
 import numpy as np
 
 from morph.arrays import Array
-from morph.errors import SearchError
+from morph.errors import SearchError, StateError
 from morph.search.plan.best import Planned, planned
 from morph.search.plan.concluded import concluded
 from morph.search.plan.ground import grounded
@@ -78,6 +78,9 @@ class Plan(Search):
         best, first = (None, 1) if state is None else _restored(state)
         record: list[Trial] = []
         for number in range(first, (trials or self.rounds) + 1):
+            # Before the round: one that was killed after it was content has nothing to add.
+            if best is not None and self._content(best):
+                break
             # Each round has chance of its own, so that one that goes on finds what it would have.
             rng = np.random.default_rng([seed, number])
             found = planned(
@@ -98,8 +101,6 @@ class Plan(Search):
                 )
             )
             told(record[-1], _kept(best, number))
-            if best.success >= SURE and (self.target <= 0.0 or best.loss <= self.target):
-                break
         if best is None:
             raise SearchError(
                 "it was given no round to search in",
@@ -114,6 +115,10 @@ class Plan(Search):
             what="the best plan",
             hint="more rounds, more rows or a margin may find a better one",
         )
+
+    def _content(self, best: Planned) -> bool:
+        """Return whether no further round is wanted."""
+        return best.success >= SURE and (self.target <= 0.0 or best.loss <= self.target)
 
 
 def _kept(best: Planned, number: int) -> Mapping[str, Array]:
@@ -130,7 +135,7 @@ def _restored(state: State) -> tuple[Planned, int]:
     """Return the best plan so far, and the round with which to go on.
 
     Raises:
-        SearchError: It is not what such a search keeps.
+        StateError: It is not what such a search keeps.
     """
     try:
         names = ("position", "velocity", "command", "cost")
@@ -142,7 +147,7 @@ def _restored(state: State) -> tuple[Planned, int]:
         )
         return best, int(state["round"]) + 1
     except (KeyError, IndexError, TypeError, ValueError) as error:
-        raise SearchError(
+        raise StateError(
             f"what it is to go on from lacks a plan: {error}",
             where="the search ddp",
             fix="begin anew, or give what this search wrote",

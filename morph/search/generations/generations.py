@@ -11,7 +11,7 @@ from typing import Protocol
 import numpy as np
 
 from morph.arrays import Array
-from morph.errors import SearchError
+from morph.errors import SearchError, StateError
 from morph.policy.policy import Policy
 from morph.search.evaluate import Score
 from morph.search.family.families import family_of
@@ -96,6 +96,9 @@ class Generations(Search):
         begun = time.perf_counter() - best.seconds
         record: list[Trial] = []
         for number in range(best.number + 1, (trials or self.generations) + 1):
+            # Before the generation: one that was killed after this has nothing to add.
+            if best.share == 1.0:
+                break
             # Each generation has a chance of its own, so that one that is resumed is the same.
             rng = np.random.default_rng((seed, number))
             points = np.clip(sampler.ask(self.population, rng), 0.0, 1.0)
@@ -115,7 +118,7 @@ class Generations(Search):
             best = replace(best, number=number, seconds=time.perf_counter() - begun)
             record.append(best.trial(float(losses[first]), float(losses.mean())))
             told(record[-1], {**sampler.state(), **best.state()})
-            if best.share == 1.0 or best.seconds > self.most_seconds:
+            if best.seconds > self.most_seconds:
                 break
         return self._learned(best, sampler.mean, family, problem, seed, tuple(record))
 
@@ -178,13 +181,13 @@ class Best:
         """Return what a state holds, or a new one at the start.
 
         Raises:
-            SearchError: The state is of a search with other numbers.
+            StateError: The state is of a search with other numbers.
         """
         if state is None:
             return cls(point=family.start)
         point = np.asarray(state["best.point"])
         if point.shape != (len(family.numbers),):
-            raise SearchError(
+            raise StateError(
                 f"its state has {len(point)} free numbers, and the family {len(family.numbers)}",
                 where="a search by generations",
                 fix="go on with the task and the settings that it was begun with",

@@ -18,7 +18,7 @@ ENOUGH = 0.95
 def concluded(
     problem: Problem,
     policy: Policy,
-    record: tuple[Trial, ...],
+    record: tuple[Trial, ...] | None,
     *,
     seed: int,
     what: str,
@@ -29,7 +29,8 @@ def concluded(
     Args:
         problem: What it was given.
         policy: Its best policy.
-        record: Its learning record; if empty, these runs become its only line.
+        record: Its learning record, empty if all was done before a kill; of None these runs
+            become the only line.
         seed: Its seed; these runs have chance of their own.
         what: What the policy is, to begin the reason with.
         hint: What to end the reason with.
@@ -41,7 +42,8 @@ def concluded(
         f"{what} reaches every goal in {score.share:.0%} of {len(score.loss)} noisy runs, "
         f"at a mean loss of {score.mean:.3g}; {hint}"
     )
-    record = record or (Trial(number=1, loss=score.mean, success=score.share, seconds=0.0),)
+    if record is None:
+        record = (Trial(number=1, loss=score.mean, success=score.share, seconds=0.0),)
     return Learned(policy=policy, trials=record, succeeded=fine, why="" if fine else why)
 
 
@@ -66,7 +68,7 @@ def concluded_at_once(
         what: What the policy is, to begin the reason with if it failed.
         hint: What to end the reason with.
     """
-    found = concluded(problem, policy, (), seed=seed, what=what, hint=hint)
+    found = concluded(problem, policy, None, seed=seed, what=what, hint=hint)
     trial = replace(found.trials[0], seconds=time.monotonic() - began)
     told(trial, {})
     return replace(found, trials=(trial,))

@@ -85,6 +85,17 @@ def test_a_search_that_goes_on_from_what_it_kept_ends_as_one_that_was_not_stoppe
         search.run(problem(wanted), seed=100, state={"round": np.array(1.0)})
 
 
+def test_a_search_that_was_content_when_it_was_killed_makes_no_further_round() -> None:
+    wanted = task("swing-up", load("pendulum"))
+    kept: list[State] = []
+    search = Plan(rows=64, keep=2, most=8, runs=4)
+    whole = search.run(problem(wanted), seed=100, told=lambda _, state: kept.append(state))
+    assert len(whole.trials) < search.rounds
+    rest = search.run(problem(wanted), seed=100, state=kept[-1])
+    assert rest.trials == ()
+    assert rest.policy == whole.policy
+
+
 def test_guesses_stay_within_their_margin(cartpole: Task) -> None:
     rng = np.random.default_rng(100)
     ground = grounded(cartpole, cartpole.simulator(), margin=0.25, rng=rng)

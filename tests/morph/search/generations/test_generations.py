@@ -95,6 +95,19 @@ def test_a_posture_by_inverse_kinematics_succeeds_at_once() -> None:
     assert len(learned.trials) == 1
 
 
+@pytest.mark.parametrize("search", SEARCHES)
+def test_a_search_that_was_content_when_it_was_killed_makes_no_further_generation(
+    search: type[Generations],
+) -> None:
+    task = reach(load("so101"))
+    states: list[State] = []
+    whole = quick(search).run(problem(task), seed=100, told=lambda _, state: states.append(state))
+    assert len(whole.trials) < 4
+    rest = quick(search).run(problem(task), seed=100, state=states[-1])
+    assert rest.trials == ()
+    assert rest.policy == whole.policy
+
+
 def test_settings_that_cannot_be_are_refused() -> None:
     with pytest.raises(SearchError, match="at least 4 policies"):
         CmaEs(population=2)
