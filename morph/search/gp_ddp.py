@@ -142,8 +142,16 @@ class LearnedPlans(Search):
         """Return what promises most by all that was seen, of new plans too if they are wanted."""
         task = problem.task
         settings = settings_of(model, bounds, slides=self.slides, lawful=self.lawful)
-        data = memory.periods(settings.turning, task.period)
-        learned = fit(data, settings, memory.logs)
+        try:
+            data = memory.periods(settings.turning, task.period, settings.names)
+            learned = fit(data, settings, memory.logs)
+        except SearchError as error:
+            # Whoever gave a task has no periods to mend: told is what can be asked for instead.
+            raise SearchError(
+                f"trials show too little to learn from: {error.what}",
+                where=f"search {self.name} on {task.name} of {task.robot.name}",
+                fix="take another seed, or a search that works in a simulator, such as ddp",
+            ) from error
         dream = Dream(task, model, bounds, learned)
         new = plans(task, dream, self.effort, rng) if anew else None
         noise = np.concatenate(

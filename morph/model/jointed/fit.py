@@ -41,6 +41,8 @@ class Settings:
     """A natural size of each command: its bound."""
     lawful: bool = True
     """Whether accelerations are known to be quadratic in velocities and affine in commands."""
+    names: tuple[str, ...] = ()
+    """What the joints are called, for messages; by their numbers without."""
 
 
 def fit(data: Transitions, settings: Settings, before: Array | None = None) -> Jointed:
@@ -73,7 +75,7 @@ def _empty(data: Transitions, settings: Settings, before: Array | None) -> Joint
     """Return a model that has its units from the data, but has not seen them yet."""
     joints = data.position.shape[1]
     size = torch.as_tensor(data.acceleration.std(axis=0))
-    _check_moved(size, data)
+    _check_moved(size, data, settings.names)
     layout = Layout(
         turning=settings.turning,
         sliding=settings.sliding,
@@ -110,11 +112,12 @@ def _corrected(model: Jointed, data: Transitions) -> torch.Tensor:
     return model.mean(q, v, u) + missed
 
 
-def _check_moved(size: torch.Tensor, data: Transitions) -> None:
+def _check_moved(size: torch.Tensor, data: Transitions, names: tuple[str, ...]) -> None:
     still = [at for at, each in enumerate(size.tolist()) if not each > 1e-9]
     if still:
+        which = f"{names[still[0]]!r}" if names else f"number {still[0]}"
         raise SearchError(
-            f"joint number {still[0]} kept its velocity through all {len(data.command)} periods",
+            f"joint {which} kept its velocity through all {len(data.command)} periods",
             where="the periods to learn from",
             fix="give a first trial that moves every joint: larger or longer random commands",
         )

@@ -73,18 +73,27 @@ class Transitions:
         position = 0.5 * (self.position + self.next_position) - bend
         return position, 0.5 * (self.velocity + self.next_velocity)
 
-    def slower(self, turning: tuple[int, ...], farthest: float) -> Transitions:
+    def slower(
+        self, turning: tuple[int, ...], farthest: float, names: tuple[str, ...] = ()
+    ) -> Transitions:
         """Return the periods in which no joint turned farther than so many rad.
+
+        Args:
+            turning: The joints that turn.
+            farthest: By how much they may, rad.
+            names: What the joints are called, for the message.
 
         Raises:
             SearchError: Too few are left.
         """
         joints = list(turning)
-        turned = np.abs(self.next_position - self.position)[:, joints].max(axis=1, initial=0.0)
-        kept = turned <= farthest
+        moved = np.abs(self.next_position - self.position)[:, joints]
+        kept = moved.max(axis=1, initial=0.0) <= farthest
         if int(kept.sum()) < FEWEST:
+            most = int((moved > farthest).sum(axis=0).argmax())
+            which = f"joint {names[joints[most]]!r}" if names else "a joint"
             raise SearchError(
-                f"in {int((~kept).sum())} of {len(kept)} control periods a joint turned by more "
+                f"in {int((~kept).sum())} of {len(kept)} control periods {which} turned by more "
                 f"than {farthest:g} rad",
                 where="the periods to learn from",
                 fix="begin with weaker random commands, or take a shorter control period",

@@ -117,6 +117,7 @@ def settings_of(model: Any, bounds: tuple[Array, Array], *, slides: bool, lawful
         sliding=tuple(int(i) for i in np.flatnonzero(~turning)) if slides else (),
         command_size=tuple(float(x) for x in np.maximum(np.maximum(-bounds[0], bounds[1]), 1e-9)),
         lawful=lawful,
+        names=tuple(str(model.joint(i).name) for i in range(model.njnt)),
     )
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from morph.arrays import Array
-from morph.errors import SearchError
+from morph.errors import StateError
 from morph.model.jointed.transition import Transitions, transitions
 from morph.search.dream.choice import Plans, joined
 from morph.search.search import State, Trial
@@ -44,10 +44,12 @@ class Memory:
         """How many trials had random commands."""
         return len(self.experience) - (0 if self.tried is None else len(self.tried.command))
 
-    def periods(self, turning: tuple[int, ...], period: float) -> Transitions:
+    def periods(
+        self, turning: tuple[int, ...], period: float, names: tuple[str, ...] = ()
+    ) -> Transitions:
         """Return what all trials showed, but for periods in which a joint turned too far."""
         runs = [(each.position, each.velocity, each.command) for each in self.experience]
-        return transitions(runs, period).slower(turning, FARTHEST)
+        return transitions(runs, period).slower(turning, FARTHEST, names)
 
     def after(self, shown: Experience, plan: Plans | None, seconds: float, note: str) -> Memory:
         """Return it with one more trial."""
@@ -89,7 +91,7 @@ def recalled(state: State) -> Memory:
     """Return what `Memory.state` kept; the notes of the record are lost.
 
     Raises:
-        SearchError: An array is missing.
+        StateError: An array is missing.
     """
     try:
         parts = zip(
@@ -113,7 +115,7 @@ def recalled(state: State) -> Memory:
             )
             memory = memory.after(shown, plan, float(seconds), "")
     except (KeyError, ValueError) as error:
-        raise SearchError(
+        raise StateError(
             f"its state cannot be read: {error}",
             where="a search to be resumed",
             fix="begin anew, or give the state as this search kept it",

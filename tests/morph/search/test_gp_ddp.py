@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pytest
@@ -99,6 +99,29 @@ def test_what_is_kept_is_what_is_recalled(whole: tuple[Learned, Told, Counted]) 
     assert set(again) == set(state)
     for name, value in state.items():
         assert np.array_equal(again[name], value)
+
+
+def test_a_body_that_never_moved_is_named_with_its_joint_and_its_task(swing: Task) -> None:
+    @dataclass(frozen=True, kw_only=True)
+    class Stuck(Simulated):
+        """A robot whose brake is on, or whose joint spins as fast as nothing can."""
+
+        speed: float = 0.0
+
+        def trial(self, policy: Policy | Array, rng: np.random.Generator) -> Experience:
+            shown = super().trial(policy, rng)
+            turned = self.speed * shown.period * np.arange(len(shown.position))[:, None]
+            speed = np.full_like(shown.velocity, self.speed)
+            return replace(shown, position=turned, velocity=speed)
+
+    joint = swing.robot.joints[0].name
+    for speed, what in ((0.0, "kept its velocity"), (100.0, "turned by more than 1.2 rad")):
+        stuck = Stuck(task=swing, simulator=swing.simulator(), speed=speed)
+        with pytest.raises(SearchError, match=what) as found:
+            SMALL.run(Problem(task=swing, target=stuck), seed=100, trials=1)
+        assert found.value.where == "search gp-ddp on swing-up of pendulum"
+        assert f"joint {joint!r}" in found.value.what
+        assert found.value.fix.startswith("take another seed")
 
 
 def test_nothing_to_try_on_or_nothing_to_read_is_refused(swing: Task) -> None:
