@@ -155,6 +155,7 @@ def _searched(
     asked: Learn, task: Task, search: Search, kept: Kept, before: Before
 ) -> tuple[Learned, float]:
     """Return what the search found, and how long it took, the time before an interrupt too."""
+    from morph.app.cli.going_on import going_on
     from morph.app.cli.progress import progress
     from morph.search.search import Problem
     from morph.search.target import Simulated
@@ -172,9 +173,10 @@ def _searched(
             kept.add(trial, state)
             show(trial)
 
-        learned = search.run(
-            problem, seed=asked.seed, trials=asked.trials, told=told, state=before.state
-        )
+        with going_on(kept.out, before):
+            learned = search.run(
+                problem, seed=asked.seed, trials=asked.trials, told=told, state=before.state
+            )
     known = {trial.number for trial in kept.trials}
     kept.trials += [trial for trial in learned.trials if trial.number not in known]
     return learned, time.perf_counter() - began

@@ -99,7 +99,7 @@ class Refusing(Search):
 
     name: ClassVar[str] = "refusing"
 
-    def run(self, problem: Problem, **_: Any) -> Learned:
+    def found(self, problem: Problem, **_: Any) -> Learned:
         raise SearchError("it needs gradients", where="task balance", fix="take cmaes")
 
 

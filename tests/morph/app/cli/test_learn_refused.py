@@ -6,6 +6,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+from morph.app.cli.main import main
+from morph.search.cmaes import CmaEs
+from morph.search.ddp import Plan
+from morph.search.pddp import Pddp
+from morph.search.pilco import Pilco
+from morph.search.search import Search
+
 BALANCE = ("balance", "--robot", "cartpole", "--search", "growing", "--out", "out")
 
 
@@ -127,3 +134,39 @@ def test_a_finished_search_without_its_state_is_not_begun_over_it(
     Path("out/state.npz").unlink()
     capsys.readouterr()
     assert "without its state" in bench.refused(*BALANCE, "--trials", "2")["what"]
+
+
+SEARCHED: tuple[tuple[str, str, Search], ...] = (
+    ("reach", "so101", CmaEs(population=6, runs=1, checks=2)),
+    ("swing-up", "pendulum", Plan(rows=16, keep=1, most=1, runs=2)),
+    ("swing-up", "pendulum", Pilco(units=5, steps=2, short=1, starts=1)),
+    ("swing-up", "pendulum", Pddp(steps=1, samples=20, starts=1, widths=(1.0,))),
+)
+
+
+@pytest.mark.parametrize(("task", "robot", "search"), SEARCHED, ids=lambda each: str(each)[:5])
+def test_a_state_of_spoilt_arrays_is_one_message(
+    task: str,
+    robot: str,
+    search: Search,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    bench: Any,
+) -> None:
+    monkeypatch.setattr("morph.app.cli.learn._search", lambda *_: search)
+    asked = (task, "--robot", robot, "--out", "out", "--quiet")
+    main(["learn", *asked, "--trials", "1"])
+    capsys.readouterr()
+    with np.load("out/state.npz") as file:
+        kept = {name: np.array(file[name]) for name in file.files}
+    own = {name: value for name, value in kept.items() if name.startswith("state.")}
+    for spoilt in (
+        {name: value for name, value in own.items() if name == min(own)},
+        {name: np.full(value.shape, "text") for name, value in own.items()},
+        {name: value[..., None, None] for name, value in own.items()},
+    ):
+        others = {name: value for name, value in kept.items() if name not in own}
+        np.savez("out/state.npz", **others, **spoilt)
+        found = bench.refused(*asked, "--trials", "2")
+        assert found["where"] == "out/state.npz"
+        assert "--fresh" in found["fix"]
