@@ -36,7 +36,7 @@ class Named(Search):
     step: float = 0.5
     """A setting."""
 
-    def run(self, problem: Problem, **how: Any) -> Learned:
+    def found(self, problem: Problem, **how: Any) -> Learned:
         raise NotImplementedError
 
 
@@ -123,7 +123,9 @@ def test_words_from_elsewhere_stay_words(outcome: Outcome) -> None:
         task=replace(
             outcome.task,
             name=HOSTILE,
-            terms=tuple(replace(term, name=HOSTILE) for term in outcome.task.terms),
+            terms=tuple(
+                replace(term, name=f"{HOSTILE}{at}") for at, term in enumerate(outcome.task.terms)
+            ),
         ),
         judged=replace(outcome.judged, terms={HOSTILE: 1.0}, goals={HOSTILE: 1.0}),
     )
