@@ -27,6 +27,7 @@ from morph.files import write_whole
 from morph.policy.linear import Linear
 from morph.policy.observing import observations_of
 from morph.policy.policy import actions_of
+from morph.sim.integrator import Integrator
 
 EXAMPLE = """example:
   python -m experiments.bench_search --only inside --seeds 5
@@ -49,6 +50,9 @@ FROM_DATA = "gp-ddp"
 TRIALS = 4
 """Policy trials that it may make."""
 
+
+STEPPERS: tuple[Integrator, ...] = ("implicitfast", "rk4")
+"""What closed loops are stepped by."""
 
 PERIODS = (25, 50, 100, 200, 400, 800)
 """Control periods of the plans whose price is drawn."""
@@ -87,7 +91,13 @@ def _throughput(seeds: range, quick: bool) -> JSON:
         bias=np.zeros(1),
     )
     counts = (64,) if quick else (256, 1024, 4096)
-    return {str(rows): throughput("cartpole", policy, rows=rows) for rows in counts}
+    return {
+        integrator: {
+            str(rows): throughput("cartpole", policy, rows=rows, integrator=integrator)
+            for rows in counts
+        }
+        for integrator in STEPPERS
+    }
 
 
 def _growth(seeds: range, quick: bool) -> JSON:
@@ -147,8 +157,9 @@ def report(found: JSON) -> None:
         )
     for name, (loss, share) in found.get("controls", {}).items():
         print(f"{name}: loss {loss:.2f}, {share:.0%} strict")
-    for rows, rate in found.get("throughput", {}).items():
-        print(f"closed loop of {rows} cart-poles with a linear policy: {rate:,.0f} steps/s")
+    for integrator, rates in found.get("throughput", {}).items():
+        each = ", ".join(f"{rows}: {rate:,.0f}" for rows, rate in rates.items())
+        print(f"closed loops with a linear policy by {integrator}, steps/s by cart-poles: {each}")
     if "moments" in found:
         moments.report(found["moments"])
     if found.get("growth"):
@@ -158,8 +169,8 @@ def report(found: JSON) -> None:
             ("horizons", "periods", "seconds"),
             ("data", "data", "fit_s"),
         ):
-            each = [f"{row[x]}: {row[y]:.3g}" for row in of[key]]
-            print(f"seconds by {x} ({key}): {', '.join(each)}")
+            points = [f"{row[x]}: {row[y]:.3g}" for row in of[key]]
+            print(f"seconds by {x} ({key}): {', '.join(points)}")
     if "model-free" in found:
         print(f"SAC: {found['model-free'] or 'stable-baselines3 is not installed'}")
 

@@ -89,7 +89,7 @@ def report(rows: list[JSON]) -> int:
             record["search"]["name"],
             "yes" if fine else "no",
             f"{record['judged']['success']:.0%}",
-            f"{record['judged']['loss']:.3g}",
+            f"{record['judged']['loss']['mean']:.3g}",
             ", ".join(f"{name} {of['success']:.0%}" for name, of in record["controls"].items()),
             f"{row['wall_s']:.0f}",
         )
