@@ -25,8 +25,8 @@ BODIES = (
     ("cart_three_links", "balance"),
     ("cart_five_links", "balance"),
     ("biped", "stand"),
-    ("quadruped_printed", "walk"),
     ("hexapod_swimmer", "swim"),
+    ("quadruped_printed", "walk"),
     ("sea_snake", "swim"),
     ("humanoid", "stand"),
 )
