@@ -83,5 +83,9 @@ class DiagnosisError(MorphError):
     """A diagnosis cannot be made from what was given."""
 
 
+class TransferError(MorphError):
+    """A policy cannot be carried to a target, or the target cannot be used."""
+
+
 class OutputError(MorphError):
     """A result cannot be written."""

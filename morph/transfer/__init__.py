@@ -1,0 +1,1 @@
+"""Policies carried to another body: the loop, live targets, and the link to a service."""
