@@ -8,11 +8,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from morph.arrays import Array
+from morph.model.crossvalidate import MATERIAL, gain, probabilities, validated
 from morph.model.fit import Fit, fit
 from morph.model.hypothesis import Hypothesis
 from morph.model.screen import Suspect, suspects
 from morph.model.search import Contender, Search
-from morph.model.select import MATERIAL, gain, probabilities, validated
 from morph.model.trial import try_all
 from morph.physics import EFFECTS
 from morph.physics.effect import Effect

@@ -10,12 +10,12 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from morph.arrays import Array, Integers
+from morph.model.crossvalidate import MATERIAL, Gain, folds, gain, validated
 from morph.model.episodes import Episode
 from morph.model.fit import Fit, fit, measure
 from morph.model.hypothesis import Hypothesis
 from morph.model.screen import Suspect, suspects
 from morph.model.segments import Segments
-from morph.model.select import MATERIAL, Gain, folds, gain, validated
 from morph.model.shooting import predict
 from morph.model.trial import Tried, try_all
 from morph.physics.effect import Effect

@@ -9,6 +9,7 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.model.corrected import corrected, data, notes, provenance
+from morph.model.crossvalidate import MATERIAL, Gain, gain
 from morph.model.diagnosis import Diagnosis
 from morph.model.episodes import stretches
 from morph.model.evidence import Evidence
@@ -16,7 +17,6 @@ from morph.model.findings import chances, factors, findings
 from morph.model.locate import locate
 from morph.model.residual import LearnedResidual, learned
 from morph.model.score import Models, by_segment, improvement_low90, rmse, rollouts, traces
-from morph.model.select import MATERIAL, Gain, gain
 from morph.model.shooting import loss, predict
 
 FAR_FROM_NOISE = 4.0

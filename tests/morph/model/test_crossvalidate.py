@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from morph.body.robot import Robot
+from morph.model.crossvalidate import folds, gain, probabilities, validated
 from morph.model.episodes import episode, step_for
 from morph.model.fit import fit
 from morph.model.hypothesis import Hypothesis
 from morph.model.knobs import knobs
 from morph.model.segments import Segments, cut
-from morph.model.select import folds, gain, probabilities, validated
 from morph.physics.joint.viscous_friction import ViscousFriction
 from morph.record.recording import Recording
 

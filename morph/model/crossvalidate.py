@@ -1,4 +1,4 @@
-"""The choice among models: blocked cross-validation by linear algebra, and its certainty."""
+"""How sure a gain is: blocked cross-validation by linear algebra."""
 
 from __future__ import annotations
 
