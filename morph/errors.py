@@ -87,5 +87,24 @@ class TransferError(MorphError):
     """A policy cannot be carried to a target, or the target cannot be used."""
 
 
+class TrialStopped(TransferError):
+    """A trial on a live target ended before its time; the target was told to stop.
+
+    Args:
+        shown: What it showed until then, a `morph.search.target.Experience`; None if nothing.
+        pressed: Whether somebody asked for the stop.
+    """
+
+    def __init__(
+        self, what: str, *, where: str, fix: str, shown: Any = None, pressed: bool = False
+    ) -> None:
+        super().__init__(what, where=where, fix=fix)
+        self.shown, self.pressed = shown, pressed
+
+
+class LinkDropped(TransferError):
+    """A link is down: what was to be sent is not sent, and may be sent later."""
+
+
 class OutputError(MorphError):
     """A result cannot be written."""
