@@ -12,6 +12,7 @@ import numpy as np
 
 from morph.body.robot import Robot
 from morph.body.spec import spec_of
+from morph.body.vary.scale import Scale
 from morph.errors import DiagnosisError
 
 TRUST: Mapping[str, float] = {
@@ -29,11 +30,13 @@ class Knob:
     """One figure of the description, as the logarithm of a factor on it."""
 
     kind: str
-    """mass, com, inertia (of a link), gain (of an actuator), joint (damping and the like)."""
+    """mass, com, inertia, weight, length (of a link), gain (of an actuator), joint (damping and the
+    like), world (gravity)."""
     part: str
-    """The link, actuator or joint."""
+    """The link, actuator or joint; `world` for gravity."""
     what: str
-    """The figure: mass, com, inertia, gain, rate_gain, damping, armature and the like."""
+    """The figure: mass, com, inertia, gain, rate_gain, damping, armature and the like; weight is mass
+    and inertia together, length the size of a link whose mass stays."""
     fraction: float
     """By how much it may be wrong."""
 
@@ -65,12 +68,20 @@ class Knob:
         elif self.kind == "joint":
             joint = spec.joint(self.part)
             setattr(joint, self.what, getattr(joint, self.what) * factor)
+        elif self.kind == "world":
+            spec.option.gravity = np.asarray(spec.option.gravity) * factor
+        elif self.kind == "length":
+            Scale(link=self.part, factor=factor, mass="keep").apply(spec)
         else:
             body = spec.body(self.part)
             if self.what == "com":
                 body.ipos = body.ipos * factor
             elif self.what == "mass":
                 body.mass *= factor
+            elif self.what == "weight":
+                body.mass *= factor
+                body.inertia = body.inertia * factor
+                body.fullinertia = body.fullinertia * factor
             else:
                 body.inertia = body.inertia * factor
                 body.fullinertia = body.fullinertia * factor
@@ -107,7 +118,7 @@ def knobs(robot: Robot, vary: Mapping[str, float] | None = None) -> tuple[Knob, 
                 where=f"robot {robot.name}",
                 fix="give 0.1 for ten percent",
             )
-    return tuple(_that_matter(robot, found))
+    return tuple(that_matter(robot, found))
 
 
 def _candidates(robot: Robot, vary: Mapping[str, float]) -> list[Knob]:
@@ -137,7 +148,7 @@ def _fraction(kind: str, part: str, what: str, vary: Mapping[str, float]) -> flo
     return TRUST[kind]
 
 
-def _that_matter(robot: Robot, found: list[Knob]) -> list[Knob]:
+def that_matter(robot: Robot, found: list[Knob]) -> list[Knob]:
     """Leave out figures that change neither inertia, gravity nor drive: a cart's own turning."""
     rng = np.random.default_rng(0)
     nominal = spec_of(robot).compile()

@@ -11,6 +11,7 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.errors import SearchError
+from morph.model.latent.run import Run
 from morph.policy.observing import Observer, addresses
 from morph.policy.policy import Policy
 from morph.search.evaluate import check_period
@@ -42,6 +43,16 @@ class Experience:
     def seconds(self) -> float:
         """How long it lasted, s."""
         return len(self.command) * self.period
+
+    @property
+    def run(self) -> Run:
+        """What inference sees of it."""
+        return Run(
+            position=self.position,
+            velocity=self.velocity,
+            command=self.command,
+            period=self.period,
+        )
 
 
 class Target(ABC):

@@ -38,6 +38,15 @@ def vary(robot: Robot, *operations: Operation) -> Robot:
     name = "+".join((robot.name, *map(str, operations)))
     origin = robot.sha256 or sha256(robot.mjcf)
     digest = sha256(origin, *(repr(each) for each in operations))
+    return edited(robot, spec, name, digest)
+
+
+def edited(robot: Robot, spec: Any, name: str, digest: str) -> Robot:
+    """Return a robot as an edited `mujoco.MjSpec` of it describes; the spec is used up.
+
+    Raises:
+        RobotError: MuJoCo cannot use it.
+    """
     return _remembering(rebuilt(spec, robot, name, digest), robot)
 
 
