@@ -8,7 +8,7 @@ import pytest
 
 from morph.body.load import load
 from morph.body.spec import spec_of
-from morph.search.trajectory.tangent import apart, moved_by
+from morph.sim.tangent import apart, moved_by
 
 
 @pytest.mark.parametrize("name", ["humanoid", "cart_two_links"])
