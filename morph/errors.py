@@ -83,6 +83,10 @@ class DiagnosisError(MorphError):
     """A diagnosis cannot be made from what was given."""
 
 
+class EvidenceError(MorphError):
+    """Models cannot be chosen among by what was given."""
+
+
 class TransferError(MorphError):
     """A policy cannot be carried to a target, or the target cannot be used."""
 
