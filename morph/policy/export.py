@@ -14,6 +14,7 @@ from morph.arrays import JSON, Array
 from morph.body.robot import Robot
 from morph.errors import PolicyError
 from morph.files import write_whole
+from morph.policy.adjusted import Adjusted
 from morph.policy.bound import Bound
 from morph.policy.feedback import Feedback
 from morph.policy.files import EXPORTED, read_json
@@ -122,12 +123,16 @@ def _linear(graph: Graph, policy: Linear) -> str:
 def _radial(graph: Graph, policy: Radial) -> str:
     middle, centre, half = policy.scaled
     away = graph.node("Div", graph.node("Sub", _features(graph, policy), middle), policy.width)
-    x = graph.within(away, -LARGEST, LARGEST)
+    near = _near(graph, graph.within(away, -LARGEST, LARGEST), centre, half)
+    return _bounded(graph, graph.node("MatMul", near, policy.weight.T), policy.limited)
+
+
+def _near(graph: Graph, x: str, centre: Array, half: Array) -> str:
+    """Return the name of what radial functions give at x, in widths about their middle."""
     square = graph.node("ReduceSum", graph.node("Mul", x, x), np.array([1]), keepdims=1)
     power = graph.node("Sub", graph.node("MatMul", x, centre.T), half)
     power = graph.node("Sub", power, graph.node("Mul", square, 0.5))
-    near = graph.node("Exp", graph.node("Min", power, 0.0))
-    return _bounded(graph, graph.node("MatMul", near, policy.weight.T), policy.limited)
+    return graph.node("Exp", graph.node("Min", power, 0.0))
 
 
 def _network(graph: Graph, policy: Network) -> str:
@@ -152,17 +157,32 @@ def _track(graph: Graph, policy: Track) -> str:
     return _bounded(graph, told, policy.limited)
 
 
+def _adjusted(graph: Graph, policy: Adjusted) -> str:
+    told = LAWS[type(policy.source)](graph, policy.source)
+    z = graph.node("Concat", _features(graph, policy), told, axis=1)
+    added = _affine(graph, graph.within(z, -policy.reach, policy.reach), policy.law, policy.bias)
+    middle, parts = policy.scaled
+    rest = []
+    for at, (centre, half) in enumerate(parts):
+        away = graph.node("Div", graph.node("Sub", z, middle), policy.width[at])
+        near = _near(graph, graph.within(away, -LARGEST, LARGEST), centre, half)
+        rest.append(graph.node("MatMul", near, policy.weight[at][:, None]))
+    added = graph.node("Add", added, graph.node("Concat", *rest, axis=1))
+    return _bounded(graph, graph.node("Add", told, added), policy.limited)
+
+
 LAWS: dict[type[Policy], Callable[[Graph, Any], str]] = {
     Pattern: _pattern,
     Linear: _linear,
     Radial: _radial,
     Network: _network,
     Track: _track,
+    Adjusted: _adjusted,
 }
 """What each kind is in ONNX, readably and apart from the kind's own code."""
 
 
-def _features(graph: Graph, policy: Feedback) -> str:
+def _features(graph: Graph, policy: Feedback | Adjusted) -> str:
     seen = graph.within("observation", -LARGEST, LARGEST)
     plain, angles = policy.seen
     if not len(angles):

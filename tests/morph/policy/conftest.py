@@ -11,6 +11,7 @@ import pytest
 from morph.arrays import Array
 from morph.body.load import load
 from morph.body.robot import Robot
+from morph.policy.adjusted import Adjusted
 from morph.policy.angles import turning
 from morph.policy.linear import Linear
 from morph.policy.network import Network
@@ -100,4 +101,16 @@ def every(made: Made, pendulum: Robot) -> dict[str, Policy]:
     )
     swings = {each.actuator: Swing(amplitude=12.0, frequency=0.7, rate=0.1) for each in made.action}
     found["pattern"] = pattern(pendulum, swings, period=made.period)
+    d = inputs + actions
+    for name in ("track", "pattern"):
+        found[f"adjusted {name}"] = Adjusted(
+            source=found[name],
+            bias=rng.normal(size=actions),
+            law=0.3 * rng.normal(size=(actions, d)),
+            centre=rng.normal(size=(15, d)),
+            width=rng.uniform(3.0, 9.0, size=(actions, d)),
+            weight=rng.normal(size=(actions, 15)),
+            reach=rng.uniform(0.2, 1.0, size=d),
+            **made.all,
+        )
     return found
