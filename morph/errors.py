@@ -97,13 +97,21 @@ class TrialStopped(TransferError):
     Args:
         shown: What it showed until then, a `morph.search.target.Experience`; None if nothing.
         pressed: Whether somebody asked for the stop.
+        beyond: Whether the body went beyond a limit, which is the policy's doing.
     """
 
     def __init__(
-        self, what: str, *, where: str, fix: str, shown: Any = None, pressed: bool = False
+        self,
+        what: str,
+        *,
+        where: str,
+        fix: str,
+        shown: Any = None,
+        pressed: bool = False,
+        beyond: bool = False,
     ) -> None:
         super().__init__(what, where=where, fix=fix)
-        self.shown, self.pressed = shown, pressed
+        self.shown, self.pressed, self.beyond = shown, pressed, beyond
 
 
 class LinkDropped(TransferError):

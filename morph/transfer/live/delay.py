@@ -95,4 +95,5 @@ def _centre(left: Array, effect: Array, period: float) -> Delay | None:
     scatter = float(rest @ rest) / max(len(y) - len(weight), 1)
     slope = (lags - mean) / total
     error = float(np.sqrt(scatter * slope @ np.linalg.solve(gram, slope)))
-    return Delay(seconds=period * mean, error=period * error)
+    # A run that hardly excites leaves any delay possible.
+    return Delay(seconds=period * mean, error=period * error) if error < 1.0 else None

@@ -138,16 +138,11 @@ class Live(Target):
                 shown, clock, self.task.robot, self._simulator.model, self.keep, self._trials
             )
         if ended is not None:
-            raise self._stopped(ended.why, shown, pressed=ended.pressed, safe=safe)
+            raise self._stopped(ended, shown, safe=safe)
         most = self._watch.delay
         if delay is not None and most is not None and delay.seconds - 3.0 * delay.error > most:
-            raise self._stopped(
-                f"commands are obeyed {delay.seconds:.3g} s late (+- {delay.error:.2g}), more than "
-                f"{most:g} s",
-                shown,
-                pressed=False,
-                safe=safe,
-            )
+            why = f"commands are obeyed {delay.seconds:.3g} s late (+- {delay.error:.2g})"
+            raise self._stopped(Ended(f"{why}, more than {most:g} s"), shown, safe=safe)
         if shown is None:
             raise TransferError(
                 "a trial of one state shows nothing",
@@ -222,16 +217,17 @@ class Live(Target):
             notes=tuple(notes),
         )
 
-    def _stopped(
-        self, why: str, shown: Experience | None, *, pressed: bool, safe: bool
-    ) -> TrialStopped:
+    def _stopped(self, ended: Ended, shown: Experience | None, *, safe: bool) -> TrialStopped:
         samples = 0 if shown is None else len(shown.position)
         kept = f"{samples} of {self.task.samples} states are kept"
         told = "said that it stopped" if safe else "did not say that it stopped, and was let go"
         return TrialStopped(
-            f"{why}; {kept}, and the target {told}",
+            f"{ended.why}; {kept}, and the target {told}",
             where=f"{self.connection.name}, trial {self._trials}",
-            fix="go on when it is safe to" if pressed else "put the target right, and try again",
+            fix="go on when it is safe to"
+            if ended.pressed
+            else "put the target right, and try again",
             shown=shown,
-            pressed=pressed,
+            pressed=ended.pressed,
+            beyond=ended.beyond,
         )

@@ -30,11 +30,12 @@ class Ended(Exception):
     Args:
         why: In words.
         pressed: Whether somebody asked for it.
+        beyond: Whether the body is beyond a limit.
     """
 
-    def __init__(self, why: str, *, pressed: bool = False) -> None:
+    def __init__(self, why: str, *, pressed: bool = False, beyond: bool = False) -> None:
         super().__init__(why)
-        self.why, self.pressed = why, pressed
+        self.why, self.pressed, self.beyond = why, pressed, beyond
 
 
 class Session:
@@ -104,10 +105,8 @@ class Session:
             if pressed:
                 raise Ended(f"the stop button was pressed {pressed}", pressed=True)
             left = until - time.monotonic()
-            heard, self._spare = (
-                self._spare or self._connection.hear(min(SLICE, max(left, 0.0))),
-                None,
-            )
+            heard, self._spare = self._spare, None
+            heard = heard or self._connection.hear(min(SLICE, max(left, 0.0)))
             if heard is None:
                 if left <= 0.0:
                     raise Ended(f"it stopped answering: no state came within {patience:g} s")
@@ -141,9 +140,12 @@ class Session:
         self.velocity.append(v)
         self.time.append(heard.at if said is None or math.isnan(said) else said)
         self._came = heard.at
-        wrong = wrong or self._guard.breach(q, v) or (self._astray(q, v) if first else None)
+        wrong = wrong or (self._astray(q, v) if first else None)
         if wrong:
             raise Ended(wrong)
+        breach = self._guard.breach(q, v)
+        if breach:
+            raise Ended(breach, beyond=True)
 
     def _answer(self) -> None:
         """Tell what the policy commands at the newest state, within the limits."""
