@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from morph.body.robot import Robot
 from morph.body.load import load
+from morph.body.robot import Robot
 from morph.model.latent.unknowns import turned
 from morph.physics.effect import Effect
 from morph.search.target import Simulated

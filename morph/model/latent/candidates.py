@@ -106,9 +106,7 @@ def _own(base: Inferred) -> float:
     return -sum(each.cost - each.reach for each in base.bands)
 
 
-def _bounded(
-    hessian: Array, slope: Array, hypothesis: Hypothesis, point: Array, own: int
-) -> Array:
+def _bounded(hessian: Array, slope: Array, hypothesis: Hypothesis, point: Array, own: int) -> Array:
     """Return the step, the candidate's parameters kept within their bounds."""
     change = np.linalg.solve(hessian, slope)
     kept = np.clip(point[own:] + change[own:], hypothesis.low[own:], hypothesis.high[own:])

@@ -152,7 +152,9 @@ class _Search:
         )
         self.seen = 1.0 / noise**2
         half = len(noise) // 2
-        change = np.sqrt(np.mean([np.mean(np.diff(r.velocity, axis=0) ** 2, axis=0) for r in runs], axis=0))
+        change = np.sqrt(
+            np.mean([np.mean(np.diff(r.velocity, axis=0) ** 2, axis=0) for r in runs], axis=0)
+        )
         change = np.maximum(change, 2.0 * noise[half:])
         self.typical = np.concatenate([0.5 * transit.period * change, change])
 
@@ -217,9 +219,7 @@ class _Search:
             for slope, state, run in zip(slopes, states, self.runs, strict=True)
         ]
 
-    def _unsaid(
-        self, slopes: list[Slopes], states: list[Array], point: Array, now: float
-    ) -> float:
+    def _unsaid(self, slopes: list[Slopes], states: list[Array], point: Array, now: float) -> float:
         """Return the most probable share left out; it falls at most to a third in one step."""
         tried = [share for share in UNSAID if share >= 0.3 * now]
         found = [

@@ -63,7 +63,7 @@ def band(slopes: Slopes, state: Array, reading: Array, trust: Trust) -> Band:
 
     Minimised is half the sum over all times of
 
-        |y_t - h(x_t)|^2 in units of the noise  +  |x_(t+1) - f(x_t)|^2 in units of what is left out.
+        |y_t - h(x_t)|^2 in units of the noise + |x_(t+1) - f(x_t)|^2 in units of what is left out.
 
     Source: Bell 1994, SIAM J. Optimization 4(3), The iterated Kalman smoother as a Gauss-Newton
     method.

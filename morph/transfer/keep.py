@@ -1,0 +1,125 @@
+"""Trials on disk, so that a killed loop goes on at the trial it was in."""
+
+from __future__ import annotations
+
+import io
+import json
+import zipfile
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from morph.arrays import Array
+from morph.errors import OutputError, PolicyError
+from morph.files import write_whole
+from morph.policy.policy import Policy
+from morph.policy.store import load_policy, write_policy
+from morph.search.target import Experience
+from morph.task.task import Task
+from morph.transfer.tried import Tried
+
+STATE, TRIALS, SHOWN, ORIGIN = "loop.json", "trials", "experience.npz", "origin.json"
+"""Whose trials a folder holds; and of each trial what it showed, and where its policy came from."""
+
+MOST_BYTES = 50_000_000
+"""Largest file of a trial that is read."""
+
+
+class Keep:
+    """The trials of one loop in one folder.
+
+    Args:
+        out: The folder.
+        task: The source's task.
+        key: What must be the same for a loop to go on: the target's name, the seed.
+
+    Raises:
+        OutputError: The folder holds another loop's trials, or cannot be written to.
+    """
+
+    def __init__(self, out: Path, task: Task, key: Mapping[str, str]) -> None:
+        self.out, self.task = out, task
+        said = {"robot": task.robot.sha256 or task.robot.name, "task": task.sha256, **key}
+        state = out / STATE
+        if state.is_file():
+            _check(state, said)
+        else:
+            write_whole(state, json.dumps({"schema": "morph.loop/1", **said}, indent=1) + "\n")
+
+    def _folder(self, number: int) -> Path:
+        return self.out / TRIALS / f"{number:02d}"
+
+    def begin(self, number: int, policy: Policy, origin: str) -> None:
+        """Keep the policy that is about to be tried."""
+        folder = self._folder(number)
+        write_policy(
+            policy,
+            folder / "policy",
+            self.task.robot,
+            task=self.task.name,
+            task_sha256=self.task.sha256,
+        )
+        write_whole(folder / ORIGIN, json.dumps({"origin": origin}) + "\n")
+
+    def end(self, number: int, experience: Experience) -> None:
+        """Keep what a trial showed; it makes the trial a finished one."""
+        arrays: dict[str, Array] = {
+            name: np.asarray(value, dtype=float) for name, value in vars(experience).items()
+        }
+        held = io.BytesIO()
+        np.savez_compressed(held, allow_pickle=False, **arrays)
+        write_whole(self._folder(number) / SHOWN, held.getvalue())
+
+    def trial(self, number: int) -> Tried | None:
+        """Return a finished trial, or None if it is yet to be made.
+
+        Raises:
+            OutputError: What was kept of it is spoilt.
+        """
+        folder = self._folder(number)
+        if not (folder / SHOWN).is_file():
+            return None
+        try:
+            policy = load_policy(folder / "policy", self.task.robot)
+            origin = str(json.loads((folder / ORIGIN).read_text())["origin"])
+            return Tried(policy=policy, experience=_read(folder / SHOWN), origin=origin)
+        except (PolicyError, KeyError, TypeError, ValueError, OSError, zipfile.BadZipFile) as error:
+            raise OutputError(
+                f"trial {number + 1} cannot be read: {error}",
+                where=str(folder),
+                fix="remove the folder of this trial and those after it, or begin anew elsewhere",
+            ) from error
+
+
+def _check(state: Path, said: Mapping[str, str]) -> None:
+    try:
+        before = json.loads(state.read_text())
+        other = [name for name, value in said.items() if before[name] != value]
+    except (ValueError, KeyError, TypeError, OSError) as error:
+        raise OutputError(
+            f"it is no state of a loop: {error}",
+            where=str(state),
+            fix="name a new folder",
+        ) from error
+    if other:
+        raise OutputError(
+            f"the folder holds a loop with another {' and another '.join(other)}",
+            where=str(state.parent),
+            fix="name a new folder",
+        )
+
+
+def _read(path: Path) -> Experience:
+    if path.stat().st_size > MOST_BYTES:
+        raise ValueError(f"{path.name} is larger than {MOST_BYTES} bytes")
+    with np.load(path, allow_pickle=False) as held:
+        arrays = {name: np.asarray(held[name], dtype=float) for name in held.files}
+    return Experience(
+        position=arrays["position"],
+        velocity=arrays["velocity"],
+        command=arrays["command"],
+        period=float(arrays["period"]),
+        loss=float(arrays["loss"]),
+        success=bool(arrays["success"]),
+    )

@@ -1,0 +1,114 @@
+"""The source's simulation repaired: what runs on the target say that it got wrong or left out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from morph.arrays import Array
+from morph.body.robot import Robot
+from morph.model.latent.explain import Explained, explain
+from morph.model.latent.run import Run
+from morph.model.latent.unknowns import with_knobs
+from morph.physics.effect import Effect
+from morph.search.threads import one_thread
+from morph.sim.simulator import Simulator
+from morph.task.task import Task
+from morph.transfer.retask import task_for
+
+MOST_RUNS = 3
+"""Latest runs by which a simulation is repaired: more cost time, and tell little more."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Model:
+    """A task with the simulation in which it is thought to take place."""
+
+    task: Task
+    """The task for the body as it is thought to be."""
+    effects: tuple[Effect, ...]
+    """What acts on it beyond the task's own effects."""
+
+    @property
+    def simulator(self) -> Simulator:
+        """The simulation, compiled anew."""
+        return self.task.simulator(self.effects)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Repair:
+    """A repaired model, and what else the runs allow."""
+
+    model: Model
+    """The most probable."""
+    explained: Explained
+    """What differs, and how surely."""
+    task: Task
+    """The source's task."""
+
+    def drawn(self, count: int, rng: np.random.Generator) -> tuple[Model, ...]:
+        """Return models that the runs allow as well, drawn by their probability."""
+        found = self.explained.inferred
+        points = _within(
+            rng.multivariate_normal(found.point, found.covariance, size=count, method="eigh"),
+            found.hypothesis.low,
+            found.hypothesis.high,
+            len(found.hypothesis.knobs),
+        )
+        return tuple(self._at(point) for point in points)
+
+    def _at(self, point: Array) -> Model:
+        hypothesis = self.explained.inferred.hypothesis
+        knobs = hypothesis.knobs
+        robot = with_knobs(hypothesis.robot, knobs, point[: len(knobs)])
+        return _model(self.task, robot, hypothesis.effects_at(point))
+
+
+def _within(points: Array, low: Array, high: Array, knobs: int) -> Array:
+    """Return points whose effects keep to their bounds; knobs have none of use here."""
+    kept = points.copy()
+    kept[:, knobs:] = np.clip(points[:, knobs:], low[knobs:], high[knobs:])
+    return kept
+
+
+def repaired(
+    task: Task,
+    runs: Sequence[Run],
+    *,
+    candidates: Sequence[Effect] | None = None,
+    told: Callable[[str], None] = lambda said: None,
+) -> Repair:
+    """Return the source's simulation as runs on the target say it should be.
+
+    Args:
+        task: The source's task: its body as described, its effects as known.
+        runs: What the target showed, the latest last.
+        candidates: Effects to look for; default the whole library.
+        told: Is told what is going on.
+
+    Raises:
+        DiagnosisError: The body floats, or runs do not fit its clock.
+    """
+    simulator = task.simulator()
+    noise = np.full(2 * simulator.model.nv, max(task.noise, 1e-4))
+    with one_thread():
+        found = explain(
+            task.robot,
+            tuple(runs)[-MOST_RUNS:],
+            noise,
+            step=task.step,
+            integrator=simulator.integrator,
+            effects=task.effects,
+            candidates=candidates,
+            told=told,
+        )
+    model = _model(task, found.robot, found.effects)
+    return Repair(model=model, explained=found, task=task)
+
+
+def _model(task: Task, robot: Robot, effects: tuple[Effect, ...]) -> Model:
+    """Return the task for a body under effects, of which the first are the task's own."""
+    own = len(task.effects)
+    return Model(task=replace(task_for(task, robot), effects=effects[:own]), effects=effects[own:])
