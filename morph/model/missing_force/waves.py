@@ -1,0 +1,120 @@
+"""Features of a state whose weighted sum is a force: a Gaussian process in finite numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from morph.arrays import Array, Integers
+
+OWN = 16
+"""Waves of a joint's own velocity, each a sine and a cosine."""
+
+WHOLE = 32
+"""Waves of all that is looked at, likewise."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Waves:
+    """Features of a state for each joint, those of its own velocity first.
+
+    The force on joint j is a Gaussian process with the covariance
+
+        s_j^2 (exp(-|v_j - v_j'| / (r_j l)) + v_j v_j' / r_j^2) + z_j^2 exp(-|e - e'|^2 / (2 m^2)),
+
+    with e the cosines and sines of the angles and all velocities over their sizes r. The first
+    kernel is rough, as dry friction jumps where a joint turns back; the second is smooth. Each is
+    the mean of products of waves with frequencies of its spectrum, which is Cauchy's for the
+    first, at its quantiles, and a normal distribution for the second, drawn once.
+
+    Source: Rahimi and Recht 2007, NeurIPS 20, algorithm 1; Rasmussen and Williams 2006, eqs. 4.14
+    and 4.9 (with p = 0).
+    """
+
+    hinges: Integers
+    """Where the angles stand in a state, shape (hinges,)."""
+    slides: Integers
+    """Where the slides stand whose places matter, shape (slides,)."""
+    joints: int
+    """How many numbers a velocity has; a state is a position, then a velocity, of as many."""
+    size: Array
+    """r: typical sizes of the slides' places, then of the velocities, shape (slides + joints,)."""
+    own_length: float
+    """l, in sizes."""
+    length: float
+    """m, in sizes; of cosines and sines 1 is one."""
+    seed: int = 0
+    """Chance of the smooth kernel's frequencies."""
+
+    @property
+    def count(self) -> int:
+        """How many features each joint has."""
+        return 2 * OWN + 1 + 2 * WHOLE
+
+    @property
+    def own(self) -> int:
+        """How many of them are of its own velocity; they come first."""
+        return 2 * OWN + 1
+
+    @cached_property
+    def _frequencies(self) -> tuple[Array, Array]:
+        share = (np.arange(OWN) + 0.5) / OWN
+        numbers = 2 * len(self.hinges) + len(self.slides) + self.joints
+        drawn = np.random.default_rng(self.seed).normal(size=(numbers, WHOLE))
+        return np.tan(0.5 * np.pi * share) / self.own_length, drawn / self.length
+
+    def of(self, state: Array) -> Array:
+        """Return the features of states (..., 2 joints), shape (..., joints, count)."""
+        own, whole = self._frequencies
+        places = len(self.slides)
+        speed = state[..., self.joints :] / self.size[places:]
+        angle, place = state[..., self.hinges], state[..., self.slides] / self.size[:places]
+        looked = np.concatenate([np.cos(angle), np.sin(angle), place, speed], axis=-1)
+        alone = speed[..., None] * own
+        together = looked @ whole
+        shared = np.concatenate([np.cos(together), np.sin(together)], axis=-1) / np.sqrt(WHOLE)
+        found = np.empty((*speed.shape, self.count))
+        found[..., :OWN] = np.cos(alone) / np.sqrt(OWN)
+        found[..., OWN : 2 * OWN] = np.sin(alone) / np.sqrt(OWN)
+        found[..., 2 * OWN] = speed
+        found[..., self.own :] = shared[..., None, :]
+        return found
+
+    def with_lengths(self, own_length: float, length: float) -> Waves:
+        """Return the same with other lengths."""
+        return replace(self, own_length=own_length, length=length)
+
+    def variances(self, own: Array, whole: Array) -> Array:
+        """Return the prior variance of each weight, shape (joints, count).
+
+        Args:
+            own: s, standard deviation of each joint's rough part, shape (joints,).
+            whole: z, of its smooth part, shape (joints,).
+        """
+        rough = np.repeat(own[:, None] ** 2, self.own, axis=1)
+        smooth = np.repeat(whole[:, None] ** 2, 2 * WHOLE, axis=1)
+        return np.concatenate([rough, smooth], axis=1)
+
+
+def waves_of(kinds: Sequence[str], states: Array, *, slides: bool) -> Waves:
+    """Return the waves of a body, their sizes from states that were seen.
+
+    Args:
+        kinds: `hinge` or `slide`, of each joint.
+        states: Shape (samples, 2 joints).
+        slides: Whether it matters where slides are.
+    """
+    joints = len(kinds)
+    places = np.flatnonzero([kind == "slide" and slides for kind in kinds])
+    which = np.concatenate([places, joints + np.arange(joints)]).astype(np.int64)
+    return Waves(
+        hinges=np.flatnonzero([kind == "hinge" for kind in kinds]),
+        slides=places,
+        joints=joints,
+        size=np.maximum(states[:, which].std(axis=0), 1e-6),
+        own_length=1.0,
+        length=1.0,
+    )
