@@ -67,9 +67,16 @@ def rest(task: Task, plant: Plant, rng: np.random.Generator) -> Rest:
         _, unheld = holding(free, data, q)
         return np.concatenate([_goals(task, model, q), 100.0 * unheld / weight, NEAR * move])
 
+    def astray(move: Array) -> Array:
+        return np.concatenate([_goals(task, model, moved_by(model, first, move)), NEAR * move])
+
     best: Any = None
     for each in range(STARTS):
-        begin = np.zeros(model.nv) if each == 0 else rng.normal(0.0, 1.0, model.nv)
+        if each == 1:
+            # From where it hangs, the forces of a long link may outweigh its goals: these alone first.
+            begin = least_squares(astray, np.zeros(model.nv)).x
+        else:
+            begin = rng.normal(0.0, 1.0, model.nv) if each else np.zeros(model.nv)
         found = least_squares(residual, begin, xtol=1e-12, ftol=1e-12, gtol=1e-12)
         if best is None or found.cost < best.cost - 1e-6:
             best = found
