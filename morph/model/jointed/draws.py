@@ -68,7 +68,8 @@ class Draws:
         total = accelerations(model.layout, self.parts, self.law, seen)
         if any(part.scales.free > 0.0 for part in self.parts):
             total = total + torch.stack([each.waves(seen) for each in self.drawn], dim=-1)
-        return total * model.size
+        told = total * model.size
+        return told if model.base is None else told + model.base(position, velocity, command)
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:

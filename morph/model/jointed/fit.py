@@ -10,7 +10,7 @@ from scipy.optimize import minimize
 
 from morph.arrays import Array
 from morph.errors import SearchError
-from morph.model.jointed.jointed import Jointed, through
+from morph.model.jointed.jointed import Accelerations, Jointed, through
 from morph.model.jointed.kernel import Layout, Scales, Seen, gram
 from morph.model.jointed.landmarks import landmarks
 from morph.model.jointed.part import Part
@@ -45,7 +45,12 @@ class Settings:
     """What the joints are called, for messages; by their numbers without."""
 
 
-def fit(data: Transitions, settings: Settings, before: Array | None = None) -> Jointed:
+def fit(
+    data: Transitions,
+    settings: Settings,
+    before: Array | None = None,
+    base: Accelerations | None = None,
+) -> Jointed:
     """Return the accelerations that periods show.
 
     The mean acceleration of a period is first taken for that in its middle. Then the model
@@ -58,24 +63,29 @@ def fit(data: Transitions, settings: Settings, before: Array | None = None) -> J
         settings: What is known of the body.
         before: Logarithms of a model's settings, shape (joints, settings), from which the search
             begins; those of a model of fewer periods save steps.
+        base: What is believed of the accelerations before the periods: the mean of the
+            processes, of which only what it misses is learned; None for zero.
 
     Raises:
         SearchError: A joint never moved, or its accelerations cannot be told apart.
     """
     data = data.thinned(MANY)
     few = data.thinned(FEW)
-    model = _empty(data, settings, before)
+    model = _empty(data, settings, before, base)
     for part, steps in ((few, 60), (few, 30), (data, 0)):
         aimed = _corrected(model, part) if model.parts else torch.as_tensor(part.acceleration)
         model = _solved(_settled(_shown(model, part, aimed), steps))
     return model
 
 
-def _empty(data: Transitions, settings: Settings, before: Array | None) -> Jointed:
+def _empty(
+    data: Transitions, settings: Settings, before: Array | None, base: Accelerations | None
+) -> Jointed:
     """Return a model that has its units from the data, but has not seen them yet."""
     joints = data.position.shape[1]
-    size = torch.as_tensor(data.acceleration.std(axis=0))
-    _check_moved(size, data, settings.names)
+    _check_moved(torch.as_tensor(data.acceleration.std(axis=0)), data, settings.names)
+    # With a base the unit is that of what it misses.
+    size = _missed(torch.as_tensor(data.acceleration), data, base).numpy().std(axis=0)
     layout = Layout(
         turning=settings.turning,
         sliding=settings.sliding,
@@ -92,15 +102,27 @@ def _empty(data: Transitions, settings: Settings, before: Array | None) -> Joint
         target=none,
         velocity_size=torch.as_tensor(data.velocity.std(axis=0) + 1e-9),
         command_size=torch.as_tensor(np.asarray(settings.command_size, dtype=float)),
-        size=size,
+        size=torch.as_tensor(np.maximum(size, 1e-9)),
         period=data.period,
+        base=base,
     )
 
 
 def _shown(model: Jointed, data: Transitions, acceleration: torch.Tensor) -> Jointed:
     """Return the model with other data, not conditioned on them yet; (n, joints)."""
     q, v, u = (torch.as_tensor(a) for a in (*data.middle, data.command))
-    return replace(model, seen=model.look(q, v, u), target=acceleration / model.size)
+    target = _missed(acceleration, data, model.base) / model.size
+    return replace(model, seen=model.look(q, v, u), target=target)
+
+
+def _missed(
+    acceleration: torch.Tensor, data: Transitions, base: Accelerations | None
+) -> torch.Tensor:
+    """Return what a base misses of accelerations in the middle of periods, (n, joints)."""
+    if base is None:
+        return acceleration
+    with torch.no_grad():
+        return acceleration - base(*(torch.as_tensor(a) for a in (*data.middle, data.command)))
 
 
 def _corrected(model: Jointed, data: Transitions) -> torch.Tensor:

@@ -40,6 +40,8 @@ class Jointed:
     """Unit of accelerations, shape (joints,)."""
     period: float
     """Length of a period, s."""
+    base: Accelerations | None = None
+    """What was believed of the accelerations before any data; None for nothing."""
 
     @property
     def velocity_noise(self) -> Array:
@@ -63,7 +65,8 @@ class Jointed:
     ) -> torch.Tensor:
         """Return the mean accelerations, shape (..., joints); differentiable."""
         seen = self.look(position, velocity, command)
-        return accelerations(self.layout, self.parts, self.law, seen) * self.size
+        learned = accelerations(self.layout, self.parts, self.law, seen) * self.size
+        return learned if self.base is None else learned + self.base(position, velocity, command)
 
     @cached_property
     def law(self) -> Law | None:
