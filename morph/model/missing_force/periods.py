@@ -117,7 +117,7 @@ class Periods:
         batch = self._batch(models[0], rows)
         batch.set_models(models[0] if len(models) == 1 else list(models))
         batch.reset(stage=mujoco.mjtStage.mjSTAGE_NONE.value)
-        fine = (np.abs(np.nan_to_num(state, nan=np.inf)) < WILD).all(axis=1)[:, None]
+        fine = np.asarray((np.abs(np.nan_to_num(state, nan=np.inf)) < WILD).all(axis=1))[:, None]
         q, v = batch.bind("qpos"), batch.bind("qvel")
         now = np.where(fine, state, 0.0)
         q[:], v[:] = now[:, :nv], now[:, nv:]

@@ -42,7 +42,7 @@ class Reduced:
     def states(self, h: Array) -> Array:
         """Return how far the likeliest states are from where the slopes were taken; (T + 1, n)."""
         right = self.pull + self.across @ (h - self.about)
-        return -cho_solve_banded((self.factor, True), right)
+        return np.asarray(-cho_solve_banded((self.factor, True), right))
 
     def through(self, features: Array) -> tuple[Array, Array]:
         """Return D and b of (p, weights), for mean features (periods, joints, count)."""

@@ -32,7 +32,7 @@ class Settings:
     def logs(self) -> Array:
         """The logarithms of all, shape (3 joints + 2,)."""
         lengths = np.array([self.own_length, self.length])
-        return np.log(np.concatenate([self.own, self.whole, self.jump, lengths]))
+        return np.asarray(np.log(np.concatenate([self.own, self.whole, self.jump, lengths])))
 
     def moved(self, logs: Array) -> Settings:
         """Return settings with other logarithms."""
