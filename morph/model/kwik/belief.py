@@ -1,0 +1,201 @@
+"""Rival priors on what a model leaves out, and what evidence makes of them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from morph.arrays import Array
+
+UNCHANGED = 0.3
+"""Prior probability that no named figure differs from its description."""
+
+ALONE = (0.03, 0.1, 0.3, 1.0)
+"""Widths of priors in which a single named figure differs, in its unit: logarithms of factors."""
+
+TOGETHER = (0.01, 0.03, 0.1, 0.3)
+"""Widths of priors in which all of them do."""
+
+UNNAMED = (0.03, 0.3, 1.5, 6.0, 25.0)
+"""Sizes of the process that holds what no figure says, in epsilons."""
+
+UNNAMED_SHARES = (0.7, 0.1, 0.08, 0.06, 0.06)
+"""Their prior probabilities."""
+
+WIDE = 1.2
+"""Width within which even the rejected may lie: beyond a factor of eleven nothing is asked."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Information:
+    """A quadratic: log p(data | theta) = - (c - 2 b theta + theta H theta) / 2 + constant."""
+
+    H: Array
+    """Shape (unknowns, unknowns)."""
+    b: Array
+    """Shape (unknowns,)."""
+    c: float
+    """At theta = 0."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Sized:
+    """Evidence when the unnamed process has one size: its weights integrated out.
+
+    Source: Schur's complement; Rasmussen and Williams 2006, eq. 2.43 for the mixed model.
+    """
+
+    information: Information
+    """Of named and unnamed together, the named first."""
+    named: int
+    """How many are named."""
+    size: float
+    """Standard deviation of each weight."""
+    log_prior: float
+    """Logarithm of the prior probability of this size."""
+    inner: Array
+    """Covariance of the weights, given the named, shape (weights, weights)."""
+    reduced: Information
+    """Of the named alone."""
+
+
+def sized(information: Information, named: int, size: float, share: float = 1.0) -> Sized:
+    """Return the evidence when the unnamed weights are N(0, size^2), as probable as `share`."""
+    H, b, p = information.H, information.b, named
+    M = H[p:, p:] + np.eye(len(b) - p) / size**2
+    inner = np.linalg.inv(M)
+    cross = H[:p, p:] @ inner
+    occam = float(np.linalg.slogdet(M)[1]) + 2.0 * (len(b) - p) * math.log(size)
+    reduced = Information(
+        H=H[:p, :p] - cross @ H[p:, :p],
+        b=b[:p] - cross @ b[p:],
+        c=information.c - float(b[p:] @ inner @ b[p:]) + occam,
+    )
+    return Sized(
+        information=information,
+        named=p,
+        size=size,
+        log_prior=math.log(share),
+        inner=inner,
+        reduced=reduced,
+    )
+
+
+def widths(named: int) -> tuple[Array, Array]:
+    """Return standard deviations of the named figures under each rival, and log priors.
+
+    Rival 0 changes nothing; then each figure alone, at each width; then all together.
+
+    Returns:
+        Shape (rivals, named), and shape (rivals,).
+    """
+    alone = [width * row for width in ALONE for row in np.eye(named)]
+    together = [np.full(named, width) for width in TOGETHER]
+    each = 0.5 * (1.0 - UNCHANGED)
+    prior = [UNCHANGED] + [each / len(alone)] * len(alone) + [each / len(together)] * len(together)
+    return np.array([np.zeros(named), *alone, *together]), np.log(prior)
+
+
+def evidence(found: Information, width: Array) -> tuple[Array, Array, Array]:
+    """Return log evidence, means and covariances of rivals with normal priors about nothing.
+
+    Args:
+        found: Of the named figures.
+        width: Standard deviations, shape (rivals, named).
+
+    Returns:
+        Shapes (rivals,), (rivals, named), (rivals, named, named).
+    """
+    E = width[:, :, None]
+    whole = np.eye(width.shape[1]) + E * found.H * width[:, None, :]
+    inverse = np.linalg.inv(whole)
+    covariance = E * inverse * width[:, None, :]
+    mean = covariance @ found.b
+    log = -0.5 * found.c + 0.5 * mean @ found.b - 0.5 * np.linalg.slogdet(whole)[1]
+    return log, mean, covariance
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Belief:
+    """All rivals, weighed by what was seen."""
+
+    parts: tuple[Sized, ...]
+    """One for each size of the unnamed process."""
+    log_weight: Array
+    """Log of prior times evidence, shape (sizes, rivals)."""
+    mean: Array
+    """Of the named figures, shape (sizes, rivals, named)."""
+    covariance: Array
+    """Shape (sizes, rivals, named, named)."""
+
+    @property
+    def log_evidence(self) -> float:
+        """Logarithm of p(data) under the whole mixture."""
+        most = self.log_weight.max()
+        return float(most + np.log(np.exp(self.log_weight - most).sum()))
+
+    @property
+    def weight(self) -> Array:
+        """Posterior probability of each rival, shape (sizes, rivals)."""
+        return np.asarray(np.exp(self.log_weight - self.log_evidence))
+
+    def draws(self, count: int, rng: np.random.Generator) -> Array:
+        """Return unknowns drawn from the posterior, shape (count, unknowns)."""
+        weight = self.weight.ravel()
+        often = rng.multinomial(count, weight / weight.sum()).reshape(self.weight.shape)
+        rows = []
+        for (at, rival), times in np.ndenumerate(often):
+            if times:
+                rows.append(self._drawn(at, rival, int(times), rng))
+        return np.concatenate(rows)
+
+    def _drawn(self, at: int, rival: int, count: int, rng: np.random.Generator) -> Array:
+        part = self.parts[at]
+        p, H, b = part.named, part.information.H, part.information.b
+        root = _root(self.covariance[at, rival])
+        named = self.mean[at, rival] + rng.standard_normal((count, p)) @ root.T
+        middle = (b[p:] - named @ H[:p, p:]) @ part.inner
+        chance = rng.standard_normal((count, len(b) - p)) @ _root(part.inner).T
+        return np.concatenate([named, middle + chance], axis=1)
+
+
+def _root(covariance: Array) -> Array:
+    # A rival's covariance may have no width in some directions: no Cholesky factor.
+    values, vectors = np.linalg.eigh(covariance)
+    return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)))
+
+
+def belief(
+    information: Information,
+    named: int,
+    unit: Array,
+    sizes: Sequence[float] = UNNAMED,
+    shares: Sequence[float] = UNNAMED_SHARES,
+) -> Belief:
+    """Return what is believed of the unknowns, given the data.
+
+    Args:
+        information: What the data say, the named figures first.
+        named: How many are named.
+        unit: What a width of 1 means for each of them, shape (named,).
+        sizes: Of the unnamed process.
+        shares: Prior probability of each size.
+    """
+    width, log_prior = widths(named)
+    parts, logs, means, covariances = [], [], [], []
+    for size, share in zip(sizes, shares, strict=True):
+        part = sized(information, named, size, share)
+        log, mean, covariance = evidence(part.reduced, width * unit)
+        parts.append(part)
+        logs.append(log + log_prior + part.log_prior)
+        means.append(mean)
+        covariances.append(covariance)
+    return Belief(
+        parts=tuple(parts),
+        log_weight=np.array(logs),
+        mean=np.array(means),
+        covariance=np.array(covariances),
+    )
