@@ -8,7 +8,7 @@ import numpy as np
 
 from align.arrays import Array, Mask
 from align.errors import SamplesError
-from align.regression import regression
+from align.regression import apart, regression
 from align.states import features
 
 
@@ -40,12 +40,23 @@ class Adjustment:
 
     def __call__(self, state: Array, command: Array) -> Array:
         """Return what is added to commands (m, nu) at states (m, n), shape (m, nu)."""
+        return self.sloped(state, command)[0]
+
+    def sloped(self, state: Array, command: Array) -> tuple[Array, Array]:
+        """Return what is added, (m, nu), and its derivative in the commands, (m, nu, nu)."""
         z = np.concatenate([features(state, self.turns), command], axis=1)
-        found = np.clip(z, -self.reach, self.reach) @ self.law.T + self.bias
+        held = np.clip(z, -self.reach, self.reach)
+        found = held @ self.law.T + self.bias
+        told = np.arange(z.shape[1] - command.shape[1], z.shape[1])
+        slope = np.where((held == z)[:, None, told], self.law[:, told], 0.0)
         for at, (width, weight) in enumerate(zip(self.width, self.weight, strict=True)):
-            away = (z[:, None] - self.centre) / width
-            found[:, at] += np.exp(-0.5 * np.square(away).sum(axis=-1)) @ weight
-        return np.asarray(found)
+            here, there = z / width, self.centre / width
+            near = np.exp(-0.5 * apart(here, there)) * weight
+            total = near.sum(axis=1)
+            found[:, at] += total
+            pull = near @ there[:, told] - total[:, None] * here[:, told]
+            slope[:, at] += pull / width[told]
+        return np.asarray(found), np.asarray(slope)
 
     def times(self, factor: float) -> Adjustment:
         """Return so much of it; -1 turns its sign, as controls do."""
