@@ -13,6 +13,10 @@ from morph.model.hypothesis import Hypothesis, same_kind
 from morph.model.knobs import Knob
 from morph.model.latent.infer import Inferred
 from morph.model.latent.normal import band
+from morph.model.latent.run import Run
+from morph.model.latent.sparse import likelihood_of, precisions, weighed
+from morph.model.latent.subsets import precision_of
+from morph.model.latent.transit import Slopes, Transit
 from morph.physics import EFFECTS
 from morph.physics.effect import Effect
 
@@ -29,8 +33,8 @@ class Candidate:
 
     effect: Effect
     """With the strength that one linear step gives it."""
-    gain: float
-    """Log evidence that this step wins."""
+    score: float
+    """Log probability that this step leads to, on the scale of `weighed`."""
 
 
 def places(robot: Robot, knobs: Sequence[Knob]) -> tuple[Effect, ...]:
@@ -46,25 +50,29 @@ def places(robot: Robot, knobs: Sequence[Knob]) -> tuple[Effect, ...]:
 
 
 def ranked(base: Inferred, effects: Sequence[Effect]) -> tuple[Candidate, ...]:
-    """Return the candidates with a gain above zero, the best first.
+    """Return the candidates that would be felt, the best first.
 
-    Each is added at the least strength that is felt and at the values it names for scanning; the
-    runs' normal equations about the base, with its column beside the others, tell where one step
-    would lead. Only transitions are simulated, never a run.
+    Each is added where it does nothing, and at the values that it names for scanning; the runs'
+    normal equations about the base, with its column beside the others, tell where one step would
+    lead, with the fewest figures changed. Only transitions are simulated, never a run.
+
+    Args:
+        base: What was inferred without them, every figure free.
+        effects: The candidates.
     """
     found = []
     for effect in effects:
         if any(same_kind(effect, each) for each in base.hypothesis.effects):
             continue
-        tries = [_step(base, start) for start in _starts(effect)]
-        best = max(tries, key=lambda each: each.gain)
-        if best.gain > 0.0:
-            found.append(best)
-    return tuple(sorted(found, key=lambda each: -each.gain))
+        steps = [_step(base, start) for start in _starts(effect)]
+        felt = [step for step in steps if step is not None]
+        if felt:
+            found.append(max(felt, key=lambda each: each.score))
+    return tuple(sorted(found, key=lambda each: -each.score))
 
 
 def _starts(effect: Effect) -> list[Effect]:
-    """Return an effect where its slope is taken: a little, and at each value to scan."""
+    """Return an effect where its slope is taken: doing nothing, and at values to scan."""
     first = effect.strengths[0] if effect.strengths else ""
     known = {each.name: each for each in effect.parameters()}
     if first not in known:
@@ -73,44 +81,53 @@ def _starts(effect: Effect) -> list[Effect]:
     return [effect, *(replace(effect, **{first: value}) for value in scanned)]  # type: ignore[type-var]
 
 
-def _step(base: Inferred, effect: Effect) -> Candidate:
-    """Return where one Gauss-Newton step leads that moves the states and this effect alone."""
+def _step(base: Inferred, effect: Effect) -> Candidate | None:
+    """Return where one step leads that adds this effect; None if its bounds forbid it."""
     added = base.hypothesis.adding(effect)
     own = len(base.point)
     point = np.concatenate([base.point, added.start[own:]])
     transit = replace(base.transit, hypothesis=added)
-    hessian = np.diag(added.trust)
-    slope = -added.trust * np.concatenate([base.point, np.zeros(len(point) - own)])
-    cost = 0.0
-    for run, state in zip(base.runs, base.states, strict=True):
-        each = band(transit.slopes(point, run, state), state, run.state, base.trust)
-        hessian, slope = hessian + each.hessian, slope + each.slope
-        cost += each.cost - each.reach
-    change = _bounded(hessian, slope, added, point, own)
-    gain = float(slope @ change - 0.5 * change @ hessian @ change) - cost
-    reached = _own(base)
-    moved = np.clip(point[own:] + change[own:], added.low[own:], added.high[own:])
-    occam = 0.5 * float(
-        np.linalg.slogdet(hessian)[1]
-        - np.linalg.slogdet(hessian[:own, :own])[1]
-        - np.log(added.trust[own:]).sum()
+    bands = tuple(
+        band(_beside(transit, point, run, state, known), state, run.state, base.trust)
+        for run, state, known in zip(base.runs, base.states, base.slopes, strict=True)
     )
-    return Candidate(
-        effect=added.effects_at(np.concatenate([base.point, moved]))[-1],
-        gain=gain - reached - occam,
+    likelihood = likelihood_of(bands, point)
+    best = weighed(likelihood, added, point)[0]
+    free, trusted, known = precisions(added)
+    shift = np.concatenate([np.zeros(known), point[known:]])
+    about = replace(likelihood, slope=likelihood.slope - likelihood.hessian @ shift)
+    reached = shift + about.best(precision_of(best.changed, free, trusted, known))
+    kept = np.clip(reached[own:], added.low[own:], added.high[own:])
+    stronger = added.effects_at(np.concatenate([base.point, kept]))[-1]
+    if _idle(stronger):
+        return None
+    return Candidate(effect=stronger, score=best.evidence)
+
+
+def _idle(effect: Effect) -> bool:
+    """Return whether its strengths are where it does nothing."""
+    return bool(effect.strengths) and all(
+        getattr(effect, each.name) == each.neutral
+        for each in effect.parameters()
+        if each.name in effect.strengths
     )
 
 
-def _own(base: Inferred) -> float:
-    """Return what the same step wins without the candidate, by the same count."""
-    return -sum(each.cost - each.reach for each in base.bands)
-
-
-def _bounded(hessian: Array, slope: Array, hypothesis: Hypothesis, point: Array, own: int) -> Array:
-    """Return the step, the candidate's parameters kept within their bounds."""
-    change = np.linalg.solve(hessian, slope)
-    kept = np.clip(point[own:] + change[own:], hypothesis.low[own:], hypothesis.high[own:])
-    change[own:] = kept - point[own:]
-    rest = slope[:own] - hessian[:own, own:] @ change[own:]
-    change[:own] = np.linalg.solve(hessian[:own, :own], rest) if own else rest
-    return change
+def _beside(transit: Transit, point: Array, run: Run, state: Array, known: Slopes) -> Slopes:
+    """Return slopes with the last effect's columns beside those that are known already."""
+    hypothesis: Hypothesis = transit.hypothesis
+    own = known.parameter.shape[-1]
+    nudges = hypothesis.nudge(point)
+    value, shown = transit.ahead(point, run, state), transit.seen(point, state)
+    moved, seen = [], []
+    for at in range(own, len(point)):
+        there = point + nudges[at] * np.eye(len(point))[at]
+        moved.append((transit.ahead(there, run, state) - value) / nudges[at])
+        seen.append((transit.seen(there, state) - shown) / nudges[at])
+    return Slopes(
+        value=value,
+        state=known.state,
+        parameter=np.concatenate([known.parameter, np.stack(moved, axis=-1)], axis=-1),
+        seen=shown,
+        seen_parameter=np.concatenate([known.seen_parameter, np.stack(seen, axis=-1)], axis=-1),
+    )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -13,19 +13,20 @@ from morph.model.hypothesis import Hypothesis
 from morph.model.latent.candidates import places, ranked
 from morph.model.latent.infer import Inferred, infer
 from morph.model.latent.run import Run
-from morph.model.latent.subsets import Likelihood, Subset, subsets
-from morph.model.latent.unknowns import TRUSTED, WIDE, unknowns
+from morph.model.latent.sparse import PRICE, Sparse, sparse
+from morph.model.latent.subsets import Subset
+from morph.model.latent.unknowns import WIDE, unknowns
 from morph.physics.effect import Effect
 from morph.sim.integrator import Integrator
 
-FINALISTS = 4
+FINALISTS = 3
 """Candidates that are fitted whole in each round."""
+
+DOUBT = 10.0
+"""How much log probability one linear step may misjudge a candidate by, and it is still fitted."""
 
 MOST_ADDED = 3
 """Most effects that are added."""
-
-WORTH = 4.0
-"""Log evidence that an effect must win beyond the logarithm of how many were tried."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,10 +85,10 @@ def explain(
 ) -> Explained:
     """Return what differs between a body and its description, by a run or a few.
 
-    First every figure of the description may be anything. Then effects of the library are added,
-    the one at a time that wins most evidence, as long as it wins enough. Then each small set of
-    figures is held against the others as the one that changed, the rest within their trust
-    (`unknowns.TRUSTED`), by linear algebra; and with the most probable set all is fitted again.
+    First every figure of the description may be anything. Each small set of figures is then held
+    against the others as the one that changed, the rest within their trust (`unknowns.TRUSTED`),
+    by linear algebra; and with the most probable set all is fitted again. Effects of the library
+    are added one at a time, as long as one makes the whole more probable, its price included.
 
     Args:
         robot: The description.
@@ -106,78 +107,43 @@ def explain(
     asked = places(robot, knobs) if candidates is None else tuple(candidates)
     hypothesis = Hypothesis(robot=robot, step=step, knobs=knobs, effects=effects)
     told("every figure may have changed")
-    found = infer(hypothesis, runs, noise, integrator=integrator)
+    found = sparse(infer(hypothesis, runs, noise, integrator=integrator), noise, 0.0)
+    given = found.score - found.order[0].evidence + _evidence_of(found.order, ())
     for _ in range(MOST_ADDED):
         better = _added(found, asked, noise, told)
         if better is None:
             break
         found = better
-    order = _subsets(found)
-    told("which figures changed")
-    final = _held(found, order[0], noise)
     return Explained(
-        inferred=final,
-        differences=_differences(final, order[0], len(effects)),
-        rivals=_rivals(found, order),
-        evidence=order[0].evidence - _evidence_of(order, ()),
+        inferred=found.held,
+        differences=_differences(found.held, found.order[0], len(effects)),
+        rivals=_rivals(found),
+        evidence=found.score - given,
     )
+
+
+def _evidence_of(order: Sequence[Subset], changed: tuple[int, ...]) -> float:
+    return next(each.evidence for each in order if each.changed == changed)
 
 
 def _added(
-    base: Inferred, asked: Sequence[Effect], noise: Array, told: Callable[[str], None]
-) -> Inferred | None:
-    """Return the base with the effect that wins most evidence, if it wins enough."""
-    tried = ranked(base, asked)[:FINALISTS]
-    best: Inferred | None = None
+    base: Sparse, asked: Sequence[Effect], noise: Array, told: Callable[[str], None]
+) -> Sparse | None:
+    """Return the base with the effect that makes it most probable, if one makes it more so."""
+    price = base.price + PRICE + float(np.log(max(len(asked), 1)))
+    hopeful = base.order[0].evidence - base.price + price - DOUBT
+    best: Sparse | None = None
+    tried = [each for each in ranked(base.free, asked) if each.score > hopeful][:FINALISTS]
     for candidate in tried:
         told(f"with {candidate.effect.label}")
-        hypothesis = base.hypothesis.moved_to(base.point).adding(candidate.effect)
-        found = infer(
-            hypothesis, base.runs, noise, integrator=base.transit.integrator, begin=base, steps=12
-        )
-        if best is None or found.evidence > best.evidence:
+        free = base.free
+        hypothesis = free.hypothesis.moved_to(free.point).adding(candidate.effect)
+        integrator = free.transit.integrator
+        more = infer(hypothesis, free.runs, noise, integrator=integrator, begin=free, steps=12)
+        found = sparse(more, noise, price)
+        if best is None or found.score > best.score:
             best = found
-    needed = base.evidence + WORTH + np.log(max(len(asked), 1))
-    return best if best is not None and best.evidence > needed else None
-
-
-def _likelihood(found: Inferred) -> Likelihood:
-    hessian = np.sum([each.hessian for each in found.bands], axis=0)
-    slope = np.sum([each.slope for each in found.bands], axis=0)
-    return Likelihood(hessian=hessian, slope=slope + hessian @ found.point)
-
-
-def _subsets(found: Inferred) -> tuple[Subset, ...]:
-    free = found.hypothesis.trust
-    known = len(found.hypothesis.knobs)
-    trusted = free.copy()
-    trusted[:known] = TRUSTED**-2.0
-    likelihood = _likelihood(found)
-    # Effects stay where they are: only what the description says may be trusted or not.
-    centred = _about(likelihood, found.point, known)
-    return subsets(centred, free, trusted, known)
-
-
-def _about(likelihood: Likelihood, point: Array, known: int) -> Likelihood:
-    """Return the likelihood with effects' parameters counted from where they were found."""
-    shift = np.concatenate([np.zeros(known), point[known:]])
-    return replace(likelihood, slope=likelihood.slope - likelihood.hessian @ shift)
-
-
-def _held(found: Inferred, subset: Subset, noise: Array) -> Inferred:
-    """Return all fitted again, with what did not change held to the description."""
-    hypothesis = found.hypothesis
-    knobs = tuple(
-        replace(knob, fraction=WIDE if at in subset.changed else TRUSTED)
-        for at, knob in enumerate(hypothesis.knobs)
-    )
-    begin = found.point.copy()
-    still = [at for at in range(len(knobs)) if at not in subset.changed]
-    begin[still] = 0.0
-    held = replace(hypothesis, knobs=knobs, effects=found.effects)
-    return infer(
-        held, found.runs, noise, integrator=found.transit.integrator, begin=found, point=begin
-    )
+    return best if best is not None and best.score > base.score else None
 
 
 def _differences(final: Inferred, subset: Subset, given: int) -> tuple[Difference, ...]:
@@ -207,17 +173,13 @@ def _differences(final: Inferred, subset: Subset, given: int) -> tuple[Differenc
     return tuple(said)
 
 
-def _rivals(found: Inferred, order: Sequence[Subset]) -> tuple[tuple[str, float], ...]:
-    logs = np.array([each.evidence for each in order])
+def _rivals(found: Sparse) -> tuple[tuple[str, float], ...]:
+    logs = np.array([each.evidence for each in found.order])
     weight = np.exp(logs - logs.max())
     share = weight / weight.sum()
-    names = [found.hypothesis.knobs[at].name for at in range(len(found.hypothesis.knobs))]
-    added = [effect.label for effect in found.effects]
+    names = [knob.name for knob in found.free.hypothesis.knobs]
+    added = [effect.label for effect in found.free.effects]
     return tuple(
         (" + ".join([*(names[at] for at in each.changed), *added]) or "nothing changed", float(p))
-        for each, p in zip(order[:5], share[:5], strict=True)
+        for each, p in zip(found.order[:5], share[:5], strict=True)
     )
-
-
-def _evidence_of(order: Sequence[Subset], changed: tuple[int, ...]) -> float:
-    return next(each.evidence for each in order if each.changed == changed)

@@ -198,7 +198,7 @@ class _Search:
             transit=self.transit,
             runs=self.runs,
             point=point,
-            covariance=np.linalg.inv(precision) if len(point) else np.zeros((0, 0)),
+            covariance=np.asarray(np.linalg.inv(precision), dtype=np.float64),
             states=tuple(states),
             evidence=self._evidence(bands, point, unsaid),
             unsaid=unsaid,

@@ -10,7 +10,7 @@ from scipy.linalg import cho_solve_banded, cholesky_banded
 from morph.arrays import Array
 from morph.model.latent.transit import Slopes
 
-LEAST = 1e-9
+LEAST = 1e-13
 """What is added to the diagonal, as a share of it, against rounding."""
 
 
@@ -94,7 +94,7 @@ def band(slopes: Slopes, state: Array, reading: Array, trust: Trust) -> Band:
     pull[1:] -= Q * off
     pull[:-1] += (np.swapaxes(A, 1, 2) @ (Q * off)[..., None])[..., 0]
     factor = cholesky_banded(_banded(diagonal, below), lower=True)
-    flat, push = border.reshape(-1, p), pull.reshape(-1)
+    flat, push = border.reshape((T + 1) * n, p), pull.reshape(-1)
     solved = cho_solve_banded((factor, True), np.column_stack([flat, push]))
     own = np.einsum("tnp,n,tnq->pq", B, Q, B) + np.einsum("tnp,n,tnq->pq", C, W, C)
     drive = np.einsum("tnp,n,tn->p", B, Q, off) + np.einsum("tnp,n,tn->p", C, W, missed)

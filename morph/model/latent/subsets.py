@@ -21,13 +21,19 @@ DEAR = 2.0
 class Likelihood:
     """log p(runs | theta) about its top: c - theta' H theta / 2 + h' theta."""
 
+    constant: float
+    """c."""
     hessian: Array
     """H, shape (p, p)."""
     slope: Array
     """h, shape (p,)."""
 
+    def best(self, precision: Array) -> Array:
+        """Return the most probable parameters under a normal prior about 0, shape (p,)."""
+        return np.asarray(np.linalg.solve(self.hessian + np.diag(precision), self.slope))
+
     def evidence(self, precision: Array) -> float:
-        """Return the log evidence, less c, under a normal prior about 0.
+        """Return the log evidence under a normal prior about 0.
 
         Source: Bishop 2006, eq. 3.86, for a prior of any diagonal precision.
 
@@ -35,9 +41,9 @@ class Likelihood:
             precision: One over the prior's variances, shape (p,).
         """
         whole = self.hessian + np.diag(precision)
-        best = np.linalg.solve(whole, self.slope)
         determinant = float(np.linalg.slogdet(whole)[1] - np.log(precision).sum())
-        return 0.5 * float(self.slope @ best) - 0.5 * determinant
+        fit = 0.5 * float(self.slope @ self.best(precision))
+        return self.constant + fit - 0.5 * determinant
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,7 +53,7 @@ class Subset:
     changed: tuple[int, ...]
     """Which."""
     evidence: float
-    """Its log probability, up to what all share."""
+    """Log evidence, less what the changes cost beforehand."""
 
 
 def subsets(
@@ -63,12 +69,18 @@ def subsets(
     """
     found = []
     for chosen in _sets(changeable):
-        precision = free.copy()
-        still = [at for at in range(changeable) if at not in chosen]
-        precision[still] = trusted[still]
+        precision = precision_of(chosen, free, trusted, changeable)
         log = likelihood.evidence(precision) - DEAR * len(chosen)
         found.append(Subset(changed=chosen, evidence=log))
     return tuple(sorted(found, key=lambda each: -each.evidence))
+
+
+def precision_of(changed: tuple[int, ...], free: Array, trusted: Array, changeable: int) -> Array:
+    """Return the prior's precision if these figures changed and the others did not, (p,)."""
+    precision = free.copy()
+    still = [at for at in range(changeable) if at not in changed]
+    precision[still] = trusted[still]
+    return precision
 
 
 def _sets(count: int) -> Iterator[tuple[int, ...]]:

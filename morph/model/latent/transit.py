@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from morph.arrays import Array
+from morph.arrays import Array, Integers
 from morph.errors import DiagnosisError
 from morph.model.hypothesis import Hypothesis
 from morph.model.latent.run import Run
@@ -82,7 +82,8 @@ class Transit:
     def ahead(self, point: Array, run: Run, state: Array) -> Array:
         """Return where each state of a run leads in one control period, (periods, n)."""
         variant = self.variant(point)
-        return self._rolled([variant], np.zeros(len(run.command), dtype=int), [run], state[None])[0]
+        which = np.zeros(len(run.command), dtype=np.int64)
+        return np.asarray(self._rolled([variant], which, run, state[None])[0])
 
     def seen(self, point: Array, state: Array) -> Array:
         """Return what sensors show of states (..., n) under the effects at a point."""
@@ -96,8 +97,8 @@ class Transit:
         variants = [self.variant(each) for each in (point, *points)]
         states = np.stack([state, *(state + NUDGE * np.eye(n)[a] for a in range(n)), *[state] * p])
         of = [0] * (1 + n) + list(range(1, 1 + p))
-        which = np.repeat(of, len(run.command))
-        out = self._rolled(variants, which, [run] * len(of), states)
+        which = np.repeat(np.array(of, dtype=np.int64), len(run.command))
+        out = self._rolled(variants, which, run, states)
         base = out[0]
         shown = self.seen(point, state)
         moved = [self.seen(each, state) for each in points]
@@ -112,16 +113,16 @@ class Transit:
     def _rolled(
         self,
         variants: Sequence[Variant],
-        which: Array,
-        runs: Sequence[Run],
+        which: Integers,
+        run: Run,
         states: Array,
     ) -> Array:
         """Return (blocks, periods, n), where each block of states leads."""
-        periods = len(runs[0].command)
+        periods = len(run.command)
         blocks, n = len(states), states.shape[-1]
         start = states[:, :periods].reshape(blocks * periods, n)
-        given = [self._received(variant, runs[0]) for variant in variants]
-        of_block = np.asarray(which).reshape(blocks, periods)[:, 0]
+        given = [self._received(variant, run) for variant in variants]
+        of_block = which.reshape(blocks, periods)[:, 0]
         command = np.concatenate([given[each] for each in of_block])
         half = n // 2
         q, v = rollout(variants, which, start[:, :half], start[:, half:], command)
