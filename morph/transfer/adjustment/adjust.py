@@ -16,6 +16,7 @@ from morph.policy.adjusted import Adjusted
 from morph.policy.angles import turning
 from morph.policy.policy import Policy
 from morph.search.target import Experience
+from morph.transfer.adjustment.beyond import beyond
 from morph.transfer.adjustment.source import Source, states_of
 
 STARTS = ("both", "source", "target")
@@ -59,6 +60,8 @@ class Made:
     """The target's inverse dynamics."""
     followed: Following
     """Which steps of the source's run the target can follow: thesis eq. 11."""
+    beyond: float
+    """How much of what the target did no command of the source explains; 1 is what noise does."""
 
 
 def adjusted(
@@ -68,6 +71,7 @@ def adjusted(
     *,
     rng: np.random.Generator,
     settings: Settings | None = None,
+    inverse: Inverse | None = None,
 ) -> Made:
     """Return a policy under which the target does what the source does under the given one.
 
@@ -83,6 +87,7 @@ def adjusted(
         runs: What the target did, under this policy or any other.
         rng: The chance of the source's own run.
         settings: How; None for `Settings()`.
+        inverse: Inverse dynamics of the target that are known already; None to learn them.
 
     Raises:
         TransferError: The runs are not of such a body, or the policy cannot be adjusted.
@@ -90,7 +95,7 @@ def adjusted(
         SamplesError: The runs show too little, or hold what is no number.
     """
     how = settings or Settings()
-    inverse = inverse_of(source, runs, how)
+    inverse = inverse or inverse_of(source, runs, how)
     own = source.run(policy, rng)
     visited = {"source": [own], "target": list(runs), "both": [own, *runs]}[how.starts]
     seen = [source.seen(policy, each) for each in visited]
@@ -109,6 +114,7 @@ def adjusted(
         adjustment=found,
         inverse=inverse,
         followed=followed(source, own, runs, inverse),
+        beyond=beyond(source, runs),
     )
 
 
