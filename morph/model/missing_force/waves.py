@@ -13,6 +13,9 @@ from morph.arrays import Array, Integers
 OWN = 16
 """Waves of a joint's own velocity, each a sine and a cosine."""
 
+FASTEST = 20.0
+"""Frequency, over one length, beyond which one wave stands for all that are faster."""
+
 WHOLE = 32
 """Waves of all that is looked at, likewise."""
 
@@ -27,8 +30,8 @@ class Waves:
 
     with e the cosines and sines of the angles and all velocities over their sizes r. The first
     kernel is rough, as dry friction jumps where a joint turns back; the second is smooth. Each is
-    the mean of products of waves with frequencies of its spectrum, which is Cauchy's for the
-    first, at its quantiles, and a normal distribution for the second, drawn once.
+    the mean of products of waves with frequencies of its spectrum: Cauchy's for the first, cut into
+    intervals that grow, each with its share, and a normal distribution for the second, drawn once.
 
     Source: Rahimi and Recht 2007, NeurIPS 20, algorithm 1; Rasmussen and Williams 2006, eqs. 4.14
     and 4.9 (with p = 0).
@@ -60,15 +63,19 @@ class Waves:
         return 2 * OWN + 1
 
     @cached_property
-    def _frequencies(self) -> tuple[Array, Array]:
-        share = (np.arange(OWN) + 0.5) / OWN
+    def _frequencies(self) -> tuple[Array, Array, Array]:
+        """Frequencies of a joint's own velocity, their amplitudes, and those of the whole."""
+        edge = FASTEST * np.sinh(3.0 * np.arange(OWN + 1) / OWN) / np.sinh(3.0)
+        share = np.arctan(edge) / (0.5 * np.pi)
+        share[-1] = 1.0
+        middle = np.tan(0.25 * np.pi * (share[1:] + share[:-1]))
         numbers = 2 * len(self.hinges) + len(self.slides) + self.joints
         drawn = np.random.default_rng(self.seed).normal(size=(numbers, WHOLE))
-        return np.tan(0.5 * np.pi * share) / self.own_length, drawn / self.length
+        return middle / self.own_length, np.sqrt(np.diff(share)), drawn / self.length
 
     def of(self, state: Array) -> Array:
         """Return the features of states (..., 2 joints), shape (..., joints, count)."""
-        own, whole = self._frequencies
+        own, amplitude, whole = self._frequencies
         places = len(self.slides)
         speed = state[..., self.joints :] / self.size[places:]
         angle, place = state[..., self.hinges], state[..., self.slides] / self.size[:places]
@@ -77,8 +84,8 @@ class Waves:
         together = looked @ whole
         shared = np.concatenate([np.cos(together), np.sin(together)], axis=-1) / np.sqrt(WHOLE)
         found = np.empty((*speed.shape, self.count))
-        found[..., :OWN] = np.cos(alone) / np.sqrt(OWN)
-        found[..., OWN : 2 * OWN] = np.sin(alone) / np.sqrt(OWN)
+        found[..., :OWN] = amplitude * np.cos(alone)
+        found[..., OWN : 2 * OWN] = amplitude * np.sin(alone)
         found[..., 2 * OWN] = speed
         found[..., self.own :] = shared[..., None, :]
         return found
