@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from morph.arrays import Array
+from morph.arrays import JSON, Array
 from morph.transfer.live.connection import Connection, Heard
 from morph.transfer.live.protocol import Hello
 
@@ -67,12 +67,13 @@ class Called(Connection):
             try:
                 reading = dict(self._step(command))
             except Exception as error:
-                said = f"it raised {type(error).__name__}: {error}"
-                heard.put(Heard(at=time.monotonic(), ended=said[:500]))
+                raised = f"it raised {type(error).__name__}: {error}"
+                heard.put(Heard(at=time.monotonic(), ended=raised[:500]))
                 return
             time_said = reading.pop("t", None)
-            said = {"state": {name: _plain(value) for name, value in reading.items()}}
-            said |= {} if time_said is None else {"t": _plain(time_said)}
+            said: JSON = {"state": {name: _plain(value) for name, value in reading.items()}}
+            if time_said is not None:
+                said["t"] = _plain(time_said)
             heard.put(Heard(at=time.monotonic(), said=said))
 
     def begin(self, said: Mapping[str, Any]) -> None:

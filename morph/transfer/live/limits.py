@@ -79,7 +79,7 @@ class Guard:
     def rest(self, position: Array) -> Array:
         """Return what actuators are told that are to do nothing at a position (nq,); (nu,)."""
         rest = [0.0 if at < 0 else float(position[at]) for at in self._servo]
-        return np.clip(np.array(rest), self.low, self.high)
+        return np.asarray(np.clip(np.array(rest), self.low, self.high))
 
     def allowed(self, command: Array, before: Array) -> tuple[Array, Mask]:
         """Return a command within all limits, and which actuators were held back, (nu,) each.

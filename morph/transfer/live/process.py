@@ -139,11 +139,12 @@ class Process(Connection):
         if process is None:
             return
         os.close(self._input)
-        for end in (lambda: None, process.terminate, process.kill):
-            end()
+        for end in (process.terminate, process.kill):
             with contextlib.suppress(subprocess.TimeoutExpired):
                 process.wait(LEAVE)
-                break
+                return
+            end()
+        process.wait()
 
     def _why(self) -> str:
         if self._process is None:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from morph.arrays import Array
 from morph.errors import TransferError
-from morph.policy.observing import units
+from morph.policy.observing import addresses, units
 from morph.policy.policy import Policy
 from morph.record.clock import period as period_of
 from morph.record.nearest import nearest
@@ -59,7 +60,7 @@ class Recorded(Target):
         model = self.task.simulator().model
         return tuple(self._run(each, model) for each in self.recordings)
 
-    def _run(self, recording: Recording, model: object) -> Experience:
+    def _run(self, recording: Recording, model: Any) -> Experience:
         task, period = self.task, self.task.period
         channels = self._complete(recording)
         first = max(float(channel.time[0]) for channel in channels.values())
@@ -72,8 +73,11 @@ class Recorded(Target):
                 where=f"recording {recording.name}",
                 fix="give a longer recording, or a task of a shorter period",
             )
-        times = first + period * np.arange(periods + 1)
-        state = np.stack([channel.at(times) for channel in channels.values()], axis=1)
+        times: Array = np.asarray(first + period * np.arange(periods + 1), dtype=float)
+        nq = int(model.nq)
+        state = np.empty((len(times), nq + int(model.nv)))
+        for name, at in addresses(task.robot, model).items():
+            state[:, at] = channels[name].at(times)
         command = np.stack(
             [
                 held(recording.channel(f"{each.name}.command"), first, period, periods)
@@ -81,7 +85,6 @@ class Recorded(Target):
             ],
             axis=1,
         )
-        nq: int = model.nq  # type: ignore[attr-defined]
         position, velocity = state[:, :nq], state[:, nq:]
         loss, success = math.nan, False
         if len(position) >= task.samples:

@@ -103,8 +103,9 @@ class Served:
             while True:
                 said = self._hear()
                 if "begin" in said:
-                    trial = number(said["begin"].get("trial"))
-                    self._trial(0 if math.isnan(trial) else round(trial))
+                    asked = said["begin"]
+                    trial = number(asked.get("trial")) if isinstance(asked, dict) else 0.0
+                    self._trial(max(round(trial), 0) if math.isfinite(trial) else 0)
                 elif "stop" in said:
                     self._confess()
         except Gone:

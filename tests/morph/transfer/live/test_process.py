@@ -1,0 +1,165 @@
+from __future__ import annotations
+
+import os
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from morph.errors import TransferError, TrialStopped
+from morph.task.task import Task
+from morph.transfer.live.live import Live
+from morph.transfer.live.process import Process
+from morph.transfer.live.watch import Watch
+
+PUSH = np.full((10, 1), 1.0)
+QUICK = Watch(answer_within=0.3, stop_within=0.3, open_within=5.0, begin_within=5.0, unreadable=30)
+
+
+def live(swing: Task, process: Process, watch: Watch = QUICK) -> Live:
+    return Live(swing, process, watch=watch)
+
+
+def test_a_process_is_told_every_command_and_to_stop_and_may_go_on(
+    swing: Task, speaking: object, log: Path
+) -> None:
+    target = live(swing, speaking())  # type: ignore[operator]
+    for _ in range(2):
+        shown = target.trial(PUSH, np.random.default_rng(0))
+        assert len(shown.position) == 11
+    target.close()
+    once = ['{"command": {"slide": 1.0}}'] * 10 + ["stop"]
+    assert log.read_text().splitlines() == [*once, *once, "end of input"]
+
+
+NOISY = """
+def on_state(k, said):
+    for line in (b"[driver] 31.2 C\\n", b"x" * 200000 + b"\\n", b"[" * 9000 + b"\\n"):
+        say(line)
+    say(b"\\xff\\x00\\n")
+    say(said)
+"""
+
+
+def test_lines_that_are_no_messages_are_survived_up_to_a_number(
+    swing: Task, speaking: object
+) -> None:
+    # Four lines before each of eleven states.
+    patient = Watch(unreadable=44, open_within=5.0)
+    target = live(swing, speaking(NOISY), patient)  # type: ignore[operator]
+    assert len(target.trial(PUSH, np.random.default_rng(0)).position) == 11
+    assert target.conduct is not None
+    assert target.conduct.unreadable == 44
+    target.close()
+    target = live(swing, speaking(NOISY))  # type: ignore[operator]
+    # The third of the four lines before the eighth state is the 31st.
+    with pytest.raises(TrialStopped, match=r"31 lines are no states, the last: b'\[.* 7 of 11"):
+        target.trial(PUSH, np.random.default_rng(0))
+    target.close()
+
+
+FAULTS = {
+    "it dies": (
+        "def on_state(k, said):\n if k == 4: sys.exit('motor on fire')\n say(said)",
+        r"it closed its output and ended with status 1, saying 'motor on fire'; 4 of 11 states",
+    ),
+    "it stops answering": (
+        "def on_state(k, said):\n if k < 4: say(said)",
+        r"it stopped answering: no state came within 0.3 s; 4 of 11 .* said that it stopped",
+    ),
+    "it reads nothing": (
+        "def on_state(k, said):\n if k == 4: time.sleep(30)\n say(said)",
+        r"it stopped answering.*did not say that it stopped, and was let go",
+    ),
+    "it reports an error": (
+        "def on_state(k, said):\n say({'error': 'overheated'} if k == 4 else said)",
+        r"it says: 'overheated'",
+    ),
+    "it stops its clock": (
+        "def on_state(k, said):\n said['t'] = min(said['t'], 0.2)\n say(said)",
+        r"its time went from 0.2 to 0.2 s",
+    ),
+    "it floods": (
+        "def on_state(k, said):\n while True: say(b'x\\n')",
+        r"31 lines are no states, the last: b'x' is no JSON object",
+    ),
+    "a sensor says null": (
+        "def on_state(k, said):\n said['state']['hinge.velocity'] = None\n say(said)",
+        r"hinge.velocity is no finite number: a dead sensor",
+    ),
+    "a sensor says a number too great": (
+        "def on_state(k, said):\n said['state']['hinge.velocity'] = 10 ** 400\n say(said)",
+        r"hinge.velocity is no finite number: a dead sensor",
+    ),
+}
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_a_trial_ends_with_a_message_if(
+    swing: Task, speaking: object, fault: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("morph.transfer.live.process.LEAVE", 0.2)
+    change, says = FAULTS[fault]
+    target = live(swing, speaking(change))  # type: ignore[operator]
+    begun = time.monotonic()
+    with pytest.raises(TrialStopped, match=says):
+        target.trial(PUSH, np.random.default_rng(0))
+    target.close()
+    assert time.monotonic() - begun < 5.0
+
+
+def test_a_process_that_will_not_end_is_ended(
+    speaking: object, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("morph.transfer.live.process.LEAVE", 0.1)
+    stubborn = "import signal\nsignal.signal(signal.SIGTERM, signal.SIG_IGN)\n"
+    stubborn += "import atexit\natexit.register(time.sleep, 30)"
+    process = speaking(stubborn)  # type: ignore[operator]
+    process.open(5.0)
+    number = process._process.pid
+    process.close()
+    with pytest.raises(ProcessLookupError):
+        os.kill(number, 0)
+
+
+@pytest.mark.parametrize(
+    ("program", "says"),
+    [
+        ("", r"it closed its output and ended with status 0 before it said who it is"),
+        ("raise SystemExit('no port')", r"status 1, saying 'no port' before it said"),
+        ("import time; print('hi', flush=True); time.sleep(9)", r"in 0.5 s it did not say who"),
+        ('print(\'{"schema": "other/1"}\')', r"its schema is 'other/1'"),
+        ("while True: print('x')", r"it did not say who it is; 101 lines are no JSON objects"),
+    ],
+)
+def test_a_process_that_does_not_say_who_it_is_is_refused(
+    program: str, says: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("morph.transfer.live.process.LEAVE", 0.2)
+    with pytest.raises(TransferError, match=says):
+        Process([sys.executable, "-S", "-c", program]).open(0.5)
+
+
+def test_a_program_that_is_not_there_is_refused() -> None:
+    with pytest.raises(TransferError, match=r"target drive: it cannot be started: No such file"):
+        Process(["./drive"]).open(1.0)
+
+
+def test_no_file_descriptor_is_left_open(speaking: object) -> None:
+    def opened() -> int:
+        return len(os.listdir("/proc/self/fd"))
+
+    if not Path("/proc/self/fd").is_dir():
+        pytest.skip("this system does not list a process's files")
+    before = opened()
+    for _ in range(2):
+        process = speaking()  # type: ignore[operator]
+        process.open(5.0)
+        process.close()
+    until = time.monotonic() + 2.0
+    # The threads that read close their ends when they meet the end of the file.
+    while opened() > before and time.monotonic() < until:
+        time.sleep(0.01)
+    assert opened() == before
