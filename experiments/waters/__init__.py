@@ -1,0 +1,1 @@
+"""Six fluids and ballasts of the hexapod swimmer, and runs in them."""
