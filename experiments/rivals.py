@@ -15,6 +15,7 @@ import sys
 import time
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -76,7 +77,7 @@ class Row:
     """Wall time."""
 
 
-def measured(world: str, rival: str, seed: int, source: Source, trials: int) -> Row:
+def measured(world: str, rival: str, seed: int, trials: int) -> Row:
     """Return what one rival, or a control, does on one target."""
     task = changed(*WORLDS[world])
     target, began = target_of(task), time.perf_counter()
@@ -91,6 +92,8 @@ def measured(world: str, rival: str, seed: int, source: Source, trials: int) -> 
         tried = [(shown.loss, float(shown.success))] * trials
     else:
         (kind,) = (each for each in RIVALS if each.name == rival)
+        source = source_of(seed)
+        began = time.perf_counter()
         lines = kind().run(source, target, trials=trials, seed=seed)
         tried = [(line.loss, line.success) for line in lines]
     losses, successes = zip(*tried, strict=True)
@@ -104,6 +107,7 @@ def measured(world: str, rival: str, seed: int, source: Source, trials: int) -> 
     )
 
 
+@lru_cache(maxsize=1)
 def source_of(seed: int) -> Source:
     """Return the swing-up of the unchanged cart-pole, planned in simulation, and what was seen."""
     task = changed("l", 1.0)
@@ -122,12 +126,10 @@ def rows(
     found = _kept(kept)
     done = {(row.world, row.rival, row.seed) for row in found}
     for seed in seeds:
-        wanted = [(w, r, seed) for w in worlds for r in rivals]
-        source = source_of(seed) if set(wanted) - done else None
-        for each in wanted:
-            if each in done or source is None:
+        for each in ((w, r, seed) for w in worlds for r in rivals):
+            if each in done:
                 continue
-            row = measured(*each, source, trials)
+            row = measured(*each, trials)
             found.append(row)
             said = " ".join(f"{loss:.1f}" for loss in row.losses)
             print(f"  seed {seed}, {row.world}, {row.rival}: {said}", file=sys.stderr, flush=True)
