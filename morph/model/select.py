@@ -10,6 +10,7 @@ from typing import Any
 import mujoco
 import numpy as np
 from scipy.special import logsumexp
+from scipy.stats import norm
 
 from morph.arrays import Array
 from morph.errors import EvidenceError
@@ -71,6 +72,8 @@ class Unsaid:
     """For how long it lasts, s."""
     limit: float = 0.3
     """Share above which a model does not fit."""
+    far: float = 4.0
+    """Standard deviations beyond which a figure in doubt is more than doubtful: no fit either."""
 
     def __post_init__(self) -> None:
         """Check that every number can be used."""
@@ -183,13 +186,17 @@ class Weighed:
     """How probable each setting of each block is, shape (models, settings, ...) each."""
     doubt: Array
     """Mean of the figures in doubt, by their standard deviations, (models, ..., doubts)."""
+    doubt_left: Array
+    """How uncertain they still are, as a share of what they were, same shape."""
 
     def too_much(self, model: Any, unsaid: Unsaid) -> Array:
         """Return how probable it is that a model leaves out more than the limit, (models, ...).
 
-        It does where any kind of motion has a share above `unsaid.limit`.
+        It does where any kind of motion has a share above `unsaid.limit`, or where a figure in
+        doubt is farther off than `unsaid.far`.
         """
-        fine = np.ones(1)
+        near = norm.cdf((unsaid.far - np.abs(self.doubt)) / self.doubt_left)
+        fine = np.prod(near, axis=-1)
         for block, weight in zip(blocks(model), self.settings, strict=True):
             share, _ = block.settings(unsaid)
             fine = fine * weight[:, share.max(axis=1) <= unsaid.limit].sum(axis=1)
@@ -217,7 +224,8 @@ def weighed(parts: Sequence[Likelihood]) -> Weighed:
     away = np.trace(spread, axis1=-2, axis2=-1) + np.sum(mean**2, axis=-1) - size
     price = 0.5 * (away - np.linalg.slogdet(spread)[1])
     bound = sum((_mixed(log) for log in logs), start=np.zeros(1))
-    return Weighed(log_evidence=bound - price, settings=weight, doubt=mean)
+    left = np.sqrt(np.diagonal(spread, axis1=-2, axis2=-1))
+    return Weighed(log_evidence=bound - price, settings=weight, doubt=mean, doubt_left=left)
 
 
 def _exactly(parts: Sequence[Likelihood]) -> Weighed:
@@ -230,8 +238,12 @@ def _exactly(parts: Sequence[Likelihood]) -> Weighed:
         log = log - 0.5 * np.linalg.slogdet(precision)[1]
         total = total + _mixed(log)
         settings.append(np.exp(log - logsumexp(log, axis=1, keepdims=True)))
-    doubt = np.sum(settings[-1][..., None] * best, axis=1)
-    return Weighed(log_evidence=total, settings=tuple(settings), doubt=doubt)
+    # Only one block has figures in doubt here, or none has.
+    weight = settings[-1][..., None]
+    doubt = np.sum(weight * best, axis=1)
+    own = np.diagonal(np.linalg.inv(precision), axis1=-2, axis2=-1)
+    left = np.sqrt(np.sum(weight * (own + (best - doubt[:, None]) ** 2), axis=1))
+    return Weighed(log_evidence=total, settings=tuple(settings), doubt=doubt, doubt_left=left)
 
 
 def _doubts(parts: Sequence[Likelihood], weight: Sequence[Array]) -> tuple[Array, Array]:
