@@ -25,6 +25,9 @@ STATE, TRIALS, SHOWN, ORIGIN = "loop.json", "trials", "experience.npz", "origin.
 MOST_BYTES = 50_000_000
 """Largest file of a trial that is read."""
 
+SPOILT = (PolicyError, KeyError, TypeError, ValueError, EOFError, OSError, zipfile.BadZipFile)
+"""What reading a spoilt file may raise."""
+
 
 class Keep:
     """The trials of one loop in one folder.
@@ -84,7 +87,7 @@ class Keep:
             policy = load_policy(folder / "policy", self.task.robot)
             origin = str(json.loads((folder / ORIGIN).read_text())["origin"])
             return Tried(policy=policy, experience=_read(folder / SHOWN), origin=origin)
-        except (PolicyError, KeyError, TypeError, ValueError, OSError, zipfile.BadZipFile) as error:
+        except SPOILT as error:
             raise OutputError(
                 f"trial {number + 1} cannot be read: {error}",
                 where=str(folder),
@@ -113,7 +116,8 @@ def _check(state: Path, said: Mapping[str, str]) -> None:
 def _read(path: Path) -> Experience:
     if path.stat().st_size > MOST_BYTES:
         raise ValueError(f"{path.name} is larger than {MOST_BYTES} bytes")
-    with np.load(path, allow_pickle=False) as held:
+    # Read whole first: of a spoilt file numpy would leave the handle open.
+    with np.load(io.BytesIO(path.read_bytes()), allow_pickle=False) as held:
         arrays = {name: np.asarray(held[name], dtype=float) for name in held.files}
     return Experience(
         position=arrays["position"],
