@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from importlib.metadata import version
 from typing import Any
 
@@ -22,12 +23,20 @@ def corrected(e: Evidence, worse: bool) -> tuple[tuple[Effect, ...], str]:
         spec = e.nominal.spec_at(e.nominal.start)
         spec.compile()
         return (), fulltext(spec)
-    spec = found.hypothesis.spec_at(found.point)
-    effects = found.hypothesis.effects_at(found.point)
-    beside = [effect for effect in effects if not _held_by_mujoco(effect)]
+    return split(found.hypothesis.spec_at(found.point), found.hypothesis.effects_at(found.point))
+
+
+def split(spec: Any, effects: Sequence[Effect]) -> tuple[tuple[Effect, ...], str]:
+    """Return the effects that MuJoCo cannot hold, and a description with all others.
+
+    Args:
+        spec: The description as a `mujoco.MjSpec`; it is edited.
+        effects: What acts on it.
+    """
+    beside = tuple(effect for effect in effects if not _held_by_mujoco(effect))
     apply(spec, (effect for effect in effects if _held_by_mujoco(effect)))
     spec.compile()
-    return tuple(beside), fulltext(spec)
+    return beside, fulltext(spec)
 
 
 def _held_by_mujoco(effect: Effect) -> bool:

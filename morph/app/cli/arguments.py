@@ -189,3 +189,58 @@ class Learn:
     """Print record.json instead of words."""
     quiet: bool = False
     """Show no progress."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Loop:
+    """Carry a policy to a target: try it, say what the model lacks, repair it, and try again.
+
+    The target is one of: a simulation that differs by --change, --effect or --effects; one that
+    differs by what is sealed; a live one; or recordings of one, which are only diagnosed.
+    The same command again goes on at the trial it was in. Exit status 3: the task was not done on
+    the target, or it stopped short; the best policy so far is written, and says so.
+
+    Example: morph loop swing-up --robot cartpole --policy learned/policy --sealed 7 --out carried
+    """
+
+    task: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="TASK")]
+    """What is to be done: a name from `morph list tasks`."""
+    robot: Annotated[str, tyro.conf.arg(metavar="ROBOT")]
+    """The source: a description, a robot folder, or a name on the shelf."""
+    out: Annotated[str, tyro.conf.arg(metavar="DIR")]
+    """Folder for the policy, transfer.json, report.html, the corrected model and the trials."""
+    policy: Annotated[str | None, tyro.conf.arg(metavar="DIR")] = None
+    """Folder of the source's policy; without one it is learned first, on the source."""
+    change: Annotated[Many, tyro.conf.arg(metavar="FIGURE=FACTOR")] = ()
+    """A figure in which the target differs: length:pole=2, weight:cart=0.5; may be repeated."""
+    effect: Annotated[Many, tyro.conf.arg(metavar="NAME@WHERE:PARAM=VALUE,...")] = ()
+    """Physics that acts on the target alone, as `morph list effects` names it; may be repeated."""
+    effects: Annotated[str | None, tyro.conf.arg(metavar="TOML")] = None
+    """File of effects that act on the target alone."""
+    sealed: Annotated[int | None, tyro.conf.arg(metavar="SEED")] = None
+    """Draw what differs from this seed, and tell nobody before the end."""
+    live: Annotated[str | None, tyro.conf.arg(metavar="COMMAND")] = None
+    """Program to start that speaks for the target in JSON lines (docs/live.md)."""
+    limit: Annotated[Many, tyro.conf.arg(metavar="WHAT:NAME=VALUE")] = ()
+    """Of a live target: command:ACTUATOR=LOW..HIGH or position:JOINT=LOW..HIGH; and
+    rate:ACTUATOR=MOST or speed:JOINT=MOST, per s; may be repeated."""
+    stop_file: Annotated[str | None, tyro.conf.arg(metavar="FILE")] = None
+    """A file that stops a live target by being there."""
+    recorded: Annotated[tuple[Path, ...], tyro.conf.arg(metavar="RECORDING ...")] = ()
+    """Recordings of the target: what differs is said, and nothing is tried or learned."""
+    trials: Annotated[int, tyro.conf.arg(metavar="N")] = 5
+    """Most trials on the target, that of the source's policy included."""
+    seed: int = 0
+    """Of every draw but the sealed one."""
+    world: Annotated[str | None, tyro.conf.arg(metavar="NAME")] = None
+    """Where both are, if not where the task says: as `morph simulate --world`."""
+    base: Literal["fixed", "floating", "board"] | None = None
+    """How it stands in the world, where the description does not say."""
+    folder: Path | None = None
+    """Folder outside which nothing is read; by default the description's own."""
+    fresh: bool = False
+    """Begin anew in a folder that holds an earlier loop."""
+    json: bool = False
+    """Print transfer.json instead of words."""
+    quiet: bool = False
+    """Show no progress."""

@@ -12,7 +12,15 @@ from typing import Annotated
 import tyro
 
 import morph
-from morph.app.cli.arguments import Convert, Diagnose, Inspect, Learn, List, Simulate
+from morph.app.cli.arguments import (
+    Convert,
+    Diagnose,
+    Inspect,
+    Learn,
+    List,
+    Loop,
+    Simulate,
+)
 from morph.app.cli.words import harmless
 from morph.errors import MorphError
 
@@ -25,6 +33,7 @@ Asked = (
     | Annotated[Convert, tyro.conf.subcommand("convert")]
     | Annotated[Simulate, tyro.conf.subcommand("simulate")]
     | Annotated[Learn, tyro.conf.subcommand("learn")]
+    | Annotated[Loop, tyro.conf.subcommand("loop")]
     | Annotated[List, tyro.conf.subcommand("list")]
 )
 
@@ -37,6 +46,8 @@ Example: morph simulate pendulum --start hinge=1 --video swing.mp4
 Example: morph diagnose double_pendulum rig.toml --out report
 
 Example: morph learn swing-up --robot cartpole --out learned
+
+Example: morph loop swing-up --robot cartpole --sealed 7 --out carried
 
 Exit status: 0 done, 2 what was given cannot be used, 3 stopped short, 130 interrupted.
 `morph --version` says which morph this is; `morph COMMAND --help` says more."""
@@ -89,9 +100,9 @@ def _open_streams() -> None:
             setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115 -- open to the end
 
 
-def _asked(given: Sequence[str]) -> Diagnose | Inspect | Convert | Simulate | Learn | List:
+def _asked(given: Sequence[str]) -> Diagnose | Inspect | Convert | Simulate | Learn | Loop | List:
     try:
-        asked: Diagnose | Inspect | Convert | Simulate | Learn | List = tyro.cli(
+        asked: Diagnose | Inspect | Convert | Simulate | Learn | Loop | List = tyro.cli(
             Asked,
             prog="morph",
             description=SUMMARY,
@@ -104,7 +115,7 @@ def _asked(given: Sequence[str]) -> Diagnose | Inspect | Convert | Simulate | Le
         sys.stdout.flush()
 
 
-def _run(asked: Diagnose | Inspect | Convert | Simulate | Learn | List) -> int:
+def _run(asked: Diagnose | Inspect | Convert | Simulate | Learn | Loop | List) -> int:
     if isinstance(asked, List):
         from morph.app.cli.list import run_list
 
@@ -125,6 +136,10 @@ def _run(asked: Diagnose | Inspect | Convert | Simulate | Learn | List) -> int:
         from morph.app.cli.learn import run_learn
 
         return run_learn(asked)
+    if isinstance(asked, Loop):
+        from morph.app.cli.loop import run_loop
+
+        return run_loop(asked)
     from morph.app.cli.diagnose import run_diagnose
 
     return run_diagnose(asked)

@@ -1,0 +1,172 @@
+"""What a loop is aimed at: a concealed simulation, one that is sealed, a live target."""
+
+from __future__ import annotations
+
+import math
+import shlex
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from morph.app.cli.arguments import Loop
+from morph.app.cli.sealed import Concealed, changes, drawn
+from morph.errors import TransferError
+from morph.policy.policy import Policy
+from morph.search.target import Simulated, Target
+from morph.task.task import Task
+
+if TYPE_CHECKING:
+    from morph.transfer.live.limits import Limits
+    from morph.transfer.live.live import Live
+
+
+@dataclass(frozen=True, kw_only=True)
+class Aim:
+    """A target, and what is known of it."""
+
+    name: str
+    """What it is called."""
+    target: Target
+    """What trials are made on."""
+    concealed: Concealed | None = None
+    """In what it differs, if it is simulated."""
+
+    @property
+    def simulated(self) -> Simulated | None:
+        """The simulation that stands for it; None if it is live."""
+        return self.target if isinstance(self.target, Simulated) else None
+
+
+def check_choice(asked: Loop) -> str:
+    """Return which target is asked for: `told`, `sealed`, `live` or `recorded`.
+
+    Raises:
+        TransferError: None is, or more than one, or an option of another is given.
+    """
+    told = bool(asked.change or asked.effect or asked.effects is not None)
+    chosen = [
+        name
+        for name, given in (
+            ("told", told),
+            ("sealed", asked.sealed is not None),
+            ("live", asked.live is not None),
+            ("recorded", bool(asked.recorded)),
+        )
+        if given
+    ]
+    if len(chosen) != 1:
+        raise TransferError(
+            "no target is named" if not chosen else f"{len(chosen)} targets are named",
+            where="morph loop",
+            fix="give one of: --change with --effect or --effects; --sealed; --live; --recorded",
+        )
+    if asked.live is None and (asked.limit or asked.stop_file is not None):
+        raise TransferError(
+            "limits and a stop file are of live targets",
+            where="--limit" if asked.limit else "--stop-file",
+            fix="leave it out, or name a live target by --live",
+        )
+    if asked.sealed is not None and asked.sealed < 0:
+        raise TransferError(f"{asked.sealed} is no seed", where="--sealed", fix="give 0 or more")
+    return chosen[0]
+
+
+def told_aim(asked: Loop, task: Task) -> Aim:
+    """Return the target that differs as the command line says.
+
+    Raises:
+        MorphError: A figure, an effect or a value is not known.
+    """
+    from morph.app.cli.effects import asked_effects
+
+    file = None if asked.effects is None else Path(asked.effects)
+    effects = asked_effects(task.robot, asked.effect, file=file)
+    concealed = Concealed(factors=changes(asked.change), effects=effects)
+    said = [f"{name} x {value:g}" for name, value in concealed.factors.items()]
+    said += [effect.label for effect in effects]
+    return Aim(
+        name=f"{task.robot.name} with {', '.join(said)}",
+        target=concealed.target(task),
+        concealed=concealed,
+    )
+
+
+def sealed_aim(asked: Loop, task: Task, policy: Policy) -> Aim:
+    """Return the target whose differences a seed conceals."""
+    concealed = drawn(task, policy, asked.sealed or 0)
+    return Aim(
+        name=f"{task.robot.name}, sealed {asked.sealed}",
+        target=concealed.target(task),
+        concealed=concealed,
+    )
+
+
+def live_aim(asked: Loop, task: Task, keep: Path) -> Aim:
+    """Return the live target, which is started when the first trial begins.
+
+    Raises:
+        TransferError: The command is none, or a limit cannot be used.
+    """
+    from morph.transfer.live.live import Live
+    from morph.transfer.live.process import Process
+    from morph.transfer.live.stop import Stop
+
+    try:
+        argv = shlex.split(asked.live or "")
+    except ValueError as error:
+        raise TransferError(
+            f"the command cannot be taken apart: {error}",
+            where="--live",
+            fix="close its quotes",
+        ) from error
+    if not argv:
+        raise TransferError(
+            "no command is given", where="--live", fix="name the program that speaks for the target"
+        )
+    stop = Stop(None if asked.stop_file is None else Path(asked.stop_file))
+    process = Process(argv)
+    live = Live(task, process, limits=limits(asked.limit), stop=stop, keep=keep)
+    return Aim(name=f"{task.robot.name} by {process.name.removeprefix('target ')}", target=live)
+
+
+def limits(texts: Sequence[str]) -> Limits:
+    """Return limits of `command:NAME=LOW..HIGH`, `rate:NAME=MOST`, `position`, `speed`.
+
+    Raises:
+        TransferError: One is none of these.
+    """
+    from morph.transfer.live.limits import Limits
+
+    spans: dict[str, dict[str, tuple[float, float]]] = {"command": {}, "position": {}}
+    most: dict[str, dict[str, float]] = {"rate": {}, "speed": {}}
+    for text in texts:
+        what, _, rest = text.partition(":")
+        name, _, value = rest.rpartition("=")
+        numbers = [_number(part) for part in value.split("..")]
+        right = len(numbers) == (2 if what in spans else 1) and not any(map(math.isnan, numbers))
+        if not name or what not in {*spans, *most} or not right:
+            raise TransferError(
+                f"{text!r} is no limit",
+                where="--limit",
+                fix="write command:NAME=-5..5, position:NAME=-1..1, rate:NAME=50 or speed:NAME=2",
+            )
+        if what in spans:
+            spans[what][name] = (numbers[0], numbers[1])
+        else:
+            most[what][name] = numbers[0]
+    return Limits(**spans, **most)
+
+
+def _number(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        return math.nan
+
+
+def live_of(aim: Aim) -> Live | None:
+    """Return the live target of an aim; None if it is simulated."""
+    from morph.transfer.live.live import Live
+
+    return aim.target if isinstance(aim.target, Live) else None

@@ -1,0 +1,254 @@
+"""`morph loop`: a policy carried to a target, what the model lacked, and how good it is there."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from morph.app.cli.arguments import Loop
+from morph.errors import MorphError, OutputError, TransferError, TrialStopped
+
+if TYPE_CHECKING:
+    from morph.app.cli.aim import Aim
+    from morph.app.cli.stages import Stages
+    from morph.app.report.loop.outcome import Outcome
+    from morph.policy.policy import Policy
+    from morph.task.task import Task
+    from morph.transfer.keep import Keep
+    from morph.transfer.loop import Round, Transferred
+
+DONE, STOPPED_SHORT, INTERRUPTED = 0, 3, 130
+
+
+def run_loop(asked: Loop) -> int:
+    """Carry a policy as asked and return the exit status.
+
+    Raises:
+        MorphError: An input cannot be used, the target cannot be tried, or a result cannot be
+            written.
+    """
+    from morph.app.cli.aim import check_choice, live_aim, told_aim
+    from morph.app.cli.loop_folder import RECORDED, check_out, clear
+    from morph.app.cli.loop_said import already
+    from morph.app.cli.stages import stages
+
+    # Whatever the command line got wrong is told before any work is done.
+    _check_numbers(asked)
+    kind = check_choice(asked)
+    out = check_out(asked.out)
+    task = _task(asked)
+    if kind == "recorded":
+        from morph.app.cli.loop_recorded import run_recorded
+
+        return run_recorded(asked, task, out)
+    _check_body(task)
+    given = _given(asked, task)
+    aim: Aim | None = None
+    if kind == "told":
+        aim = told_aim(asked, task)
+    elif kind == "live":
+        aim = live_aim(asked, task, out / RECORDED)
+    if asked.fresh:
+        clear(out, trials=True)
+    key = _key(asked, task, given, aim)
+    keep = _keep(out, task, key)
+    status = already(asked, out)
+    if status is not None:
+        return status
+    try:
+        with stages(asked.quiet) as told:
+            outcome = _carried(asked, task, given, aim, keep, told)
+    except BaseException as error:
+        return _ended(error, out)
+    return _said(asked, outcome)
+
+
+def _check_numbers(asked: Loop) -> None:
+    if asked.trials < 1:
+        raise TransferError(
+            f"a loop of {asked.trials} trials shows nothing", where="--trials", fix="give 1 or more"
+        )
+    if asked.seed < 0:
+        raise TransferError(f"{asked.seed} is no seed", where="--seed", fix="give 0 or more")
+
+
+def _task(asked: Loop) -> Task:
+    """Return the source's task in the world that is asked for."""
+    from morph.body.load import load
+    from morph.task.tasks import check_name, task
+
+    check_name(asked.task)
+    robot = load(asked.robot, base=asked.base, folder=asked.folder)
+    found = task(asked.task, robot)
+    if asked.world is None:
+        return found
+    from morph.physics.worlds import world
+
+    return replace(found, world=asked.world, effects=world(asked.world, robot).effects)
+
+
+def _check_body(task: Task) -> None:
+    """Refuse a body whose simulation cannot be repaired, before anything is tried."""
+    others = [each.name for each in task.robot.joints if each.kind not in {"hinge", "slide"}]
+    if others:
+        raise TransferError(
+            f"its joint {others[0]} is neither a hinge nor a slide, and what differs in such a "
+            "body is not found by its runs yet",
+            where=f"robot {task.robot.name}",
+            fix="take a body that stands fixed; `morph diagnose` compares recordings of others",
+        )
+
+
+def _given(asked: Loop, task: Task) -> Policy | None:
+    """Return the policy that is named, once it fits the body and the task."""
+    if asked.policy is None:
+        return None
+    from morph.policy.store import load_policy
+    from morph.search.evaluate import check_period
+
+    policy = load_policy(asked.policy, task.robot)
+    check_period(policy, task)
+    return policy
+
+
+def _key(asked: Loop, task: Task, given: Policy | None, aim: Aim | None) -> dict[str, str]:
+    """Return what must be the same for a loop to go on."""
+    from morph.files import sha256
+    from morph.search.searches import default
+
+    target = f"sealed {asked.sealed}" if aim is None else aim.name
+    if aim is not None and aim.concealed is not None:
+        target = repr(aim.concealed)
+    if given is None:
+        policy = f"learned by {default(task.name, task.robot)}"
+    else:
+        policy = sha256(*(value.tobytes() for _, value in sorted(given.weights().items())))
+    return {"target": target, "policy": policy, "seed": str(asked.seed)}
+
+
+def _keep(out: Path, task: Task, key: dict[str, str]) -> Keep:
+    from morph.transfer.keep import Keep
+
+    try:
+        return Keep(out, task, key)
+    except OutputError as error:
+        raise OutputError(
+            error.what, where=error.where, fix=f"{error.fix}, or begin anew in this one by --fresh"
+        ) from error
+
+
+def _carried(
+    asked: Loop, task: Task, given: Policy | None, aim: Aim | None, keep: Keep, told: Stages
+) -> Outcome:
+    """Return what came of all trials, written."""
+    from morph.app.cli.aim import live_of, sealed_aim
+    from morph.app.cli.loop_folder import clear
+    from morph.app.cli.loop_source import source
+    from morph.app.report.loop.files import write_loop
+    from morph.app.report.loop.words import round_said
+    from morph.transfer.loop import Loop as Trials
+    from morph.transfer.loop import concluded
+
+    policy, notes = source(asked, task, given, told)
+    aim = sealed_aim(asked, task, policy) if aim is None else aim
+    rounds: list[Round] = []
+
+    def ended(done: Round) -> None:
+        rounds.append(done)
+        for line in round_said(len(rounds), done, task.robot):
+            told.line(line)
+
+    stopped = ""
+    live = live_of(aim)
+    try:
+        done: Transferred = Trials(trials=asked.trials, seed=asked.seed).run(
+            task, policy, aim.target, keep=keep, told=ended, said=told.now
+        )
+    except MorphError as error:
+        if not rounds or (isinstance(error, TrialStopped) and error.pressed):
+            raise
+        done, stopped = concluded(rounds), error.what
+        notes = (*notes, f"{error.where}: {error.what}; {error.fix}")
+    finally:
+        if live is not None:
+            live.close()
+    told.now("judging")
+    outcome = _judged(asked, task, policy, aim, done, stopped, notes)
+    told.now("writing the report")
+    # Results of fewer trials would be taken for these.
+    clear(keep.out, trials=False)
+    return write_loop(outcome, keep.out)
+
+
+def _judged(
+    asked: Loop,
+    task: Task,
+    policy: Policy,
+    aim: Aim,
+    done: Transferred,
+    stopped: str,
+    notes: tuple[str, ...],
+) -> Outcome:
+    import numpy as np
+
+    from morph.app.cli.loop_said import command
+    from morph.app.report.loop.outcome import Outcome
+    from morph.search.evaluate import evaluate
+    from morph.transfer.score import JUDGING, judged
+
+    advice = done.rounds[-1].advice
+    there, concealed = aim.simulated, aim.concealed
+    home = evaluate(
+        task, policy, task.simulator(), rng=np.random.default_rng([asked.seed, JUDGING])
+    )
+    return Outcome(
+        task=task,
+        target=aim.name,
+        runs=tuple(each.tried.experience for each in done.rounds),
+        transferred=done,
+        repair=None if advice is None else advice.repair,
+        judged=None if there is None else judged(there, policy, done.policy, seed=asked.seed),
+        own=home.mean,
+        concealed=None if concealed is None else concealed.values,
+        sealed=asked.sealed,
+        stopped=stopped,
+        seed=asked.seed,
+        command=command(asked),
+        notes=notes,
+    )
+
+
+def _ended(error: BaseException, out: Path) -> int:
+    """Return the status of a loop that was interrupted; leave nothing of one without a trial.
+
+    Raises:
+        MorphError: It was not interrupted, but cannot go on.
+    """
+    from morph.app.cli.loop_folder import SOURCE, clear, finished
+    from morph.app.cli.words import harmless
+
+    tried, learned = finished(out), (out / SOURCE[0]).is_file()
+    if not tried and not (learned and isinstance(error, KeyboardInterrupt)):
+        clear(out, trials=True)
+    pressed = isinstance(error, TrialStopped) and error.pressed
+    if not (pressed or isinstance(error, KeyboardInterrupt)):
+        raise error
+    if isinstance(error, TrialStopped):
+        sys.stderr.write(f"{harmless(f'{error.where}: {error.what}')}\n")
+    trials = f"{tried} trial{'' if tried == 1 else 's'}"
+    sys.stderr.write(
+        f"interrupted after {trials}; the same command goes on from there, by what is in "
+        f"{harmless(str(out))}\n"
+        if tried or learned
+        else "interrupted; nothing was written\n"
+    )
+    return INTERRUPTED
+
+
+def _said(asked: Loop, outcome: Outcome) -> int:
+    from morph.app.cli.loop_said import say_outcome
+
+    say_outcome(asked, outcome)
+    return DONE if outcome.succeeded else STOPPED_SHORT

@@ -1,0 +1,75 @@
+"""`morph loop --recorded`: what differs in a target of which there are recordings alone."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from morph.app.cli.arguments import Loop
+from morph.app.cli.loop_folder import clear
+from morph.app.cli.loop_said import command, say_outcome
+from morph.app.cli.stages import stages
+from morph.app.report.loop.files import write_loop
+from morph.app.report.loop.outcome import Outcome
+from morph.model.hypothesis import Hypothesis
+from morph.model.kwik.judge import Verdict, judge
+from morph.model.latent.run import Run
+from morph.model.latent.unknowns import unknowns
+from morph.record.load import load
+from morph.search.threads import one_thread
+from morph.task.task import Task
+from morph.transfer.live.recorded import Recorded
+from morph.transfer.repair import MOST_RUNS, repaired
+
+
+def run_recorded(asked: Loop, task: Task, out: Path) -> int:
+    """Diagnose recordings of a target and return the exit status, 0.
+
+    Raises:
+        MorphError: A recording cannot be used or the result cannot be written.
+    """
+    recordings = [each for path in asked.recorded for each in load(path, robot=task.robot)]
+    runs = Recorded(task=task, recordings=tuple(recordings)).runs()
+    notes = []
+    if len(runs) > MOST_RUNS:
+        notes.append(f"the model is repaired by the last {MOST_RUNS} of {len(runs)} recordings")
+    with stages(asked.quiet) as told:
+        seen = [run.run for run in runs]
+        told.now("is the model good enough")
+        verdict = gate(task, seen[-MOST_RUNS:], asked.seed)
+        told.line(verdict.text)
+        repair = repaired(task, seen, told=told.now)
+        outcome = Outcome(
+            task=task,
+            target=f"{task.robot.name}, recorded",
+            runs=runs,
+            transferred=None,
+            repair=repair,
+            gate=verdict,
+            seed=asked.seed,
+            command=command(asked),
+            notes=tuple(notes),
+        )
+        told.now("writing the report")
+        clear(out, trials=False)
+        outcome = write_loop(outcome, out)
+    say_outcome(asked, outcome)
+    return 0
+
+
+def gate(task: Task, runs: list[Run], seed: int) -> Verdict:
+    """Return whether the model as described is good enough for what was recorded."""
+    simulator = task.simulator()
+    hypothesis = Hypothesis(
+        robot=task.robot, step=task.step, knobs=unknowns(task.robot), effects=task.effects
+    )
+    noise = np.full(2 * simulator.model.nv, max(task.noise, 1e-4))
+    with one_thread():
+        return judge(
+            hypothesis,
+            runs,
+            noise,
+            integrator=simulator.integrator,
+            rng=np.random.default_rng([seed, 2]),
+        )

@@ -1,0 +1,143 @@
+"""All that `morph loop` found out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from morph.arrays import JSON
+from morph.model.kwik.judge import Verdict
+from morph.model.latent.explain import Difference
+from morph.policy.policy import Policy
+from morph.search.target import Experience
+from morph.task.task import Task
+from morph.transfer.loop import Round, Transferred
+from morph.transfer.record import Guard, Hop, Record, guard
+from morph.transfer.repair import Repair
+from morph.transfer.score import UNMEASURED, Judged
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Outcome:
+    """What was tried on a target, what was found to differ, and how good the policy is there."""
+
+    task: Task
+    """The source's task."""
+    target: str
+    """What the target is called."""
+    runs: tuple[Experience, ...]
+    """What it showed, in order."""
+    transferred: Transferred | None
+    """What the loop gave back; None if the target was recorded."""
+    repair: Repair | None
+    """The last repaired model; None if there is none."""
+    judged: Judged | None = None
+    """How policies do on a simulated target; None for another."""
+    own: float | None = None
+    """What the source's policy costs in its own simulation."""
+    concealed: Mapping[str, float] | None = None
+    """What a simulated target differs in; None if nobody knows."""
+    sealed: int | None = None
+    """The seed from which that was drawn; None if it was told."""
+    gate: Verdict | None = None
+    """Whether the model as described is good enough for what was recorded."""
+    stopped: str = ""
+    """Why it ended before its time; empty if it did not."""
+    seed: int
+    """Of every draw."""
+    command: str
+    """The command that led to it."""
+    notes: tuple[str, ...] = ()
+    """What else is to be known."""
+
+    @property
+    def rounds(self) -> tuple[Round, ...]:
+        """The trials."""
+        return () if self.transferred is None else self.transferred.rounds
+
+    @property
+    def policy(self) -> Policy | None:
+        """The policy to keep."""
+        return None if self.transferred is None else self.transferred.policy
+
+    @property
+    def kept(self) -> int:
+        """The number of the trial in which the policy to keep was tried, counted from 1."""
+        tries = [each.tried.policy for each in self.rounds]
+        return next(at for at, each in enumerate(tries, 1) if each is self.policy)
+
+    @property
+    def succeeded(self) -> bool:
+        """Whether the policy to keep did its task in its trial, and may be relied on."""
+        done = self.transferred
+        return done is not None and done.succeeded and not self.why
+
+    @property
+    def why(self) -> str:
+        """Why not; empty if it did, or if nothing was to be tried."""
+        if self.stopped or self.transferred is None:
+            return self.stopped
+        if self.transferred.succeeded and self.guard.verdict == "unsafe":
+            return (
+                f"its trial reached every goal, but the repaired model promises that in "
+                f"{self.guard.probability:.0%} of runs alone"
+            )
+        return self.transferred.why
+
+    @property
+    def guard(self) -> Guard:
+        """What is thought of the policy to keep."""
+        return guard(None if self.transferred is None else self.transferred.foreseen)
+
+    @property
+    def differences(self) -> tuple[Difference, ...]:
+        """What the last model says that differs."""
+        return () if self.repair is None else self.repair.explained.differences
+
+    @property
+    def experience(self) -> float:
+        """Time on the target, s."""
+        return sum(run.seconds for run in self.runs)
+
+    def record(self) -> Record:
+        """Return what transfer.json tells."""
+        hop = Hop(
+            task=self.task,
+            target=self.target,
+            runs=self.runs,
+            rounds=self.rounds,
+            explained=None if self.repair is None else self.repair.explained,
+            guard=self.guard,
+            gate=self.gate,
+            scores=UNMEASURED if self.judged is None else self.judged.scores(),
+            succeeded=self.succeeded,
+            why=self.why,
+        )
+        return Record(
+            hops=(hop,),
+            policy=self.policy is not None,
+            seed=self.seed,
+            seconds=0.0 if self.transferred is None else self.transferred.seconds,
+            command=self.command,
+            sealed=self.opened(),
+            notes=self.notes,
+        )
+
+    def opened(self) -> JSON | None:
+        """Return what was concealed, beside what was found of it; None if nothing was."""
+        if not self.concealed:
+            return None
+        found = {each.name: each for each in self.differences}
+        rows = []
+        for name, value in self.concealed.items():
+            one = found.pop(name, None)
+            rows.append(
+                {
+                    "name": name,
+                    "value": value,
+                    "found": None if one is None else one.value,
+                    "low90": None if one is None else one.low90,
+                    "high90": None if one is None else one.high90,
+                }
+            )
+        return {"seed": self.sealed, "concealed": rows, "more": list(found)}

@@ -1,0 +1,115 @@
+"""The sentences that a reader of a loop's report meets first."""
+
+from __future__ import annotations
+
+from morph.app.report.learn.words import number
+from morph.app.report.loop import words
+from morph.app.report.loop.outcome import Outcome
+from morph.app.report.words import counted, percent
+from morph.arrays import JSON
+from morph.model.latent.explain import Difference
+
+
+def headline(outcome: Outcome) -> str:
+    """Return the verdict."""
+    task, robot = outcome.task.name, outcome.task.robot.name
+    if outcome.transferred is None:
+        many = len(words.differences(outcome.differences, outcome.task.robot))
+        if many == 0:
+            return f"The recordings agree with the description of {robot}"
+        return f"{robot} differs from its description in {counted(many, 'thing', 'things')}"
+    if outcome.succeeded:
+        return f"{robot} does {task} on the target in the {words.ordinal(outcome.kept)} trial"
+    if outcome.stopped:
+        return f"The loop stopped before {robot} did {task} on the target"
+    return f"{robot} does not do {task} on the target yet"
+
+
+def summary(outcome: Outcome) -> tuple[str, ...]:
+    """Return what was tried, what it promises and how good it is, in a few sentences."""
+    if outcome.transferred is None:
+        gate = () if outcome.gate is None else (outcome.gate.text,)
+        return (*gate, "Nothing was tried and nothing was learned: recordings cannot be driven.")
+    done = outcome.transferred
+    lines = [_tried(outcome)]
+    if done.foreseen is not None:
+        share = percent(done.foreseen.success)
+        lines.append(
+            f"In the repaired model the policy to keep costs {number(done.foreseen.loss)} and "
+            f"reaches every goal in {share} of noisy runs."
+        )
+    judged = outcome.judged
+    if judged is not None:
+        lines.append(
+            f"On the target itself it costs {number(judged.final.mean)} and reaches every goal in "
+            f"{percent(judged.final.share)} of {len(judged.final.loss)} noisy runs; the source's "
+            f"policy costs {number(judged.source.mean)} there, holding still "
+            f"{number(judged.still.mean)}{_oracle(outcome)}."
+        )
+    return tuple(lines)
+
+
+def _tried(outcome: Outcome) -> str:
+    first, kept = outcome.runs[0], outcome.runs[outcome.kept - 1]
+    trials = words.trials_said(len(outcome.runs), outcome.experience)
+    seconds = 0.0 if outcome.transferred is None else outcome.transferred.seconds
+    said = f"In {trials} the loss went from {number(first.loss)} to {number(kept.loss)}"
+    if kept is first:
+        said = f"In {trials} the source's policy was the best, at a loss of {number(first.loss)}"
+    return f"{said}; computing took {number(seconds)} s."
+
+
+def _oracle(outcome: Outcome) -> str:
+    judged = outcome.judged
+    if judged is None or judged.oracle is None:
+        return ""
+    return f", and one that is searched on its true parameters {number(judged.oracle.mean)}"
+
+
+def rivals_said(outcome: Outcome) -> tuple[str, ...]:
+    """Return how probable the explanation is, and the next, in a sentence or none."""
+    if outcome.repair is None or not outcome.repair.explained.rivals:
+        return ()
+    (first, share), *others = outcome.repair.explained.rivals
+    said = f"most probable: {first} ({percent(share)})"
+    return (f"{said}; then {others[0][0]} ({percent(others[0][1])})" if others else said,)
+
+
+def sealed_rows(outcome: Outcome) -> list[JSON]:
+    """Return what was concealed beside what was found of it, in words; none if nothing was."""
+    opened = outcome.opened()
+    if opened is None:
+        return []
+    rows = []
+    for each in opened["concealed"]:
+        name, value = each["name"], each["value"]
+        row = {"truth": words.truth(name, value, outcome.task.robot), "found": "", "interval": ""}
+        if each["found"] is None:
+            rows.append({**row, "verdict": _missed(name, outcome)})
+            continue
+        found = Difference(
+            name=name, value=each["found"], low90=each["low90"], high90=each["high90"]
+        )
+        middle, low, high = words.told(found)
+        held = each["low90"] <= value <= each["high90"]
+        rows.append(
+            {
+                **row,
+                "found": middle,
+                "interval": f"{low} to {high}" if low else "",
+                "verdict": "found" if held else "found, outside the interval",
+            }
+        )
+    return rows
+
+
+def _missed(name: str, outcome: Outcome) -> str:
+    """Return what is said of a difference that was not named."""
+    near = [each.name for each in outcome.differences if _place(each.name) == _place(name)]
+    return f"not named; {', '.join(near)} instead" if near else "not named"
+
+
+def _place(name: str) -> str:
+    """Return the part of which `length:pole` or `coulomb_friction@slide:c` speaks."""
+    effect, at, rest = name.partition("@")
+    return rest.rpartition(":")[0] if at else effect.partition(":")[2]

@@ -1,0 +1,147 @@
+"""What a loop found, in plain words."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+
+from morph.app.report.words import counted, percent, plain
+from morph.body.robot import Robot
+from morph.model.latent.explain import Difference
+from morph.physics import effect_class
+from morph.physics.effect import SLIDING, Parameter
+from morph.transfer.foresee import Foreseen
+from morph.transfer.loop import Round
+
+FIGURES: Mapping[str, str] = {
+    "length": "{part} is {factor} times as long",
+    "weight": "{part} is {factor} times as heavy",
+    "gravity": "gravity is {factor} times as strong",
+    "gain": "{part} pushes {factor} times as hard",
+    "damping": "{part} has {factor} times the damping",
+    "armature": "{part} has {factor} times the armature",
+    "frictionloss": "{part} has {factor} times the dry friction",
+    "stiffness": "{part} is {factor} times as stiff",
+}
+"""What is said of each figure of a description."""
+
+ORIGINS: Mapping[str, str] = {
+    "source": "the source's policy",
+    "searched again": "searched again in the repaired model",
+    "adjusted": "the source's policy, adjusted",
+    "recorded": "recorded",
+}
+"""Where a policy comes from."""
+
+
+def differences(found: Iterable[Difference], robot: Robot) -> tuple[str, ...]:
+    """Return what differs: a sentence for each figure and each effect, without a full stop."""
+    said: list[str] = []
+    effects: dict[str, list[Difference]] = {}
+    for each in found:
+        label, colon, _ = each.name.rpartition(":")
+        if "@" in label and colon:
+            effects.setdefault(label, []).append(each)
+        else:
+            said.append(figure(each))
+    return (*said, *(_effect(label, parts, robot) for label, parts in effects.items()))
+
+
+def figure(found: Difference) -> str:
+    """Return by what factor a figure of the description is off."""
+    what, _, part = found.name.partition(":")
+    factor, low, high = told(found)
+    sentence = FIGURES.get(what, "the {what} of {part} is {factor} times what is described")
+    between = f" ({low} to {high})" if low else ""
+    return sentence.format(what=what, part=part, factor=factor) + between
+
+
+def _effect(label: str, parts: Sequence[Difference], robot: Robot) -> str:
+    name, _, where = label.partition("@")
+    known = {each.name: each for each in effect_class(name).parameters()}
+    sizes = []
+    for part in parts:
+        symbol = part.name.rpartition(":")[2]
+        value, low, high = told(part)
+        unit = unit_of(known[symbol], where, robot) if symbol in known else ""
+        size = f"{value}{unit}" + (f" ({low} to {high})" if low else "")
+        sizes.append(size if len(parts) == 1 else f"{symbol} = {size}")
+    return f"{where}: {plain(name)} {', '.join(sizes)} was left out"
+
+
+def unit_of(known: Parameter, where: str, robot: Robot) -> str:
+    """Return a parameter's unit at its place, after a space: on a slide it is another."""
+    slides = any(joint.name == where and joint.kind == "slide" for joint in robot.joints)
+    unit = SLIDING.get(known.unit, known.unit) if slides else known.unit
+    return "" if unit == "-" else f" {unit}"
+
+
+def told(found: Difference) -> tuple[str, str, str]:
+    """Return a value and the ends of its interval with digits that tell the ends apart.
+
+    The ends are empty where there is no interval.
+    """
+    half = 0.5 * (found.high90 - found.low90)
+    if not (math.isfinite(half) and half > 0.0):
+        return f"{found.value:.3g}", "", ""
+    decimals = min(max(0, math.ceil(-math.log10(half))), 8)
+    return (
+        f"{found.value:.{decimals}f}",
+        f"{found.low90:.{decimals}f}",
+        f"{found.high90:.{decimals}f}",
+    )
+
+
+def truth(name: str, value: float, robot: Robot) -> str:
+    """Return in what a target really differs, without an interval."""
+    exact = Difference(name=name, value=value, low90=math.nan, high90=math.nan)
+    return differences([exact], robot)[0].replace(" was left out", " acts")
+
+
+def listed(said: Sequence[str]) -> str:
+    """Return sentences joined into one."""
+    return "; ".join(said) if said else "nothing that the trials can tell"
+
+
+def promised(foreseen: Foreseen | None) -> str:
+    """Return what a policy promises."""
+    if foreseen is None:
+        return "nothing: the repaired model is not believed"
+    share = percent(foreseen.success).replace("\N{NO-BREAK SPACE}", " ")
+    return f"loss {foreseen.loss:.3g}, success {share}"
+
+
+def outcome_of(done: Round) -> str:
+    """Return what came of a trial in a word."""
+    return "succeeded" if done.tried.experience.success else "failed"
+
+
+def round_said(number: int, done: Round, robot: Robot) -> tuple[str, ...]:
+    """Return a trial and what was learned from it, in a few lines."""
+    tried, advice = done.tried, done.advice
+    first = (
+        f"trial {number}: {ORIGINS.get(tried.origin, tried.origin)}: loss "
+        f"{tried.experience.loss:.4g}, {outcome_of(done)} ({tried.experience.seconds:.3g} s)"
+    )
+    if advice is None:
+        return (first,)
+    lacked = differences(advice.repair.explained.differences, robot)
+    lines = [first, f"  what the model lacks: {listed(lacked)}"]
+    if any(advice.policy is each for each in (tried.policy,)):
+        lines.append(f"  to keep: this policy promises {promised(advice.foreseen)}")
+    else:
+        origin = ORIGINS.get(advice.origin, advice.origin)
+        lines.append(f"  next: {origin}, promises {promised(advice.foreseen)}")
+    lines.append(f"  computed in {done.seconds:.1f} s")
+    return tuple(lines)
+
+
+def ordinal(count: int) -> str:
+    """Return `first`, `second`, ... in words, as far as a loop goes."""
+    words = ("first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth")
+    return words[count - 1] if count <= len(words) else f"{count}th"
+
+
+def trials_said(count: int, seconds: float) -> str:
+    """Return how much was tried."""
+    return f"{counted(count, 'trial', 'trials')} of {seconds:.3g} s together"

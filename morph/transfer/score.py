@@ -1,0 +1,110 @@
+"""How good a policy is on a target that can be simulated: 0 for holding still, 1 for the oracle."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from morph.errors import SearchError
+from morph.policy.pattern import pattern
+from morph.policy.policy import Policy
+from morph.search.evaluate import Score, evaluate
+from morph.search.search import Problem
+from morph.search.searches import default, search
+from morph.search.target import Simulated
+from morph.search.threads import one_thread
+
+JUDGING = 2**31 - 2
+"""Names the chance of the runs that judge, so that it is that of no trial."""
+
+ROWS = 100
+"""Noisy runs by which each policy is judged."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Judged:
+    """What policies do on a target over many noisy runs, all by the same chance."""
+
+    still: Score
+    """Every command zero."""
+    source: Score
+    """The source's policy, as it came."""
+    final: Score
+    """The policy to keep."""
+    oracle: Score | None
+    """The policy searched on the true parameters; None if none could be searched there."""
+
+    def scores(self) -> dict[str, float | None]:
+        """Return all scores of a hop by their names in transfer.json; None: not measured."""
+        return {
+            "zero_shot": self._of(self.source),
+            "final": self._of(self.final),
+            "hold_still": self._of(self.still),
+            "no_source": None,
+            "scratch": None,
+            "oracle": None if self.oracle is None else self._of(self.oracle),
+        }
+
+    def _of(self, one: Score) -> float | None:
+        return None if self.oracle is None else score(one.mean, self.still.mean, self.oracle.mean)
+
+
+UNMEASURED: dict[str, float | None] = dict.fromkeys(
+    ("zero_shot", "final", "hold_still", "no_source", "scratch", "oracle")
+)
+"""The scores of a hop to a target that cannot be simulated."""
+
+
+def score(loss: float, still: float, oracle: float) -> float | None:
+    """Return a loss between those of holding still and of the oracle, 0 to 1, clipped.
+
+    None if the oracle does no better than holding still, so that there is nothing to measure by.
+    """
+    span = still - oracle
+    if not (math.isfinite(span) and span > 0.0):
+        return None
+    return float(np.clip((still - loss) / span, 0.0, 1.0)) if math.isfinite(loss) else 0.0
+
+
+def judged(
+    target: Simulated, source: Policy, final: Policy, *, seed: int, rows: int = ROWS
+) -> Judged:
+    """Return how policies do on a simulated target, beside holding still and the oracle.
+
+    Only this looks inside the target, once nothing is left to try on it.
+
+    Args:
+        target: The target, with its true parameters.
+        source: The source's policy.
+        final: The policy to keep.
+        seed: Of the oracle's search and of the runs.
+        rows: Runs of each.
+    """
+    task = target.task
+    rest = pattern(task.robot, {}, period=task.period)
+    known = oracle(target, seed=seed)
+
+    def by(policy: Policy) -> Score:
+        rng = np.random.default_rng([seed, JUDGING])
+        return evaluate(task, policy, target.simulator, rng=rng, rows=rows)
+
+    with one_thread():
+        began = by(source)
+        return Judged(
+            still=by(rest),
+            source=began,
+            final=began if final is source else by(final),
+            oracle=None if known is None else by(known),
+        )
+
+
+def oracle(target: Simulated, *, seed: int) -> Policy | None:
+    """Return the policy that the task's own search finds on the true target; None if none."""
+    task = target.task
+    try:
+        problem = Problem(task=task, simulator=target.simulator)
+        return search(default(task.name, task.robot))().run(problem, seed=seed).policy
+    except SearchError:
+        return None
