@@ -7,12 +7,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from morph.errors import SearchError
+from morph.errors import SearchError, SimulationFailed, TransferError
+from morph.model.kwik.judge import Verdict
 from morph.policy.policy import Policy
 from morph.search.ddp import Plan
 from morph.search.search import Problem
 from morph.task.task import Task
+from morph.transfer.adjustment.adjust import adjusted
+from morph.transfer.adjustment.source import Source
 from morph.transfer.foresee import Foreseen, foresee
+from morph.transfer.gate import gated
 from morph.transfer.repair import Model, Repair, repaired
 from morph.transfer.tried import Tried
 
@@ -29,60 +33,98 @@ Said = Callable[[str], None]
 class Advice:
     """What to try next, and why."""
 
+    verdict: Verdict
+    """Whether the model by which the last policy was made was good enough for its trial."""
+    repair: Repair
+    """The model as all trials say it should be."""
     policy: Policy
-    """What to try."""
+    """What to try, or to keep."""
     origin: str
     """Where it comes from."""
     foreseen: Foreseen
     """What it promises on the target as it is known now."""
-    repair: Repair
-    """The repaired model."""
     known: Foreseen
     """What the best policy that was already tried promises."""
 
 
-def advise(task: Task, tried: Sequence[Tried], *, seed: int, said: Said = lambda _: None) -> Advice:
+def advise(
+    task: Task,
+    tried: Sequence[Tried],
+    *,
+    before: Model | None = None,
+    seed: int,
+    said: Said = lambda _: None,
+) -> Advice:
     """Return the policy that promises most on a target.
 
-    The source's simulation is repaired by what the trials showed, a policy is searched in it
-    from the latest one on, and all policies are judged in it and in others that the trials allow
-    as well; so a policy that does no better than one tried before is not tried.
+    The gate says whether the model was good enough for the last trial. The source's simulation
+    is repaired by what all trials showed. If the model was good enough, the last policy is
+    adjusted, else one is searched in the repaired simulation, from the best one on; and all are
+    judged in it and in others that the trials allow as well, so that a policy that promises no
+    more than one tried before is not tried.
+
+    Source: Gamboa Higuera 2015, section 3.4: adjust if the model is good enough, else update it.
 
     Args:
         task: The source's task.
         tried: Every trial so far, the first with the source's policy.
+        before: The model by which the last policy was made; None for the source's own.
         seed: Of the search and of the chance in judging.
         said: Is told what is going on.
 
     Raises:
         DiagnosisError: The body floats, or a trial does not fit the task.
     """
+    last = tried[-1]
+    model = before or Model(task=task, effects=())
+    said("asking whether the model is good enough")
+    verdict = gated(model, last.experience.run, task, seed=seed)
     said("repairing the model")
     repair = repaired(task, [each.experience.run for each in tried], told=said)
     models = (repair.model, *repair.drawn(DRAWS, np.random.default_rng([seed, 1])))
-    policies = [each.policy for each in tried]
-    origins = [each.origin for each in tried]
-    before = foresee(policies, models, seed=seed)
-    best = int(np.argmin([each.score for each in before]))
-    said("searching a policy in the repaired model")
-    found = searched(repair.model, policies[best], seed=seed)
+    known = foresee([each.policy for each in tried], models, seed=seed)
+    best = int(np.argmin([each.score for each in known]))
+    if verdict.verdict == "good" and last.experience.success:
+        return _advice(verdict, repair, tried[best].policy, tried[best].origin, known[best])
+    if verdict.verdict == "good":
+        said("adjusting the policy")
+        found, origin = adjusted_policy(model, last, seed=seed), "adjusted"
+    else:
+        said("searching a policy in the repaired model")
+        found, origin = searched(repair.model, tried[best].policy, seed=seed), "searched again"
     if found is not None:
         (promised,) = foresee([found], models, seed=seed)
-        if promised.score < (1.0 - WORTH) * before[best].score:
-            return Advice(
-                policy=found,
-                origin="searched again",
-                foreseen=promised,
-                repair=repair,
-                known=before[best],
-            )
+        if promised.score < (1.0 - WORTH) * known[best].score:
+            return _advice(verdict, repair, found, origin, known[best], promised)
+    return _advice(verdict, repair, tried[best].policy, tried[best].origin, known[best])
+
+
+def _advice(
+    verdict: Verdict,
+    repair: Repair,
+    policy: Policy,
+    origin: str,
+    known: Foreseen,
+    foreseen: Foreseen | None = None,
+) -> Advice:
     return Advice(
-        policy=policies[best],
-        origin=origins[best],
-        foreseen=before[best],
+        verdict=verdict,
         repair=repair,
-        known=before[best],
+        policy=policy,
+        origin=origin,
+        foreseen=foreseen or known,
+        known=known,
     )
+
+
+def adjusted_policy(model: Model, last: Tried, *, seed: int) -> Policy | None:
+    """Return the last policy adjusted to the target, or None if it cannot be adjusted."""
+    try:
+        source = Source(task=model.task, simulator=model.simulator)
+        rng = np.random.default_rng([seed, 4])
+        return adjusted(source, last.policy, [last.experience], rng=rng).policy
+    except (TransferError, SimulationFailed):
+        return None
 
 
 def searched(model: Model, old: Policy, *, seed: int) -> Policy | None:

@@ -118,7 +118,8 @@ class Loop:
             tried = self._tried(upcoming, origin, target, number, keep)
             tries = [*(each.tried for each in rounds), tried]
             began = time.perf_counter()
-            advice = advise(task, tries, seed=self.seed + number, said=said)
+            before = rounds[-1].advice.repair.model if rounds and rounds[-1].advice else None
+            advice = advise(task, tries, before=before, seed=self.seed + number, said=said)
             seconds = time.perf_counter() - began
             rounds.append(Round(tried=tried, advice=advice, seconds=seconds))
             told(rounds[-1])

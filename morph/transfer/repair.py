@@ -21,6 +21,9 @@ from morph.transfer.retask import task_for
 MOST_RUNS = 3
 """Latest runs by which a simulation is repaired: more cost time, and tell little more."""
 
+QUIETEST = 1e-4
+"""Least noise that observations are taken to have: without any, rounding would count."""
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Model:
@@ -92,7 +95,7 @@ def repaired(
         DiagnosisError: The body floats, or runs do not fit its clock.
     """
     simulator = task.simulator()
-    noise = np.full(2 * simulator.model.nv, max(task.noise, 1e-4))
+    noise = noise_of(task, simulator)
     with one_thread():
         found = explain(
             task.robot,
@@ -106,6 +109,11 @@ def repaired(
         )
     model = _model(task, found.robot, found.effects)
     return Repair(model=model, explained=found, task=task)
+
+
+def noise_of(task: Task, simulator: Simulator) -> Array:
+    """Return the standard deviation of each observation, positions then velocities."""
+    return np.full(2 * int(simulator.model.nv), max(task.noise, QUIETEST))
 
 
 def _model(task: Task, robot: Robot, effects: tuple[Effect, ...]) -> Model:
