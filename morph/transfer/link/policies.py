@@ -21,6 +21,9 @@ STATE = "policies.json"
 SCHEMA = "morph.policies/1"
 """Its schema."""
 
+MOST_VERSIONS = 10**9
+"""Greatest version of a policy."""
+
 Verify = Callable[[Policy], str | None]
 """Says why a policy is not safe, in words; None if it is."""
 
@@ -69,8 +72,8 @@ class Policies:
             TransferError: It is not; the message says why.
         """
         version = said.get("version")
-        if not isinstance(version, int) or isinstance(version, bool) or version < 1:
-            raise refused(f"its version is {version!r}, not a number from 1 on")
+        if type(version) is not int or not 1 <= version <= MOST_VERSIONS:
+            raise refused(f"its version is no number from 1 to {MOST_VERSIONS}")
         folder = self._folder / str(version)
         files = files_of(said, self._robot)
         if version == self._newest and _holds(folder, files):

@@ -82,12 +82,12 @@ def _centre(left: Array, effect: Array, period: float) -> Delay | None:
     y = (left / scale).ravel()
     X = (effect / scale).reshape(len(effect), -1).T
     gram = X.T @ X
-    if not np.isfinite(gram).all() or np.linalg.cond(gram) > 1e8:
+    if not (np.isfinite(gram).all() and np.isfinite(y).all()) or np.linalg.cond(gram) > 1e8:
         return None
     weight = np.linalg.solve(gram, X.T @ y)
     total = float(weight.sum())
     # Commands that are not obeyed at all have no delay.
-    if total < 0.1:
+    if not total >= 0.1:
         return None
     lags = np.arange(len(weight))
     mean = float(lags @ weight) / total

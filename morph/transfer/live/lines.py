@@ -26,7 +26,7 @@ class Reader:
 
     def __init__(self, descriptor: int) -> None:
         self._queue: queue.Queue[Heard] = queue.Queue(MOST_WAITING)
-        self._descriptor = descriptor
+        self._descriptor, self._wanted = descriptor, True
         threading.Thread(target=self._read, daemon=True).start()
 
     def hear(self, seconds: float) -> Heard | None:
@@ -35,6 +35,26 @@ class Reader:
             return self._queue.get(timeout=seconds) if seconds > 0 else self._queue.get_nowait()
         except queue.Empty:
             return None
+
+    def forget(self) -> None:
+        """Throw away what waits to be heard, but not that nothing more will come."""
+        for _ in range(self._queue.qsize()):
+            heard = self.hear(0.0)
+            if heard is not None and heard.ended:
+                self._queue.put(heard)
+                return
+
+    def close(self) -> None:
+        """Listen no more: what still comes is thrown away."""
+        self._wanted = False
+
+    def _put(self, heard: Heard) -> None:
+        while self._wanted:
+            try:
+                self._queue.put(heard, timeout=0.2)
+                return
+            except queue.Full:
+                continue
 
     def _read(self) -> None:
         rest, skipping = b"", False
@@ -46,15 +66,15 @@ class Reader:
             at = time.monotonic()
             if not chunk:
                 os.close(self._descriptor)
-                self._queue.put(Heard(at=at, ended="it closed its output"))
+                self._put(Heard(at=at, ended="it closed its output"))
                 return
             *lines, rest = (rest + chunk).split(b"\n")
             for line in lines:
                 if skipping or len(line) > LONGEST_LINE:
-                    self._queue.put(Heard(at=at, unreadable=f"a line over {LONGEST_LINE} bytes"))
+                    self._put(Heard(at=at, unreadable=f"a line over {LONGEST_LINE} bytes"))
                     skipping = False
                 elif line.strip():
-                    self._queue.put(_heard(line, at))
+                    self._put(_heard(line, at))
             if len(rest) > LONGEST_LINE:
                 # What is thrown away must not be kept until its end comes.
                 rest, skipping = b"", True

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from morph.arrays import Array
-from morph.errors import TransferError, TrialStopped
+from morph.errors import SimulationFailed, TransferError, TrialStopped
 from morph.policy.observing import Observer
 from morph.policy.policy import Policy
 from morph.search.evaluate import check_period
@@ -177,9 +177,13 @@ class Live(Target):
         )
 
     def _delay(self, shown: Experience) -> Delay | None:
-        return delay_of(
-            self._simulator, shown.position, shown.velocity, shown.command, shown.period
-        )
+        try:
+            return delay_of(
+                self._simulator, shown.position, shown.velocity, shown.command, shown.period
+            )
+        except SimulationFailed:
+            # States that nothing can be simulated from tell no delay, and have to be reported.
+            return None
 
     def _conduct(
         self,

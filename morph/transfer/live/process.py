@@ -104,9 +104,7 @@ class Process(Connection):
 
     def begin(self, said: Mapping[str, Any]) -> None:
         """Tell it to begin; what it said before is forgotten."""
-        while (heard := self._reader.hear(0.0)) is not None:
-            if heard.ended:
-                break
+        self._reader.forget()
         self._write({"begin": dict(said)})
 
     def tell(self, command: Mapping[str, float]) -> None:
@@ -138,6 +136,7 @@ class Process(Connection):
         process, self._process, self._hello = self._process, None, None
         if process is None:
             return
+        self._reader.close()
         os.close(self._input)
         for end in (process.terminate, process.kill):
             with contextlib.suppress(subprocess.TimeoutExpired):

@@ -23,6 +23,9 @@ MOST_PARTS = 1000
 LONGEST_NAME = 200
 """Most characters of a name or a unit."""
 
+LARGEST = 1e10
+"""Greatest number that a target may say; the seconds since 1970 are below it."""
+
 Clock = Literal["target", "none"]
 """Who keeps time: a target whose states come at a fixed rate, or nobody: it steps when told."""
 
@@ -101,10 +104,10 @@ def hello_said(hello: Hello) -> JSON:
 
 
 def number(value: object) -> float:
-    """Return a finite number; nan for anything else, `null` and `NaN` among it."""
+    """Return a number up to `LARGEST`; nan for anything else, `null` and `NaN` among it."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         return math.nan
-    return float(value) if abs(value) <= 1e100 else math.nan
+    return float(value) if abs(value) <= LARGEST else math.nan
 
 
 def _signals(said: Mapping[str, Any], key: str, where: str) -> tuple[Signal, ...]:

@@ -76,8 +76,9 @@ def test_an_offer_that_is_not_sound_is_refused_and_the_policy_in_use_stays(
     offers: dict[str, dict[str, Any]] = {
         r"its files do not have its hash": spoilt(sound),
         r"it is for another body": {**sound, "robot_sha256": hash_of(other)},
-        r"its version is None": {**sound, "version": None},
-        r"its version is True": {**sound, "version": True},
+        r"its version is no number from 1": {**sound, "version": None},
+        r"its version is no number": {**sound, "version": True},
+        r"its version is no": {**sound, "version": 10**5000},
         r"it has no weights.safetensors": {**sound, "files": []},
         r"its weights.safetensors is no base64": {
             **sound,

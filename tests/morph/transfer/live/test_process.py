@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import json
 import os
 import sys
 import time
@@ -8,7 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from morph.arrays import Array
 from morph.errors import TransferError, TrialStopped
+from morph.policy.linear import Linear
+from morph.policy.observing import observations_of
+from morph.policy.policy import actions_of
 from morph.task.task import Task
 from morph.transfer.live.live import Live
 from morph.transfer.live.process import Process
@@ -58,6 +63,52 @@ def test_lines_that_are_no_messages_are_survived_up_to_a_number(
     with pytest.raises(TrialStopped, match=r"31 lines are no states, the last: b'\[.* 7 of 11"):
         target.trial(PUSH, np.random.default_rng(0))
     target.close()
+
+
+CLOCKED = """
+import threading
+def stream(begun):
+    for k in range(11):
+        time.sleep(max(0.0, begun + 0.05 * k - time.monotonic()))
+        say({"t": 0.05 * k, "state": state(k)})
+def on_state(k, said):
+    if k == 0:
+        threading.Thread(target=stream, args=(time.monotonic(),)).start()
+"""
+
+
+class Slow(Linear):
+    """Thinks for 0.12 s once, at 0.1 s; commands ten times the time."""
+
+    def act(self, observation: Array, time_: Array) -> Array:
+        if abs(time_[0] - 0.1) < 1e-9:
+            time.sleep(0.12)
+        return 10.0 * np.asarray(time_)[:, None]
+
+
+def test_a_policy_that_is_too_slow_holds_its_last_command_and_is_counted(
+    swing: Task, speaking: object, log: Path
+) -> None:
+    policy = Slow(
+        action=actions_of(swing.robot),
+        observation=observations_of(swing.robot),
+        period=swing.period,
+        weight=np.zeros((1, 4)),
+        bias=np.zeros(1),
+    )
+    target = live(swing, speaking(CLOCKED, {"clock": "target"}))  # type: ignore[operator]
+    shown = target.trial(policy, np.random.default_rng(0))
+    target.close()
+    assert target.conduct is not None
+    # States at 0.15 and 0.2 s come while it thinks about the one at 0.1 s, so 0.1 and 0.15 s
+    # hold the command of 0.05 s; on a busy machine others may.
+    assert target.conduct.overruns >= 2
+    assert shown.command[2:4, 0].tolist() == [shown.command[1, 0]] * 2
+    assert len(shown.position) == 11
+    # What is recorded as new was sent, and what was held was not.
+    sent = [json.loads(line)["command"]["slide"] for line in log.read_text().splitlines()[:-2]]
+    assert len(sent) == 10 - target.conduct.overruns
+    assert set(sent) == set(shown.command[:, 0].tolist())
 
 
 FAULTS = {
