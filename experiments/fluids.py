@@ -3,7 +3,8 @@
 Truths are one of the six (`clean`), one of them with a current and with drags and thrust that are
 off (`disturbed`), half way between two (`between`), and far from all (`none`). Beside the choice
 stand those that take samples for independent, one that takes models for exact, an oracle that
-knows the disturbance, and answers shuffled. The seeds 0 to 99 judge; 100 and above are to build on.
+knows the disturbance, and answers shuffled. The seeds 0 to 99 judge; 100 and above are to build
+on. Stopped by Ctrl-C it tells what it has.
 """
 
 from __future__ import annotations
@@ -40,22 +41,19 @@ COLUMNS = {
 """Figures and their titles."""
 
 
-def judged(kinds: list[str], seeds: range) -> dict[str, list[Verdict]]:
-    """Return the verdicts of every kind of truth."""
+def judged(kinds: list[str], seeds: range) -> tuple[dict[str, list[Verdict]], bool]:
+    """Return the verdicts of every kind of truth, and whether it was stopped before its end."""
     judge = Judge()
-    found: dict[str, list[Verdict]] = {}
-    for kind in kinds:
-        began = time.monotonic()
-        found[kind] = []
+    found: dict[str, list[Verdict]] = {kind: [] for kind in kinds}
+    began = time.monotonic()
+    try:
         for seed in seeds:
-            found[kind].append(judge.verdict(drawn(kind, seed)))
-            if len(found[kind]) % 10 == 0 or seed == seeds[-1]:
-                print(
-                    f"{kind}: {len(found[kind])} of {len(seeds)}, {time.monotonic() - began:.0f} s",
-                    file=sys.stderr,
-                    flush=True,
-                )
-    return found
+            for kind in kinds:
+                found[kind].append(judge.verdict(drawn(kind, seed)))
+            print(f"seed {seed}, {time.monotonic() - began:.0f} s", file=sys.stderr, flush=True)
+    except KeyboardInterrupt:
+        return {kind: verdicts for kind, verdicts in found.items() if verdicts}, True
+    return found, False
 
 
 def figures(found: dict[str, list[Verdict]]) -> JSON:
@@ -112,11 +110,11 @@ def main(arguments: list[str] | None = None) -> int:
     asked = parser.parse_args(arguments)
     seeds = range(asked.seed, asked.seed + (1 if asked.quick else max(1, asked.seeds)))
     try:
-        found = judged(asked.only or list(KINDS), seeds)
+        found, stopped = judged(asked.only or list(KINDS), seeds)
     except MorphError as error:
         print(error, file=sys.stderr)
         return 2
-    except KeyboardInterrupt:
+    if not found:
         return 130
     told = figures(found)
     if asked.json:
@@ -124,7 +122,7 @@ def main(arguments: list[str] | None = None) -> int:
         print(json.dumps({"schema": "morph.fluids/1", "figures": told, "cases": rows}, indent=1))
     else:
         report(told)
-    return 0
+    return 3 if stopped else 0
 
 
 if __name__ == "__main__":

@@ -103,8 +103,10 @@ class Judge:
         if case.kind == "clean":
             logs["oracle"] = exact
         elif case.kind == "disturbed":
-            sure = ensemble(case.unknown).course(run)
-            logs["oracle"] = weighed([part.until(at) for part in sure]).log_evidence
+            sure = ensemble(case.unknown)
+            known_all = transitions(robot, sure.variants, run, carry=seen.carry)
+            sums = courses(sure.model, known_all, sure.noise, sure.unsaid)
+            logs["oracle"] = weighed([part.until(at) for part in sums]).log_evidence
         probability = {name: posterior(log.T, models.log_prior) for name, log in logs.items()}
         bad = told.too_much(models.model, models.unsaid)
         return Verdict(

@@ -53,6 +53,7 @@ def transitions(
     *,
     doubts: Sequence[Sequence[Variant]] = (),
     each: bool = True,
+    carry: Array | None = None,
 ) -> Transitions:
     """Return a run's transitions under several models, all in one batch.
 
@@ -64,6 +65,7 @@ def transitions(
             each such figure; as many for all models. If not given, no figure is in doubt.
         each: Whether the carry is told by each model, or by the first for all: it only says how
             noise is handed on, and costs 2 nv rows a period.
+        carry: If it is known already, and not to be told again.
 
     Raises:
         DiagnosisError: The run is not of this body, or its period is no multiple of the step.
@@ -74,7 +76,7 @@ def transitions(
     doubted = len(doubts[0]) if doubts else 0
     every = [*variants, *(variant for of_model in doubts for variant in of_model)]
     seen = [_unsensed(robot, variant, run) for variant in every]
-    carrying = range(models) if each else range(1)
+    carrying = range(0 if carry is not None else models if each else 1)
     rows = [(k, *seen[k]) for k in range(len(every))]
     for k in carrying:
         rows += [(k, *_nudged(model, *seen[k], dof)) for dof in range(2 * nv)]
@@ -83,14 +85,22 @@ def transitions(
     for k, (position, velocity) in enumerate(seen):
         miss[k, :, :nv] = apart(model, q_end[k], position[1:], wrapped=True)
         miss[k, :, nv:] = v_end[k] - velocity[1:]
-    carry = np.empty((len(carrying), periods, 2 * nv, 2 * nv))
-    for k in carrying:
-        here = slice(len(every) + 2 * nv * k, len(every) + 2 * nv * (k + 1))
-        # Rows are nudges and columns what they move: turned about at the end.
-        moved = np.concatenate(
-            [apart(model, q_end[here], q_end[k], wrapped=True), v_end[here] - v_end[k]], axis=-1
+    if carry is None:
+        # Rows are nudges and columns what they move: turned about here.
+        ends = zip(_nudges(q_end, len(every), nv), _nudges(v_end, len(every), nv), strict=True)
+        carry = np.stack(
+            [
+                np.moveaxis(
+                    np.concatenate(
+                        [apart(model, q, q_end[k], wrapped=True), v - v_end[k]], axis=-1
+                    ),
+                    0,
+                    -1,
+                )
+                / NUDGE
+                for k, (q, v) in enumerate(ends)
+            ]
         )
-        carry[k] = np.moveaxis(moved, 0, -1) / NUDGE
     changed = miss[models:].reshape(models, doubted, periods, 2 * nv) - miss[:models, None]
     return Transitions(
         period=run.period,
@@ -99,6 +109,11 @@ def transitions(
         carry=carry,
         doubt=np.moveaxis(changed, 1, -1),
     )
+
+
+def _nudges(end: Array, first: int, nv: int) -> Array:
+    """Return where nudged rows lead, shape (models, 2 nv, periods, ...)."""
+    return end[first:].reshape(-1, 2 * nv, *end.shape[1:])
 
 
 def _ends(
