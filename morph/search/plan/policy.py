@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -37,11 +38,20 @@ def track_of(ground: Ground, found: Planned) -> Track:
     goal = end - apart(plant.model, end, ground.still.position, wrapped=True)
     position = np.concatenate([plan.position[0, :-1], goal[None]])
     velocity = np.concatenate([plan.velocity[0, :-1], ground.still.velocity[None]])
-    seen = observations_of(plant.robot, task.observes)
+    state = np.concatenate([position, velocity], axis=1)[:, column]
+    gain = found.gain[..., column]
+    ages = 1 + int(np.flatnonzero(np.abs(gain).max((0, 1, 3)) > 0.0).max(initial=0))
+    knots, actions = gain.shape[:2]
+    # Of each channel all its ages, the newest first: at knot k and age a that of knot k - a.
+    past = np.maximum(np.arange(knots)[:, None] - np.arange(ages), 0)
+    past[-1] = knots - 1
+    seen = tuple(
+        replace(each, history=ages) for each in observations_of(plant.robot, task.observes)
+    )
     return Track(
-        nominal=np.concatenate([position, velocity], axis=1)[:, column],
+        nominal=np.swapaxes(state[past], 1, 2).reshape(knots, -1),
         command=np.concatenate([plan.command[0], ground.still.command[None]]),
-        gain=np.concatenate([found.gain, ground.regulator.gain[None]])[..., column],
+        gain=np.swapaxes(gain[:, :, :ages], 2, 3).reshape(knots, actions, -1),
         angles=turning(plant.robot, seen),
         action=actions_of(plant.robot),
         period=task.period,

@@ -92,27 +92,34 @@ def swung(ground: Ground, rows: int, keep: int, rng: np.random.Generator) -> Tra
         rng: Chance.
     """
     periods = max(2, round(SWING_SHARE * ground.periods))
+    period = ground.plant.period
+
+    def commands(switches: Switches) -> Array:
+        return switches.commands(*ground.bounds, period=period, periods=periods)
+
     guesses = drawn(rows, ground.plant.model.nu, slowest_swing(ground), rng)
     for spread in SPREADS:
-        order, _ = _ranked(ground, ground.quick, guesses, periods)
+        order, _ = ranked(ground, ground.quick, commands(guesses))
         best = guesses.rows(order[:ELITE])
         varied = best.rows(rng.integers(0, len(best.level), rows // 4)).jittered(spread, rng)
         guesses = Switches(
             duration=np.concatenate([best.duration, varied.duration]),
             level=np.concatenate([best.level, varied.level]),
         )
-    _, runs = _ranked(ground, ground.plant, guesses, periods)
+    _, runs = ranked(ground, ground.plant, commands(guesses))
     return _best(ground, runs, keep)
 
 
-def _ranked(
-    ground: Ground, plant: Plant, guesses: Switches, periods: int
-) -> tuple[Integers, Trajectories]:
-    """Return the numbers of the most promising guesses, the best first, and their runs.
+def ranked(ground: Ground, plant: Plant, command: Array) -> tuple[Integers, Trajectories]:
+    """Return the numbers of the most promising commands, the best first, and their runs.
 
     A cost-to-go promises too much far from rest, so the regulator shows what it can catch.
+
+    Args:
+        ground: What they stand on.
+        plant: The body that they are run on.
+        command: Shape (rows, periods, nu); the horizon may be longer.
     """
-    command = guesses.commands(*ground.bounds, period=plant.period, periods=periods)
     score, reach = _judged(ground, plant, command)
     order = np.argsort(score)[: 2 * ELITE]
     runs = taken_over(ground, plant, command[order], reach[order])
