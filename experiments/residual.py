@@ -34,6 +34,7 @@ from morph.physics.joint.quadratic_damping import QuadraticDamping
 from morph.search.target import Simulated
 from morph.search.threads import one_thread
 from morph.task.swing_up import swing_up
+from morph.task.task import Task
 
 CASES = ("none", "dry", "drag", "spring", "mixed")
 """What is concealed: nothing, dry friction, quadratic damping, a spring, or two of these."""
@@ -84,13 +85,25 @@ def concealed(case: str, rng: np.random.Generator) -> tuple[Effect, ...]:
     return {"none": (), "dry": dry, "drag": drag, "spring": spring, "mixed": mixed}[case]
 
 
+def figures_off(rng: np.random.Generator) -> dict[str, float]:
+    """Return by what factors the masses and the length are off, up to a quarter."""
+    return dict(zip(("m", "l", "M"), np.exp(rng.uniform(-0.22, 0.22, 3)), strict=True))
+
+
+def hypothesis_of() -> tuple[Task, Hypothesis]:
+    """Return the task as described, and what may be wrong of its body."""
+    robot = load("cartpole")
+    task = swing_up(robot)
+    knobs = tuple(replace(k, fraction=WIDTHS.get(k.what, 0.3)) for k in unknowns(robot))
+    return task, Hypothesis(robot=robot, step=task.step, knobs=knobs)
+
+
 def world(case: str, seed: int, *, learned: int = 2, foreseen: int = 5) -> World:
     """Return a cart-pole whose masses and length are off by up to a quarter, and its runs."""
     rng = np.random.default_rng([seed, CASES.index(case)])
-    figures = dict(zip(("m", "l", "M"), np.exp(rng.uniform(-0.22, 0.22, 3)), strict=True))
-    task = swing_up(cartpole(figures))
+    task = swing_up(cartpole(figures_off(rng)))
     target = Simulated(task=task, simulator=task.simulator(concealed(case, rng)))
-    runs = [target.trial(_commands(rng), rng).run for _ in range(learned + foreseen)]
+    runs = [target.trial(commands(rng), rng).run for _ in range(learned + foreseen)]
     blocks = [
         (run.state[at : at + BLOCK + 1], run.command[at : at + BLOCK])
         for run in runs[learned:]
@@ -101,17 +114,14 @@ def world(case: str, seed: int, *, learned: int = 2, foreseen: int = 5) -> World
     return World(learned=runs[:learned], start=observed[:, 0], command=command, observed=observed)
 
 
-def _commands(rng: np.random.Generator) -> Array:
+def commands(rng: np.random.Generator) -> Array:
     """Return 3 s of commands that are drawn anew each 0.2 s, up to 8 N."""
     return np.repeat(rng.uniform(-8.0, 8.0, (15, 1)), 4, axis=0)
 
 
 def forecasts(seen: World, rng: np.random.Generator) -> dict[str, tuple[Forecast, float]]:
     """Return every model's forecast, and the seconds of processor that its fit took."""
-    robot = load("cartpole")
-    task = swing_up(robot)
-    knobs = tuple(replace(k, fraction=WIDTHS.get(k.what, 0.3)) for k in unknowns(robot))
-    hypothesis = Hypothesis(robot=robot, step=task.step, knobs=knobs)
+    task, hypothesis = hypothesis_of()
     periods = Periods(hypothesis, task.period, task.integrator)
     noise = np.full(2 * periods.nv, task.noise)
     nominal = deterministic(periods, hypothesis.start)

@@ -18,8 +18,8 @@ from morph.model.missing_force.problem import Belief, Problem
 BLOCK = 20
 """Periods of a block that is left out."""
 
-SCALES = np.geomspace(0.5, 12.0, 80)
-"""Multiples of the standard deviation that are tried."""
+SCALES = np.geomspace(1.0, 12.0, 60)
+"""Multiples of the standard deviation that are tried: a few blocks are no reason to be surer."""
 
 TRUST = 0.5
 """Standard deviation that the logarithm of that multiple has before any data."""

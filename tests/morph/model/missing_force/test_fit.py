@@ -124,7 +124,7 @@ def test_the_simulator_to_search_in_moves_as_the_forecast_of_the_likeliest(
 
 def test_calibration_multiplies_the_spread(corrected: Corrected, learned: list[Run]) -> None:
     found = calibrated(corrected, learned, np.random.default_rng(0), draws=16)
-    assert 0.5 <= found.scale <= 6.0
+    assert 1.0 <= found.scale <= 6.0
     assert found.weight is corrected.weight
 
 
