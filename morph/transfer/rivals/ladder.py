@@ -42,7 +42,8 @@ class Ladder(Rival):
     surprises sends the search a rung down, with a new plan; one that does not, a rung up.
 
     Source: Cutler, Walsh and How 2014, Reinforcement learning with multi-fidelity simulators,
-    ICRA, algorithm 1; here with Gaussian processes, where it has tables and bandits.
+    ICRA. There values go up as heuristics of learners that know what they know, and what is
+    known comes down; here each rung's accelerations are the mean of those of the next.
     """
 
     name: ClassVar[str] = "ladder of fidelities"
@@ -85,28 +86,25 @@ class Ladder(Rival):
         seen = [_coarsely(source), source.experience, ()]
         models, memory, at, below = _models(source.task, seen), Memory(), top, 0
         step = self._next(source, models, memory, np.random.default_rng([seed, 0]))
-        while len(memory.experience) < trials:
+        while True:
             number, here = len(memory.experience) + 1, at == top
-            shown = rungs[at].trial(
-                step.policy, np.random.default_rng([seed, number, 1, *[below] * (not here)])
-            )
+            # Simulated runs have chance of their own: the target's is shared with other rivals.
+            chance = [seed, number, 1] if here else [seed, number, 2, below]
+            shown = rungs[at].trial(step.policy, np.random.default_rng(chance))
+            sure = share_expected(models[: at + 1], shown, source.task) >= self.sure
             seen[at] = (*seen[at], shown)
-            sure = self._expected(models[: at + 1], shown, source.task)
             if here:
-                note = f"{step.note}; {below} runs in simulation before it"
+                note = f"{step.note}; runs in simulation before it: {below}"
                 memory = memory.after(shown, step.plan, time.perf_counter() - began, note)
-            if (here or not sure) and number < trials + (not here):
+                if number == trials:
+                    break
+            if here or not sure:
                 models = _models(source.task, seen)
-                step = self._next(
-                    source, models, memory, np.random.default_rng([seed, number, 0, below])
-                )
+                rng = np.random.default_rng([seed, number, 0, below])
+                step = self._next(source, models, memory, rng)
             below = 0 if here else below + 1
             at = top if below >= self.most else min(max(at + (1 if sure else -1), 0), top)
         return tuple(replace(line, number=n) for n, line in enumerate(memory.lines, 1))
-
-    def _expected(self, models: Sequence[Jointed], shown: Experience, task: Task) -> bool:
-        """Return whether what a run showed is no surprise to what was believed before it."""
-        return share_expected(models, shown, task) >= self.sure
 
 
 def share_expected(models: Sequence[Jointed], shown: Experience, task: Task) -> float:

@@ -20,9 +20,9 @@ class Pooled(Learner):
     Where both bodies were in a state, what is learned is the mean of the two, and their
     difference is taken for noise.
 
-    Source: Meger, Gamboa Higuera, Xu, Giguere and Dudek 2015, Learning legged swimming gaits
-    from experience, ICRA, where experience of a similar robot was pooled so; Gamboa Higuera
-    2015, section 3.1, on transfer that harms.
+    Source: one Gaussian process of all experience, Meger, Gamboa Higuera, Xu and Dudek 2015,
+    Learning legged swimming gaits from experience, ICRA; that transfer may harm, Taylor and
+    Stone 2009, Transfer learning for reinforcement learning domains, JMLR 10.
     """
 
     name: ClassVar[str] = "pooled data"

@@ -12,6 +12,7 @@ from morph.policy.policy import Policy
 from morph.search.dream.plans import Effort
 from morph.search.search import Trial
 from morph.search.target import Experience, Simulated, Target
+from morph.transfer.rivals.ladder import Ladder
 from morph.transfer.rivals.rival import Rival
 from morph.transfer.rivals.rivals import RIVALS
 from morph.transfer.rivals.source import Source
@@ -78,6 +79,12 @@ def test_the_same_seed_gives_the_same_trials_and_fewer_are_their_beginning(
     trials = TRIALS if rival.name == "pooled data" else 1
     again = rival.run(source, source.target, trials=trials, seed=100)
     assert [(x.loss, x.note) for x in again] == [(x.loss, x.note) for x in lines[:trials]]
+
+
+def test_a_target_without_surprise_asks_no_simulation(record: Record) -> None:
+    rival, lines, _ = record
+    counts = [line.note.rpartition(" before it: ")[2] for line in lines]
+    assert counts == ["0"] * TRIALS or not isinstance(rival, Ladder)
 
 
 def test_no_trial_is_refused(record: Record, source: Source) -> None:
