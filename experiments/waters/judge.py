@@ -12,7 +12,8 @@ from experiments.waters.cases import NOISE, PERIOD, Case
 from experiments.waters.naive import by_transitions, by_whole_runs
 from experiments.waters.worlds import COEFFICIENTS, DOUBTS, WORLDS, Disturbance
 from morph.arrays import JSON, Array
-from morph.model.ensemble import Candidate, Ensemble
+from morph.model.candidate import Candidate
+from morph.model.ensemble import Ensemble
 from morph.model.select import Unsaid, courses, posterior, weighed
 from morph.model.transitions import transitions
 from morph.model.unsaid import Likelihood

@@ -10,106 +10,14 @@ from typing import Any
 import numpy as np
 
 from morph.arrays import Array, Integers
-from morph.body.robot import Robot
 from morph.errors import EvidenceError
-from morph.model.hypothesis import Hypothesis
+from morph.model.candidate import Candidate
 from morph.model.latent.run import Run
+from morph.model.mixture import Mixture
 from morph.model.select import Unsaid, Weighed, courses, posterior, weighed
 from morph.model.transitions import transitions
 from morph.model.unsaid import Likelihood
 from morph.sim.rollout import Variant, rollout
-from morph.sim.simulator import Simulator
-from morph.sim.tangent import apart, moved_by
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Candidate:
-    """One model of a body."""
-
-    name: str
-    """How reports call it."""
-    robot: Robot
-    """The body as this model has it."""
-    variant: Variant
-    """Its compiled simulation."""
-    prior: float = 1.0
-    """How probable it is before any run, beside the others'."""
-    doubts: tuple[Variant, ...] = ()
-    """For each of its figures that is in doubt, itself with that moved by a standard deviation.
-
-    What it changes is taken for linear in the figure, and doubts for independent."""
-
-    @classmethod
-    def of(
-        cls,
-        name: str,
-        simulator: Simulator,
-        *,
-        prior: float = 1.0,
-        doubts: Sequence[Simulator] = (),
-    ) -> Candidate:
-        """Return a simulator as a candidate."""
-        variant, *moved = (
-            Variant(model=each.model, effects=each.effects) for each in (simulator, *doubts)
-        )
-        return cls(
-            name=name, robot=simulator.robot, variant=variant, prior=prior, doubts=tuple(moved)
-        )
-
-    @classmethod
-    def at(
-        cls,
-        name: str,
-        hypothesis: Hypothesis,
-        point: Array,
-        *,
-        prior: float = 1.0,
-        covariance: Array | None = None,
-    ) -> Candidate:
-        """Return a hypothesis at a point as a candidate, perhaps in doubt by a covariance."""
-        moves = (
-            np.zeros((0, len(point))) if covariance is None else np.linalg.cholesky(covariance).T
-        )
-        return cls(
-            name=name,
-            robot=hypothesis.robot,
-            variant=hypothesis.at(point),
-            prior=prior,
-            doubts=tuple(hypothesis.at(point + move) for move in moves),
-        )
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Prediction:
-    """What every model of an ensemble predicts, and what they predict together."""
-
-    model: Any
-    """A compiled `mujoco.MjModel` of the body."""
-    probability: Array
-    """Of each model, shape (models,)."""
-    position: Array
-    """`qpos` that each predicts, shape (models, samples, nq)."""
-    velocity: Array
-    """`qvel`, shape (models, samples, nv)."""
-
-    @cached_property
-    def mean(self) -> tuple[Array, Array]:
-        """The mixture's mean: `qpos` (samples, nq) and `qvel` (samples, nv)."""
-        origin = self.position[int(np.argmax(self.probability))]
-        move = self._weighed(apart(self.model, self.position, origin))
-        return moved_by(self.model, origin, move), self._weighed(self.velocity)
-
-    @cached_property
-    def spread(self) -> Array:
-        """Standard deviation among models, of moves and then speeds, shape (samples, 2 nv)."""
-        position, velocity = self.mean
-        off = np.concatenate(
-            [apart(self.model, self.position, position), self.velocity - velocity], axis=-1
-        )
-        return np.sqrt(self._weighed(off**2))
-
-    def _weighed(self, values: Array) -> Array:
-        return np.einsum("k,k...->...", self.probability, values)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -274,7 +182,7 @@ class Ensemble:
         share = self.probability[asked] / self.probability[asked].sum()
         return float(sum(p * value(self.candidates[k]) for p, k in zip(share, asked, strict=True)))
 
-    def predict(self, position: Array, velocity: Array, command: Array) -> Prediction:
+    def predict(self, position: Array, velocity: Array, command: Array) -> Mixture:
         """Return what the models predict, in one batch.
 
         Args:
@@ -290,4 +198,4 @@ class Ensemble:
             np.repeat(velocity[None], models, axis=0),
             np.repeat(command[None], models, axis=0),
         )
-        return Prediction(model=self.model, probability=self.probability, position=q, velocity=v)
+        return Mixture(model=self.model, probability=self.probability, position=q, velocity=v)

@@ -259,7 +259,9 @@ def _expected(part: Likelihood, mean: Array, spread: Array) -> Array:
     """Return a block's expected log density under figures so distributed, by setting."""
     second = spread + mean[..., :, None] * mean[..., None, :]
     linear = np.sum(part.slope * mean[:, None], axis=-1)
-    return part.base + linear - 0.5 * np.sum(part.curve * second[:, None], axis=(-2, -1))
+    return np.asarray(
+        part.base + linear - 0.5 * np.sum(part.curve * second[:, None], axis=(-2, -1))
+    )
 
 
 def _mixed(log: Array) -> Array:

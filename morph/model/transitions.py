@@ -146,7 +146,7 @@ def _fits(robot: Robot, model: Any, run: Run) -> int:
             where=f"a run of robot {robot.name}",
             fix="give states and commands in the order of the body's joints and actuators",
         )
-    ratio = run.period / model.opt.timestep
+    ratio = float(run.period / model.opt.timestep)
     if ratio < 0.5 or abs(ratio - round(ratio)) > 1e-6:
         raise DiagnosisError(
             f"a control period of {run.period:g} s is no multiple of a step, "

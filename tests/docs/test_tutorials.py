@@ -19,6 +19,7 @@ PAGES = [
     *TUTORIALS,
     *WORLDS,
     DOCS / "card.md",
+    DOCS / "ensemble.md",
     DOCS / "gym.md",
     DOCS / "tasks.md",
     DOCS / "vary.md",

@@ -10,7 +10,8 @@ import pytest
 from morph.body.load import load
 from morph.body.vary import Heavier, vary
 from morph.errors import DiagnosisError, EvidenceError
-from morph.model.ensemble import Candidate, Ensemble
+from morph.model.candidate import Candidate
+from morph.model.ensemble import Ensemble
 from morph.model.hypothesis import Hypothesis
 from morph.model.knobs import knobs
 from morph.model.latent.run import Run
