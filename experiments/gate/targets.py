@@ -5,13 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 
 import numpy as np
 
 from experiments.transfer.changed import cartpole
 from morph.arrays import Array
-from morph.body.robot import Robot
+from morph.model.hypothesis import Hypothesis
 from morph.model.latent.run import Run
+from morph.model.latent.unknowns import unknowns
 from morph.physics.actuator.actuator_delay import ActuatorDelay
 from morph.physics.actuator.actuator_lag import ActuatorLag
 from morph.physics.actuator.torque_scale import TorqueScale
@@ -67,7 +69,7 @@ class Case:
     """What the run cost."""
 
 
-def drawn(seed: int, policies: Sequence[Policy], noise: float = 0.01) -> Case:
+def drawn(seed: int, policies: Sequence[Policy]) -> Case:
     """Return the case of a seed: its family, its figures, its policy and its noise."""
     rng = np.random.default_rng(seed)
     names = list(FAMILIES)
@@ -86,8 +88,7 @@ def case(
 ) -> Case:
     """Return the case of a target that is told."""
     at = int(rng.integers(len(policies)))
-    robot = cartpole(factors)
-    task = swing_up(robot)
+    task = swing_up(cartpole(factors))
     simulator = task.simulator(effects)
     seen, true, command, loss = recorded(task, simulator, policies[at], rng)
     half = true.shape[1] // 2
@@ -103,7 +104,7 @@ def case(
             position=seen[:, :half], velocity=seen[:, half:], command=command, period=task.period
         ),
         state=true,
-        error=true[1:] - ahead(swing_up(cartpole()).simulator(), true[:-1], command, task.period),
+        error=true[1:] - ahead(model(), true[:-1], command, task.period),
         loss=loss,
     )
 
@@ -159,20 +160,18 @@ def recorded(
     task: Task, simulator: Simulator, policy: Policy, rng: np.random.Generator
 ) -> tuple[Array, Array, Array, float]:
     """Return observed states, true states, commands and the loss of one run."""
-    model = simulator.model
-    position, velocity = task.start.sample(task.robot, model, 1, rng)
-    noise = rng.normal(scale=task.noise, size=(task.samples, model.nq + model.nv))
-    observer = Observer(policy, task.robot, model, 1)
+    body = simulator.model
+    position, velocity = task.start.sample(task.robot, body, 1, rng)
+    away = rng.normal(scale=task.noise, size=(task.samples, body.nq + body.nv))
+    observer = Observer(policy, task.robot, body, 1)
 
     def act(q: Array, v: Array, time: float) -> Array:
-        away = noise[round(time / task.period)]
-        return policy.act(
-            observer.see(q + away[: model.nq], v + away[model.nq :]), np.full(1, time)
-        )
+        off = away[round(time / task.period)]
+        return policy.act(observer.see(q + off[: body.nq], v + off[body.nq :]), np.full(1, time))
 
     moved = run(task, simulator, act, position, velocity)
     true = np.concatenate([moved.position[0], moved.velocity[0]], axis=1)
-    return true + noise, true, moved.command[0, :-1], float(task.loss(moved)[0])
+    return true + away, true, moved.command[0, :-1], float(task.loss(moved)[0])
 
 
 def ahead(simulator: Simulator, state: Array, command: Array, period: float) -> Array:
@@ -184,6 +183,25 @@ def ahead(simulator: Simulator, state: Array, command: Array, period: float) -> 
     return np.concatenate([q[:, -1], v[:, -1]], axis=1)
 
 
-def nominal() -> Robot:
-    """Return the robot as it is described."""
-    return cartpole()
+@cache
+def nominal() -> Task:
+    """Return the task on the robot as it is described."""
+    return swing_up(cartpole())
+
+
+@cache
+def model() -> Simulator:
+    """Return the robot as it is described, simulated."""
+    return nominal().simulator()
+
+
+@cache
+def hypothesis() -> Hypothesis:
+    """Return the model that is judged, with every figure that may be wrong in it."""
+    task = nominal()
+    return Hypothesis(robot=task.robot, step=task.step, knobs=unknowns(task.robot))
+
+
+def noise() -> Array:
+    """Return the standard deviation of each observation, shape (n,)."""
+    return np.full(model().model.nq + model().model.nv, nominal().noise)

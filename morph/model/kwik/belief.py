@@ -19,11 +19,17 @@ ALONE = (0.03, 0.1, 0.3, 1.0)
 TOGETHER = (0.01, 0.03, 0.1, 0.3)
 """Widths of priors in which all of them do."""
 
-UNNAMED = (0.03, 0.3, 1.5, 6.0, 25.0)
-"""Sizes of the process that holds what no figure says, in epsilons."""
-
-UNNAMED_SHARES = (0.7, 0.1, 0.08, 0.06, 0.06)
-"""Their prior probabilities."""
+UNNAMED = (
+    (0.03, 0.03, 0.65),
+    (0.03, 3.0, 0.08),
+    (0.03, 20.0, 0.07),
+    (0.3, 0.3, 0.08),
+    (1.5, 3.0, 0.06),
+    (6.0, 6.0, 0.03),
+    (25.0, 25.0, 0.03),
+)
+"""Sizes of what no figure says, in epsilons: of the smooth process and of each other law, and the
+prior probability of both."""
 
 WIDE = 1.2
 """Width within which even the rejected may lie: beyond a factor of eleven nothing is asked."""
@@ -40,6 +46,14 @@ class Information:
     c: float
     """At theta = 0."""
 
+    def weaker(self, factor: float) -> Information:
+        """Return the information if every variance were greater by a factor."""
+        return Information(H=self.H / factor, b=self.b / factor, c=self.c / factor)
+
+    def missed(self, theta: Array) -> float:
+        """Return the sum of squares that theta leaves, in units of the noise."""
+        return float(self.c - 2.0 * self.b @ theta + theta @ self.H @ theta)
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Sized:
@@ -52,8 +66,8 @@ class Sized:
     """Of named and unnamed together, the named first."""
     named: int
     """How many are named."""
-    size: float
-    """Standard deviation of each weight."""
+    size: Array
+    """Standard deviation of each weight, shape (weights,)."""
     log_prior: float
     """Logarithm of the prior probability of this size."""
     inner: Array
@@ -62,13 +76,13 @@ class Sized:
     """Of the named alone."""
 
 
-def sized(information: Information, named: int, size: float, share: float = 1.0) -> Sized:
-    """Return the evidence when the unnamed weights are N(0, size^2), as probable as `share`."""
+def sized(information: Information, named: int, size: Array, share: float = 1.0) -> Sized:
+    """Return the evidence when each unnamed weight is N(0, size^2), as probable as `share`."""
     H, b, p = information.H, information.b, named
-    M = H[p:, p:] + np.eye(len(b) - p) / size**2
-    inner = np.linalg.inv(M)
+    M = H[p:, p:] + np.diag(size**-2.0)
+    inner: Array = np.asarray(np.linalg.inv(M), dtype=float)
     cross = H[:p, p:] @ inner
-    occam = float(np.linalg.slogdet(M)[1]) + 2.0 * (len(b) - p) * math.log(size)
+    occam = float(np.linalg.slogdet(M)[1]) + 2.0 * float(np.log(size).sum())
     reduced = Information(
         H=H[:p, :p] - cross @ H[p:, :p],
         b=b[:p] - cross @ b[p:],
@@ -123,7 +137,7 @@ class Belief:
     """All rivals, weighed by what was seen."""
 
     parts: tuple[Sized, ...]
-    """One for each size of the unnamed process."""
+    """One for each size of what is not named."""
     log_weight: Array
     """Log of prior times evidence, shape (sizes, rivals)."""
     mean: Array
@@ -141,6 +155,17 @@ class Belief:
     def weight(self) -> Array:
         """Posterior probability of each rival, shape (sizes, rivals)."""
         return np.asarray(np.exp(self.log_weight - self.log_evidence))
+
+    @property
+    def middle(self) -> Array:
+        """Mean of all unknowns, shape (unknowns,)."""
+        out = np.zeros(len(self.parts[0].information.b))
+        for part, weight, mean in zip(self.parts, self.weight, self.mean, strict=True):
+            p, H, b = part.named, part.information.H, part.information.b
+            named = weight @ mean
+            out[:p] += named
+            out[p:] += (weight.sum() * b[p:] - named @ H[:p, p:]) @ part.inner
+        return out
 
     def draws(self, count: int, rng: np.random.Generator) -> Array:
         """Return unknowns drawn from the posterior, shape (count, unknowns)."""
@@ -172,8 +197,8 @@ def belief(
     information: Information,
     named: int,
     unit: Array,
-    sizes: Sequence[float] = UNNAMED,
-    shares: Sequence[float] = UNNAMED_SHARES,
+    smooth: int,
+    sizes: Sequence[tuple[float, float, float]] = UNNAMED,
 ) -> Belief:
     """Return what is believed of the unknowns, given the data.
 
@@ -181,12 +206,14 @@ def belief(
         information: What the data say, the named figures first.
         named: How many are named.
         unit: What a width of 1 means for each of them, shape (named,).
-        sizes: Of the unnamed process.
-        shares: Prior probability of each size.
+        smooth: How many of the weights, the first, are those of the smooth process.
+        sizes: Of the process and of the other laws, with the prior probability of both.
     """
     width, log_prior = widths(named)
     parts, logs, means, covariances = [], [], [], []
-    for size, share in zip(sizes, shares, strict=True):
+    others = len(information.b) - named - smooth
+    for of_process, of_laws, share in sizes:
+        size = np.repeat([of_process, of_laws], [smooth, others])
         part = sized(information, named, size, share)
         log, mean, covariance = evidence(part.reduced, width * unit)
         parts.append(part)

@@ -56,7 +56,7 @@ def closer(
     high = np.where(known, FAR, hypothesis.high)
     for number in range(PASSES):
         seen = visit(transit, runs, noise, epsilon, point)
-        held = belief(seen.until(len(seen)), seen.named, units(hypothesis))
+        held = belief(seen.until(len(seen)), seen.named, units(hypothesis), seen.unnamed.smooth)
         change = np.einsum("sr,srp->p", held.weight, held.mean)
         if number == 0:
             # Most figures act in proportion to the factor, not to its logarithm.

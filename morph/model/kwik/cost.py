@@ -137,7 +137,8 @@ def _moved(
     state = np.concatenate([q, v], axis=1)
     observer = Observer(policy, task.robot, model, rows, rng=rng, noise=task.noise)
     advance = _advance(variants, which, steps)
-    states, told = [state], []
+    states: list[Array] = [state]
+    told: list[Array] = []
     for at in range(task.samples - 1):
         seen = observer.see(state[:, :nq], state[:, nq:])
         command = policy.act(seen, np.full(rows, at * task.period))
@@ -149,7 +150,7 @@ def _moved(
     return Moved(
         robot=task.robot,
         model=model,
-        time=task.period * np.arange(task.samples),
+        time=np.asarray(task.period * np.arange(task.samples), dtype=float),
         position=path[..., :nq],
         velocity=path[..., nq:],
         command=command,

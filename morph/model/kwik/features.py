@@ -49,6 +49,11 @@ class Unnamed:
     """What each force is divided by, so that its greatest effect on the runs has an RMS of one
     epsilon, shape (3 nv + 1,)."""
 
+    @property
+    def smooth(self) -> int:
+        """How many weights, the first, are those of the smooth process."""
+        return len(self.epsilon) // 2 * len(self.phase)
+
     def __call__(self, model: Any, state: Array, command: Array, before: Array) -> Array:
         """Return the changes of states, with their commands and the commands a period before.
 

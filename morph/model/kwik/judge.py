@@ -12,7 +12,7 @@ import numpy as np
 from morph.arrays import Array
 from morph.errors import DiagnosisError
 from morph.model.hypothesis import Hypothesis
-from morph.model.kwik.belief import belief
+from morph.model.kwik.belief import Belief, Information, belief
 from morph.model.kwik.closer import units
 from morph.model.kwik.visit import Visit, visit
 from morph.model.kwik.wager import bets, worst
@@ -177,7 +177,7 @@ def verdict_of(
 ) -> Verdict:
     """Return the verdict on the first transitions of what was visited, as `judge` says."""
     unit = units(hypothesis)
-    held = belief(seen.until(count), seen.named, unit)
+    held = believed(seen.until(count), seen, count, unit)
     error = seen.error[:count]
     most = math.floor(share * count + 1e-9) + 1
     for_good, for_bad = bets(held, unit, error, most)
@@ -194,6 +194,19 @@ def verdict_of(
         epsilon=epsilon,
         delta=delta,
     )
+
+
+def believed(found: Information, seen: Visit, count: int, unit: Array) -> Belief:
+    """Return what is believed, with all variances greater where nothing fits what was seen.
+
+    Source: Birge 1932, Physical Review 40, eq. 3: errors grow until the sum of squares is as
+    expected. A target that any rival can follow is not touched by it.
+    """
+    held = belief(found, seen.named, unit, seen.unnamed.smooth)
+    misfit = found.missed(held.middle) / (count * seen.error.shape[1])
+    if misfit <= 1.0:
+        return held
+    return belief(found.weaker(misfit), seen.named, unit, seen.unnamed.smooth)
 
 
 def _answer(probability: float, for_good: float, for_bad: float, delta: float) -> Answer:

@@ -79,6 +79,7 @@ def visit(
     start = transit.hypothesis.start
     point = start if point is None else point
     model = transit.variant(start).model
+    # What was commanded before a run is not known: taken as what was commanded first.
     before = [np.concatenate([run.command[:1], run.command[:-1]]) for run in runs]
     beside = unnamed(
         model,

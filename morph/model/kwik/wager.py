@@ -57,7 +57,7 @@ def distances(part: Sized, unit: Array, error: Array) -> tuple[float, Array, Arr
         deviations, to an error beyond epsilon, (transitions,), and to one within, (transitions,).
     """
     p, found = part.named, part.information
-    trust = np.concatenate([(WIDE * unit) ** -2.0, np.full(len(found.b) - p, part.size**-2.0)])
+    trust = np.concatenate([(WIDE * unit) ** -2.0, part.size**-2.0])
     covariance = np.linalg.inv(found.H + np.diag(trust))
     rows = error.reshape(-1, error.shape[-1])
     guess = np.abs(rows @ (covariance @ found.b)).reshape(error.shape[:2])
