@@ -32,9 +32,9 @@ NAMES = ("angles", "bias", "law", "centre", "width", "weight", "reach")
 class Adjusted(Policy):
     """u = clip(v + b + W z + sum over i of w_i exp(-|(z - c_i) / s|^2 / 2)), z = (f(o), v).
 
-    v is what the source's policy commands and f(o) are features of what is seen, as in
-    `Feedback`. In the law W z numbers beyond their reach count as their reach; the radial
-    functions fade out by themselves. `align.adjust` finds these numbers.
+    v is what the source's policy commands and f(o) are features, as in `Feedback`, of the newest
+    that is seen of each channel. In the law W z numbers beyond their reach count as their reach;
+    the radial functions fade out by themselves. `align.adjust` finds these numbers.
 
     Source: Gamboa Higuera 2015, section 3.3, where it is called pi_adj.
     """
@@ -92,9 +92,14 @@ class Adjusted(Policy):
             )
 
     @cached_property
+    def newest(self) -> Integers:
+        """Which of the numbers that are seen are the newest of their channel."""
+        return newest(self.observation)
+
+    @cached_property
     def seen(self) -> tuple[Integers, Integers]:
-        """Which numbers are no angles, and which are."""
-        angle = np.asarray(self.angles, dtype=bool)
+        """Which of the newest numbers are no angles, and which are."""
+        angle = np.asarray(self.angles, dtype=bool)[self.newest]
         return np.flatnonzero(~angle), np.flatnonzero(angle)
 
     @cached_property
@@ -117,7 +122,8 @@ class Adjusted(Policy):
 
     def added(self, observation: Array, command: Array) -> Array:
         """Return what is added to commands of the source, shape (..., actions)."""
-        z = np.concatenate([features(observation, *self.seen), command], axis=-1)
+        now = features(observation[..., self.newest], *self.seen)
+        z = np.concatenate([now, command], axis=-1)
         found = np.minimum(np.maximum(z, -self.reach), self.reach) @ self.law.T + self.bias
         middle, parts = self.scaled
         for at, (centre, half) in enumerate(parts):
@@ -172,3 +178,9 @@ class Adjusted(Policy):
             observation=observation,
             **{name: weights[name] for name in NAMES},
         )
+
+
+def newest(observation: tuple[Observation, ...]) -> Integers:
+    """Return which of the numbers that are seen are the newest of their channel."""
+    counts = [0, *(each.history for each in observation)]
+    return np.cumsum(counts)[:-1].astype(np.int64)

@@ -184,6 +184,8 @@ LAWS: dict[type[Policy], Callable[[Graph, Any], str]] = {
 
 def _features(graph: Graph, policy: Feedback | Adjusted) -> str:
     seen = graph.within("observation", -LARGEST, LARGEST)
+    if isinstance(policy, Adjusted):
+        seen = graph.node("Gather", seen, policy.newest, axis=1)
     plain, angles = policy.seen
     if not len(angles):
         return seen

@@ -12,7 +12,7 @@ from align.inverse import GaussianInverse, Inverse, gaussian_inverse, local_inve
 from align.regression import MOST_DATA
 from align.similar import Following, following
 from morph.errors import TransferError
-from morph.policy.adjusted import Adjusted
+from morph.policy.adjusted import Adjusted, newest
 from morph.policy.angles import turning
 from morph.policy.policy import Policy
 from morph.search.target import Experience
@@ -107,8 +107,9 @@ def adjusted(
     fine = np.flatnonzero(np.isfinite(after).all(axis=1))
     some = fine[:: max(1, -(-len(fine) // (MOST_DATA // 3)))]
     replicating, variance = inverse.predict(x[some], after[some])
-    angles = np.asarray(turning(source.task.robot, policy.observation), dtype=bool)
-    found = adjustment(observed[some], u[some], replicating, angles, variance)
+    now = newest(policy.observation)
+    angles = np.asarray(turning(source.task.robot, policy.observation)[now], dtype=bool)
+    found = adjustment(observed[some][:, now], u[some], replicating, angles, variance)
     return Made(
         policy=applied(found, policy),
         adjustment=found,
@@ -148,6 +149,8 @@ def applied(found: Adjustment, policy: Policy) -> Adjusted:
     Raises:
         PolicyError: The policy cannot be adjusted, or sees other numbers.
     """
+    angles = np.zeros(policy.size)
+    angles[newest(policy.observation)] = found.turns
     return Adjusted(
         source=policy,
         bias=found.bias,
@@ -156,7 +159,7 @@ def applied(found: Adjustment, policy: Policy) -> Adjusted:
         width=found.width,
         weight=found.weight,
         reach=found.reach,
-        angles=np.asarray(found.turns, dtype=float),
+        angles=angles,
         action=policy.action,
         period=policy.period,
         observation=policy.observation,

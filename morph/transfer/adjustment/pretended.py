@@ -45,16 +45,16 @@ class Pretended(Stepped):
         observation: What the policy saw for which it was made: every number of a state.
 
     Raises:
-        TransferError: What is seen is late, or holds the past.
+        TransferError: What is seen is late.
         SearchError: A number of a state is not seen.
     """
 
     def __init__(
         self, source: Source, found: Adjustment, observation: tuple[Observation, ...]
     ) -> None:
-        if any(each.history > 1 or each.delay_s > 0.0 for each in observation):
+        if any(each.delay_s > 0.0 for each in observation):
             raise TransferError(
-                "the adjustment was made of observations that are late or hold the past",
+                "the adjustment was made of observations that are late",
                 where=f"what {source.task.robot.name} is taken to do",
                 fix="adjust a policy that sees every position and every velocity as it is now",
             )

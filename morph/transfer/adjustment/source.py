@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from align.inverse import Transitions
+from align.states import change
 from morph.arrays import Array, Mask
 from morph.errors import TransferError
 from morph.policy.observing import Observer
@@ -64,10 +65,9 @@ class Source:
     def inverse(self, state: Array, after: Array) -> Array:
         """Return the commands that lead nearest to the next states, shape (m, nu).
 
-        A state moves by an affine function of a command that is held, nearly: of differences to
-        what no command does, least squares give it. All numbers of a state count alike, as each
-        is seen with the same noise. No bound is kept: a source may need more than it has to do
-        what a stronger target did.
+        Two steps of Gauss and Newton: a state moves by a nearly affine function of a command that
+        is held. All numbers of a state count alike, as each is seen with the same noise. No bound
+        is kept: a source may need more than it has to do what a stronger target did.
         """
         plant = self.plant
         middle, half = 0.5 * (plant.low + plant.high), 0.5 * (plant.high - plant.low)
@@ -76,12 +76,18 @@ class Source:
         moved = self.after(many, np.tile(np.array(each), (len(state), 1)))
         moved = moved.reshape(len(state), len(each), -1)
         slope = (moved[:, 1:] - moved[:, :1]) / (0.9 * half[:, None])
-        away = after - moved[:, 0]
-        away[:, self.turns] -= 2.0 * np.pi * np.round(away[:, self.turns] / (2.0 * np.pi))
         inner = slope @ np.swapaxes(slope, 1, 2)
         # An actuator that moves nothing here is told nothing.
         inner += 1e-12 * np.trace(inner, axis1=1, axis2=2)[:, None, None] * np.eye(len(half))
-        return np.asarray(middle + np.linalg.solve(inner, slope @ away[..., None])[..., 0])
+        command = np.tile(middle, (len(state), 1))
+        for reached in (moved[:, 0], None):
+            if reached is None:
+                # Beyond its bounds a command is clamped; from there the slope goes on.
+                command = np.clip(command, plant.low, plant.high)
+                reached = self.after(state, command)
+            away = change(reached, after, self.turns)
+            command = command + np.linalg.solve(inner, slope @ away[..., None])[..., 0]
+        return np.asarray(command)
 
     def run(self, policy: Policy, rng: np.random.Generator) -> Experience:
         """Return one run of the source, from a drawn start and seen through its noise."""

@@ -101,7 +101,8 @@ def every(made: Made, pendulum: Robot) -> dict[str, Policy]:
     )
     swings = {each.actuator: Swing(amplitude=12.0, frequency=0.7, rate=0.1) for each in made.action}
     found["pattern"] = pattern(pendulum, swings, period=made.period)
-    d = inputs + actions
+    # Of each of the four channels the newest, two of them angles; and the commands.
+    d = 2 + 2 * 2 + actions
     for name in ("track", "pattern"):
         found[f"adjusted {name}"] = Adjusted(
             source=found[name],
