@@ -83,7 +83,7 @@ def adjusted(
 
     Args:
         source: Where the policy was made.
-        policy: What to adjust.
+        policy: What to adjust; of one that was adjusted before, its source is adjusted anew.
         runs: What the target did, under this policy or any other.
         rng: The chance of the source's own run.
         settings: How; None for `Settings()`.
@@ -95,6 +95,7 @@ def adjusted(
         SamplesError: The runs show too little, or hold what is no number.
     """
     how = settings or Settings()
+    policy = policy.source if isinstance(policy, Adjusted) else policy
     inverse = inverse or inverse_of(source, runs, how)
     own = source.run(policy, rng)
     visited = {"source": [own], "target": list(runs), "both": [own, *runs]}[how.starts]
@@ -146,9 +147,12 @@ def followed(
 def applied(found: Adjustment, policy: Policy) -> Adjusted:
     """Return another policy under an adjustment that was made for the same pair of bodies.
 
+    Of a policy that is adjusted already, the source is adjusted anew.
+
     Raises:
         PolicyError: The policy cannot be adjusted, or sees other numbers.
     """
+    policy = policy.source if isinstance(policy, Adjusted) else policy
     angles = np.zeros(policy.size)
     angles[newest(policy.observation)] = found.turns
     return Adjusted(

@@ -107,6 +107,14 @@ def test_an_adjusted_policy_is_stored_and_commands_within_bounds(
     assert np.abs(told).max() <= 10.0
 
 
+def test_what_was_adjusted_is_adjusted_anew(
+    source: Source, made: Made, plan: Policy, run: Experience
+) -> None:
+    again = adjusted(source, made.policy, [run], rng=np.random.default_rng(1))
+    assert again.policy == made.policy
+    assert applied(made.adjustment, made.policy) == made.policy
+
+
 def test_another_task_on_the_same_pair_uses_the_same_adjustment(made: Made) -> None:
     robot = load("cartpole")
     mine, its = balance(robot), balance(turned(robot, {"damping:slide": 11.0}))
