@@ -59,7 +59,7 @@ def watched(case: Case) -> Judged:
         answers=tuple(each.verdict for each in said),
         sure=tuple(each.probability for each in said),
         truth=tuple(is_good(case.error[:count], fine, SHARE) for count in moments),
-        inside=(np.abs(case.error) < fine).all(axis=1),
+        inside=np.asarray((np.abs(case.error) < fine).all(axis=1)),
         transitions=said[-1].transitions,
     )
 

@@ -33,7 +33,7 @@ def judged(case: Case, answer: str, probability: float, transitions: Array) -> J
         answers=(answer,),
         sure=(probability,),
         truth=(is_good(case.error, fine, SHARE),),
-        inside=(np.abs(case.error) < fine).all(axis=1),
+        inside=np.asarray((np.abs(case.error) < fine).all(axis=1)),
         transitions=transitions,
     )
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from experiments.gate import __main__ as study
+from experiments.gate import report
 from experiments.gate.asked import watched
 from experiments.gate.controls import CONTROLS
 from experiments.gate.measures import Judged, calibration, is_good, reliability, summary, wilson
@@ -134,6 +135,6 @@ def test_the_study_reports_in_words_and_in_json(
     found = json.loads(capsys.readouterr().out)
     assert found["schema"] == "morph.gate/1"
     assert found["gate"]["cases"] == 4
-    study.report.told(found)
+    report.told(found)
     assert "false accepts at the worst moment" in capsys.readouterr().out
-    assert study.report.page(found).startswith("<!doctype html>")
+    assert report.page(found).startswith("<!doctype html>")

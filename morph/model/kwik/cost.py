@@ -19,7 +19,7 @@ from morph.model.kwik.judge import EPSILONS, Answer
 from morph.model.latent.run import Run
 from morph.model.latent.transit import Transit
 from morph.policy.observing import Observer
-from morph.policy.policy import Policy
+from morph.policy.policy import LARGEST, Policy
 from morph.sim.rollout import Variant, quiet, rollout
 from morph.task.moved import Moved
 from morph.task.task import Task
@@ -138,12 +138,15 @@ def _moved(
     observer = Observer(policy, task.robot, model, rows, rng=rng, noise=task.noise)
     advance = _advance(variants, which, steps)
     states: list[Array] = [state]
+    stable = np.ones(rows, dtype=bool)
     told: list[Array] = []
     for at in range(task.samples - 1):
         seen = observer.see(state[:, :nq], state[:, nq:])
         command = policy.act(seen, np.full(rows, at * task.period))
         change = unnamed(model, state, command, told[-1] if told else command)
-        state = advance(state, command) + np.einsum("rnk,rk->rn", change, weights)
+        moved = advance(state, command) + np.einsum("rnk,rk->rn", change, weights)
+        stable &= (np.abs(moved) < LARGEST).all(axis=1)
+        state = np.where(stable[:, None], moved, state)
         states.append(state)
         told.append(command)
     path, command = np.stack(states, axis=1), np.stack([*told, told[-1]], axis=1)
@@ -154,6 +157,7 @@ def _moved(
         position=path[..., :nq],
         velocity=path[..., nq:],
         command=command,
+        stable=stable,
     )
 
 

@@ -104,9 +104,9 @@ def test_against_a_known_figure_a_bet_is_a_martingale() -> None:
         r = part.reduced
         log = -0.5 * (r.c - 2.0 * r.b @ theta[:2] + theta[:2] @ r.H @ theta[:2])
         ratios.append(np.exp(held.log_evidence - log))
-    ratios = np.array(ratios)
+    drawn = np.array(ratios)
     # Four standard errors.
-    assert abs(ratios.mean() - 1.0) < 4.0 * ratios.std() / np.sqrt(len(ratios))
+    assert abs(drawn.mean() - 1.0) < 4.0 * drawn.std() / np.sqrt(len(drawn))
 
 
 def test_the_distance_to_one_error_is_that_of_a_constrained_search() -> None:
