@@ -103,7 +103,7 @@ class Regression:
 def apart(z: Array, other: Array) -> Array:
     """Return the squared distance of all pairs, shape (m, n)."""
     square = np.square(z).sum(axis=1)[:, None] + np.square(other).sum(axis=1)
-    return np.maximum(square - 2.0 * z @ other.T, 0.0)
+    return np.asarray(np.maximum(square - 2.0 * z @ other.T, 0.0))
 
 
 def regression(inputs: Array, targets: Array, variance: Array | None = None) -> Regression:

@@ -143,7 +143,7 @@ def _run(
     for at in range(task.samples - 1):
         time = np.full(rows, at * task.period)
         o = observer.see(q, v)
-        fine = np.isfinite(o).all(axis=1)
+        fine = np.asarray(np.isfinite(o).all(axis=1))
         o = np.where(fine[:, None], o, 0.0)
         seen.append(o[fine][:, now])
         told.append(guide.act(o, time)[fine])

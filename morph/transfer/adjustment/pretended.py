@@ -129,7 +129,7 @@ def foreseen(
         qs.append(q)
         vs.append(v)
     position, velocity = np.stack(qs, axis=1), np.stack(vs, axis=1)
-    fine = np.isfinite(position).all((1, 2)) & np.isfinite(velocity).all((1, 2))
+    fine = np.asarray(np.isfinite(position).all((1, 2)) & np.isfinite(velocity).all((1, 2)))
     moved = Moved(
         robot=task.robot,
         model=model,
@@ -137,7 +137,7 @@ def foreseen(
         position=np.where(fine[:, None, None], position, model.qpos0),
         velocity=np.where(fine[:, None, None], velocity, 0.0),
         command=np.stack([*us, us[-1]], axis=1),
-        stable=np.asarray(fine),
+        stable=fine,
     )
     return Score(loss=task.loss(moved), success=task.succeeded(moved))
 
