@@ -11,15 +11,14 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.errors import SearchError, StateError
-from morph.search.plan.best import Planned, planned
+from morph.search.plan.best import SURE, Planned, planned
 from morph.search.plan.concluded import concluded
 from morph.search.plan.ground import grounded
+from morph.search.plan.late import late
 from morph.search.plan.policy import track_of
 from morph.search.search import Learned, Problem, Search, State, Told, Trial, ignore
 from morph.search.trajectory.ddp import Trajectories
-
-SURE = 0.97
-"""Share of the runs by which plans are compared that must, for no further round to begin."""
+from morph.search.trajectory.line import is_late
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,6 +73,8 @@ class Plan(Search):
         """Return the best plan as a policy; the arguments are those of `Search.run`."""
         task, simulator = problem.task, problem.model
         began = time.monotonic()
+        if is_late(simulator):
+            return late(task, simulator, None, seed=seed)
         ground = grounded(task, simulator, margin=self.margin, rng=np.random.default_rng(seed))
         best, first = (None, 1) if state is None else _restored(state)
         record: list[Trial] = []

@@ -8,21 +8,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from morph.errors import SearchError
 from morph.policy.policy import Policy
-from morph.search.plan.best import KINDS, Planned, joined, judged, sifted
+from morph.search.plan.best import KINDS, SURE, Planned, joined, judged, sifted
 from morph.search.plan.concluded import concluded
 from morph.search.plan.ground import grounded
+from morph.search.plan.late import late
 from morph.search.plan.policy import track_of
 from morph.search.plan.recalled import recalled
 from morph.search.plan.seeds import Ground, led, swung
 from morph.search.search import Learned, Problem, Trial
 from morph.search.threads import one_thread
+from morph.search.trajectory.line import is_late
 from morph.search.trajectory.plant import Plant
 from morph.sim.simulator import Simulator
 from morph.task.task import Task
-
-SURE = 0.97
-"""Share of noisy runs that succeed from which no greater effort is made."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,7 +46,7 @@ class Effort:
 
 
 STAGES = (
-    Effort(recalled=32, rows=0, keep=2, most=8, runs=16, kinds=(KINDS[1], KINDS[2], KINDS[3])),
+    Effort(recalled=32, rows=96, keep=2, most=8, runs=16, kinds=KINDS[1:4]),
     Effort(recalled=64, rows=128, keep=3, most=15, runs=24),
     Effort(recalled=0, rows=768, keep=4, most=20, runs=32),
     Effort(recalled=0, rows=768, keep=4, most=20, runs=32, margin=0.1),
@@ -85,6 +85,8 @@ def again(
         SearchError: The body cannot rest where its goals are met, or nothing holds it there.
         SimulationFailed: The task's control period does not fit the simulator.
     """
+    if is_late(simulator):
+        return late(task, simulator, old, seed=seed, others=others)
     began = time.monotonic()
     best: tuple[Ground, Planned] | None = None
     record: list[Trial] = []
@@ -99,9 +101,7 @@ def again(
             rng = np.random.default_rng([seed, number])
             if effort.margin not in grounds:
                 chance = np.random.default_rng(seed)
-                grounds[effort.margin] = grounded(
-                    task, simulator, margin=effort.margin, rng=chance
-                )
+                grounds[effort.margin] = grounded(task, simulator, margin=effort.margin, rng=chance)
             ground = grounds[effort.margin]
             found = _stage(ground, simulator, old, effort, plants, rng)
             best = (ground, found) if best is None or found.score < best[1].score else best
@@ -116,7 +116,11 @@ def again(
             if best[1].success >= SURE:
                 break
         if best is None:
-            raise ValueError
+            raise SearchError(
+                "it was given no stage to search in",
+                where=f"planning again for {task.robot.name}",
+                fix="give a stage, and one with fresh swings if there is no old policy",
+            )
         return concluded(
             Problem(task=task, simulator=simulator),
             track_of(*best),

@@ -39,6 +39,9 @@ LOOK, GOOD = 12, 3
 FINALISTS = 2
 """Improved plans that are tried in the noise."""
 
+SURE = 0.97
+"""Share of the runs by which plans are compared that must, for no further round to begin."""
+
 DOUBTFUL, MORE = 0.85, 4
 """Share of runs that succeed from which it is looked at again, by so many times the runs."""
 

@@ -108,7 +108,7 @@ def filtered(
             a share of half their range, new in every period; infinite for no filter.
         ages: Samples that are looked back.
     """
-    K = _gains(near, effort)
+    K = gains(near, effort)
     rows, periods, size, m = near.B.shape
     n = 2 * ground.plant.model.nv
     if not np.isfinite(doubt):
@@ -140,10 +140,11 @@ def filtered(
     return _ended(found, ground.periods)
 
 
-def _gains(near: Along, effort: float) -> Array:
+def gains(near: Along, effort: float) -> Array:
+    """Return the gain on the whole state at each period, shape (plans, periods, m, size)."""
     rows, _, _, m = near.B.shape
     pressed = Quadratic(**{**vars(near.cost), "uu": effort * near.cost.uu})
-    wide = np.full(near.B.shape[:2] + (m,), np.inf)
+    wide = np.full((*near.B.shape[:2], m), np.inf)
     return backward(near.A, near.B, pressed, -wide, wide, np.zeros((rows, m))).gain
 
 

@@ -54,9 +54,7 @@ def recalled(
     return runs.rows(np.argsort(runs.cost)[:keep])
 
 
-def _plain(
-    ground: Ground, simulator: Simulator, old: Policy, rng: np.random.Generator
-) -> Array:
+def _plain(ground: Ground, simulator: Simulator, old: Policy, rng: np.random.Generator) -> Array:
     """Return what an old policy commands now, and once planned, shape (rows, periods, nu)."""
     task, periods = ground.cost.task, ground.periods
     parts = [

@@ -73,7 +73,7 @@ def rest(task: Task, plant: Plant, rng: np.random.Generator) -> Rest:
     best: Any = None
     for each in range(STARTS):
         if each == 1:
-            # From where it hangs, the forces of a long link may outweigh its goals: these alone first.
+            # Where it hangs, forces of a long link may outweigh its goals: these alone first.
             begin = least_squares(astray, np.zeros(model.nv)).x
         else:
             begin = rng.normal(0.0, 1.0, model.nv) if each else np.zeros(model.nv)
