@@ -166,7 +166,9 @@ class _Search:
         """Return where Gauss-Newton steps end."""
         slopes = self._slopes(point, states)
         for _ in range(steps):
-            unsaid = self._unsaid(slopes, states, point, unsaid)
+            last, unsaid = unsaid, self._unsaid(slopes, states, point, unsaid)
+            # While less and less is left out, small steps are no sign of an end.
+            settled = unsaid >= last
             bands = self._bands(slopes, states, unsaid)
             change, foreseen = self._change(bands, point)
             before = self._cost(bands, point)
@@ -181,10 +183,12 @@ class _Search:
                 if cost < before:
                     break
             else:
-                break
+                if settled:
+                    break
+                continue
             point, states = tried, nearby
             slopes = self._slopes(point, states)
-            if foreseen < ENOUGH or before - cost < ENOUGH:
+            if settled and (foreseen < ENOUGH or before - cost < ENOUGH):
                 break
         return self._concluded(slopes, states, point, unsaid)
 
