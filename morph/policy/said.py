@@ -8,6 +8,7 @@ from morph.arrays import JSON
 from morph.body.robot import Robot
 from morph.errors import PolicyError
 from morph.files import sha256
+from morph.policy.adjusted import Adjusted
 from morph.policy.fields import most_of, number_of, table_of, tables_of, text_of
 from morph.policy.kinds import KINDS
 from morph.policy.observing import check_channels
@@ -33,10 +34,15 @@ def said_of(
         "action": [vars(each) for each in policy.action],
         "control_period_s": policy.period,
         "hold": "zero-order",
-        "parts": {},
+        "parts": _parts(policy),
         "learned": learned,
         "provenance": {"morph": version("morph"), "mujoco": version("mujoco")},
     }
+
+
+def _parts(policy: Policy) -> JSON:
+    """Return what a policy consists of beside numbers; its weights hold the parts themselves."""
+    return {policy.kind: {"source": policy.source.kind}} if isinstance(policy, Adjusted) else {}
 
 
 def hash_of(robot: Robot) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 
 import numpy as np
@@ -102,6 +103,9 @@ def test_an_adjusted_policy_is_stored_and_commands_within_bounds(
     robot = source.task.robot
     folder = write_policy(made.policy, tmp_path / "policy", robot)
     assert load_policy(folder, robot) == made.policy
+    said = json.loads((folder / "policy.json").read_text())
+    assert said["kind"] == "adjusted"
+    assert said["parts"] == {"adjusted": {"source": "track"}}
     seen, time = source.seen(made.policy, run)
     told = made.policy.act(50.0 * seen, time)
     assert np.abs(told).max() <= 10.0
