@@ -72,7 +72,7 @@ def led_late(ground: Ground, line: Line, plan: Trajectories) -> Trajectories:
         for effort in FOLLOWED
     ]
     now = joined(runs)
-    return improved(ground, line, now.rows(np.argmin(now.cost)[None]))
+    return improved(ground, line, now.rows(np.array([int(np.argmin(now.cost))])))
 
 
 def improved(ground: Ground, line: Line, now: Trajectories) -> Trajectories:
@@ -90,7 +90,7 @@ def improved(ground: Ground, line: Line, now: Trajectories) -> Trajectories:
         change = lengths[:, None, None] * law.change
         gain = np.repeat(law.gain, len(lengths), axis=0)
         tried = line.followed(ground.cost, many, gain, change, low, high)
-        best = tried.rows(np.argmin(tried.cost)[None])
+        best = tried.rows(np.array([int(np.argmin(tried.cost))]))
         fell = float(now.cost[0] - best.cost[0])
         damping *= 0.3 if fell > 0.0 else 10.0
         if fell > 0.0:

@@ -66,8 +66,9 @@ class Line:
             for which in range(m):
                 unit[at * m + which, at, which] = 1.0
         arrived = self.arriving(unit).reshape(periods, m, periods, self.substeps, m)
-        share = np.abs(arrived[0]).max((0, 2, 3)), np.abs(arrived[periods // 3]).max((0, 2, 3))
-        matter = np.flatnonzero(share[1][periods // 3 :] > FORGOTTEN)
+        first = periods // 3
+        share = np.abs(arrived[first]).max((0, 2, 3))[first:]
+        matter = np.flatnonzero(share > FORGOTTEN)
         self.memory = max(1, int(matter.max(initial=0)))
         # By age: (periods, memory + 1, m, substeps, m), of the command so many periods before.
         self._arrived = arrived
