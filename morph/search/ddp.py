@@ -28,7 +28,7 @@ class Plan(Search):
     Swings of bang-bang commands and straight paths are tried in batches, the best are improved
     by differential dynamic programming within the bounds of the commands, and of those the one
     is taken that does best with its feedback in the noise. If it fails there, another round
-    begins with more seeds.
+    begins with more seeds. Where commands are delayed or lag, plans are led in time.
 
     Source: Tassa, Mansard and Todorov 2014, Control-Limited Differential Dynamic Programming.
     """
@@ -74,7 +74,11 @@ class Plan(Search):
         task, simulator = problem.task, problem.model
         began = time.monotonic()
         if is_late(simulator):
-            return late(task, simulator, None, seed=seed)
+            # Its few tries are not worth going on from: what was killed begins anew.
+            led = late(task, simulator, None, seed=seed)
+            for trial in led.trials:
+                told(trial, {})
+            return led
         ground = grounded(task, simulator, margin=self.margin, rng=np.random.default_rng(seed))
         best, first = (None, 1) if state is None else _restored(state)
         record: list[Trial] = []
