@@ -10,8 +10,7 @@ import numpy as np
 from morph.errors import SearchError, SimulationFailed, TransferError
 from morph.model.kwik.judge import Verdict
 from morph.policy.policy import Policy
-from morph.search.ddp import Plan
-from morph.search.search import Problem
+from morph.search.plan.again import Effort, again
 from morph.task.task import Task
 from morph.transfer.adjustment.adjust import adjusted
 from morph.transfer.adjustment.source import Source
@@ -25,6 +24,14 @@ DRAWS = 3
 
 WORTH = 0.05
 """Share of the loss that another policy must promise to save before it is tried."""
+
+STAGES = (
+    Effort(recalled=48, rows=512, keep=4, most=15, runs=24),
+    Effort(recalled=48, rows=768, keep=4, most=20, runs=32, margin=0.1),
+    Effort(recalled=0, rows=1536, keep=6, most=20, runs=32),
+)
+"""What a search spends, stage after stage while no plan succeeds: the first is already wide, as the
+first plan that succeeds may still cost half as much again as the best."""
 
 Said = Callable[[str], None]
 
@@ -91,7 +98,7 @@ def advise(
         found, origin = adjusted_policy(model, last, seed=seed), "adjusted"
     else:
         said("searching a policy in the repaired model")
-        found, origin = searched(repair.model, tried[best].policy, seed=seed), "searched again"
+        found, origin = searched(models, tried[best].policy, seed=seed), "searched again"
     if found is not None:
         (promised,) = foresee([found], models, seed=seed)
         if promised.score < (1.0 - WORTH) * known[best].score:
@@ -127,10 +134,20 @@ def adjusted_policy(model: Model, last: Tried, *, seed: int) -> Policy | None:
         return None
 
 
-def searched(model: Model, old: Policy, *, seed: int) -> Policy | None:
-    """Return a policy for a model, or None if none can be searched in it."""
+def searched(models: Sequence[Model], old: Policy, *, seed: int) -> Policy | None:
+    """Return a policy for the first of some models that does in the others too.
+
+    It begins from an old policy; None if none can be searched.
+    """
+    first, *others = models
     try:
-        problem = Problem(task=model.task, simulator=model.simulator)
-        return Plan().run(problem, seed=seed).policy
-    except SearchError:
+        return again(
+            first.task,
+            first.simulator,
+            old,
+            seed=seed,
+            others=[each.simulator for each in others],
+            stages=STAGES,
+        ).policy
+    except (SearchError, SimulationFailed):
         return None
