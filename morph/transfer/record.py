@@ -90,10 +90,7 @@ class Hop:
             "map": "identity",
             "quality": None,
             "guard": vars(self.guard),
-            "gate": None if self.gate is None else {
-                "verdict": self.gate.verdict,
-                "probability": self.gate.probability,
-            },
+            "gate": gate_said(self.gate),
             "samples": self.samples,
             "score": {name: self.scores.get(name) for name in UNMEASURED},
             "succeeded": self.succeeded,
@@ -113,6 +110,11 @@ class Hop:
         return list(zip(self.runs, rounds, strict=True))
 
 
+def gate_said(gate: Gate | None) -> JSON | None:
+    """Return the gate's answer as plain data; None if it was not asked."""
+    return None if gate is None else {"verdict": gate.verdict, "probability": gate.probability}
+
+
 def differences_said(differences: Sequence[Difference]) -> list[JSON]:
     """Return what differs as plain data."""
     return [dict(vars(each)) for each in differences]
@@ -128,6 +130,7 @@ def _trial(run: Experience, done: Round | None) -> JSON:
     if done is not None:
         advice = done.advice
         said["compute_s"] = done.seconds
+        said["gate"] = None if advice is None else gate_said(advice.verdict)
         said["next"] = None if advice is None else {
             "origin": advice.origin,
             "loss": advice.foreseen.loss,

@@ -20,7 +20,7 @@ from morph.record.load import load
 from morph.search.threads import one_thread
 from morph.task.task import Task
 from morph.transfer.live.recorded import Recorded
-from morph.transfer.repair import MOST_RUNS, repaired
+from morph.transfer.repair import MOST_RUNS, noise_of, repaired
 
 
 def run_recorded(asked: Loop, task: Task, out: Path) -> int:
@@ -46,7 +46,7 @@ def run_recorded(asked: Loop, task: Task, out: Path) -> int:
             runs=runs,
             transferred=None,
             repair=repair,
-            gate=verdict,
+            asked=verdict,
             seed=asked.seed,
             command=command(asked),
             notes=tuple(notes),
@@ -64,12 +64,11 @@ def gate(task: Task, runs: list[Run], seed: int) -> Verdict:
     hypothesis = Hypothesis(
         robot=task.robot, step=task.step, knobs=unknowns(task.robot), effects=task.effects
     )
-    noise = np.full(2 * simulator.model.nv, max(task.noise, 1e-4))
     with one_thread():
         return judge(
             hypothesis,
             runs,
-            noise,
+            noise_of(task, simulator),
             integrator=simulator.integrator,
             rng=np.random.default_rng([seed, 2]),
         )

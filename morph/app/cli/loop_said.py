@@ -15,7 +15,7 @@ from morph.errors import OutputError
 if TYPE_CHECKING:
     from morph.app.report.loop.outcome import Outcome
 
-HEAD = ("trial", "policy", "loss", "came of it", "what the model lacked", "promised next")
+HEAD = ("trial", "policy", "loss", "came of it", "the model was", "what differs", "next")
 """Of the table of trials."""
 
 
@@ -107,7 +107,7 @@ def _rows(outcome: Outcome) -> Iterator[tuple[str, ...]]:
     from morph.app.report.loop.page import trial_rows
 
     for row in trial_rows(outcome):
-        cells = (row[name] for name in ("origin", "loss", "outcome", "lacked", "next"))
+        cells = (row[name] for name in ("origin", "loss", "outcome", "gate", "lacked", "next"))
         yield (str(row["number"]), *(str(cell) for cell in cells))
 
 

@@ -66,6 +66,8 @@ class Plot:
     """Levels to compare with, each with its name."""
     from_zero: bool = False
     """Whether what runs to the right begins at 0."""
+    counted: bool = False
+    """Whether what runs to the right is counted: no fractions are marked."""
 
     @property
     def svg(self) -> Markup:
@@ -109,7 +111,7 @@ class _Axes:
             # A bound far off would flatten the curve.
             if self.y_span[0] - near <= level <= self.y_span[1] + near:
                 self.y_span = _span(np.array([*self.y_span, level]), 0.02)
-        self.title = plot.x_title
+        self.title, self.counted = plot.x_title, plot.counted
 
     def x(self, values: Array) -> Array:
         low, high = self.x_span
@@ -132,7 +134,7 @@ class _Axes:
             parts.append(
                 f'<text x="{LEFT - 5}" y="{at + 3.5:.1f}" text-anchor="end">{figure(shown)}</text>'
             )
-        for tick in ticks(*self.x_span):
+        for tick in ticks(*self.x_span, whole=self.counted):
             at = float(self.x(np.array(tick)))
             parts.append(f'<path class="grid" d="M{at:.1f} {TOP}V{foot}"/>')
             parts.append(

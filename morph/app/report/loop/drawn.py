@@ -54,7 +54,7 @@ def losses(outcome: Outcome) -> tuple[Plot, ...]:
             x_title="trial",
             lines=(Line(x=number, y=loss, dots=True),),
             rules=tuple(rules),
-            from_zero=True,
+            counted=True,
         ),
     )
 

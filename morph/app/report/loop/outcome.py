@@ -39,7 +39,7 @@ class Outcome:
     """What a simulated target differs in; None if nobody knows."""
     sealed: int | None = None
     """The seed from which that was drawn; None if it was told."""
-    gate: Verdict | None = None
+    asked: Verdict | None = None
     """Whether the model as described is good enough for what was recorded."""
     stopped: str = ""
     """Why it ended before its time; empty if it did not."""
@@ -88,6 +88,12 @@ class Outcome:
     def guard(self) -> Guard:
         """What is thought of the policy to keep."""
         return guard(None if self.transferred is None else self.transferred.foreseen)
+
+    @property
+    def gate(self) -> Verdict | None:
+        """Whether the model as described is good enough; None if that was not asked."""
+        first = self.rounds[0].advice if self.rounds else None
+        return self.asked if first is None else first.verdict
 
     @property
     def differences(self) -> tuple[Difference, ...]:

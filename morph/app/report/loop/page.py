@@ -71,7 +71,8 @@ def _sentence(text: str) -> str:
 
 def _runs(outcome: Outcome) -> str:
     named = ("trial", "trials") if outcome.rounds else ("recording", "recordings")
-    return f"{counted(len(outcome.runs), *named)} of {number(outcome.experience)} s together"
+    together = " together" if len(outcome.runs) > 1 else ""
+    return f"{counted(len(outcome.runs), *named)} of {number(outcome.experience)} s{together}"
 
 
 def _rivals(outcome: Outcome) -> list[JSON]:
@@ -88,8 +89,9 @@ def trial_rows(outcome: Outcome) -> list[JSON]:
     rows = []
     for at, done in enumerate(outcome.rounds, 1):
         advice, tried = done.advice, done.tried
-        lacked, following = "", ""
+        gate, lacked, following = "", "", ""
         if advice is not None:
+            gate = words.gate(advice.verdict)
             lacked = words.listed(
                 words.differences(advice.repair.explained.differences, outcome.task.robot)
             )
@@ -101,6 +103,7 @@ def trial_rows(outcome: Outcome) -> list[JSON]:
                 "origin": words.ORIGINS.get(tried.origin, tried.origin),
                 "loss": number(tried.experience.loss),
                 "outcome": words.outcome_of(done),
+                "gate": gate,
                 "lacked": lacked,
                 "next": following,
                 "seconds": number(done.seconds),

@@ -53,9 +53,12 @@ def _tried(outcome: Outcome) -> str:
     first, kept = outcome.runs[0], outcome.runs[outcome.kept - 1]
     trials = words.trials_said(len(outcome.runs), outcome.experience)
     seconds = 0.0 if outcome.transferred is None else outcome.transferred.seconds
-    said = f"In {trials} the loss went from {number(first.loss)} to {number(kept.loss)}"
-    if kept is first:
-        said = f"In {trials} the source's policy was the best, at a loss of {number(first.loss)}"
+    if kept is not first:
+        said = f"In {trials} the loss went from {number(first.loss)} to {number(kept.loss)}"
+    elif len(outcome.runs) == 1:
+        said = f"In {trials} the source's policy cost {number(first.loss)}"
+    else:
+        said = f"Of {trials} that of the source's policy was the best, at {number(first.loss)}"
     return f"{said}; computing took {number(seconds)} s."
 
 
@@ -105,6 +108,11 @@ def sealed_rows(outcome: Outcome) -> list[JSON]:
 
 def _missed(name: str, outcome: Outcome) -> str:
     """Return what is said of a difference that was not named."""
+    rivals = () if outcome.repair is None else outcome.repair.explained.rivals[1:]
+    named = name.rpartition(":")[0] if "@" in name else name
+    for what, share in rivals:
+        if named in what.split(" + "):
+            return f"not named; the rival {what} has it ({percent(share)})"
     near = [each.name for each in outcome.differences if _place(each.name) == _place(name)]
     return f"not named; {', '.join(near)} instead" if near else "not named"
 

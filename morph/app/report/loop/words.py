@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from morph.app.report.words import counted, percent, plain
 from morph.body.robot import Robot
+from morph.model.kwik.judge import Verdict
 from morph.model.latent.explain import Difference
 from morph.physics import effect_class
 from morph.physics.effect import SLIDING, Parameter
@@ -24,6 +25,13 @@ FIGURES: Mapping[str, str] = {
     "stiffness": "{part} is {factor} times as stiff",
 }
 """What is said of each figure of a description."""
+
+GATES: Mapping[str, str] = {
+    "good": "good enough",
+    "not good": "not good enough",
+    "cannot say": "perhaps good enough",
+}
+"""What the gate's answers are called: is the model good enough where the target went?"""
 
 ORIGINS: Mapping[str, str] = {
     "source": "the source's policy",
@@ -111,6 +119,11 @@ def promised(foreseen: Foreseen | None) -> str:
     return f"loss {foreseen.loss:.3g}, success {share}"
 
 
+def gate(verdict: Verdict) -> str:
+    """Return whether a model was good enough for a trial."""
+    return GATES[verdict.verdict]
+
+
 def outcome_of(done: Round) -> str:
     """Return what came of a trial in a word."""
     return "succeeded" if done.tried.experience.success else "failed"
@@ -126,7 +139,10 @@ def round_said(number: int, done: Round, robot: Robot) -> tuple[str, ...]:
     if advice is None:
         return (first,)
     lacked = differences(advice.repair.explained.differences, robot)
-    lines = [first, f"  what the model lacks: {listed(lacked)}"]
+    lines = [
+        first,
+        f"  the model was {gate(advice.verdict)} for it; it lacks: {listed(lacked)}",
+    ]
     if any(advice.policy is each for each in (tried.policy,)):
         lines.append(f"  to keep: this policy promises {promised(advice.foreseen)}")
     else:
@@ -144,4 +160,5 @@ def ordinal(count: int) -> str:
 
 def trials_said(count: int, seconds: float) -> str:
     """Return how much was tried."""
-    return f"{counted(count, 'trial', 'trials')} of {seconds:.3g} s together"
+    together = " together" if count > 1 else ""
+    return f"{counted(count, 'trial', 'trials')} of {seconds:.3g} s{together}"

@@ -1,0 +1,154 @@
+"""A loop whose advice is cheap: the truth is known at once, and stronger feedback is advised."""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import dataclass, replace
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import jsonschema
+import numpy as np
+import pytest
+
+import morph.transfer
+from morph.app.cli.main import main
+from morph.body.load import load
+from morph.model.kwik.judge import Verdict
+from morph.model.latent.explain import Difference, Explained
+from morph.model.latent.unknowns import turned
+from morph.policy.linear import Linear
+from morph.policy.observing import observations_of
+from morph.policy.policy import Policy, actions_of
+from morph.policy.store import write_policy
+from morph.task.task import Task
+from morph.task.tasks import task
+from morph.transfer.advise import Advice
+from morph.transfer.foresee import Foreseen
+from morph.transfer.repair import Model, Repair
+from morph.transfer.retask import task_for
+
+SCHEMA = json.loads((Path(morph.transfer.__file__).parent / "transfer.schema.json").read_text())
+MESSAGE = re.compile(r"error: (?P<where>.+?): (?P<what>.+)\n  fix: (?P<fix>.+)\n")
+
+GAIN = np.array([[-2.7, 27.2, -3.3, 4.3]])
+"""Feedback that balances the cart-pole; where it is from stands in `cli/conftest.py`."""
+
+
+def balancing(share: float) -> Linear:
+    robot = load("cartpole")
+    gain = share * GAIN
+    return Linear(
+        weight=-gain,
+        bias=gain @ np.array([0.0, np.pi, 0.0, 0.0]),
+        action=actions_of(robot),
+        observation=observations_of(robot),
+        period=task("balance", robot).period,
+    )
+
+
+@dataclass
+class Knowing:
+    """Advises feedback that holds, once, and keeps what succeeded."""
+
+    interrupted: int = 0
+    failing: int = 0
+    calls: int = 0
+    promised: float = 1.0
+
+    def __call__(self, what: Task, tried: Any, **_: Any) -> Advice:
+        self.calls += 1
+        if self.calls == self.interrupted:
+            raise KeyboardInterrupt
+        if self.calls == self.failing:
+            from morph.errors import SearchError
+
+            raise SearchError("the search broke", where="task balance", fix="take another")
+        last = tried[-1]
+        keeps = last.experience.success
+        policy: Policy = last.policy if keeps else balancing(1.0)
+        return Advice(
+            verdict=verdict(),
+            repair=known(what),
+            policy=policy,
+            origin=last.origin if keeps else "searched again",
+            foreseen=Foreseen(loss=5.0, success=self.promised),
+            known=Foreseen(loss=5.0 if keeps else 1e4, success=self.promised if keeps else 0.0),
+        )
+
+
+def verdict() -> Verdict:
+    return Verdict(
+        verdict="not good",
+        probability=0.01,
+        transitions=np.zeros(3),
+        error=np.ones((3, 4)),
+        for_good=-9.0,
+        for_bad=9.0,
+        epsilon=np.full(4, 0.02),
+        delta=0.05,
+    )
+
+
+def known(what: Task) -> Repair:
+    robot = turned(what.robot, {"length:pole": 1.2})
+    found = (Difference(name="length:pole", value=1.2, low90=1.19, high90=1.21),)
+    explained = Explained(
+        inferred=SimpleNamespace(robot=robot, effects=(), unsaid=0.001),  # type: ignore[arg-type]
+        differences=found,
+        rivals=(("length:pole", 0.9), ("weight:pole + length:pole", 0.1)),
+        evidence=50.0,
+    )
+    model = Model(task=replace(task_for(what, robot)), effects=())
+    return Repair(model=model, explained=explained, task=what)
+
+
+class Bench:
+    """What the tests of `morph loop` do, from a policy too weak to balance."""
+
+    def __init__(self, capsys: pytest.CaptureFixture[str], knowing: Knowing) -> None:
+        self._capsys, self.knowing = capsys, knowing
+        write_policy(balancing(0.2), Path("weak"), load("cartpole"))
+
+    def words(self, *more: str, out: str = "out") -> list[str]:
+        return [*("loop", "balance", "--robot", "cartpole"), *more, "--out", out]
+
+    def loop(self, *more: str, out: str = "out", status: int = 0) -> None:
+        """Run the command from the weak policy, which is to end so."""
+        assert main(self.words("--policy", "weak", *more, out=out)) == status
+
+    def record(self, out: str = "out") -> dict[str, Any]:
+        """Return the record that it wrote, held against its schema."""
+        said: dict[str, Any] = json.loads((Path(out) / "transfer.json").read_text())
+        jsonschema.validate(said, SCHEMA)
+        return said
+
+    def content(self, out: str = "out") -> dict[str, bytes]:
+        """Return every file of a folder."""
+        return {str(path): path.read_bytes() for path in Path(out).rglob("*") if path.is_file()}
+
+    def refused(self, *words: str) -> re.Match[str]:
+        """Return the one message of a command that must be refused and write nothing."""
+        before = self.content(".")
+        assert main(list(words)) == 2
+        told = self._capsys.readouterr()
+        assert told.out == ""
+        found = MESSAGE.fullmatch(told.err)
+        assert found, told.err
+        assert self.content(".") == before
+        return found
+
+
+@pytest.fixture
+def bench(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> Bench:
+    knowing = Knowing()
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "100")
+    monkeypatch.setattr("morph.transfer.loop.advise", knowing)
+    # Ten runs are told apart from a hundred by nothing that is tested here.
+    monkeypatch.setattr("morph.transfer.score.judged.__kwdefaults__", {"rows": 10})
+    return Bench(capsys, knowing)
