@@ -23,12 +23,14 @@ from morph.policy.linear import Linear
 from morph.policy.observing import observations_of
 from morph.policy.policy import Policy, actions_of
 from morph.policy.store import write_policy
+from morph.search.evaluate import evaluate
 from morph.task.task import Task
 from morph.task.tasks import task
 from morph.transfer.advise import Advice
 from morph.transfer.foresee import Foreseen
 from morph.transfer.repair import Model, Repair
 from morph.transfer.retask import task_for
+from morph.transfer.score import judged
 
 SCHEMA = json.loads((Path(morph.transfer.__file__).parent / "transfer.schema.json").read_text())
 MESSAGE = re.compile(r"error: (?P<where>.+?): (?P<what>.+)\n  fix: (?P<fix>.+)\n")
@@ -150,5 +152,6 @@ def bench(
     monkeypatch.setenv("COLUMNS", "100")
     monkeypatch.setattr("morph.transfer.loop.advise", knowing)
     # Ten runs are told apart from a hundred by nothing that is tested here.
-    monkeypatch.setattr("morph.transfer.score.judged.__kwdefaults__", {"rows": 10})
+    for judging in (evaluate, judged):
+        monkeypatch.setitem(judging.__kwdefaults__, "rows", 10)
     return Bench(capsys, knowing)
