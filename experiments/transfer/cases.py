@@ -18,6 +18,7 @@ from morph.physics.effect import Effect
 from morph.policy.policy import Policy
 from morph.search.ddp import Plan
 from morph.search.evaluate import Score, evaluate
+from morph.search.gp_ddp import LearnedPlans
 from morph.search.search import Problem
 from morph.search.target import Simulated
 from morph.search.threads import one_thread
@@ -152,10 +153,20 @@ def by_nothing(case: Case, seed: int, trials: int) -> list[JSON]:
     return [_line(case.target(), source_policy(case.body, seed), seed)]
 
 
+def by_scratch(case: Case, seed: int, trials: int) -> list[JSON]:
+    """Return each trial of learning from the target's trials alone, its last policy judged."""
+    target = case.target()
+    problem = Problem(task=target.task, target=target)
+    found = LearnedPlans().run(problem, seed=seed, trials=trials)
+    tried = [{"loss": each.loss, "success": each.success} for each in found.trials if each.number]
+    return [*tried, _line(target, found.policy, seed) | {"origin": "kept"}]
+
+
 ARMS = {
     "loop": by_loop,
     "adjusted": by_adjustment,
     "own plan": by_own,
     "unadjusted": by_nothing,
+    "scratch": by_scratch,
 }
 """Who may try on a case: given the case, a seed and the most trials, the lines of its trials."""

@@ -60,6 +60,7 @@ def advise(
     *,
     before: Model | None = None,
     seed: int,
+    more: bool = True,
     said: Said = lambda _: None,
 ) -> Advice:
     """Return the policy that promises most on a target.
@@ -77,6 +78,7 @@ def advise(
         tried: Every trial so far, the first with the source's policy.
         before: The model by which the last policy was made; None for the source's own.
         seed: Of the search and of the chance in judging.
+        more: Whether another trial can be made; otherwise the best of those made is advised.
         said: Is told what is going on.
 
     Raises:
@@ -91,7 +93,7 @@ def advise(
     models = (repair.model, *repair.drawn(DRAWS, np.random.default_rng([seed, 1])))
     known = foresee([each.policy for each in tried], models, seed=seed)
     best = int(np.argmin([each.score for each in known]))
-    if verdict.verdict == "good" and last.experience.success:
+    if not more or (verdict.verdict == "good" and last.experience.success):
         return _advice(verdict, repair, tried[best].policy, tried[best].origin, known[best])
     if verdict.verdict == "good":
         said("adjusting the policy")

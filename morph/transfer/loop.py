@@ -119,7 +119,14 @@ class Loop:
             tries = [*(each.tried for each in rounds), tried]
             began = time.perf_counter()
             before = rounds[-1].advice.repair.model if rounds and rounds[-1].advice else None
-            advice = advise(task, tries, before=before, seed=self.seed + number, said=said)
+            advice = advise(
+                task,
+                tries,
+                before=before,
+                seed=self.seed + number,
+                more=number + 1 < self.trials,
+                said=said,
+            )
             seconds = time.perf_counter() - began
             rounds.append(Round(tried=tried, advice=advice, seconds=seconds))
             told(rounds[-1])

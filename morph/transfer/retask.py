@@ -13,21 +13,34 @@ from morph.task.tasks import TASKS
 def task_for(task: Task, robot: Robot) -> Task:
     """Return a task as another body of the same parts is asked to do it.
 
-    A task that is one of `TASKS` as its body gets it is made anew, so that its lengths and limits
-    are the new body's; any other is kept as it is, number for number.
+    A task that is one of `TASKS` as its body gets it, but for its start, its clock and its noise,
+    is made anew, so that its lengths and limits are the new body's; any other is kept as it is,
+    number for number.
     """
     if robot is task.robot:
         return task
     if task.name in TASKS:
-        usual = TASKS[task.name](task.robot)
-        if usual.sha256 == task.sha256:
-            return _settled(TASKS[task.name](robot), task)
+        try:
+            usual, found = TASKS[task.name](task.robot), TASKS[task.name](robot)
+            if _settled(usual, task).sha256 == task.sha256:
+                return _settled(found, task)
+        except TaskError:
+            # The body as it was found cannot be asked so: its old lengths must do.
+            pass
     return replace(task, robot=robot)
 
 
 def _settled(found: Task, task: Task) -> Task:
-    """Return a task with the clock of the first: runs of both must be comparable."""
-    try:
-        return replace(found, step=task.step, integrator=task.integrator, period=task.period)
-    except TaskError:
-        return replace(task, robot=found.robot)
+    """Return a task with what of another does not depend on the body's size."""
+    return replace(
+        found,
+        start=replace(found.start, spread=task.start.spread, moving=task.start.moving),
+        horizon=task.horizon,
+        period=task.period,
+        step=task.step,
+        integrator=task.integrator,
+        noise=task.noise,
+        world=task.world,
+        effects=task.effects,
+        observes=task.observes,
+    )

@@ -22,6 +22,14 @@ def test_a_named_task_reaches_as_high_as_the_new_pole() -> None:
     assert found.robot is longer
 
 
+def test_a_wider_start_goes_along() -> None:
+    task = swing_up(load("cartpole"))
+    wide = replace(task, start=replace(task.start, spread=0.3))
+    found = task_for(wide, turned(task.robot, {"length:pole": 2.0}))
+    assert found.terms[0].target[2] == pytest.approx(1.0)
+    assert found.start.spread == 0.3
+
+
 def test_a_task_of_ones_own_keeps_its_numbers() -> None:
     task = swing_up(load("cartpole"))
     own = replace(task, terms=(replace(task.terms[0], width=0.1),))

@@ -1,0 +1,178 @@
+"""First-trial transfer in figures: the loop beside adjusting, doing nothing, and the oracle.
+
+A policy is planned on a body as described and tried on one that was changed: a figure of it, or
+physics that its description does not have. The loop (`morph/transfer/loop.py`) has some trials
+on the target. Beside it: adjusting alone (thesis 3.3), learning from scratch on the target, the
+policy as it is, and a plan on the true body. Every policy is judged by 64 noisy runs that nobody
+learns from. The seeds 0 to 19 judge; all was built on seeds from 100 on.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from rich.console import Console
+
+from experiments.transfer.cases import Case
+from experiments.transfer.changed import FIGURES
+from experiments.transfer.many import Job, done
+from experiments.transfer.tables import figure8, harm, summary
+from morph.arrays import JSON
+from morph.body.load import load
+
+EXAMPLE = """example:
+  python -m experiments.bench_transfer --only friction --seeds 20 --kept out/transfer.jsonl
+  python -m experiments.bench_transfer --only figure8 --seeds 10 --plot out/figure8.html
+  python -m experiments.bench_transfer --quick"""
+
+FRICTION = (3.0, 11.0)
+"""Friction +200 % and +1000 %."""
+
+BODIES = (("l", (0.5, 0.7, 1.5, 2.0)), ("m", (0.5, 2.0, 4.0)), ("M", (0.5, 2.0, 4.0)))
+"""Pole lengths and masses of the issue's second goal."""
+
+FACTORS = (0.25, 0.5, 2.0, 4.0, 10.0)
+"""Factors of each of the five parameters of figures 7 and 8."""
+
+WIDE = math.sqrt(0.1)
+"""Standard deviation of every number of the start in figure 8, whose variance is 0.1."""
+
+STRENGTHS = {
+    "armature": (0.3, 0.01),
+    "coulomb_friction": (1.0, 0.03),
+    "joint_stiffness": (2.0, 0.2),
+    "quadratic_damping": (0.5, 0.005),
+    "stribeck_friction": (1.0, 0.03),
+    "viscous_friction": (1.0, 0.02),
+    "actuator_delay": (0.04, 0.02),
+    "actuator_lag": (0.05, 0.03),
+    "torque_scale": (0.7, 0.8),
+}
+"""Strength of each concealed effect: on the cart-pole's slide, and elsewhere."""
+
+
+def friction(seeds: Sequence[int]) -> list[Job]:
+    """Return the jobs of more friction: success in the first trial after one run."""
+    arms = ("loop", "adjusted", "unadjusted", "own plan")
+    cases = [Case(body="cartpole", figures={"damping:slide": each}) for each in FRICTION]
+    return [_job(case, arm, seed, 2) for case in cases for arm in arms for seed in seeds]
+
+
+def bodies(seeds: Sequence[int]) -> list[Job]:
+    """Return the jobs of other lengths and masses: success within two trials in all."""
+    cases = [
+        Case(body="cartpole", figures={FIGURES[name]: factor})
+        for name, factors in BODIES
+        for factor in factors
+    ]
+    return [
+        _job(case, arm, seed, 2)
+        for case in cases
+        for arm in ("loop", "unadjusted", "own plan")
+        for seed in seeds
+    ]
+
+
+def figures78(seeds: Sequence[int]) -> list[Job]:
+    """Return the jobs of figures 7 and 8: five parameters, five factors, five trials."""
+    cases = [
+        Case(body="cartpole", figures={figure: factor}, spread=WIDE)
+        for figure in FIGURES.values()
+        for factor in FACTORS
+    ]
+    jobs = [_job(case, "loop", seed, 5) for case in cases for seed in seeds]
+    jobs += [_job(case, "adjusted", seed, 5) for case in cases for seed in seeds[:3]]
+    jobs += [_job(case, "unadjusted", seed, 5) for case in cases for seed in seeds]
+    same = Case(body="cartpole", spread=WIDE)
+    jobs += [_job(same, "unadjusted", seed, 5) for seed in seeds]
+    return jobs + [_job(case, "own plan", seed, 5) for case in cases for seed in seeds[:3]]
+
+
+def concealed(seeds: Sequence[int]) -> list[Job]:
+    """Return the jobs of physics that the description does not have."""
+    cases = []
+    for body in ("cartpole", "double_pendulum"):
+        robot = load(body)
+        motors = [each.name for each in robot.actuators]
+        for name, (strong, weak) in STRENGTHS.items():
+            acts = name.startswith(("actuator", "torque"))
+            for place in motors if acts else [joint.name for joint in robot.joints]:
+                value = strong if place == "slide" else weak
+                cases.append(Case(body=body, effects=((name, place, value),)))
+    arms = ("loop", "adjusted", "unadjusted", "own plan")
+    return [
+        _job(case, arm, seed, 3)
+        for case in cases
+        for arm in arms
+        for seed in (seeds if arm in {"loop", "unadjusted"} else seeds[:1])
+    ]
+
+
+def scratch(seeds: Sequence[int]) -> list[Job]:
+    """Return the jobs of learning from scratch on the target, five trials."""
+    named = (("l", 2.0), ("l", 0.5), ("m", 0.5), ("M", 2.0), ("b", 11.0), ("g", 0.5))
+    cases = [Case(body="cartpole", figures={FIGURES[name]: factor}) for name, factor in named]
+    return [
+        _job(case, arm, seed, 5) for case in cases for arm in ("scratch", "loop") for seed in seeds
+    ]
+
+
+def _job(case: Case, arm: str, seed: int, trials: int) -> Job:
+    return Job(case=case, arm=arm, seed=seed, trials=trials)
+
+
+PARTS: dict[str, Callable[[Sequence[int]], list[Job]]] = {
+    "friction": friction,
+    "bodies": bodies,
+    "figure8": figures78,
+    "concealed": concealed,
+    "scratch": scratch,
+}
+"""What may be asked for."""
+
+
+def main() -> int:
+    """Run what is asked for, and print a table."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, epilog=EXAMPLE, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--only", nargs="+", choices=list(PARTS), default=list(PARTS))
+    parser.add_argument("--seed", type=int, default=0, help="the first seed")
+    parser.add_argument("--seeds", type=int, default=20, help="how many")
+    parser.add_argument("--processes", type=int, default=2, help="how many at once")
+    parser.add_argument("--kept", type=Path, help="a file of lines; a killed study goes on from it")
+    parser.add_argument("--plot", type=Path, help="figure 8 as a page")
+    parser.add_argument("--json", action="store_true", help="print everything as JSON")
+    parser.add_argument("--quick", action="store_true", help="one case, to see that it works")
+    asked = parser.parse_args()
+    seeds = range(asked.seed, asked.seed + asked.seeds)
+    jobs = [job for name in asked.only for job in PARTS[name](list(seeds))]
+    if asked.quick:
+        jobs = [each for each in friction([100]) if "x11" in each.case.name]
+    try:
+        lines = done(jobs, kept=asked.kept, processes=asked.processes)
+    except KeyboardInterrupt:
+        print("stopped; run it again with the same --kept to go on", file=sys.stderr)
+        return 130
+    if asked.json:
+        print(json.dumps(lines))
+        return 0
+    _shown(lines)
+    if asked.plot is not None:
+        asked.plot.write_text(figure8(lines))
+    return 0
+
+
+def _shown(lines: list[JSON]) -> None:
+    console = Console(width=150)
+    console.print(summary(lines))
+    console.print(harm(lines))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
