@@ -9,14 +9,16 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from morph.arrays import Array
 from morph.errors import TransferError
 from morph.model.latent.candidates import places
 from morph.model.latent.unknowns import turned, unknowns
 from morph.physics.effect import Effect, Parameter
-from morph.policy.policy import Policy
+from morph.policy.policy import UNLIMITED, Policy, actions_of
 from morph.search.evaluate import attempt
 from morph.search.target import Simulated
 from morph.task.moved import Moved
+from morph.task.run import run
 from morph.task.task import Task
 from morph.transfer.retask import task_for
 
@@ -25,6 +27,12 @@ LEAST, MOST = 1.25, 2.0
 
 WEAK, STRONG = 0.05, 0.3
 """Shares of what moves a joint in the source's run that a drawn effect has."""
+
+STILL = 0.1
+"""A joint that the policy moves by less than so much of what chance does is as good as still."""
+
+SHAKEN = 0x54A
+"""Seed of the commands by chance that show how a body moves."""
 
 KINDS = ("joint", "actuator")
 """Kinds of effects that are drawn."""
@@ -85,7 +93,8 @@ def drawn(task: Task, policy: Policy, seed: int) -> Concealed:
     """Return one or two differences that a seed conceals.
 
     Each is, by even chance, a figure of the description or an effect on a joint or an actuator;
-    how strong an effect is typical is taken from the run of the source's policy.
+    how strong an effect typically is, is taken from the run of the source's policy and from one
+    under commands by chance.
 
     Args:
         task: The source's task.
@@ -96,7 +105,7 @@ def drawn(task: Task, policy: Policy, seed: int) -> Concealed:
     knobs = unknowns(task.robot)
     figures = [knob.name for knob in knobs]
     missing = [each for each in places(task.robot, knobs) if each.kind in KINDS]
-    scales = _Scales(attempt(task, policy, task.simulator(), rows=1, rng=None))
+    scales = _Scales(attempt(task, policy, task.simulator(), rows=1, rng=None), _shaken(task))
     found = Concealed()
     for _ in range(int(rng.integers(1, 3))):
         if missing and rng.random() < 0.5:
@@ -111,24 +120,51 @@ def drawn(task: Task, policy: Policy, seed: int) -> Concealed:
     return found
 
 
-class _Scales:
-    """What is much for a parameter at a place, by what a run of the source shows."""
+def _shaken(task: Task) -> Moved:
+    """Return a run under commands by chance: a policy that holds still shows no motion."""
+    simulator, rng = task.simulator(), np.random.default_rng(SHAKEN)
+    position, velocity = task.start.sample(task.robot, simulator.model, 1, None)
+    bounds = np.array([(each.low, each.high) for each in actions_of(task.robot)])
+    # A bound that is none would command a million radians.
+    low, high = np.where(np.abs(bounds) < UNLIMITED, bounds, np.sign(bounds)).T
+    return run(
+        task, simulator, lambda q, v, now: rng.uniform(low, high, (1, len(low))), position, velocity
+    )
 
-    def __init__(self, moved: Moved) -> None:
-        model = moved.model
+
+class _Scales:
+    """What is much for a parameter at a place, by what runs of the source show.
+
+    Args:
+        policy: The run of its policy.
+        chance: A run under commands by chance.
+    """
+
+    def __init__(self, policy: Moved, chance: Moved) -> None:
+        self._robot, self._model = policy.robot, policy.model
+        self.period = float(policy.time[1] - policy.time[0])
+        own, shaken = self._told(policy), self._told(chance)
+        # Where the policy hardly moves a joint, what is much there is told by chance.
+        force, mass, speed, span = (
+            np.where(ours > STILL * theirs, ours, theirs)
+            for ours, theirs in zip(own, shaken, strict=True)
+        )
+        self._force, self._mass, self._speed, self._span = force, mass, speed, span
+
+    def _told(self, moved: Moved) -> tuple[Array, Array, Array, Array]:
+        """Return of one run what accelerates each joint, its inertia, its speed and its span."""
+        model = self._model
         data: Any = mujoco.MjData(model)
-        self.period = float(moved.time[1] - moved.time[0])
         change = np.diff(moved.velocity[0], axis=0) / self.period
-        mass, forces, whole = np.zeros(model.nv), [], np.zeros((model.nv, model.nv))
+        forces, masses, whole = [], [], np.zeros((model.nv, model.nv))
         for q, slope in zip(moved.position[0], change, strict=False):
             data.qpos[:] = q
             mujoco.mj_forward(model, data)
             mujoco.mj_fullM(model, data, whole)
             forces.append(whole @ slope)
-            mass += np.diag(whole) / len(change)
-        self._force, self._mass = _rms(np.array(forces)), mass
-        self._speed, self._span = _rms(moved.velocity[0]), np.ptp(moved.position[0], axis=0)
-        self._robot, self._model = moved.robot, model
+            masses.append(np.diag(whole).copy())
+        span = np.ptp(moved.position[0], axis=0)
+        return _rms(forces), np.mean(masses, axis=0), _rms(moved.velocity[0]), span
 
     def of(self, effect: Effect, known: Parameter) -> float:
         """Return a size of a parameter at which its effect is as strong as what moves the joint."""
@@ -175,7 +211,7 @@ def _typical(effect: Effect, scales: _Scales, rng: np.random.Generator) -> Effec
 
 
 def _rms(values: Any) -> Any:
-    return np.sqrt(np.mean(np.square(values), axis=0))
+    return np.sqrt(np.mean(np.square(np.asarray(values)), axis=0))
 
 
 def _rounded(value: float) -> float:

@@ -141,7 +141,8 @@ def round_said(number: int, done: Round, robot: Robot) -> tuple[str, ...]:
     lacked = differences(advice.repair.explained.differences, robot)
     lines = [
         first,
-        f"  the model was {gate(advice.verdict)} for it; it lacks: {listed(lacked)}",
+        f"  the model by which it was made was {gate(advice.verdict)}",
+        f"  what differs from the description: {listed(lacked)}",
     ]
     if any(advice.policy is each for each in (tried.policy,)):
         lines.append(f"  to keep: this policy promises {promised(advice.foreseen)}")

@@ -28,7 +28,9 @@ def test_a_loop_that_succeeds_leaves_a_policy_a_model_a_record_and_a_report(
     assert "  pole is 1.20 times as long (1.19 to 1.21)\n" in told.out
     assert re.search(r"pole is 1.2 times as long, found as 1.20 \(1.19 to 1.21\): found", told.out)
     assert "trial 1: the source's policy: loss" in told.err
-    assert "it lacks: pole is 1.20 times as long (1.19 to 1.21)" in told.err
+    assert (
+        "what differs from the description: pole is 1.20 times as long (1.19 to 1.21)" in told.err
+    )
     assert {path.name for path in Path("out").iterdir()} == {
         *("policy", "transfer.json", "report.html", "corrected.xml", "corrected.toml"),
         *("trials", "loop.json"),
@@ -130,7 +132,10 @@ def test_a_seed_conceals_the_same_again_and_keeps_within_what_is_said() -> None:
     assert max(sizes) < np.log(MOST) + 0.005
     effects = [effect for each in all_drawn for effect in each.effects]
     assert {effect.kind for effect in effects} <= {"joint", "actuator"}
-    assert all(effect != effect.neutral() for effect in effects)
+    # Though the policy holds still, what is concealed is felt: a friction of 5 % of what moves a
+    # joint at least, where 10 N move a slide of some kilograms.
+    strengths = [abs(getattr(each, each.strengths[0])) for each in effects]
+    assert min(strengths) > 1e-4
 
 
 def test_changes_are_read_or_refused() -> None:
