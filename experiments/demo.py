@@ -51,6 +51,12 @@ def main(arguments: list[str] | None = None) -> int:
         soft_wrap=True,
     )
     console.print(f"Open the report in a browser: {report.resolve()}", soft_wrap=True)
+    console.print(
+        "Next, a minute: a policy that fails on a body with sealed differences, and what\n"
+        "becomes of it: .venv/bin/morph loop swing-up --robot cartpole --sealed 108 --out out/loop",
+        highlight=False,
+        soft_wrap=True,
+    )
     return 0
 
 

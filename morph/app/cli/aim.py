@@ -170,3 +170,16 @@ def live_of(aim: Aim) -> Live | None:
     from morph.transfer.live.live import Live
 
     return aim.target if isinstance(aim.target, Live) else None
+
+
+def conduct_notes(live: Live | None, trial: int) -> tuple[str, ...]:
+    """Return what was noticed of a live target in its last trial, in words."""
+    conduct = None if live is None else live.conduct
+    if conduct is None:
+        return ()
+    said = list(conduct.notes)
+    if conduct.clipped:
+        said.append(f"{conduct.clipped} commands were held back by limits")
+    if conduct.overruns:
+        said.append(f"in {conduct.overruns} control periods the command before was held: too slow")
+    return tuple(f"trial {trial}: {each}" for each in said)

@@ -143,7 +143,7 @@ def _carried(
     asked: Loop, task: Task, given: Policy | None, aim: Aim | None, keep: Keep, told: Stages
 ) -> Outcome:
     """Return what came of all trials, written."""
-    from morph.app.cli.aim import live_of, sealed_aim
+    from morph.app.cli.aim import conduct_notes, live_of, sealed_aim
     from morph.app.cli.loop_folder import clear
     from morph.app.cli.loop_source import source
     from morph.app.report.loop.files import write_loop
@@ -153,15 +153,19 @@ def _carried(
 
     policy, notes = source(asked, task, given, told)
     aim = sealed_aim(asked, task, policy) if aim is None else aim
+    live = live_of(aim)
     rounds: list[Round] = []
+    noticed: list[str] = []
 
     def ended(done: Round) -> None:
         rounds.append(done)
         for line in round_said(len(rounds), done, task.robot):
             told.line(line)
+        for note in conduct_notes(live, len(rounds)):
+            told.line(f"  {note}")
+            noticed.append(note)
 
     stopped = ""
-    live = live_of(aim)
     try:
         done: Transferred = Trials(trials=asked.trials, seed=asked.seed).run(
             task, policy, aim.target, keep=keep, told=ended, said=told.now
@@ -175,7 +179,7 @@ def _carried(
         if live is not None:
             live.close()
     told.now("judging")
-    outcome = _judged(asked, task, policy, aim, done, stopped, notes)
+    outcome = _judged(asked, task, policy, aim, done, stopped, (*notes, *noticed))
     told.now("writing the report")
     # Results of fewer trials would be taken for these.
     clear(keep.out, trials=False)

@@ -17,7 +17,7 @@ from morph.sim.closed_loop import closed_loop
 from morph.sim.simulator import Simulator
 
 WINDOW = 0.5
-"""Seconds after which a prediction begins anew from what was observed."""
+"""Seconds after which a prediction begins anew."""
 
 MOST_PLOTS = 6
 """Joints that are drawn of each trial."""
@@ -59,16 +59,36 @@ def losses(outcome: Outcome) -> tuple[Plot, ...]:
     )
 
 
-def foretold(outcome: Outcome, run: Experience) -> tuple[Foretold, ...]:
-    """Return every joint of a trial as observed and as each model predicts it."""
-    task = outcome.task
+def true_states(outcome: Outcome, number: int) -> Array:
+    """Return the states of a run that are taken for the true ones, shape (samples, nq + nv).
+
+    Those that the repaired model makes of it, or else the observed ones. From noisy ones
+    a body that balances would part from any prediction.
+
+    Args:
+        outcome: What was found.
+        number: Which run, counted from 0.
+    """
+    run = outcome.runs[number]
+    if outcome.repair is not None:
+        states = outcome.repair.explained.inferred.states
+        # A repair goes by the latest runs.
+        at = number - (len(outcome.runs) - len(states))
+        if at >= 0 and len(states[at]) == len(run.position):
+            return states[at]
+    return np.concatenate([run.position, run.velocity], axis=1)
+
+
+def foretold(outcome: Outcome, number: int) -> tuple[Foretold, ...]:
+    """Return every joint of a run as observed and as each model predicts it."""
+    task, run, states = outcome.task, outcome.runs[number], true_states(outcome, number)
     described = task.simulator()
-    before = predicted(described, run)
+    before = predicted(described, run, states)
     after = None
     if outcome.repair is not None:
-        after = predicted(outcome.repair.model.simulator, run)
+        after = predicted(outcome.repair.model.simulator, run, states)
     model: Any = described.model
-    found = []
+    found: list[Foretold] = []
     for joint in task.robot.joints:
         if joint.kind not in {"hinge", "slide"} or len(found) == MOST_PLOTS:
             continue
@@ -80,7 +100,7 @@ def foretold(outcome: Outcome, run: Experience) -> tuple[Foretold, ...]:
 def _joint(
     run: Experience, at: int, models: Sequence[Array | None], title: str, unit: str
 ) -> Foretold:
-    time = run.period * np.arange(len(run.position))
+    time: Array = run.period * np.arange(len(run.position), dtype=np.float64)
     seen = run.position[:, at]
     lines = [Line(x=time, y=seen, look="observed")]
     errors: list[float | None] = []
@@ -88,7 +108,7 @@ def _joint(
         if states is None:
             errors.append(None)
             continue
-        # A gap after each window: what follows begins anew from what was observed.
+        # A gap after each window: what follows begins anew.
         x, y = _gapped(time, states[..., at])
         lines.append(Line(x=x, y=y, look=look))
         errors.append(_error(states[..., at], seen))
@@ -133,10 +153,18 @@ def _error(windows: Array, seen: Array) -> float:
     return float(np.sqrt(np.mean(np.square(off))))
 
 
-def predicted(simulator: Simulator, run: Experience, window: float = WINDOW) -> Array | None:
-    """Return where a model says that a run goes, anew from what was observed each window.
+def predicted(
+    simulator: Simulator, run: Experience, states: Array, window: float = WINDOW
+) -> Array | None:
+    """Return where a model says that a run goes, anew from a known state each window.
 
     What an effect remembers, such as a command on its way, is forgotten where a window begins.
+
+    Args:
+        simulator: The model.
+        run: Its commands.
+        states: Where it was, shape (samples, nq + nv).
+        window: Length of each prediction, s.
 
     Returns:
         Positions, shape (windows, periods + 1, nq); beyond the end of the run the last command is
@@ -152,8 +180,8 @@ def predicted(simulator: Simulator, run: Experience, window: float = WINDOW) -> 
         loop = closed_loop(
             simulator,
             act,
-            run.position[starts],
-            run.velocity[starts],
+            states[starts, : run.position.shape[1]],
+            states[starts, run.position.shape[1] :],
             period=run.period,
             seconds=length * run.period,
         )

@@ -139,12 +139,12 @@ def _foretold(outcome: Outcome) -> list[JSON]:
     named = "Trial" if outcome.rounds else "Recording"
     return [
         {
-            "title": f"{named} {at}",
+            "title": f"{named} {at + 1}",
             "joints": [
-                {"plot": each.plot, "text": _error(each)} for each in drawn.foretold(outcome, run)
+                {"plot": each.plot, "text": _error(each)} for each in drawn.foretold(outcome, at)
             ],
         }
-        for at, run in enumerate(outcome.runs, 1)
+        for at in range(len(outcome.runs))
     ]
 
 

@@ -98,7 +98,7 @@ def known(what: Task) -> Repair:
     robot = turned(what.robot, {"length:pole": 1.2})
     found = (Difference(name="length:pole", value=1.2, low90=1.19, high90=1.21),)
     explained = Explained(
-        inferred=SimpleNamespace(robot=robot, effects=(), unsaid=0.001),  # type: ignore[arg-type]
+        inferred=SimpleNamespace(robot=robot, effects=(), unsaid=0.001, states=()),  # type: ignore[arg-type]
         differences=found,
         rivals=(("length:pole", 0.9), ("weight:pole + length:pole", 0.1)),
         evidence=50.0,
@@ -153,5 +153,5 @@ def bench(
     monkeypatch.setattr("morph.transfer.loop.advise", knowing)
     # Ten runs are told apart from a hundred by nothing that is tested here.
     for judging in (evaluate, judged):
-        monkeypatch.setitem(judging.__kwdefaults__, "rows", 10)
+        monkeypatch.setattr(judging, "__kwdefaults__", {"rows": 10})
     return Bench(capsys, knowing)

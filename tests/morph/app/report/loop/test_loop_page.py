@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from morph.app.report.loop.drawn import predicted
+from morph.app.report.loop.drawn import predicted, true_states
 from morph.app.report.loop.outcome import Outcome
 from morph.app.report.loop.page import loop_page
 from morph.body.load import load
@@ -37,7 +37,7 @@ def outcome() -> Outcome:
     here = task("swing-up", load("cartpole"))
     robot = turned(here.robot, HEAVY)
     explained = Explained(
-        inferred=SimpleNamespace(robot=robot, effects=(), unsaid=0.001),  # type: ignore[arg-type]
+        inferred=SimpleNamespace(robot=robot, effects=(), unsaid=0.001, states=()),  # type: ignore[arg-type]
         differences=(Difference(name="weight:cart", value=3.0, low90=2.9, high90=3.1),),
         rivals=(("weight:cart", 0.8), (HOSTILE, 0.2)),
         evidence=9.0,
@@ -99,8 +99,9 @@ def test_the_seal_says_what_was_found_and_what_was_missed(outcome: Outcome) -> N
 def test_the_true_model_foretells_a_run_and_another_does_not(outcome: Outcome) -> None:
     assert outcome.repair is not None
     (run,) = outcome.runs
-    right = predicted(outcome.repair.model.simulator, run)
-    wrong = predicted(outcome.task.simulator(), run)
+    states = true_states(outcome, 0)
+    right = predicted(outcome.repair.model.simulator, run, states)
+    wrong = predicted(outcome.task.simulator(), run, states)
     assert right is not None
     assert wrong is not None
     length = right.shape[1] - 1
@@ -119,7 +120,8 @@ def test_a_run_that_ends_within_a_window_is_foretold_to_its_end(outcome: Outcome
         run, position=run.position[:15], velocity=run.velocity[:15], command=run.command[:14]
     )
     assert outcome.repair is not None
-    states = predicted(outcome.repair.model.simulator, short)
-    assert states is not None
-    assert states[1, :5] == pytest.approx(short.position[10:15], abs=1e-9)
+    states = true_states(replace(outcome, runs=(short,)), 0)
+    found = predicted(outcome.repair.model.simulator, short, states)
+    assert found is not None
+    assert found[1, :5] == pytest.approx(short.position[10:15], abs=1e-9)
     loop_page(replace(outcome, runs=(short,)))
