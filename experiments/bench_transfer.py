@@ -43,17 +43,17 @@ WIDE = math.sqrt(0.1)
 """Standard deviation of every number of the start in figure 8, whose variance is 0.1."""
 
 STRENGTHS = {
-    "armature": (0.3, 0.01),
-    "coulomb_friction": (1.0, 0.03),
-    "joint_stiffness": (2.0, 0.2),
-    "quadratic_damping": (0.5, 0.005),
-    "stribeck_friction": (1.0, 0.03),
-    "viscous_friction": (1.0, 0.02),
-    "actuator_delay": (0.04, 0.02),
-    "actuator_lag": (0.05, 0.03),
-    "torque_scale": (0.7, 0.8),
+    "armature": (0.3, 0.01, 0.02),
+    "coulomb_friction": (1.0, 0.03, 0.2),
+    "joint_stiffness": (2.0, 0.2, 0.3),
+    "quadratic_damping": (0.5, 0.005, 0.02),
+    "stribeck_friction": (1.0, 0.03, 0.2),
+    "viscous_friction": (1.0, 0.02, 0.1),
+    "actuator_delay": (0.04, 0.04, 0.03),
+    "actuator_lag": (0.05, 0.05, 0.05),
+    "torque_scale": (0.7, 0.7, 0.6),
 }
-"""Strength of each concealed effect: on the cart-pole's slide, and elsewhere."""
+"""Strength of each concealed effect: on the cart's slide, on its pole, on the double pendulum."""
 
 
 def friction(seeds: Sequence[int]) -> list[Job]:
@@ -99,10 +99,11 @@ def concealed(seeds: Sequence[int]) -> list[Job]:
     for body in ("cartpole", "double_pendulum"):
         robot = load(body)
         motors = [each.name for each in robot.actuators]
-        for name, (strong, weak) in STRENGTHS.items():
+        for name, (slide, pole, pendulum) in STRENGTHS.items():
             acts = name.startswith(("actuator", "torque"))
             for place in motors if acts else [joint.name for joint in robot.joints]:
-                value = strong if place == "slide" else weak
+                here = {"slide": slide, "hinge": pole}
+                value = here[place] if body == "cartpole" else pendulum
                 cases.append(Case(body=body, effects=((name, place, value),)))
     arms = ("loop", "adjusted", "unadjusted", "own plan")
     return [
@@ -162,13 +163,14 @@ def main() -> int:
     if asked.json:
         print(json.dumps(lines))
         return 0
-    _shown(lines)
+    shown(lines)
     if asked.plot is not None:
         asked.plot.write_text(figure8(lines))
     return 0
 
 
-def _shown(lines: list[JSON]) -> None:
+def shown(lines: list[JSON]) -> None:
+    """Print the tables."""
     console = Console(width=150)
     console.print(summary(lines))
     console.print(harm(lines))
