@@ -72,6 +72,8 @@ class Hop:
     """Whether the source's model is good enough for what the target showed; None: not asked."""
     scores: Mapping[str, float | None] = field(default_factory=lambda: UNMEASURED)
     """Its scores; None for what was not measured."""
+    shares: Mapping[str, float] = field(default_factory=dict)
+    """Shares of runs in which each policy reached every goal, by the names of its score."""
     succeeded: bool
     """Whether the policy to keep reached every goal in its own trial."""
     why: str
@@ -93,6 +95,7 @@ class Hop:
             "gate": gate_said(self.gate),
             "samples": self.samples,
             "score": {name: self.scores.get(name) for name in UNMEASURED},
+            "success": {name: self.shares.get(name) for name in UNMEASURED},
             "succeeded": self.succeeded,
             "why": self.why,
             "trials": [_trial(run, round) for run, round in self._pairs()],

@@ -47,6 +47,13 @@ class Judged:
             "oracle": None if self.oracle is None else self._of(self.oracle),
         }
 
+    def shares(self) -> dict[str, float]:
+        """Return the share of runs in which each reached every goal, by the same names."""
+        named = {"zero_shot": self.source, "final": self.final, "hold_still": self.still}
+        if self.oracle is not None:
+            named["oracle"] = self.oracle
+        return {name: one.share for name, one in named.items()}
+
     def _of(self, one: Score) -> float | None:
         return None if self.oracle is None else score(one.mean, self.still.mean, self.oracle.mean)
 

@@ -116,6 +116,7 @@ class Outcome:
             guard=self.guard,
             gate=self.gate,
             scores=UNMEASURED if self.judged is None else self.judged.scores(),
+            shares={} if self.judged is None else self.judged.shares(),
             succeeded=self.succeeded,
             why=self.why,
         )

@@ -66,7 +66,8 @@ def _oracle(outcome: Outcome) -> str:
     judged = outcome.judged
     if judged is None or judged.oracle is None:
         return ""
-    return f", and one that is searched on its true parameters {number(judged.oracle.mean)}"
+    found = f"{number(judged.oracle.mean)} ({percent(judged.oracle.share)})"
+    return f", and one that is searched on its true parameters {found}"
 
 
 def rivals_said(outcome: Outcome) -> tuple[str, ...]:

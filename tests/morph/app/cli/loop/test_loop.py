@@ -52,6 +52,9 @@ def test_scores_are_0_for_holding_still_and_1_for_the_oracle(bench: Any) -> None
     bench.loop(*LONG, "--quiet")
     score = bench.record()["hops"][0]["score"]
     assert (score["hold_still"], score["oracle"]) == (0.0, 1.0)
+    success = bench.record()["hops"][0]["success"]
+    # The weak policy never balances, and the regulator on the true pole always does.
+    assert (success["zero_shot"], success["oracle"], success["scratch"]) == (0.0, 1.0, None)
     assert (score["no_source"], score["scratch"]) == (None, None)
     # Both losses lie between a regulator's few and some 11,000 of a pole that falls.
     assert 0.0 <= score["zero_shot"] < 0.9 < score["final"] <= 1.0
