@@ -155,7 +155,12 @@ def limits(texts: Sequence[str]) -> Limits:
             spans[what][name] = (numbers[0], numbers[1])
         else:
             most[what][name] = numbers[0]
-    return Limits(**spans, **most)
+    return Limits(
+        command=spans["command"],
+        position=spans["position"],
+        rate=most["rate"],
+        speed=most["speed"],
+    )
 
 
 def _number(text: str) -> float:
