@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from morph.errors import SearchError, SimulationFailed, TransferError
+from morph.errors import MorphError
 from morph.model.kwik.judge import Verdict
 from morph.policy.policy import Policy
 from morph.search.plan.again import Effort, again
@@ -132,7 +132,7 @@ def adjusted_policy(model: Model, last: Tried, *, seed: int) -> Policy | None:
         source = Source(task=model.task, simulator=model.simulator)
         rng = np.random.default_rng([seed, 4])
         return adjusted(source, last.policy, [last.experience], rng=rng).policy
-    except (TransferError, SimulationFailed):
+    except MorphError:
         return None
 
 
@@ -151,5 +151,6 @@ def searched(models: Sequence[Model], old: Policy, *, seed: int) -> Policy | Non
             others=[each.simulator for each in others],
             stages=STAGES,
         ).policy
-    except (SearchError, SimulationFailed):
+    except MorphError:
+        # Whatever hinders a search: a policy that was tried is still there.
         return None

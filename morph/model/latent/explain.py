@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -113,7 +113,7 @@ def explain(
         better = _added(found, asked, noise, told)
         if better is None:
             break
-        found = better
+        found = _without_idle(better, len(effects), noise)
     return Explained(
         inferred=found.held,
         differences=_differences(found.held, found.order[0], len(effects)),
@@ -144,6 +144,27 @@ def _added(
         if best is None or found.score > best.score:
             best = found
     return best if best is not None and best.score > base.score else None
+
+
+def _without_idle(found: Sparse, given: int, noise: Array) -> Sparse:
+    """Return what was found less an earlier effect whose part a later one plays as well."""
+    effects = found.free.effects
+    for at in range(given, len(effects) - 1):
+        kept = (*effects[:at], *effects[at + 1 :])
+        free = found.free
+        hypothesis = replace(free.hypothesis, effects=kept)
+        point = np.concatenate([free.point[: len(hypothesis.knobs)], _values(hypothesis)])
+        integrator = free.transit.integrator
+        less = infer(hypothesis, free.runs, noise, integrator=integrator, begin=free, point=point)
+        fewer = sparse(less, noise, found.price * (len(kept) - given) / (len(effects) - given))
+        if fewer.score > found.score:
+            return fewer
+    return found
+
+
+def _values(hypothesis: Hypothesis) -> Array:
+    """Return the parameters of a hypothesis' effects as they stand."""
+    return hypothesis.start[len(hypothesis.knobs) :]
 
 
 def _differences(final: Inferred, subset: Subset, given: int) -> tuple[Difference, ...]:

@@ -42,7 +42,7 @@ def linearise(
     q = moved_by(model, position[..., None, None, :], move[..., :nv])
     v = np.broadcast_to(velocity[..., None, None, :] + move[..., nv:n], (*many, nv))
     u = np.broadcast_to(command[..., None, None, :] + move[..., n:], (*many, nu))
-    after_q, after_v = plant.advance(
+    after_q, after_v = plant.sliding.advance(
         np.broadcast_to(q, (*many, model.nq)).reshape(-1, model.nq),
         v.reshape(-1, nv),
         u.reshape(-1, nu),

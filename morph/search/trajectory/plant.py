@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from functools import cached_property
 from typing import Any
 
 import mujoco
@@ -20,6 +21,9 @@ from morph.sim.simulator import Simulator
 
 HUGE = 1e6
 """Position or velocity, in its unit, from which a row counts as unstable."""
+
+DRY = ("coulomb_friction", "stribeck_friction")
+"""Effects that can hold a joint still."""
 
 MOST_KEPT = 8
 """Batches of different sizes that a plant keeps, as making one takes milliseconds."""
@@ -59,6 +63,11 @@ class Stepped(ABC):
         for at in range(periods):
             q[:, at + 1], v[:, at + 1] = self.advance(q[:, at], v[:, at], command[:, at])
         return q, v
+
+    @property
+    def sliding(self) -> Stepped:
+        """What slopes are taken of: this, unless dry friction may hold a joint of it."""
+        return self
 
     def off(self, q: Array, v: Array, at_q: Array, at_v: Array, *, wrapped: bool = False) -> Array:
         """Return how far states are from others in the tangent space, shape (..., 2 nv)."""
@@ -111,6 +120,22 @@ class Plant(Stepped):
         self._remembers = bool(model.neq or model.jnt_limited.any() or may_touch(model))
         self._remembers |= bool(model.dof_frictionloss.any() or model.tendon_limited.any())
         self._kept: dict[int, Batch] = {}
+        self._simulator = simulator
+
+    @cached_property
+    def sliding(self) -> Plant:
+        """The same body without dry friction, which slopes are taken of.
+
+        A joint that friction holds has no slope at all: neither feedback nor a better plan would
+        be found there. Once it slides, friction is a constant force, and slopes are these.
+        """
+        known = self._simulator
+        wet = tuple(each for each in known.effects if each.name not in DRY)
+        if len(wet) == len(known.effects) and not self.model.dof_frictionloss.any():
+            return self
+        free = Simulator(known.robot, wet, step=known.step, integrator=known.integrator)
+        free.model.dof_frictionloss[:] = 0.0
+        return Plant(free, self.period)
 
     def advance(self, position: Array, velocity: Array, command: Array) -> tuple[Array, Array]:
         """Return positions (rows, nq) and velocities (rows, nv) one control period later.
