@@ -9,9 +9,13 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.body.robot import Robot
+from morph.errors import DiagnosisError
+from morph.model.hypothesis import Hypothesis
 from morph.model.latent.explain import Explained, explain
 from morph.model.latent.run import Run
-from morph.model.latent.unknowns import with_knobs
+from morph.model.latent.unknowns import unknowns, with_knobs
+from morph.model.missing_force.corrected import Corrected
+from morph.model.missing_force.fit import fit
 from morph.physics.effect import Effect
 from morph.search.threads import one_thread
 from morph.sim.simulator import Simulator
@@ -20,6 +24,9 @@ from morph.transfer.retask import task_for
 
 MOST_RUNS = 3
 """Latest runs by which a simulation is repaired: more cost time, and tell little more."""
+
+MUCH = 0.02
+"""Share of a typical change of speed in a period from which what is left out is learned."""
 
 QUIETEST = 1e-4
 """Least noise that observations are taken to have: without any, rounding would count."""
@@ -50,9 +57,16 @@ class Repair:
     """What differs, and how surely."""
     task: Task
     """The source's task."""
+    learned: Corrected | None = None
+    """The force that no name explains, if one was needed, with all else fitted to it."""
 
     def drawn(self, count: int, rng: np.random.Generator) -> tuple[Model, ...]:
-        """Return models that the runs allow as well, drawn by their probability."""
+        """Return models that the runs allow as well, drawn by their probability.
+
+        With a learned force there are none: it is as good as its most probable form.
+        """
+        if self.learned is not None:
+            return ()
         found = self.explained.inferred
         points = _within(
             rng.multivariate_normal(found.point, found.covariance, size=count, method="eigh"),
@@ -107,8 +121,27 @@ def repaired(
             candidates=candidates,
             told=told,
         )
-    model = _model(task, found.robot, found.effects)
-    return Repair(model=model, explained=found, task=task)
+        learned = None if found.unsaid <= MUCH else _learned(found, runs, noise)
+    known = found if learned is None else learned
+    model = _model(task, known.robot, known.effects)
+    return Repair(model=model, explained=found, task=task, learned=learned)
+
+
+def _learned(found: Explained, runs: Sequence[Run], noise: Array) -> Corrected | None:
+    """Return what was found with a force beside it that no name explains; None if it fails."""
+    at = found.inferred.transit
+    hypothesis = Hypothesis(
+        robot=found.robot,
+        step=at.hypothesis.step,
+        knobs=unknowns(found.robot),
+        effects=found.effects,
+    )
+    latest = tuple(runs)[-MOST_RUNS:]
+    try:
+        return fit(hypothesis, latest, noise=noise, integrator=at.integrator)
+    except DiagnosisError:
+        # A delay, say, beside which no force can be learned: names alone must do.
+        return None
 
 
 def noise_of(task: Task, simulator: Simulator) -> Array:
