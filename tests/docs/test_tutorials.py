@@ -21,6 +21,7 @@ PAGES = [
     DOCS / "card.md",
     DOCS / "ensemble.md",
     DOCS / "gym.md",
+    DOCS / "latent.md",
     DOCS / "tasks.md",
     DOCS / "vary.md",
     DOCS.parent / "README.md",
