@@ -164,22 +164,15 @@ def figure8(lines: Sequence[JSON]) -> str:
         subplot_titles=[f"{name} x{factor:g}" for name in names for factor in factors],
     )
     source = [line["lines"][0]["loss"] for line in lines if line["case"].endswith("unchanged")]
-    colours = {
-        "loop": "#1f6f8b",
-        "adjusted": "#d9822b",
-        "unadjusted": "#8a8f98",
-        "own plan": "#2a9d5c",
-    }
     for name, arms in cases.items():
         row, column = 1 + names.index(_figure(name)), 1 + factors.index(_factor(name))
         for arm, tried in arms.items():
             mean, low, high = np.array([iqm(each) for each in _by_trial(tried)]).T
             number = np.arange(1, len(mean) + 1)
             shown = {"row": row, "col": column}
-            page.add_trace(_band(graph, number, low, high, colours[arm]), **shown)
-            page.add_trace(
-                _line(graph, number, mean, arm, colours[arm], first=row + column == 2), **shown
-            )
+            page.add_trace(_band(graph, number, low, high, COLOURS[arm]), **shown)
+            drawn = _line(graph, number, mean, arm, first=row + column == 2)
+            page.add_trace(drawn, **shown)
         if source:
             page.add_hline(y=float(trim_mean(source, 0.25)), line_dash="dot", row=row, col=column)
     page.update_yaxes(range=[0, 65])

@@ -49,6 +49,9 @@ class Waves:
     """l, in sizes."""
     length: float
     """m, in sizes; of cosines and sines 1 is one."""
+    farthest: Array
+    """Least and greatest place and velocity that were seen, shape (2, slides + joints): beyond,
+    the force stays what it is there, as a sum of waves means nothing where no data are."""
     seed: int = 0
     """Chance of the smooth kernel's frequencies."""
 
@@ -77,8 +80,11 @@ class Waves:
         """Return the features of states (..., 2 joints), shape (..., joints, count)."""
         own, amplitude, whole = self._frequencies
         places = len(self.slides)
-        speed = state[..., self.joints :] / self.size[places:]
-        angle, place = state[..., self.hinges], state[..., self.slides] / self.size[:places]
+        low, high = self.farthest
+        velocity = np.clip(state[..., self.joints :], low[places:], high[places:])
+        speed = velocity / self.size[places:]
+        angle = state[..., self.hinges]
+        place = np.clip(state[..., self.slides], low[:places], high[:places]) / self.size[:places]
         looked = np.concatenate([np.cos(angle), np.sin(angle), place, speed], axis=-1)
         alone = speed[..., None] * own
         together = looked @ whole
@@ -124,4 +130,5 @@ def waves_of(kinds: Sequence[str], states: Array, *, slides: bool) -> Waves:
         size=np.maximum(states[:, which].std(axis=0), 1e-6),
         own_length=1.0,
         length=1.0,
+        farthest=np.stack([states[:, which].min(axis=0), states[:, which].max(axis=0)]),
     )
