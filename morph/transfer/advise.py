@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -52,6 +52,8 @@ class Advice:
     """What it promises on the target as it is known now."""
     known: Foreseen
     """What the best policy that was already tried promises."""
+    searched: bool = False
+    """Whether another policy was adjusted or searched, whatever came of it."""
 
 
 def advise(
@@ -104,8 +106,10 @@ def advise(
     if found is not None:
         (promised,) = foresee([found], models, seed=seed)
         if promised.score < (1.0 - WORTH) * known[best].score:
-            return _advice(verdict, repair, found, origin, known[best], promised)
-    return _advice(verdict, repair, tried[best].policy, tried[best].origin, known[best])
+            advice = _advice(verdict, repair, found, origin, known[best], promised)
+            return replace(advice, searched=True)
+    advice = _advice(verdict, repair, tried[best].policy, tried[best].origin, known[best])
+    return replace(advice, searched=True)
 
 
 def _advice(

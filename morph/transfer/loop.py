@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from morph.errors import TransferError
+from morph.errors import DiagnosisError, EffectError, SimulationFailed, TransferError
 from morph.policy.policy import Policy
 from morph.search.target import Target
 from morph.task.task import Task
@@ -20,6 +20,10 @@ from morph.transfer.tried import Tried
 UNSURE = 0.02
 """What a repaired model may leave out, as a share of a typical change of speed in a period, for its
 foresight to be believed against what trials showed."""
+
+
+LIKELY = 0.5
+"""Share of runs that a policy must promise to succeed in to be tried once more after it failed."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -119,18 +123,20 @@ class Loop:
             tries = [*(each.tried for each in rounds), tried]
             began = time.perf_counter()
             before = rounds[-1].advice.repair.model if rounds and rounds[-1].advice else None
-            advice = advise(
-                task,
-                tries,
-                before=before,
-                seed=self.seed + number,
-                more=number + 1 < self.trials,
-                said=said,
-            )
+            more = number + 1 < self.trials
+            try:
+                advice = advise(
+                    task, tries, before=before, seed=self.seed + number, more=more, said=said
+                )
+            except (DiagnosisError, EffectError, SimulationFailed) as error:
+                # The trial was made, and what it showed must not be lost.
+                seconds = time.perf_counter() - began
+                rounds.append(Round(tried=tried, advice=None, seconds=seconds))
+                return concluded(rounds, hindered=error.what)
             seconds = time.perf_counter() - began
             rounds.append(Round(tried=tried, advice=advice, seconds=seconds))
             told(rounds[-1])
-            if any(advice.policy is each.policy for each in tries):
+            if not worth_trying(advice, tries):
                 break
             upcoming, origin = advice.policy, advice.origin
         return concluded(rounds)
@@ -150,8 +156,19 @@ class Loop:
         return tried
 
 
-def concluded(rounds: Sequence[Round]) -> Transferred:
+def worth_trying(advice: Advice, tries: Sequence[Tried]) -> bool:
+    """Return whether the advised policy is to be tried: a new one, or one that failed by chance."""
+    before = [each for each in tries if each.policy is advice.policy]
+    if not before:
+        return True
+    failed = not any(each.experience.success for each in before)
+    return failed and len(before) == 1 and advice.foreseen.success >= LIKELY
+
+
+def concluded(rounds: Sequence[Round], *, hindered: str = "") -> Transferred:
     """Return what a loop gives back: of all policies tried, the one to keep.
+
+    With `hindered`, why no model could be made of the last trial.
 
     A model that explains the trials foresees better than single noisy trials tell; one that
     leaves something out does not, and then what trials showed counts.
@@ -160,10 +177,10 @@ def concluded(rounds: Sequence[Round]) -> Transferred:
     believed = last is not None and last.repair.explained.unsaid <= UNSURE
     tries = [each.tried for each in rounds]
     if last is not None and believed:
-        best = next((each for each in tries if each.policy is last.policy), tries[-1])
+        best = _best_of([each for each in tries if each.policy is last.policy] or tries[-1:])
         foreseen: Foreseen | None = last.known if last.policy is not best.policy else last.foreseen
     else:
-        best = min(tries, key=lambda each: each.experience.loss)
+        best = _best_of(tries)
         foreseen = None
     fine = best.experience.success
     return Transferred(
@@ -172,14 +189,21 @@ def concluded(rounds: Sequence[Round]) -> Transferred:
         origin=best.origin,
         foreseen=foreseen,
         succeeded=fine,
-        why="" if fine else _why(rounds, foreseen),
+        why="" if fine else hindered or _why(rounds, foreseen),
     )
+
+
+def _best_of(tries: Sequence[Tried]) -> Tried:
+    """Return the trial that did best: one that succeeded, of the least loss."""
+    return min(tries, key=lambda each: (not each.experience.success, each.experience.loss))
 
 
 def _why(rounds: Sequence[Round], foreseen: Foreseen | None) -> str:
     advice = rounds[-1].advice
     if advice is None or foreseen is None:
         return f"no trial of {len(rounds)} reached every goal, and the model is not good enough"
+    if not any(each.advice is not None and each.advice.searched for each in rounds):
+        return "its trial did not reach every goal, and nothing was searched; give it more trials"
     if foreseen.success < 0.5:
         return (
             f"in the repaired model the best policy found reaches every goal in "
@@ -187,5 +211,5 @@ def _why(rounds: Sequence[Round], foreseen: Foreseen | None) -> str:
         )
     return (
         f"the repaired model promises success in {foreseen.success:.0%} of runs, "
-        f"and the trials did not show it: one more may"
+        f"and {len(rounds)} trials did not show it"
     )

@@ -11,7 +11,7 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.body.robot import Robot
-from morph.errors import DiagnosisError
+from morph.errors import DiagnosisError, EffectError, SimulationFailed
 from morph.model.fit import Room
 from morph.model.hypothesis import Hypothesis
 from morph.model.latent.normal import Band, Trust, band
@@ -254,7 +254,11 @@ class _Search:
         trust, total = self.trust(unsaid), 0.5 * self.room.price(point)
         for run, state in zip(self.runs, states, strict=True):
             missed = run.state - self.transit.seen(point, state)
-            off = state[1:] - self.transit.ahead(point, run, state)
+            try:
+                off = state[1:] - self.transit.ahead(point, run, state)
+            except (EffectError, SimulationFailed):
+                # No body could be so: an added mass that is not positive, say.
+                return math.inf
             total += 0.5 * float((trust.seen * missed**2).sum() + (trust.moved * off**2).sum())
         return total if math.isfinite(total) else math.inf
 

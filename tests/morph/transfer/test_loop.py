@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -20,7 +20,7 @@ from morph.search.target import Experience, Simulated, Target
 from morph.task.swing_up import swing_up
 from morph.task.task import Task
 from morph.transfer.keep import Keep
-from morph.transfer.loop import Loop, Transferred
+from morph.transfer.loop import Loop, Transferred, concluded, worth_trying
 
 SEED = 100
 
@@ -131,3 +131,21 @@ def test_a_spoilt_trial_is_one_message_that_names_it(
 def test_no_trial_at_all_is_refused() -> None:
     with pytest.raises(TransferError, match="0 trials"):
         Loop(trials=0)
+
+
+def test_a_policy_that_failed_by_chance_is_tried_once_more(carried: Transferred) -> None:
+    advice, tried = carried.rounds[0].advice, carried.rounds[1].tried
+    assert advice is not None
+    failed = replace(tried, experience=replace(tried.experience, success=False))
+    assert advice.foreseen.success > 0.5
+    assert worth_trying(advice, [])
+    assert worth_trying(advice, [replace(failed, policy=advice.policy)])
+    assert not worth_trying(advice, [replace(failed, policy=advice.policy)] * 2)
+    assert not worth_trying(advice, [replace(tried, policy=advice.policy)])
+
+
+def test_what_a_trial_showed_is_not_lost_where_no_model_can_be_made(carried: Transferred) -> None:
+    first = replace(carried.rounds[0], advice=None)
+    found = concluded([first], hindered="no body could be so")
+    assert found.policy is first.tried.policy
+    assert (found.succeeded, found.why) == (False, "no body could be so")
