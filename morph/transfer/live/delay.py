@@ -50,6 +50,21 @@ def delay_of(
         command: What was told, shape (samples - 1, nu).
         period: Time between samples, s.
     """
+    found = responses(simulator, position, velocity, command, period)
+    return None if found is None else _centre(*found, period)
+
+
+def responses(
+    simulator: Simulator, position: Array, velocity: Array, command: Array, period: float
+) -> tuple[Array, Array] | None:
+    """Return what commands should have changed, to fit what changed by; None of a short run.
+
+    The arguments are those of `delay_of`.
+
+    Returns:
+        The change of velocity over each period less the model's with no command, (rows, nv), and
+        what the commands of 0, 1, ... periods ago would add to it, (MOST_PERIODS + 1, rows, nv).
+    """
     rows = np.arange(MOST_PERIODS, len(command))
     if len(rows) < FEWEST:
         return None
@@ -66,9 +81,7 @@ def delay_of(
         np.repeat(told.reshape(-1, 1, told.shape[-1]), steps, axis=1),
     )
     reached = after[:, -1].reshape(count, len(rows), -1)
-    left = velocity[rows + 1] - reached[0]
-    effect = reached[1:] - reached[0]
-    return _centre(left, effect, period)
+    return velocity[rows + 1] - reached[0], reached[1:] - reached[0]
 
 
 def _centre(left: Array, effect: Array, period: float) -> Delay | None:

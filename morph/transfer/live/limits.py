@@ -25,9 +25,11 @@ class Limits:
     rate: Mapping[str, float] = field(default_factory=dict)
     """Most that the command of an actuator may change in a second; more is clipped."""
     position: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-    """Least and greatest position of a joint, rad or m; beyond it the trial is stopped."""
+    """Least and greatest position of a joint, rad or m; beyond it, or beyond the description's, the
+    trial is stopped."""
     speed: Mapping[str, float] = field(default_factory=dict)
-    """Greatest speed of a joint, rad/s or m/s; beyond it the trial is stopped."""
+    """Greatest speed of a joint, rad/s or m/s; beyond it, or beyond the description's, the trial is
+    stopped."""
     slack: float = 0.05
     """How far beyond a limit of the description a reading may be, rad or m, and per s."""
 
@@ -115,15 +117,23 @@ def _watched(
 ) -> tuple[Joint, int, int, tuple[float, float], float]:
     """Return a joint, where its position and velocity stand, and its limits."""
     low, high = joint.limits or (-math.inf, math.inf)
-    own = (low - limits.slack, high + limits.slack)
+    # The user's limits count beside the description's: neither loosens the other.
+    least, most = limits.position.get(joint.name, (-math.inf, math.inf))
+    least, most = max(least, low - limits.slack), min(most, high + limits.slack)
+    if least > most:
+        _refuse(
+            f"the limits of {joint.name} are outside those of the description, {low:g} to {high:g} "
+            f"{joint.unit}",
+            "give limits within them",
+        )
     speed = math.inf if joint.velocity is None else joint.velocity + limits.slack
     here = model.joint(joint.name)
     return (
         joint,
         int(here.qposadr[0]),
         int(here.dofadr[0]),
-        limits.position.get(joint.name, own),
-        limits.speed.get(joint.name, speed),
+        (least, most),
+        min(limits.speed.get(joint.name, math.inf), speed),
     )
 
 

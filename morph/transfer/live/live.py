@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from pathlib import Path
 from typing import Any
 
@@ -18,12 +19,16 @@ from morph.task.task import UNSTABLE, Task
 from morph.transfer.live.conduct import Conduct, odd_velocities
 from morph.transfer.live.connection import Connection
 from morph.transfer.live.delay import Delay, delay_of
+from morph.transfer.live.heed import heed_of
 from morph.transfer.live.keep import last_kept, write_trial
 from morph.transfer.live.limits import Guard, Limits
 from morph.transfer.live.session import Asked, Ended, Session
 from morph.transfer.live.stop import Stop
 from morph.transfer.live.watch import Watch
 from morph.transfer.live.wiring import Wiring
+
+CLIPPED = 0.1
+"""Share of a trial's commands beyond which it is said that they were clipped."""
 
 
 class Live(Target):
@@ -203,6 +208,7 @@ class Live(Target):
                 f"commands are obeyed {delay.seconds:.3g} s late (+- {delay.error:.2g} s), by the "
                 "body as it is described"
             )
+        notes += self._obeyed(session, shown)
         if not safe:
             notes.append("it did not say that it stopped, and was let go")
         return Conduct(
@@ -220,6 +226,33 @@ class Live(Target):
             delay_error=None if delay is None else delay.error,
             notes=tuple(notes),
         )
+
+    def _obeyed(self, session: Session, shown: Experience | None) -> list[str]:
+        """Return, in words, what was held back of the policy, and whether the rest was heeded."""
+        notes = []
+        told = session.commanded * len(self.task.robot.actuators)
+        if session.clipped > CLIPPED * told:
+            notes.append(
+                f"{session.clipped} of {told} commands were clipped: the policy was made for wider "
+                "bounds"
+            )
+        heed = None
+        if shown is not None:
+            with contextlib.suppress(SimulationFailed):
+                heed = heed_of(
+                    self._simulator, shown.position, shown.velocity, shown.command, shown.period
+                )
+        if heed is not None and heed.ignored:
+            notes.append(
+                f"the target seems not to follow its commands: {heed.share:.2g} (+- "
+                f"{heed.error:.2g}) of what they should do by the body as it is described is seen"
+            )
+        elif heed is not None and heed.opposite:
+            notes.append(
+                f"the target moves against its commands: {heed.share:.2g} (+- {heed.error:.2g}) "
+                "of what they should do is seen; a sign is swapped"
+            )
+        return notes
 
     def _stopped(self, ended: Ended, shown: Experience | None, *, safe: bool) -> TrialStopped:
         samples = 0 if shown is None else len(shown.position)

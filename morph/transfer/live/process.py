@@ -20,6 +20,9 @@ WRITE = 0.5
 LEAVE = 2.0
 """How long a process has to end once nobody speaks with it, s; then as long after SIGTERM."""
 
+LAST = 0.1
+"""How long what a process said before it ended may take to be heard, s."""
+
 MOST_UNREADABLE = 100
 """Lines before its first message that may be something else, such as a greeting."""
 
@@ -113,10 +116,22 @@ class Process(Connection):
 
     def hear(self, seconds: float) -> Heard | None:
         """Return its next message; once it has ended, why."""
-        heard = self._reader.hear(seconds)
-        if heard is not None and heard.ended:
-            return Heard(at=heard.at, ended=f"{heard.ended}{self._why()}")
-        return heard
+        until = time.monotonic() + seconds
+        while True:
+            left = until - time.monotonic()
+            # Looked at first: whatever it said is then on its way.
+            gone = self._process is not None and self._process.poll() is not None
+            heard = self._reader.hear(LAST if gone else min(max(left, 0.0), LAST))
+            if heard is not None and heard.ended:
+                return Heard(at=heard.at, ended=f"{heard.ended}{self._why()}")
+            if heard is not None:
+                return heard
+            if gone:
+                # What it started holds its output open, and nobody speaks for it any more.
+                ended = f"its output was left open by a process that is gone{self._why()}"
+                return Heard(at=time.monotonic(), ended=ended)
+            if left <= LAST:
+                return None
 
     def stop(self, seconds: float) -> bool:
         """Tell it to stop, and wait until it says that it did."""

@@ -20,6 +20,7 @@ from morph.search.target import Experience, Target
 from morph.sim.drive import held
 from morph.task.moved import Moved
 from morph.task.task import Task
+from morph.transfer.live.watch import Watch
 
 CUTOFF = 0.2
 """Cutoff of the filter by which velocities are taken of positions, in shares of their rate."""
@@ -59,6 +60,27 @@ class Recorded(Target):
         """
         model = self.task.simulator().model
         return tuple(self._run(each, model) for each in self.recordings)
+
+    def repeated(self) -> tuple[str, ...]:
+        """Return, in words, which measured channels of which recordings repeat themselves.
+
+        A live target whose sensor does so is stopped; what is recorded may be an encoder at rest.
+        Readings are looked at as a trial would see them, at the control times.
+        """
+        model = self.task.simulator().model
+        places = addresses(self.task.robot, model)
+        found = []
+        for recording, run in zip(self.recordings, self.runs(), strict=True):
+            state = np.concatenate([run.position, run.velocity], axis=1)
+            for name, at in places.items():
+                count, first = _longest(state[:, at])
+                if name in recording.channels and count >= Watch().repeats:
+                    found.append(
+                        f"recording {recording.name}: {name} is the same number {count} times, to "
+                        f"the last digit, from {run.period * first:.3g} s on: a dead sensor, or at "
+                        "rest"
+                    )
+        return tuple(found)
 
     def _run(self, recording: Recording, model: Any) -> Experience:
         task, period = self.task, self.task.period
@@ -126,6 +148,14 @@ class Recorded(Target):
                     fix="record it, or bind it in recording.toml",
                 )
         return {name: channel for name, channel in found.items() if name not in commands}
+
+
+def _longest(value: Array) -> tuple[int, int]:
+    """Return how many equal numbers follow one another at most, and where they begin."""
+    starts = np.flatnonzero(np.concatenate([[True], np.diff(value) != 0.0]))
+    counts = np.diff(np.append(starts, len(value)))
+    at = int(counts.argmax())
+    return int(counts[at]), int(starts[at])
 
 
 def _slope(position: Channel) -> Channel:

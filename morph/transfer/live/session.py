@@ -76,7 +76,7 @@ class Session:
         self.velocity: list[Array] = []
         self.command: list[Array] = []
         self.time: list[float] = []
-        self.overruns = self.clipped = self.unreadable = 0
+        self.overruns = self.clipped = self.commanded = self.unreadable = 0
         self.slowest = 0.0
         self._spare: Heard | None = None
 
@@ -161,6 +161,7 @@ class Session:
             return
         told, held = self._guard.allowed(asked, before)
         self.clipped += int(held.sum())
+        self.commanded += 1
         self._connection.tell(self._wiring.told(told))
         self.command.append(told)
         self.slowest = max(self.slowest, time.monotonic() - self._came)

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -71,6 +73,31 @@ def test_a_reading_may_be_a_little_beyond_the_limit_of_a_description() -> None:
         at[0] = joint.limits[1] + beyond
         found.append(Guard(Limits(), arm, model, 0.02).breach(at, still) is not None)
     assert found == [False, True]
+
+
+def test_the_users_limits_do_not_loosen_those_of_the_description() -> None:
+    arm = load("so101")
+    first = arm.joints[0]
+    assert first.limits is not None
+    arm = replace(arm, joints=(replace(first, velocity=2.0), *arm.joints[1:]))
+    model = Simulator(arm).model
+    wide = Limits(position={first.name: (-99.0, 0.5)}, speed={first.name: 50.0})
+    watched = Guard(wide, arm, model, 0.02)
+    at, rate = np.zeros(model.nq), np.zeros(model.nv)
+    found = []
+    # Below: the description's, and 0.05 rad of slack. Above: the user's. Speed: 2.05 rad/s.
+    for q, v in (
+        (first.limits[0] - 0.04, 0.0),
+        (first.limits[0] - 0.06, 0.0),
+        (0.49, 2.04),
+        (0.51, 0.0),
+        (0.0, 2.06),
+    ):
+        at[0], rate[0] = q, v
+        found.append(watched.breach(at, rate) is not None)
+    assert found == [False, True, False, True, True]
+    with pytest.raises(TransferError, match=r"outside those of the description"):
+        Guard(Limits(position={first.name: (8.0, 9.0)}), arm, model, 0.02)
 
 
 @pytest.mark.parametrize(

@@ -214,3 +214,38 @@ def test_no_file_descriptor_is_left_open(speaking: object) -> None:
     while opened() > before and time.monotonic() < until:
         time.sleep(0.01)
     assert opened() == before
+
+
+LEAVING = """
+def on_state(k, said):
+    say(said)
+    if k == %d and os.fork():
+        # The child holds the pipes open, and says nothing.
+        os._exit(3)
+    if k == %d:
+        time.sleep(2.0)
+        os._exit(0)
+"""
+
+
+@pytest.mark.parametrize("at", [0, 4])
+def test_a_process_that_forks_and_ends_is_gone_though_its_pipes_are_open(
+    swing: Task, speaking: object, at: int
+) -> None:
+    patient = Watch(answer_within=20.0, begin_within=20.0, stop_within=0.1, open_within=5.0)
+    target = live(swing, speaking(LEAVING % (at, at)), patient)  # type: ignore[operator]
+    began = time.monotonic()
+    with pytest.raises(TrialStopped, match=r"a process that is gone and ended with status 3"):
+        target.trial(PUSH, np.random.default_rng(0))
+    # A wait of 0.1 s for its last words, and 0.1 s for its stop; starting it takes the rest.
+    assert time.monotonic() - began < 5.0
+    target.close()
+
+
+def test_a_process_that_forks_and_ends_before_it_speaks_is_gone(
+    swing: Task, speaking: object
+) -> None:
+    silent = "if os.fork():\n    os._exit(3)\ntime.sleep(2.0)\nos._exit(0)"
+    process = speaking(silent)  # type: ignore[operator]
+    with pytest.raises(TransferError, match=r"gone and ended with status 3.* before it said who"):
+        process.open(20.0)

@@ -90,3 +90,29 @@ def test_a_recording_of_less_than_a_period_is_refused(swing: Task) -> None:
     )
     with pytest.raises(TransferError, match=r"less than a control period of 0.05 s"):
         Recorded(task=swing, recordings=(tiny,)).runs()
+
+
+def test_a_channel_that_dies_in_a_recording_is_named_with_its_time(swing: Task) -> None:
+    rng = np.random.default_rng(100)
+    whole = swung()
+    noise = {"slide.position": 0.01, "slide.velocity": 0.01, "hinge.velocity": 0.01}
+    value = {name: x.value + rng.normal(scale=noise.get(name, 0.0), size=len(x.value))
+             for name, x in whole.channels.items()}  # fmt: skip
+    value["hinge.position"] = rng.normal(scale=0.01, size=301)
+
+    def repeated() -> tuple[str, ...]:
+        channels = {
+            name: Channel(time=x.time, value=value[name], hold=x.hold)
+            for name, x in whole.channels.items()
+        }
+        recording = Recording(name="by_hand", channels=channels)
+        return Recorded(task=swing, recordings=(recording,)).repeated()
+
+    assert repeated() == ()
+    # From 1 s to 1.42 s there are nine control times, and to 1.47 s ten.
+    value["hinge.position"][100:143] = 0.3
+    assert repeated() == ()
+    value["hinge.position"][100:148] = 0.3
+    (said,) = repeated()
+    assert said.startswith("recording by_hand: hinge.position is the same number 10 times")
+    assert "from 1 s on: a dead sensor" in said

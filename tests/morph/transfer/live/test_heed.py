@@ -1,0 +1,66 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from morph.body.load import load
+from morph.model.latent.unknowns import turned
+from morph.search.target import Simulated
+from morph.task.task import Task
+from morph.task.tasks import task
+from morph.transfer.live.heed import Heed, heed_of
+
+PUSHES = 8.0 * np.sign(np.sin(0.7 * np.arange(60)))[:, None]
+
+
+@pytest.fixture(scope="module")
+def whole() -> Task:
+    return task("swing-up", load("cartpole"))
+
+
+def heed(whole: Task, obeys: float, seed: int = 100, **factors: float) -> Heed:
+    """Return what is found where the body is told pushes and does a multiple of them."""
+    named = {name.replace("_", ":"): value for name, value in factors.items()}
+    body = task("swing-up", turned(whole.robot, named)) if factors else whole
+    target = Simulated(task=body, simulator=body.simulator())
+    run = target.trial(obeys * PUSHES, np.random.default_rng(seed))
+    found = heed_of(whole.simulator(), run.position, run.velocity, PUSHES, run.period)
+    assert found is not None
+    return found
+
+
+@pytest.mark.parametrize("obeys", [1.0, 0.3])
+def test_the_share_is_that_of_the_commands_that_the_body_does(whole: Task, obeys: float) -> None:
+    found = heed(whole, obeys)
+    # Noise of 0.01 beside pushes of 8 N: a standard error of 0.005, three of them and 5 ms late.
+    assert found.share == pytest.approx(obeys, abs=0.04)
+    assert not found.ignored
+    assert not found.opposite
+
+
+@pytest.mark.parametrize("seed", range(100, 105))
+def test_a_body_that_does_nothing_it_is_told_is_found_out(whole: Task, seed: int) -> None:
+    assert heed(whole, 0.0, seed).ignored
+
+
+def test_a_body_that_does_the_opposite_is_found_out_as_that(whole: Task) -> None:
+    found = heed(whole, -1.0)
+    assert found.opposite
+    assert not found.ignored
+
+
+@pytest.mark.parametrize(
+    "factors",
+    [{"weight_cart": 10.0, "weight_pole": 10.0}, {"damping_slide": 50.0}, {"length_pole": 0.4}],
+)
+def test_a_body_other_than_described_still_heeds(whole: Task, factors: dict[str, float]) -> None:
+    found = heed(whole, 1.0, **factors)
+    assert not found.ignored
+    assert not found.opposite
+
+
+def test_a_body_that_is_told_nothing_tells_nothing(whole: Task) -> None:
+    target = Simulated(task=whole, simulator=whole.simulator())
+    run = target.trial(0.0 * PUSHES, np.random.default_rng(100))
+    told = (whole.simulator(), run.position, run.velocity, run.command, run.period)
+    assert heed_of(*told) is None
