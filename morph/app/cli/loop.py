@@ -82,11 +82,17 @@ def _task(asked: Loop) -> Task:
     check_name(asked.task)
     robot = load(asked.robot, base=asked.base, folder=asked.folder)
     found = task(asked.task, robot)
-    if asked.world is None:
-        return found
-    from morph.physics.worlds import world
+    if asked.world is not None:
+        from morph.physics.worlds import world
 
-    return replace(found, world=asked.world, effects=world(asked.world, robot).effects)
+        found = replace(found, world=asked.world, effects=world(asked.world, robot).effects)
+    if not asked.limit:
+        return found
+    from morph.app.cli.aim import limits
+    from morph.transfer.live.within import within
+
+    # What is searched and foreseen knows the limits of what will be tried.
+    return within(found, limits(asked.limit))
 
 
 def _check_body(task: Task) -> None:
