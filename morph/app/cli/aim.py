@@ -31,6 +31,10 @@ class Aim:
     """What trials are made on."""
     concealed: Concealed | None = None
     """In what it differs, if it is simulated."""
+    key: str = ""
+    """What tells it from every other target."""
+    limit: str = ""
+    """The limits within which a live one is tried."""
 
     @property
     def simulated(self) -> Simulated | None:
@@ -89,6 +93,7 @@ def told_aim(asked: Loop, task: Task) -> Aim:
         name=f"{task.robot.name} with {', '.join(said)}",
         target=concealed.target(task),
         concealed=concealed,
+        key=repr(concealed),
     )
 
 
@@ -127,7 +132,13 @@ def live_aim(asked: Loop, task: Task, keep: Path) -> Aim:
     stop = Stop(None if asked.stop_file is None else Path(asked.stop_file))
     process = Process(argv)
     live = Live(task, process, limits=limits(asked.limit), stop=stop, keep=keep)
-    return Aim(name=f"{task.robot.name} by {process.name.removeprefix('target ')}", target=live)
+    return Aim(
+        name=f"{task.robot.name} by {process.name.removeprefix('target ')}",
+        target=live,
+        # One interpreter runs many programs, and a program has arguments.
+        key=f"live {shlex.join(argv)}",
+        limit=" ".join(sorted(asked.limit)),
+    )
 
 
 def limits(texts: Sequence[str]) -> Limits:

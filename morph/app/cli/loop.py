@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from morph.app.cli.arguments import Loop
-from morph.errors import MorphError, OutputError, TransferError, TrialStopped
+from morph.errors import MorphError, TransferError, TrialStopped
 
 if TYPE_CHECKING:
     from morph.app.cli.aim import Aim
@@ -30,14 +30,14 @@ def run_loop(asked: Loop) -> int:
             written.
     """
     from morph.app.cli.aim import check_choice, live_aim, told_aim
-    from morph.app.cli.loop_folder import RECORDED, check_out, clear
-    from morph.app.cli.loop_said import already
-    from morph.app.cli.stages import stages
+    from morph.app.cli.loop_folder import RECORDED, check_out
+    from morph.app.cli.loop_key import alone, check_fresh
 
     # Whatever the command line got wrong is told before any work is done.
     _check_numbers(asked)
     kind = check_choice(asked)
     out = check_out(asked.out)
+    check_fresh(asked, out)
     task = _task(asked)
     if kind == "recorded":
         from morph.app.cli.loop_recorded import run_recorded
@@ -50,15 +50,25 @@ def run_loop(asked: Loop) -> int:
         aim = told_aim(asked, task)
     elif kind == "live":
         aim = live_aim(asked, task, out / RECORDED)
+    with alone(out):
+        return _run(asked, task, given, aim, out)
+
+
+def _run(asked: Loop, task: Task, given: Policy | None, aim: Aim | None, out: Path) -> int:
+    """Carry a policy in a folder that nobody else works in, and return the exit status."""
+    from morph.app.cli.loop_beat import beating
+    from morph.app.cli.loop_folder import clear
+    from morph.app.cli.loop_key import keep_of, key_of
+    from morph.app.cli.loop_said import already
+
     if asked.fresh:
         clear(out, trials=True)
-    key = _key(asked, task, given, aim)
-    keep = _keep(out, task, key)
-    status = already(asked, out)
+    keep = keep_of(out, task, key_of(asked, task, given, aim))
+    status = already(asked, out, task)
     if status is not None:
         return status
     try:
-        with stages(asked.quiet) as told:
+        with beating(asked.quiet) as told:
             outcome = _carried(asked, task, given, aim, keep, told)
     except BaseException as error:
         return _ended(error, out)
@@ -117,32 +127,6 @@ def _given(asked: Loop, task: Task) -> Policy | None:
     policy = load_policy(asked.policy, task.robot)
     check_period(policy, task)
     return policy
-
-
-def _key(asked: Loop, task: Task, given: Policy | None, aim: Aim | None) -> dict[str, str]:
-    """Return what must be the same for a loop to go on."""
-    from morph.files import sha256
-    from morph.search.searches import default
-
-    target = f"sealed {asked.sealed}" if aim is None else aim.name
-    if aim is not None and aim.concealed is not None:
-        target = repr(aim.concealed)
-    if given is None:
-        policy = f"learned by {default(task.name, task.robot)}"
-    else:
-        policy = sha256(*(value.tobytes() for _, value in sorted(given.weights().items())))
-    return {"target": target, "policy": policy, "seed": str(asked.seed)}
-
-
-def _keep(out: Path, task: Task, key: dict[str, str]) -> Keep:
-    from morph.transfer.keep import Keep
-
-    try:
-        return Keep(out, task, key)
-    except OutputError as error:
-        raise OutputError(
-            error.what, where=error.where, fix=f"{error.fix}, or begin anew in this one by --fresh"
-        ) from error
 
 
 def _carried(
@@ -223,6 +207,7 @@ def _judged(
         own=home.mean,
         concealed=None if concealed is None else concealed.values,
         sealed=asked.sealed,
+        searched=asked.trials > 1,
         stopped=stopped,
         seed=asked.seed,
         command=command(asked),

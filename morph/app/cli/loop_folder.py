@@ -25,6 +25,9 @@ TRIAL = ("experience.npz", "origin.json", "policy/weights.safetensors", "policy/
 OURS = (STATE, RESULTS[0])
 """Files by one of which a folder is known as ours."""
 
+LOCK = "loop.lock"
+"""File that is there and held while a loop works in the folder."""
+
 RECORDED = "recorded"
 """Folder of what a live target showed; it is never removed."""
 
@@ -47,7 +50,7 @@ def check_out(text: str) -> Path:
                 where=text,
                 fix="name a new or an empty folder",
             )
-        foreign = out.is_dir() and {each.name for each in out.iterdir()} - {RECORDED}
+        foreign = out.is_dir() and {each.name for each in out.iterdir()} - {RECORDED, LOCK}
         if foreign and not any((out / name).is_file() for name in OURS):
             raise OutputError(
                 "the folder is not empty and holds no earlier loop",
@@ -57,7 +60,7 @@ def check_out(text: str) -> Path:
         standing = next(parent for parent in (out, *out.absolute().parents) if parent.is_dir())
         os.rmdir(tempfile.mkdtemp(dir=standing, prefix=".morph-"))
     except OSError as error:
-        raise _cannot(out, error) from error
+        raise cannot(out, error) from error
     return out
 
 
@@ -83,7 +86,7 @@ def clear(out: Path, *, trials: bool) -> None:
             _drop(out / TRIALS)
             _drop(out)
     except OSError as error:
-        raise _cannot(out, error) from error
+        raise cannot(out, error) from error
 
 
 def _remove(folder: Path, names: tuple[str, ...]) -> None:
@@ -99,7 +102,8 @@ def _drop(folder: Path) -> None:
         shutil.rmtree(folder)
 
 
-def _cannot(out: Path, error: OSError) -> OutputError:
+def cannot(out: Path, error: OSError) -> OutputError:
+    """Return the refusal of a folder that cannot be written to."""
     return OutputError(
         f"nothing can be written there: {error.strerror or error}",
         where=str(out),

@@ -7,9 +7,11 @@ from pathlib import Path
 import numpy as np
 
 from morph.app.cli.arguments import Loop
-from morph.app.cli.loop_folder import clear
+from morph.app.cli.loop_beat import beating
+from morph.app.cli.loop_folder import RESULTS, clear
+from morph.app.cli.loop_key import alone, keep_of, key_of_recordings
 from morph.app.cli.loop_said import command, say_outcome
-from morph.app.cli.stages import stages
+from morph.app.cli.stages import Stages
 from morph.app.report.loop.files import write_loop
 from morph.app.report.loop.outcome import Outcome
 from morph.model.hypothesis import Hypothesis
@@ -17,6 +19,7 @@ from morph.model.kwik.judge import Verdict, judge
 from morph.model.latent.run import Run
 from morph.model.latent.unknowns import unknowns
 from morph.record.load import load
+from morph.search.target import Experience
 from morph.search.threads import one_thread
 from morph.task.task import Task
 from morph.transfer.live.recorded import Recorded
@@ -31,31 +34,44 @@ def run_recorded(asked: Loop, task: Task, out: Path) -> int:
     """
     recordings = [each for path in asked.recorded for each in load(path, robot=task.robot)]
     runs = Recorded(task=task, recordings=tuple(recordings)).runs()
+    with alone(out):
+        if asked.fresh:
+            clear(out, trials=True)
+        # A loop's trials, its policy and its record are not to be overwritten by recordings.
+        keep_of(out, task, key_of_recordings(asked, recordings))
+        try:
+            with beating(asked.quiet) as told:
+                outcome = _diagnosed(asked, task, runs, told)
+                told.now("writing the report")
+                clear(out, trials=False)
+                outcome = write_loop(outcome, out)
+        except BaseException:
+            if not (out / RESULTS[0]).is_file():
+                clear(out, trials=True)
+            raise
+    say_outcome(asked, outcome)
+    return 0
+
+
+def _diagnosed(asked: Loop, task: Task, runs: tuple[Experience, ...], told: Stages) -> Outcome:
     notes = []
     if len(runs) > MOST_RUNS:
         notes.append(f"the model is repaired by the last {MOST_RUNS} of {len(runs)} recordings")
-    with stages(asked.quiet) as told:
-        seen = [run.run for run in runs]
-        told.now("is the model good enough")
-        verdict = gate(task, seen[-MOST_RUNS:], asked.seed)
-        told.line(verdict.text)
-        repair = repaired(task, seen, told=told.now)
-        outcome = Outcome(
-            task=task,
-            target=f"{task.robot.name}, recorded",
-            runs=runs,
-            transferred=None,
-            repair=repair,
-            asked=verdict,
-            seed=asked.seed,
-            command=command(asked),
-            notes=tuple(notes),
-        )
-        told.now("writing the report")
-        clear(out, trials=False)
-        outcome = write_loop(outcome, out)
-    say_outcome(asked, outcome)
-    return 0
+    seen = [run.run for run in runs]
+    told.now("is the model good enough")
+    verdict = gate(task, seen[-MOST_RUNS:], asked.seed)
+    told.line(verdict.text)
+    return Outcome(
+        task=task,
+        target=f"{task.robot.name}, recorded",
+        runs=runs,
+        transferred=None,
+        repair=repaired(task, seen, told=told.now),
+        asked=verdict,
+        seed=asked.seed,
+        command=command(asked),
+        notes=tuple(notes),
+    )
 
 
 def gate(task: Task, runs: list[Run], seed: int) -> Verdict:

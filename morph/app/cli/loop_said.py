@@ -10,32 +10,29 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from morph.app.cli.arguments import Loop
-from morph.errors import OutputError
+from morph.app.cli.loop_folder import finished
+from morph.errors import MorphError
 
 if TYPE_CHECKING:
     from morph.app.report.loop.outcome import Outcome
+    from morph.task.task import Task
 
 HEAD = ("trial", "policy", "loss", "came of it", "the model was", "what differs", "next")
 """Of the table of trials."""
 
 
-def already(asked: Loop, out: Path) -> int | None:
-    """Return the status of a finished loop, told once more; None if there is more to do."""
+def already(asked: Loop, out: Path, task: Task) -> int | None:
+    """Return the status of a finished loop, told once more; None if there is more to do.
+
+    A record that is spoilt, or whose policy is gone, is none: the trials are there, and all else
+    is computed again.
+    """
     from morph.app.cli.words import harmless
 
-    path = out / "transfer.json"
-    if not path.is_file():
+    found = _finished(out, task)
+    if found is None:
         return None
-    try:
-        text = path.read_text(encoding="utf-8")
-        (hop,) = json.loads(text)["hops"]
-        succeeded, tried = bool(hop["succeeded"]), len(hop["trials"])
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise OutputError(
-            f"it is no record of a loop: {error}",
-            where=str(path),
-            fix="begin anew by --fresh, or name a new folder",
-        ) from error
+    text, succeeded, tried = found
     if not succeeded and tried < asked.trials:
         return None
     if asked.json:
@@ -44,9 +41,29 @@ def already(asked: Loop, out: Path) -> int | None:
         did = "succeeded" if succeeded else "did not succeed"
         sys.stdout.write(
             f"{harmless(str(out))} holds this loop already, and it {did}: see report.html in it; "
-            "--trials goes on with more, --fresh begins anew\n"
+            "--fresh begins anew, and more --trials go on where another policy is advised\n"
         )
     return 0 if succeeded else 3
+
+
+def _finished(out: Path, task: Task) -> tuple[str, bool, int] | None:
+    """Return a whole record's text, whether it succeeded, and how many trials it tells of."""
+    from morph.policy.store import load_policy
+    from morph.transfer.record import SCHEMA
+
+    try:
+        text = (out / "transfer.json").read_text(encoding="utf-8")
+        said = json.loads(text)
+        (hop,) = said["hops"]
+        succeeded, trials = hop["succeeded"], hop["trials"]
+        whole = said["schema"] == SCHEMA and said["task"]["sha256"] == task.sha256
+        fits = isinstance(succeeded, bool) and len(trials) == finished(out) > 0
+        if not (whole and fits and (out / "report.html").is_file()):
+            return None
+        load_policy(out / "policy", task.robot)
+    except (OSError, ValueError, KeyError, TypeError, MorphError):
+        return None
+    return text, succeeded, len(trials)
 
 
 def say_outcome(asked: Loop, outcome: Outcome) -> None:

@@ -41,6 +41,8 @@ class Outcome:
     """The seed from which that was drawn; None if it was told."""
     asked: Verdict | None = None
     """Whether the model as described is good enough for what was recorded."""
+    searched: bool = True
+    """Whether a policy might have been searched: after the only trial none is."""
     stopped: str = ""
     """Why it ended before its time; empty if it did not."""
     seed: int
@@ -81,6 +83,11 @@ class Outcome:
             return (
                 f"its trial reached every goal, but the repaired model promises that in "
                 f"{self.guard.probability:.0%} of runs alone"
+            )
+        if self.transferred.why and not self.searched:
+            return (
+                "its trial did not reach every goal, and with one trial no policy is searched: "
+                "give more by --trials"
             )
         return self.transferred.why
 

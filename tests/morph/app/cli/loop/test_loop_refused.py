@@ -112,8 +112,12 @@ def test_recordings_are_diagnosed_and_nothing_is_tried_or_learned(
     assert hop["gate"]["verdict"] in {"good", "cannot say"}
     assert [trial["origin"] for trial in hop["trials"]] == ["recorded"]
     assert {path.name for path in Path("said").iterdir()} == {
-        *("transfer.json", "report.html", "corrected.xml", "corrected.toml")
+        *("transfer.json", "report.html", "corrected.xml", "corrected.toml", "loop.json")
     }
+    # A loop's own folder is not for what recordings say, and its policy stays.
+    found = bench.refused(*bench.words("--recorded", "out/recorded"))
+    assert "another target" in found["what"]
+    assert Path("out/policy/policy.json").is_file()
 
 
 def explained_without_effects(*given: Any, **how: Any) -> Any:

@@ -1,0 +1,123 @@
+"""Whose loop a folder holds: what must be the same for one to go on, and one at a time."""
+
+from __future__ import annotations
+
+import fcntl
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import IO, TYPE_CHECKING
+
+from morph.app.cli.arguments import Loop
+from morph.app.cli.loop_folder import LOCK, RESULTS, cannot
+from morph.errors import OutputError
+
+if TYPE_CHECKING:
+    from morph.app.cli.aim import Aim
+    from morph.policy.policy import Policy
+    from morph.record.recording import Recording
+    from morph.task.task import Task
+    from morph.transfer.keep import Keep
+
+
+def key_of(asked: Loop, task: Task, given: Policy | None, aim: Aim | None) -> dict[str, str]:
+    """Return what must be the same for a loop to go on."""
+    from morph.files import sha256
+    from morph.search.searches import default
+
+    if given is None:
+        policy = f"learned by {default(task.name, task.robot)}"
+    else:
+        policy = sha256(*(value.tobytes() for _, value in sorted(given.weights().items())))
+    # What a seal conceals is drawn later; its seed says as much.
+    target, limit = (f"sealed {asked.sealed}", "") if aim is None else (aim.key, aim.limit)
+    return {"target": target, "limit": limit, "policy": policy, "seed": str(asked.seed)}
+
+
+def key_of_recordings(asked: Loop, recordings: Sequence[Recording]) -> dict[str, str]:
+    """Return what must be the same for recordings to be diagnosed again in a folder."""
+    from morph.files import sha256
+
+    shown = sha256(*(each.sha256.encode() for each in recordings))
+    return {"target": f"recorded {shown}", "limit": "", "policy": "", "seed": str(asked.seed)}
+
+
+def keep_of(out: Path, task: Task, key: Mapping[str, str]) -> Keep:
+    """Return where the trials of a loop are kept.
+
+    Raises:
+        OutputError: The folder holds another loop.
+    """
+    from morph.transfer.keep import Keep
+
+    try:
+        return Keep(out, task, key)
+    except OutputError as error:
+        raise OutputError(
+            error.what, where=error.where, fix=f"{error.fix}, or begin anew in this one by --fresh"
+        ) from error
+
+
+def check_fresh(asked: Loop, out: Path) -> None:
+    """Refuse to begin anew where that would remove what the loop is given.
+
+    Raises:
+        OutputError: The policy lies in the folder, or a description or effects of an earlier loop.
+    """
+    if not asked.fresh:
+        return
+    here = out.resolve()
+    results = {here / name for name in RESULTS}
+    lost = [("--robot", asked.robot), ("--effects", asked.effects)]
+    given = [name for name, path in lost if path is not None and Path(path).resolve() in results]
+    if asked.policy is not None and Path(asked.policy).resolve().is_relative_to(here):
+        given.append("--policy")
+    if given:
+        raise OutputError(
+            f"--fresh would remove what {given[0]} names, as it lies in this folder",
+            where=str(out),
+            fix="name another folder by --out, or copy it elsewhere first",
+        )
+
+
+@contextmanager
+def alone(out: Path) -> Iterator[None]:
+    """Hold a folder, so that no other loop works in it; one that it made goes again if empty.
+
+    Raises:
+        OutputError: Another process holds it, or nothing can be written there.
+    """
+    made = not out.exists()
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        lock = _held(out)
+    except OSError as error:
+        raise cannot(out, error) from error
+    try:
+        yield
+    finally:
+        # Removed while it is held: whoever waits at the old file sees that it is gone.
+        (out / LOCK).unlink(missing_ok=True)
+        lock.close()
+        if made and out.is_dir() and not any(out.iterdir()):
+            out.rmdir()
+
+
+def _held(out: Path) -> IO[bytes]:
+    path = out / LOCK
+    while True:
+        lock = path.open("ab")
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError as error:
+            lock.close()
+            raise OutputError(
+                "another loop works in this folder now",
+                where=str(out),
+                fix="wait until it has ended, or name another folder",
+            ) from error
+        # Between opening and locking, the loop before may have ended and removed the file.
+        if path.exists() and os.path.samestat(os.fstat(lock.fileno()), path.stat()):
+            return lock
+        lock.close()
