@@ -10,6 +10,7 @@ from morph.task.task import Task
 from morph.task.tasks import task
 from morph.transfer.live.heed import Heed, heed_of
 
+Factors = dict[str, float]
 PUSHES = 8.0 * np.sign(np.sin(0.7 * np.arange(60)))[:, None]
 
 
@@ -18,10 +19,9 @@ def whole() -> Task:
     return task("swing-up", load("cartpole"))
 
 
-def heed(whole: Task, obeys: float, seed: int = 100, **factors: float) -> Heed:
+def heed(whole: Task, obeys: float, seed: int = 100, factors: Factors | None = None) -> Heed:
     """Return what is found where the body is told pushes and does a multiple of them."""
-    named = {name.replace("_", ":"): value for name, value in factors.items()}
-    body = task("swing-up", turned(whole.robot, named)) if factors else whole
+    body = task("swing-up", turned(whole.robot, factors)) if factors else whole
     target = Simulated(task=body, simulator=body.simulator())
     run = target.trial(obeys * PUSHES, np.random.default_rng(seed))
     found = heed_of(whole.simulator(), run.position, run.velocity, PUSHES, run.period)
@@ -51,10 +51,10 @@ def test_a_body_that_does_the_opposite_is_found_out_as_that(whole: Task) -> None
 
 @pytest.mark.parametrize(
     "factors",
-    [{"weight_cart": 10.0, "weight_pole": 10.0}, {"damping_slide": 50.0}, {"length_pole": 0.4}],
+    [{"weight:cart": 10.0, "weight:pole": 10.0}, {"damping:slide": 50.0}, {"length:pole": 0.4}],
 )
-def test_a_body_other_than_described_still_heeds(whole: Task, factors: dict[str, float]) -> None:
-    found = heed(whole, 1.0, **factors)
+def test_a_body_other_than_described_still_heeds(whole: Task, factors: Factors) -> None:
+    found = heed(whole, 1.0, factors=factors)
     assert not found.ignored
     assert not found.opposite
 

@@ -5,12 +5,13 @@ import math
 import numpy as np
 import pytest
 
+from morph.arrays import Array
 from morph.errors import TransferError
 from morph.record.recording import Channel, Recording
 from morph.task.task import Task
 from morph.transfer.live.recorded import Recorded
 
-CLOCK = 0.01 * np.arange(301)
+CLOCK: Array = np.asarray(0.01 * np.arange(301), dtype=float)
 
 
 def swung(**left_out: bool) -> Recording:

@@ -24,7 +24,7 @@ from morph.transfer.live.within import within
 
 
 def bounds(found: Task) -> list[float]:
-    return np.concatenate(bounds_of(found.simulator())).tolist()
+    return [float(each) for side in bounds_of(found.simulator()) for each in side]
 
 
 @pytest.mark.parametrize(
@@ -47,13 +47,13 @@ def test_searches_and_the_guard_know_the_limits(
 def test_a_push_beyond_the_limits_moves_a_simulated_cart_as_the_limit_does(swing: Task) -> None:
     found = within(swing, Limits(command={"slide": (-1.0, 3.0)}))
     for asked, clipped in ((-9.0, -1.0), (9.0, 3.0)):
-        ends = [
+        end, clip = (
             Simulated(task=one, simulator=one.simulator())
             .trial(np.full((10, 1), push), np.random.default_rng(100))
             .velocity
             for one, push in ((found, asked), (swing, clipped))
-        ]
-        np.testing.assert_allclose(*ends, atol=1e-12)
+        )
+        np.testing.assert_allclose(end, clip, atol=1e-12)
 
 
 def test_limits_that_tighten_nothing_leave_the_task_as_it_is(swing: Task) -> None:
