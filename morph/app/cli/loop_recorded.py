@@ -33,7 +33,8 @@ def run_recorded(asked: Loop, task: Task, out: Path) -> int:
         MorphError: A recording cannot be used or the result cannot be written.
     """
     recordings = [each for path in asked.recorded for each in load(path, robot=task.robot)]
-    runs = Recorded(task=task, recordings=tuple(recordings)).runs()
+    recorded = Recorded(task=task, recordings=tuple(recordings))
+    runs = recorded.runs()
     with alone(out):
         if asked.fresh:
             clear(out, trials=True)
@@ -41,7 +42,7 @@ def run_recorded(asked: Loop, task: Task, out: Path) -> int:
         keep_of(out, task, key_of_recordings(asked, recordings))
         try:
             with beating(asked.quiet) as told:
-                outcome = _diagnosed(asked, task, runs, told)
+                outcome = _diagnosed(asked, task, runs, recorded.repeated(), told)
                 told.now("writing the report")
                 clear(out, trials=False)
                 outcome = write_loop(outcome, out)
@@ -53,8 +54,14 @@ def run_recorded(asked: Loop, task: Task, out: Path) -> int:
     return 0
 
 
-def _diagnosed(asked: Loop, task: Task, runs: tuple[Experience, ...], told: Stages) -> Outcome:
-    notes = []
+def _diagnosed(
+    asked: Loop,
+    task: Task,
+    runs: tuple[Experience, ...],
+    noticed: tuple[str, ...],
+    told: Stages,
+) -> Outcome:
+    notes = list(noticed)
     if len(runs) > MOST_RUNS:
         notes.append(f"the model is repaired by the last {MOST_RUNS} of {len(runs)} recordings")
     seen = [run.run for run in runs]
