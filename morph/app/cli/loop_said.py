@@ -111,7 +111,8 @@ def _lines(asked: Loop, outcome: Outcome, columns: int | None) -> Iterator[tuple
         opened = "the seal, opened:" if outcome.sealed is not None else "what was concealed:"
         yield opened, "bold", False
         for row in sealed:
-            found = f", found as {row['found']} ({row['interval']})" if row["found"] else ""
+            between = f" ({row['interval']})" if row["interval"] else ""
+            found = f", found as {row['found']}{between}" if row["found"] else ""
             yield f"  {row['truth']}{found}: {row['verdict']}", "", False
     for note in outcome.notes:
         yield f"  {note}", "yellow", False

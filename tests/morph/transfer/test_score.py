@@ -12,7 +12,15 @@ from morph.search.lqr import Lqr
 from morph.search.search import Problem
 from morph.search.target import Simulated
 from morph.task.tasks import task
-from morph.transfer.score import UNMEASURED, Judged, judged, score
+from morph.transfer.score import (
+    AS_IT_CAME,
+    KEPT,
+    SEARCHED,
+    UNMEASURED,
+    Judged,
+    judged,
+    score,
+)
 
 
 @pytest.mark.parametrize(
@@ -52,3 +60,25 @@ def test_all_policies_are_judged_by_the_same_chance() -> None:
     assert found.oracle.loss == pytest.approx(found.final.loss)
     assert found.scores()["final"] == pytest.approx(1.0)
     assert found.scores()["zero_shot"] == 0.0
+
+
+def test_the_oracle_is_never_worse_than_what_it_judges(monkeypatch: pytest.MonkeyPatch) -> None:
+    robot = load("cartpole")
+    balance = task("balance", robot)
+    policy = Lqr().run(Problem(task=balance, simulator=balance.simulator()), seed=0).policy
+    target = Simulated(task=balance, simulator=balance.simulator())
+    rest = pattern(robot, {}, period=balance.period)
+    # A search on the true body that finds nothing, and no better plan from the policy to keep.
+    monkeypatch.setattr("morph.transfer.score.oracle", lambda *_, **__: rest)
+    monkeypatch.setattr("morph.transfer.score.improved", lambda *_, **__: None)
+    for source, final, best in ((rest, policy, KEPT), (policy, rest, AS_IT_CAME)):
+        found = judged(target, source, final, seed=3, rows=4)
+        assert found.oracle is not None
+        assert found.best == best
+        assert found.oracle.mean == min(found.source.mean, found.final.mean)
+    # Where a plan from it is better still, that is the oracle, and it was searched there.
+    monkeypatch.setattr("morph.transfer.score.improved", lambda *_, **__: policy)
+    weak = Lqr().run(Problem(task=balance, simulator=balance.simulator()), seed=0).policy
+    found = judged(target, rest, weak, seed=3, rows=4)
+    assert found.best == SEARCHED
+    assert found.scores()["final"] == pytest.approx(1.0)

@@ -14,13 +14,20 @@ from morph.model.corrected import split
 from morph.physics.store import effects_text
 from morph.policy.export import export_policy
 from morph.policy.store import write_policy
-from morph.transfer.repair import Model
+from morph.transfer.repair import Model, Repair
+from morph.transfer.retask import task_for
 
 RECORD, REPORT, POLICY = "transfer.json", "report.html", "policy"
 """What a loop writes; the first makes it a finished one."""
 
 CORRECTED, EFFECTS = "corrected.xml", "corrected.toml"
 """The repaired model, and the effects that its description cannot hold."""
+
+UNNAMED = (
+    "the names leave a part unexplained: in the repaired model a learned force stands for it, "
+    "which is not in corrected.xml and corrected.toml"
+)
+"""What is to be known of corrected files where a force was learned."""
 
 
 def write_loop(outcome: Outcome, out: Path) -> Outcome:
@@ -36,11 +43,22 @@ def write_loop(outcome: Outcome, out: Path) -> Outcome:
     if outcome.policy is not None:
         _write_policy(outcome, out, notes)
     if outcome.repair is not None:
-        write_corrected(outcome.repair.model, out)
+        write_corrected(named(outcome.repair), out)
+        if outcome.repair.learned is not None:
+            notes.append(UNNAMED)
     outcome = replace(outcome, notes=tuple(notes))
     write_whole(out / REPORT, loop_page(outcome))
     write_whole(out / RECORD, outcome.record().text())
     return outcome
+
+
+def named(repair: Repair) -> Model:
+    """Return a repaired model without what no name explains, with the figures found without it."""
+    if repair.learned is None:
+        return repair.model
+    found, own = repair.explained, len(repair.task.effects)
+    there = replace(task_for(repair.task, found.robot), effects=found.effects[:own])
+    return Model(task=there, effects=found.effects[own:])
 
 
 def write_corrected(model: Model, out: Path) -> None:

@@ -12,7 +12,7 @@ from morph.app.report.learn.page import POLICY
 from morph.app.report.learn.words import number
 from morph.app.report.loop import drawn, words
 from morph.app.report.loop.outcome import Outcome
-from morph.app.report.loop.verdict import headline, sealed_rows, summary
+from morph.app.report.loop.verdict import beyond, headline, sealed_rows, summary
 from morph.app.report.words import counted, percent
 from morph.arrays import JSON
 from morph.search.evaluate import Score
@@ -23,7 +23,6 @@ FOLDER = Path(__file__).parent
 def loop_page(outcome: Outcome) -> str:
     """Return the report as one HTML page."""
     robot, record = outcome.task.robot, outcome.record().said()
-    opened = record["sealed"]
     return _environment().get_template("page.html.j2").render(
         o=outcome,
         policy=POLICY,
@@ -35,7 +34,7 @@ def loop_page(outcome: Outcome) -> str:
         lacked=words.differences(outcome.differences, robot),
         runs=_runs(outcome),
         sealed=sealed_rows(outcome),
-        more=", ".join(opened["more"]) if opened else "",
+        more=", ".join(beyond(outcome)),
         rivals=_rivals(outcome),
         losses=drawn.losses(outcome),
         trials=trial_rows(outcome),

@@ -5,9 +5,14 @@ from __future__ import annotations
 from morph.app.report.learn.words import number
 from morph.app.report.loop import words
 from morph.app.report.loop.outcome import Outcome
-from morph.app.report.words import counted, percent
+from morph.app.report.words import counted, percent, plain
 from morph.arrays import JSON
 from morph.model.latent.explain import Difference
+from morph.physics import effect_class
+from morph.transfer.score import SEARCHED
+
+FAINT = 0.1
+"""Share of a concealed value below which what was found of it is as good as nothing."""
 
 
 def headline(outcome: Outcome) -> str:
@@ -66,6 +71,8 @@ def _oracle(outcome: Outcome) -> str:
     judged = outcome.judged
     if judged is None or judged.oracle is None:
         return ""
+    if judged.best != SEARCHED:
+        return ", and none that was searched on its true parameters does better than " + judged.best
     found = f"{number(judged.oracle.mean)} ({percent(judged.oracle.share)})"
     return f", and one that is searched on its true parameters {found}"
 
@@ -88,23 +95,63 @@ def sealed_rows(outcome: Outcome) -> list[JSON]:
     for each in opened["concealed"]:
         name, value = each["name"], each["value"]
         row = {"truth": words.truth(name, value, outcome.task.robot), "found": "", "interval": ""}
-        if each["found"] is None:
+        found = _found(name, value, outcome)
+        if found is None:
             rows.append({**row, "verdict": _missed(name, outcome)})
             continue
-        found = Difference(
-            name=name, value=each["found"], low90=each["low90"], high90=each["high90"]
-        )
-        middle, low, high = words.told(found)
-        held = each["low90"] <= value <= each["high90"]
-        rows.append(
-            {
-                **row,
-                "found": middle,
-                "interval": f"{low} to {high}" if low else "",
-                "verdict": "found" if held else "found, outside the interval",
-            }
-        )
+        difference, verdict = found
+        middle, low, high = words.told(difference)
+        interval = f"{low} to {high}" if low else ""
+        rows.append({**row, "found": middle, "interval": interval, "verdict": verdict})
     return rows
+
+
+def _found(name: str, value: float, outcome: Outcome) -> tuple[Difference, str] | None:
+    """Return what was found of something concealed, and the verdict; None if it is not named."""
+    for each in outcome.differences:
+        if each.name == name:
+            return each, _verdict(value, each)
+    alike = _alike(name, value, outcome)
+    return None if alike is None else (alike, f"found as {plain(alike.name.partition('@')[0])}")
+
+
+def beyond(outcome: Outcome) -> tuple[str, ...]:
+    """Return what was named beyond what was concealed, or what says the same."""
+    opened = outcome.opened()
+    if opened is None:
+        return ()
+    concealed = [(each["name"], each["value"]) for each in opened["concealed"]]
+    alike = [_alike(name, value, outcome) for name, value in concealed]
+    same = {each.name.rpartition(":")[0] for each in alike if each is not None}
+    return tuple(name for name in opened["more"] if name.rpartition(":")[0] not in same)
+
+
+def _verdict(value: float, found: Difference) -> str:
+    """Return whether a difference that is named was found."""
+    if "@" in found.name and _neutral(found.name) == 0.0:
+        sign = -1.0 if value < 0.0 else 1.0
+        if found.value * sign < FAINT * abs(value):
+            # An interval that holds the truth may hold nothing at all as well.
+            return "not found"
+    return "found" if found.low90 <= value <= found.high90 else "found, outside the interval"
+
+
+def _neutral(name: str) -> float | None:
+    """Return the value at which a parameter, named as a finding names it, does nothing."""
+    label, _, symbol = name.rpartition(":")
+    known = effect_class(label.partition("@")[0]).parameters()
+    return next(each.neutral for each in known if each.name == symbol)
+
+
+def _alike(name: str, value: float, outcome: Outcome) -> Difference | None:
+    """Return what was found of an effect that becomes the concealed one, with the right value."""
+    effect, at, rest = name.partition("@")
+    for each in outcome.differences if at else ():
+        other, _, place = each.name.partition("@")
+        within = each.low90 <= value <= each.high90
+        if place == rest and within and "@" in each.name and effect_class(other).simpler == effect:
+            return each if _verdict(value, each) == "found" else None
+    return None
 
 
 def _missed(name: str, outcome: Outcome) -> str:

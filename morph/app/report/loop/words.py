@@ -73,7 +73,8 @@ def _effect(label: str, parts: Sequence[Difference], robot: Robot) -> str:
         value, low, high = told(part)
         unit = unit_of(known[symbol], where, robot) if symbol in known else ""
         size = f"{value}{unit}" + (f" ({low} to {high})" if low else "")
-        sizes.append(size if len(parts) == 1 else f"{symbol} = {size}")
+        # One of several parameters says nothing without its name.
+        sizes.append(size if len(parts) == len(known) == 1 else f"{symbol} = {size}")
     return f"{where}: {plain(name)} {', '.join(sizes)} was left out"
 
 
