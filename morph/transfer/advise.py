@@ -27,8 +27,8 @@ WORTH = 0.05
 
 STAGES = (
     Effort(recalled=48, rows=512, keep=4, most=15, runs=24),
-    Effort(recalled=48, rows=768, keep=4, most=20, runs=32, margin=0.1),
-    Effort(recalled=0, rows=1536, keep=6, most=20, runs=32),
+    Effort(recalled=0, rows=768, keep=4, most=20, runs=32, share=0.65),
+    Effort(recalled=48, rows=1536, keep=6, most=20, runs=32, share=0.8),
 )
 """What a search spends, stage after stage while no plan succeeds: the first is already wide, as the
 first plan that succeeds may still cost half as much again as the best."""

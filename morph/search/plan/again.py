@@ -16,7 +16,7 @@ from morph.search.plan.ground import grounded
 from morph.search.plan.late import late
 from morph.search.plan.policy import track_of
 from morph.search.plan.recalled import recalled
-from morph.search.plan.seeds import Ground, led, swung
+from morph.search.plan.seeds import SWING_SHARE, Ground, led, swung
 from morph.search.search import Learned, Problem, Trial
 from morph.search.threads import one_thread
 from morph.search.trajectory.line import is_late
@@ -43,6 +43,8 @@ class Effort:
     """What feedback is tried."""
     margin: float = 0.0
     """Share of each command's range, at both its ends, that is left to the feedback."""
+    share: float = SWING_SHARE
+    """Share of the horizon within which a swing must reach the top: a weak motor takes longer."""
 
 
 STAGES = (
@@ -146,7 +148,7 @@ def _stage(
             recalled(ground, simulator, old, rows=effort.recalled, keep=effort.keep, rng=rng)
         )
     if effort.rows:
-        guesses.append(swung(ground, effort.rows, effort.keep, rng))
+        guesses.append(swung(ground, effort.rows, effort.keep, rng, share=effort.share))
         if ground.plant.model.nu >= ground.plant.model.nv:
             guesses.append(led(ground, effort.keep))
     plans = sifted(ground, joined(guesses), keep=effort.keep, most=effort.most)

@@ -77,7 +77,14 @@ class Ground:
         return np.tile(self.begin[0], (rows, 1)), np.tile(self.begin[1], (rows, 1))
 
 
-def swung(ground: Ground, rows: int, keep: int, rng: np.random.Generator) -> Trajectories:
+def swung(
+    ground: Ground,
+    rows: int,
+    keep: int,
+    rng: np.random.Generator,
+    *,
+    share: float = SWING_SHARE,
+) -> Trajectories:
     """Return the best bang-bang swings that end in the regulator's reach, and it takes over there.
 
     Switching times are drawn, and those of the best are varied, less each round. A swing is
@@ -90,8 +97,9 @@ def swung(ground: Ground, rows: int, keep: int, rng: np.random.Generator) -> Tra
         rows: How many are drawn; a quarter as many in each later round.
         keep: How many are given back.
         rng: Chance.
+        share: Share of the horizon within which a swing must reach the regulator.
     """
-    periods = max(2, round(SWING_SHARE * ground.periods))
+    periods = max(2, round(share * ground.periods))
     period = ground.plant.period
 
     def commands(switches: Switches) -> Array:
