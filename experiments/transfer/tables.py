@@ -168,7 +168,7 @@ def figure8(lines: Sequence[JSON]) -> str:
         row, column = 1 + names.index(_figure(name)), 1 + factors.index(_factor(name))
         for arm, tried in arms.items():
             mean, low, high = np.array([iqm(each) for each in _by_trial(tried)]).T
-            number = np.arange(1, len(mean) + 1)
+            number = np.arange(1.0, len(mean) + 1)
             shown = {"row": row, "col": column}
             page.add_trace(_band(graph, number, low, high, COLOURS[arm]), **shown)
             drawn = _line(graph, number, mean, arm, first=row + column == 2)

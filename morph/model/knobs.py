@@ -35,8 +35,8 @@ class Knob:
     part: str
     """The link, actuator or joint; `world` for gravity."""
     what: str
-    """The figure: mass, com, inertia, gain, rate_gain, damping, armature and the like; weight is mass
-    and inertia together, length the size of a link whose mass stays."""
+    """The figure: mass, com, inertia, gain, rate_gain, damping, armature and the like; weight is
+    mass and inertia together, length the size of a link whose mass stays."""
     fraction: float
     """By how much it may be wrong."""
 
