@@ -3,12 +3,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from morph.arrays import Array
 from morph.body.load import load
 from morph.model.latent.unknowns import turned
 from morph.search.target import Simulated
 from morph.task.task import Task
 from morph.task.tasks import task
+from morph.transfer.live.called import Called
 from morph.transfer.live.heed import Heed, heed_of
+from morph.transfer.live.live import Live
+from morph.transfer.live.wiring import hello_for
 
 Factors = dict[str, float]
 PUSHES = 8.0 * np.sign(np.sin(0.7 * np.arange(60)))[:, None]
@@ -64,3 +68,25 @@ def test_a_body_that_is_told_nothing_tells_nothing(whole: Task) -> None:
     run = target.trial(0.0 * PUSHES, np.random.default_rng(100))
     told = (whole.simulator(), run.position, run.velocity, run.command, run.period)
     assert heed_of(*told) is None
+
+
+@pytest.mark.parametrize(
+    ("does", "said"), [(0.0, "seems not to follow"), (-1.0, "moves against"), (1.0, "")]
+)
+def test_a_trial_notes_whether_the_target_follows(whole: Task, does: float, said: str) -> None:
+    target = Simulated(task=whole, simulator=whole.simulator())
+    run = target.trial(does * PUSHES, np.random.default_rng(100))
+    names = [each.name for each in hello_for(whole.robot, whole.period).channels]
+    states = iter(np.concatenate([run.position, run.velocity], axis=1).tolist())
+
+    def step(command: Array | None) -> dict[str, float]:
+        return dict(zip(names, next(states), strict=True))
+
+    called = Called(step, hello_for(whole.robot, whole.period), stopped=lambda: None)
+    live = Live(whole, called)
+    live.trial(PUSHES, np.random.default_rng(100))
+    live.close()
+    assert live.conduct is not None
+    notes = " ".join(live.conduct.notes)
+    assert said in notes
+    assert ("commands" in notes) is bool(said)
