@@ -48,6 +48,9 @@ def within(asked: Serve) -> Process:
 
         returncode = 0
 
+        def poll(self) -> int | None:
+            return None if thread.is_alive() else 0
+
         def wait(self, seconds: float | None = None) -> int:
             thread.join(seconds)
             return 0
