@@ -81,16 +81,38 @@ class McPilco(BeliefSearch):
         self, bunch: Particles, start: Array, view: View, rng: np.random.Generator
     ) -> Array:
         at = torch.from_numpy(start.copy()).requires_grad_()
-        adam = torch.optim.Adam([at], lr=self.size)
+        first, second = torch.zeros_like(at), torch.zeros_like(at)
         low, high = torch.from_numpy(np.array(bunch.scale.bounds).T.copy())
         for step in range(self.steps):
             share = 0.5 * (1.0 + np.cos(np.pi * step / self.steps))
-            adam.param_groups[0]["lr"] = self.size * max(share, SMALLEST_SHARE)
-            adam.zero_grad()
+            size = self.size * max(share, SMALLEST_SHARE)
+            at.grad = None
             loss = bunch.loss(at, Chance.drawn(view, self.particles, rng))
             loss.backward()  # type: ignore[no-untyped-call]
             torch.nn.utils.clip_grad_norm_([at], 10.0)
-            adam.step()
             with torch.no_grad():
-                at.copy_(torch.maximum(torch.minimum(at, high), low))
+                first, second, change = adam(first, second, at.grad, step)
+                at.copy_(torch.maximum(torch.minimum(at - size * change, high), low))
         return np.asarray(at.detach().numpy())
+
+
+def adam(
+    first: torch.Tensor, second: torch.Tensor, slope: torch.Tensor | None, step: int
+) -> tuple[torch.Tensor, torch.Tensor, torch.Tensor]:
+    """Return the moments of a gradient after one more, and the change in steps of size one.
+
+    torch's own brings its compiler along, which takes seconds to load, and where torch is built
+    for graphics cards it loads libraries that crash beside those of other packages.
+
+    Source: Kingma and Ba 2015, Adam, ICLR, algorithm 1.
+
+    Args:
+        first: Mean of gradients, which fades, shape (n,).
+        second: Mean of their squares, likewise.
+        slope: The gradient; None for none, which changes nothing.
+        step: How many came before.
+    """
+    here = torch.zeros_like(first) if slope is None else slope
+    first, second = 0.9 * first + 0.1 * here, 0.999 * second + 0.001 * here**2
+    middle, spread = first / (1.0 - 0.9 ** (step + 1)), second / (1.0 - 0.999 ** (step + 1))
+    return first, second, middle / (spread.sqrt() + 1e-8)

@@ -86,6 +86,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         return DONE
     except OSError as error:
         where = harmless(str(error.filename or "standard output"))
+        if error.filename is None:
+            # What is left in the buffer would fail once more at the end, with a status of its own.
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.stderr.write(
             f"error: {where}: {error.strerror or error}\n"
             "  fix: print it elsewhere; what a command writes is in its --out\n"

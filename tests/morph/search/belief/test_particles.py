@@ -16,7 +16,7 @@ from morph.search.belief.particles import Chance, Particles
 from morph.search.belief.radial import Scale, radial_of, scale_of
 from morph.search.belief.rollout import imagine
 from morph.search.belief.task import View, view_of
-from morph.search.mc_pilco import McPilco
+from morph.search.mc_pilco import McPilco, adam
 from morph.search.search import Problem
 from morph.search.target import Simulated
 from morph.task.tasks import task
@@ -116,3 +116,16 @@ def test_a_search_improves_what_it_believes_and_goes_on_after_a_kill() -> None:
 def test_settings_that_make_no_sense_are_refused() -> None:
     with pytest.raises(SearchError, match="0 particles"):
         McPilco(particles=0)
+
+
+def test_under_a_slope_that_stays_every_step_of_adam_is_one() -> None:
+    # Moments corrected for their start are g and g^2 whenever the slope always was g, so that
+    # every change is g / |g|. Without any slope nothing changes.
+    slope = torch.tensor([3.0, -0.02, 0.0], dtype=torch.float64)
+    first, second = torch.zeros_like(slope), torch.zeros_like(slope)
+    for step in range(10):
+        first, second, change = adam(first, second, slope, step)
+        # The 1e-8 beside |g| = 0.02 takes 5e-7 of a step.
+        assert torch.allclose(change, torch.sign(slope), atol=1e-6)
+    _, _, change = adam(torch.zeros(2), torch.zeros(2), None, 0)
+    assert not change.any()
