@@ -10,3 +10,6 @@ Array = NDArray[np.float64]
 
 Mask = NDArray[np.bool_]
 """Which ones."""
+
+Integers = NDArray[np.int64]
+"""Counts and places."""

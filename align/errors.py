@@ -23,3 +23,7 @@ class SamplesError(AlignError):
 
 class SettingError(AlignError):
     """A setting is out of range."""
+
+
+class MapError(AlignError):
+    """A map between two bodies cannot be learned, read, inverted or composed."""

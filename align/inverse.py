@@ -9,54 +9,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from align.arrays import Array, Mask
-from align.errors import SamplesError, SettingError
+from align.errors import SettingError
 from align.regression import Regression, regression
+from align.samples import Transitions
 from align.states import change, features
 
 Guess = Callable[[Array, Array], Array]
 """From states (m, n) and those that follow (m, n) to commands (m, nu)."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Transitions:
-    """What a target did: states, what was commanded there, and the states that followed."""
-
-    state: Array
-    """x_t, shape (m, n)."""
-    command: Array
-    """u_t, held until the next state, shape (m, nu)."""
-    after: Array
-    """x_t+1, shape (m, n)."""
-    turns: Mask
-    """Which numbers of a state are angles, rad, that may go round, shape (n,)."""
-
-    def __post_init__(self) -> None:
-        """Check the shapes."""
-        m, n = self.state.shape if self.state.ndim == 2 else (0, 0)
-        fits = self.after.shape == (m, n) and self.turns.shape == (n,) and m > 0
-        if not (fits and self.command.ndim == 2 and len(self.command) == m):
-            shapes = [self.state.shape, self.command.shape, self.after.shape, self.turns.shape]
-            raise SamplesError(
-                f"state, command, after and turns have the shapes {shapes}",
-                where="transitions of a target",
-                fix="give (m, n), (m, nu), (m, n) and (n,)",
-            )
-        parts = (self.state, self.command, self.after)
-        if not all(np.isfinite(each).all() for each in parts):
-            raise SamplesError(
-                "a state or a command is no finite number",
-                where="transitions of a target",
-                fix="leave out what a sensor failed to see",
-            )
-
-    def and_also(self, more: Transitions) -> Transitions:
-        """Return these and more of the same target."""
-        return Transitions(
-            state=np.concatenate([self.state, more.state]),
-            command=np.concatenate([self.command, more.command]),
-            after=np.concatenate([self.after, more.after]),
-            turns=self.turns,
-        )
 
 
 class Inverse(ABC):

@@ -8,7 +8,8 @@ import numpy as np
 
 from align.arrays import Array, Mask
 from align.errors import SettingError
-from align.inverse import Inverse, Transitions, joint
+from align.inverse import Inverse, joint
+from align.samples import Transitions
 from align.states import change, features
 
 

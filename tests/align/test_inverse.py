@@ -7,7 +7,8 @@ import pytest
 
 from align.arrays import Array
 from align.errors import SamplesError, SettingError
-from align.inverse import Transitions, gaussian_inverse, local_inverse
+from align.inverse import gaussian_inverse, local_inverse
+from align.samples import Transitions
 
 DT, MASS, FRICTION = 0.05, 2.0, 1.5
 PLAIN = np.array([False, False])

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from align.errors import SettingError
-from align.inverse import GaussianInverse, Transitions
+from align.inverse import GaussianInverse
+from align.samples import Transitions
 from align.similar import following
 
 PLAIN = np.array([False, False])

@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from align.inverse import Transitions
+from align.samples import Transitions
 from align.states import change
 from morph.arrays import Array, Mask
 from morph.errors import TransferError
