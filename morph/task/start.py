@@ -14,6 +14,7 @@ from morph.arrays import Array
 from morph.body.robot import Robot
 from morph.errors import TaskError
 from morph.sim.start import started
+from morph.task.push import Push
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -28,6 +29,8 @@ class Start:
     """Standard deviation of every position, m or rad, and every velocity, per s."""
     moving: tuple[str, ...] | None = None
     """The joints that are spread; None for all of them."""
+    push: Push | None = None
+    """By which runs begin, beside their speed."""
 
     def __post_init__(self) -> None:
         """Check the spread."""
@@ -48,7 +51,7 @@ class Start:
         """
         if rng is not None:
             return self.spread_by(robot, model, rng.standard_normal((2, rows, model.nv)))
-        q, v = started(robot, model, self.position, self.speed)
+        q, v = self._middle(robot, model)
         return np.tile(q, (rows, 1)), np.tile(v, (rows, 1))
 
     def spread_by(self, robot: Robot, model: Any, chance: Array) -> tuple[Array, Array]:
@@ -63,7 +66,7 @@ class Start:
         Raises:
             RobotError: A name is not the robot's.
         """
-        q, v = started(robot, model, self.position, self.speed)
+        q, v = self._middle(robot, model)
         # A closed chain cannot be spread joint by joint: it would be torn.
         shift, more = self.spread * self._moves(model) * chance
         position = np.tile(q, (len(shift), 1))
@@ -72,6 +75,10 @@ class Start:
         for row, each in enumerate(shift):
             mujoco.mj_integratePos(model, position[row], each, 1.0)
         return position, v + more
+
+    def _middle(self, robot: Robot, model: Any) -> tuple[Array, Array]:
+        q, v = started(robot, model, self.position, self.speed)
+        return q, v if self.push is None else v + self.push.velocity(model, q)
 
     def _moves(self, model: Any) -> Array:
         if self.moving is None:

@@ -120,7 +120,7 @@ class Plant(Stepped):
         self._remembers = bool(model.neq or model.jnt_limited.any() or may_touch(model))
         self._remembers |= bool(model.dof_frictionloss.any() or model.tendon_limited.any())
         self._kept: dict[int, Batch] = {}
-        self._simulator = simulator
+        self.simulator = simulator
 
     @cached_property
     def sliding(self) -> Plant:
@@ -129,7 +129,7 @@ class Plant(Stepped):
         A joint that friction holds has no slope at all: neither feedback nor a better plan would
         be found there. Once it slides, friction is a constant force, and slopes are these.
         """
-        known = self._simulator
+        known = self.simulator
         wet = tuple(each for each in known.effects if each.name not in DRY)
         if len(wet) == len(known.effects) and not self.model.dof_frictionloss.any():
             return self
