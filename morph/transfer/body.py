@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -14,7 +14,6 @@ from morph.search.regulator.rest import Rest, off_rest, rest
 from morph.search.trajectory.linearise import linearise
 from morph.search.trajectory.plant import Plant
 from morph.search.trajectory.tangent import moved_by
-from morph.sim.simulator import Simulator
 from morph.task.moved import Moved
 from morph.task.run import run
 from morph.task.task import Task
@@ -147,8 +146,6 @@ class Body:
         )
 
     def _begun(self, rng: np.random.Generator) -> Array:
-        from dataclasses import replace
-
         start = replace(self.task.start, push=None)
         q, v = start.sample(self.task.robot, self.plant.model, 1, rng)
         return self.state(q, v)[0]
@@ -164,11 +161,7 @@ class Body:
             told = np.nan_to_num(law(x, np.full(len(x), time))) + self.still.command
             return np.clip(told, self.plant.low, self.plant.high)
 
-        return run(self.task, self._simulator, act, q, v)
-
-    @property
-    def _simulator(self) -> Simulator:
-        return self.plant.simulator
+        return run(self.task, self.plant.simulator, act, q, v)
 
     def score(self, law: Law, *, rows: int = 20, seed: int = 0) -> float:
         """Return the mean score of the task under a law, 0 to 1."""
