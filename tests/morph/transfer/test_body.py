@@ -22,7 +22,8 @@ def cart_pole() -> Body:
 
 def test_the_slopes_of_a_cart_pole_are_those_of_its_equations(cart_pole: Body) -> None:
     # Upright, theta the lean towards +x and I = m l^2 / 12:
-    # (M + m) x'' + m l / 2 theta'' = u - b x',  m l / 2 x'' + (m l^2 / 4 + I) theta'' = m g l / 2 theta.
+    # (M + m) x'' + m l / 2 theta'' = u - b x',
+    # m l / 2 x'' + (m l^2 / 4 + I) theta'' = m g l / 2 theta.
     g, length, m, M, b = 9.82, 0.5, 0.5, 0.5, 0.1
     half = length / 2.0
     mass = np.array([[M + m, m * half], [m * half, m * half**2 + m * length**2 / 12.0]])
