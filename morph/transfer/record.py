@@ -195,14 +195,23 @@ class Record:
         Raises:
             OutputError: It holds what JSON cannot.
         """
-        try:
-            return json.dumps(_finite(self.said()), allow_nan=False, indent=1) + "\n"
-        except (TypeError, ValueError) as error:
-            raise OutputError(
-                f"the record holds what JSON cannot: {error}",
-                where="transfer.json",
-                fix="report this with the command that led to it",
-            ) from error
+        return text_of(self.said())
+
+
+def text_of(said: JSON) -> str:
+    """Return a record as text; a number that is not finite is null.
+
+    Raises:
+        OutputError: It holds what JSON cannot.
+    """
+    try:
+        return json.dumps(_finite(said), allow_nan=False, indent=1) + "\n"
+    except (TypeError, ValueError) as error:
+        raise OutputError(
+            f"the record holds what JSON cannot: {error}",
+            where="transfer.json",
+            fix="report this with the command that led to it",
+        ) from error
 
 
 def _finite(value: object) -> object:

@@ -1,0 +1,166 @@
+"""What `morph align` learns from: transitions that bodies are made to show, or that are read."""
+
+from __future__ import annotations
+
+import zipfile
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from align.samples import Pairs, Transitions
+from morph.errors import TransferError
+from morph.files import sha256
+from morph.transfer.body import Body
+from morph.transfer.parts import Names, Spreads, names_of
+
+ARRAYS = ("state", "command", "after")
+"""What a file of transitions must hold."""
+
+TOLD = ("turns", "state_names", "command_names")
+"""What it may hold beside them."""
+
+MOST_BYTES = 200_000_000
+"""Most bytes of a file, unpacked."""
+
+FEWEST = 10
+"""Transitions of which a map can be learned at all, beside those that are held out."""
+
+HELD_OUT = 0.2
+"""Share of the transitions on which a map is judged and from which it is not learned."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Side:
+    """One of the two bodies."""
+
+    names: Names
+    """What its numbers are called."""
+    seen: Transitions
+    """What it did, to learn from."""
+    held: Transitions
+    """What it did, to judge by."""
+    body: Body | None
+    """Its simulation; None if what it did was read."""
+    sha256: str
+    """Hash of what was given."""
+
+    @property
+    def spreads(self) -> Spreads:
+        """How far its numbers usually are from their middle."""
+        return Spreads(state=self.seen.state.std(axis=0), command=self.seen.command.std(axis=0))
+
+
+def made(body: Body, samples: int, rng: np.random.Generator) -> Side:
+    """Return what a body does under random commands, in its simulation."""
+    robot = body.task.robot
+    return Side(
+        names=names_of(body),
+        seen=body.transitions(samples, rng),
+        held=body.transitions(max(FEWEST, round(HELD_OUT * samples)), rng),
+        body=body,
+        sha256=robot.sha256 or sha256(robot.mjcf),
+    )
+
+
+def read(path: Path, option: str) -> Side:
+    """Return what a file says that a body did; its last fifth is held out.
+
+    Raises:
+        TransferError: It cannot be read, or holds something else.
+        SamplesError: Its arrays do not fit together, or hold what is no number.
+    """
+    held = _arrays(path, option)
+    lacking = [name for name in ARRAYS if name not in held]
+    unknown = sorted(held.keys() - {*ARRAYS, *TOLD})
+    if lacking or unknown:
+        raise _refused(
+            path, option, f"it lacks {', '.join(lacking)}" if lacking else f"it holds {unknown[0]}"
+        )
+    state, command, after = (_numbers(path, option, name, held[name]) for name in ARRAYS)
+    columns = state.shape[1]
+    turns = np.asarray(held.get("turns", np.zeros(columns)), dtype=bool)
+    whole = Transitions(state=state, command=command, after=after, turns=turns)
+    out = max(1, round(HELD_OUT * len(state)))
+    if len(state) - out < FEWEST:
+        raise _refused(
+            path, option, f"it holds {len(state)} transitions", f"give {FEWEST + out} or more"
+        )
+    names = Names(
+        body=path.stem,
+        state=_named(path, option, held, "state", columns),
+        command=_named(path, option, held, "command", command.shape[1]),
+        shown=columns,
+    )
+    seen, later = (_some(whole, each) for each in (slice(None, -out), slice(-out, None)))
+    return Side(names=names, seen=seen, held=later, body=None, sha256=sha256(path))
+
+
+def pairs(path: Path) -> Pairs:
+    """Return the pairs of states that a file holds.
+
+    Raises:
+        TransferError: It cannot be read, or holds something else.
+        SamplesError: There are not as many states of one body as of the other.
+    """
+    held = _arrays(path, "--pairs")
+    if held.keys() != {"source", "target"}:
+        raise _refused(path, "--pairs", f"it holds {', '.join(sorted(held)) or 'nothing'}")
+    both = (_numbers(path, "--pairs", name, held[name]) for name in ("source", "target"))
+    return Pairs(**dict(zip(("source", "target"), both, strict=True)))
+
+
+def _some(whole: Transitions, which: slice) -> Transitions:
+    return Transitions(
+        state=whole.state[which],
+        command=whole.command[which],
+        after=whole.after[which],
+        turns=whole.turns,
+    )
+
+
+def _arrays(path: Path, option: str) -> dict[str, Any]:
+    try:
+        with zipfile.ZipFile(path) as archive:
+            size = sum(each.file_size for each in archive.infolist())
+        if size > MOST_BYTES:
+            raise ValueError(f"it is larger than {MOST_BYTES} bytes")
+        # Objects would be pickles, which may run anything.
+        with np.load(path, allow_pickle=False) as held:
+            return {name: held[name] for name in held.files}
+    except (OSError, ValueError, EOFError, KeyError, zipfile.BadZipFile) as error:
+        told = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+        raise _refused(path, option, f"it cannot be read: {told}") from error
+
+
+def _numbers(path: Path, option: str, name: str, value: Any) -> Any:
+    if value.dtype.kind not in "fiu" or value.ndim != 2 or not value.shape[1]:
+        raise _refused(
+            path, option, f"{name} is of type {value.dtype} and shape {value.shape}",
+            "give numbers, one row for each transition and one column or more",
+        )  # fmt: skip
+    return np.asarray(value, dtype=float)
+
+
+def _named(
+    path: Path, option: str, held: Mapping[str, Any], what: str, count: int
+) -> tuple[str, ...]:
+    key = f"{what}_names"
+    if key not in held:
+        return tuple(f"{what} {at + 1}" for at in range(count))
+    names = tuple(str(each) for each in np.ravel(held[key]))
+    if held[key].dtype.kind != "U" or len(names) != count or len(set(names)) != count:
+        raise _refused(
+            path, option, f"{key} holds {len(names)} texts for {count} columns of {what}",
+            "give each column one name, no two the same",
+        )  # fmt: skip
+    return names
+
+
+def _refused(path: Path, option: str, what: str, fix: str = "") -> TransferError:
+    holds = "source and target" if option == "--pairs" else ", ".join(ARRAYS)
+    return TransferError(
+        what, where=f"{option} {path}", fix=fix or f"give an NPZ file with the arrays {holds}"
+    )

@@ -1,0 +1,1 @@
+"""The report of an alignment: which part of a body is which of another."""

@@ -1,0 +1,69 @@
+"""The report of an alignment: one page without scripts, the parts with arrows first."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import jinja2
+from markupsafe import Markup
+
+from morph.app.report.align import arrows, words
+from morph.app.report.align.outcome import Aligned
+from morph.app.report.learn.page import POLICY
+from morph.transfer.parts import Parts
+
+FOLDER = Path(__file__).parent
+
+Table = tuple[str, tuple[str, str], list[tuple[str, str]]]
+"""Title, heads and rows of a table of arrows."""
+
+
+def align_page(found: Aligned) -> str:
+    """Return the report as one HTML page."""
+    source, target = found.source.body, found.target.body
+    return environment(FOLDER).get_template("page.html.j2").render(
+        o=found,
+        policy=POLICY,
+        style=Markup(style()),
+        headline=words.headline(found),
+        summary=words.summary(found),
+        drawn=arrows.drawn(found.parts, source, target),
+        tables=tables(found.parts, source, target),
+        lost=words.lost_said(found.parts, target),
+        quality=words.quality_rows(found.quality),
+        provenance=_provenance(found),
+    )  # fmt: skip
+
+
+def environment(*folders: Path) -> jinja2.Environment:
+    """Return what renders the templates of these folders; every text is escaped."""
+    return jinja2.Environment(
+        loader=jinja2.FileSystemLoader([*folders]),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+
+
+def style(*more: Path) -> str:
+    """Return the style sheets of reports, those of arrows and any more."""
+    report = FOLDER.parent
+    sheets = (
+        report / "page.css", report / "learn" / "page.css", report / "loop" / "page.css",
+        FOLDER / "page.css", *more,
+    )  # fmt: skip
+    return "".join(sheet.read_text(encoding="utf-8") for sheet in sheets)
+
+
+def tables(parts: Parts, source: str, target: str) -> list[Table]:
+    """Return the arrows of the states and of the commands in figures."""
+    return [
+        ("States", (f"of {source}", f"made of {target}'s"), list(words.made_of(parts.states))),
+        ("Commands", (f"of {target}", f"made of {source}'s"), list(words.made_of(parts.commands))),
+    ]
+
+
+def _provenance(found: Aligned) -> list[tuple[str, str]]:
+    made = found.said()["provenance"]
+    return [("morph", made["morph"]), ("mujoco", made["mujoco"]), *sorted(made["inputs"].items())]

@@ -1,0 +1,81 @@
+"""What an alignment found, in plain words."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+
+from morph.app.report.align.outcome import Aligned
+from morph.app.report.words import counted, percent
+from morph.transfer.parts import Arrow, Parts
+from morph.transfer.record import Guard
+
+QUALITY: Mapping[str, str] = {}
+"""What each number of a map's quality is called."""
+
+MINUS = "\N{MINUS SIGN}"
+"""Of a part that is turned round."""
+
+VERDICTS: Mapping[str, str] = {
+    "safe": "it is safe to try",
+    "unsafe": "it is not safe to try",
+    "unsure": "nobody can say yet whether it is safe to try",
+}
+"""What is said of the guard's verdicts."""
+
+
+def headline(found: Aligned) -> str:
+    """Return what was found."""
+    return f"{found.target.body} is seen as {found.source.body}"
+
+
+def summary(found: Aligned) -> tuple[str, ...]:
+    """Return in a few sentences how the map was learned and what is thought of it."""
+    here, there = found.samples
+    lines = [
+        f"The map {found.mapper} was learned from {counted(there, 'transition', 'transitions')} "
+        f"of {found.target.body} and {here} of {found.source.body}.",
+        guard_said(found.guard),
+    ]
+    if found.why:
+        lines.append(f"{found.why[:1].upper()}{found.why[1:].rstrip('.')}.")
+    return tuple(lines)
+
+
+def guard_said(guard: Guard) -> str:
+    """Return the guard's verdict with its probability."""
+    words = f"The guard calls the source's policy seen through it {guard.verdict}"
+    if guard.probability is None:
+        return f"{words}: {VERDICTS[guard.verdict]}."
+    share = percent(guard.probability).replace("\N{NO-BREAK SPACE}", " ")
+    return f"{words}: {share} sure that it does no harm."
+
+
+def quality_rows(quality: Mapping[str, float]) -> list[tuple[str, str]]:
+    """Return each number of a map's quality with what it is called."""
+    return [(QUALITY.get(name, name.replace("_", " ")), short(x)) for name, x in quality.items()]
+
+
+def short(value: float) -> str:
+    """Return a number with three figures."""
+    return f"{value:.3g}" if math.isfinite(value) else "none"
+
+
+def made_of(arrows: Sequence[Arrow]) -> Iterator[tuple[str, str]]:
+    """Yield each number that is made, and what it is made of, the strongest first."""
+    for end in dict.fromkeys(arrow.end for arrow in arrows):
+        parts = [
+            f"{MINUS if arrow.weight < 0.0 else '+'} {arrow.begin} "
+            f"({100.0 * abs(arrow.weight):.0f} %)"
+            for arrow in arrows
+            if arrow.end == end
+        ]
+        yield end, ", ".join(parts)
+
+
+def lost_said(parts: Parts, target: str) -> str:
+    """Return which parts of the target play no role, in a sentence; empty if there is none."""
+    if not parts.lost:
+        return ""
+    plays = "plays" if len(parts.lost) == 1 else "play"
+    return f"Of {target} {', '.join(parts.lost)} {plays} no role in it."
