@@ -38,11 +38,20 @@ class Body:
     """Where it rests."""
     upright: Upright
     """How well it balances."""
+    sight: Array | None = None
+    """What laws and learners see of a state x about rest, sight @ x, shape (n, 2 nv); x if none."""
 
     @property
     def size(self) -> int:
-        """How many numbers a state has."""
-        return 2 * int(self.plant.model.nv)
+        """How many numbers of a state are seen."""
+        return 2 * int(self.plant.model.nv) if self.sight is None else len(self.sight)
+
+    def seen(self, state: Array) -> Array:
+        """Return what is seen of states about rest, shape (..., n)."""
+        if self.sight is None:
+            return state
+        # Not by BLAS, whose rounding depends on the row: one reading must be one number.
+        return np.asarray(np.einsum("ij,...j->...i", self.sight, state))
 
     @property
     def bounds(self) -> tuple[Array, Array]:
@@ -67,12 +76,12 @@ class Body:
 
     @cached_property
     def linear(self) -> tuple[Array, Array]:
-        """A and B of x' = A x + B u at rest: the truth, which only an oracle may look at."""
+        """A and B of x' = A x + B u at rest, x whole: the truth, only for an oracle to look at."""
         return linearise(self.plant, self.still.position, self.still.velocity, self.still.command)
 
     @cached_property
     def outcome(self) -> Array:
-        """What the task looks at, z = C x to first order, shape (numbers, n).
+        """What the task looks at, z = C x of what is seen, to first order, shape (numbers, n).
 
         Tilts over LEAN, places over STRAY, and their rates a fifth of a second ahead: the score
         of the task is exp(-|z|^2 / 2) of the first half.
@@ -84,7 +93,8 @@ class Body:
         slope = (seen[:nv] - seen[nv:]).T / (2.0 * STEP)
         slope = slope[np.abs(slope).max(axis=1) > 1e-6]
         none = np.zeros_like(slope)
-        return np.block([[slope, none], [none, 0.2 * slope]])
+        whole = np.block([[slope, none], [none, 0.2 * slope]])
+        return whole if self.sight is None else whole @ np.linalg.pinv(self.sight)
 
     def _seen(self, q: Array) -> Array:
         moved = self._moved(q[:, None], np.zeros((len(q), 1, self.plant.model.nv)))
@@ -131,7 +141,7 @@ class Body:
             u = np.clip(share * half * rng.standard_normal(len(half)), low, high)
             after = self.step(x[None], u[None])[0]
             rows.append((x, u, after))
-            lost = not np.isfinite(after).all() or np.abs(self.outcome @ after).max() > 1.0
+            lost = not np.isfinite(after).all() or np.abs(self.outcome @ self.seen(after)).max() > 1.0
             x = self._begun(rng) if lost else after
         state, command, after = (np.array(each) for each in zip(*rows, strict=True))
         seen = level * rng.standard_normal((2, *state.shape))
@@ -139,9 +149,9 @@ class Body:
         follows = np.flatnonzero((state[1:] == after[:-1]).all(axis=1))
         seen[0, follows + 1] = seen[1, follows]
         return Transitions(
-            state=state + seen[0],
+            state=self.seen(state + seen[0]),
             command=command,
-            after=np.nan_to_num(after) + seen[1],
+            after=self.seen(np.nan_to_num(after) + seen[1]),
             turns=np.zeros(self.size, dtype=bool),
         )
 
@@ -158,7 +168,8 @@ class Body:
         def act(position: Array, velocity: Array, time: float) -> Array:
             x = self.state(position, velocity)
             x = x + self.task.noise * rng.standard_normal(x.shape)
-            told = np.nan_to_num(law(x, np.full(len(x), time))) + self.still.command
+            law_told = law(self.seen(x), np.full(len(x), time))
+            told = np.nan_to_num(law_told) + self.still.command
             return np.clip(told, self.plant.low, self.plant.high)
 
         return run(self.task, self.plant.simulator, act, q, v)
