@@ -1,0 +1,1 @@
+"""From a map between two bodies and a few transitions to feedback for the second."""
