@@ -14,6 +14,13 @@ from morph.transfer.body import Body
 LEAST = 0.1
 """Share of a number from which on an arrow is drawn."""
 
+READINGS = {
+    1: ("tilt",),
+    2: ("tilt ahead", "tilt aside"),
+    4: ("tilt ahead", "tilt aside", "place ahead", "place aside"),
+}
+"""What is seen of a body by what balancing looks at, by how many numbers those are."""
+
 STEP = 0.05
 """Distance of a finite difference, in spreads."""
 
@@ -79,8 +86,9 @@ def names_of(body: Body) -> Names:
         for part in kinds.get(joint.kind, ("",) if joint.kind in {"hinge", "slide"} else ())
     ]
     half = body.size // 2
-    # A joint that is none of these has no number of its own.
-    place = place if len(place) == half else [f"place {at + 1}" for at in range(half)]
+    # A body may be seen by what its task looks at alone, which is no joint of its own.
+    if body.sight is not None or len(place) != half:
+        place = list(READINGS.get(half, ())) or [f"reading {at + 1}" for at in range(half)]
     return Names(
         body=robot.name,
         state=(*place, *(f"speed of {name}" for name in place)),

@@ -27,13 +27,15 @@ def stored(body: Body, gain: Array, shift: Array) -> Linear:
 
     Args:
         body: Whose policy it is.
-        gain: Shape (nu, n), n = 2 nv.
+        gain: Shape (nu, n), n what laws of the body see.
         shift: Shape (nu,).
     """
     robot, model, still = body.task.robot, body.plant.model, body.still
     seen = observations_of(robot)
     rest = np.concatenate([still.position, still.velocity])
-    weight = gain @ tangent(robot, model, still.position, seen)
+    # A law may see less than the whole state; the policy that is stored sees all of it.
+    whole = gain if body.sight is None else gain @ body.sight
+    weight = whole @ tangent(robot, model, still.position, seen)
     angles = turning(robot, seen)
     plain, turns = angles == 0.0, angles == 1.0
     sine = np.cos(rest[turns]) * weight[:, turns]
@@ -59,8 +61,10 @@ def law_of(body: Body, policy: Policy) -> Law:
     """
     _check(body, policy)
 
+    back = None if body.sight is None else np.linalg.pinv(body.sight).T
+
     def law(state: Array, time: Array) -> Array:
-        q, v = body.place(state)
+        q, v = body.place(state if back is None else state @ back)
         seen = Observer(policy, body.task.robot, body.plant.model, len(state)).see(q, v)
         return policy.act(seen, time) - body.still.command
 

@@ -12,6 +12,8 @@ from typing import Annotated
 import tyro
 
 import morph
+from align.errors import AlignError
+from morph.app.cli.align_arguments import Align, Transfer
 from morph.app.cli.arguments import (
     Convert,
     Diagnose,
@@ -27,6 +29,9 @@ from morph.errors import MorphError
 DONE, UNUSABLE, STOPPED_SHORT, INTERRUPTED = 0, 2, 3, 130
 """Exit statuses, the same for every command."""
 
+Command = Diagnose | Inspect | Convert | Simulate | Learn | Loop | Align | Transfer | List
+"""What is asked: one command with its options."""
+
 Asked = (
     Annotated[Diagnose, tyro.conf.subcommand("diagnose")]
     | Annotated[Inspect, tyro.conf.subcommand("inspect")]
@@ -34,6 +39,8 @@ Asked = (
     | Annotated[Simulate, tyro.conf.subcommand("simulate")]
     | Annotated[Learn, tyro.conf.subcommand("learn")]
     | Annotated[Loop, tyro.conf.subcommand("loop")]
+    | Annotated[Align, tyro.conf.subcommand("align")]
+    | Annotated[Transfer, tyro.conf.subcommand("transfer")]
     | Annotated[List, tyro.conf.subcommand("list")]
 )
 
@@ -48,6 +55,10 @@ Example: morph diagnose double_pendulum rig.toml --out report
 Example: morph learn swing-up --robot cartpole --out learned
 
 Example: morph loop swing-up --robot cartpole --sealed 7 --out carried
+
+Example: morph align cartpole rider_rigid_driven
+
+Example: morph transfer --from learned --chain cartpole rider_rigid_driven --out carried
 
 Exit status: 0 done, 2 what was given cannot be used, 3 stopped short, 130 interrupted.
 `morph --version` says which morph this is; `morph COMMAND --help` says more."""
@@ -74,7 +85,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         # What is still held back must fail here, not when Python has ended.
         sys.stdout.flush()
         return status
-    except MorphError as error:
+    except (MorphError, AlignError) as error:
         where, what, fix = (harmless(text) for text in (error.where, error.what, error.fix))
         sys.stderr.write(f"error: {where}: {what}\n  fix: {fix}\n")
         return UNUSABLE
@@ -103,9 +114,9 @@ def _open_streams() -> None:
             setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115 -- open to the end
 
 
-def _asked(given: Sequence[str]) -> Diagnose | Inspect | Convert | Simulate | Learn | Loop | List:
+def _asked(given: Sequence[str]) -> Command:
     try:
-        asked: Diagnose | Inspect | Convert | Simulate | Learn | Loop | List = tyro.cli(
+        asked: Command = tyro.cli(
             Asked,
             prog="morph",
             description=SUMMARY,
@@ -118,7 +129,7 @@ def _asked(given: Sequence[str]) -> Diagnose | Inspect | Convert | Simulate | Le
         sys.stdout.flush()
 
 
-def _run(asked: Diagnose | Inspect | Convert | Simulate | Learn | Loop | List) -> int:
+def _run(asked: Command) -> int:
     if isinstance(asked, List):
         from morph.app.cli.list import run_list
 
@@ -143,6 +154,14 @@ def _run(asked: Diagnose | Inspect | Convert | Simulate | Learn | Loop | List) -
         from morph.app.cli.loop import run_loop
 
         return run_loop(asked)
+    if isinstance(asked, Align):
+        from morph.app.cli.align import run_align
+
+        return run_align(asked)
+    if isinstance(asked, Transfer):
+        from morph.app.cli.transfer import run_transfer
+
+        return run_transfer(asked)
     from morph.app.cli.diagnose import run_diagnose
 
     return run_diagnose(asked)

@@ -1,0 +1,175 @@
+"""Learning a map for `morph align`: which mapper, from what, and what is thought of the map."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from align.errors import AlignError
+from align.maps.body_map import BodyMap, Given, Mapper
+from align.maps.maps import MAPPERS
+from align.samples import Pairs, Worth
+from morph.app.cli.align_arguments import Align
+from morph.app.cli.align_given import Side, pairs
+from morph.app.cli.stages import Stages
+from morph.app.report.align.outcome import Aligned
+from morph.arrays import Array
+from morph.errors import TransferError
+from morph.record.nearest import nearest
+from morph.search.plan.ground import held
+from morph.transfer.body import Body
+from morph.transfer.controls import through
+from morph.transfer.guarded import guarded
+from morph.transfer.parts import parts
+from morph.transfer.record import Guard
+
+UNKNOWN = Guard(verdict="unsure", probability=None)
+"""Of a map through which no policy can be seen."""
+
+
+def check_map(name: str | None) -> None:
+    """Refuse a name of no map.
+
+    Raises:
+        TransferError: There is no such map.
+    """
+    names = tuple(each.name for each in MAPPERS)
+    if name is not None and name not in names:
+        raise TransferError(
+            f"there is no map {name!r}; there are {', '.join(names)}",
+            where="--map",
+            fix=f"the nearest are {nearest(name, names)}; docs/maps.md says what each needs",
+        )
+
+
+def learned(
+    asked: Align, source: Side, target: Side, told: Stages, *, began: float, command: str
+) -> Aligned:
+    """Return the map between two bodies, and what is thought of it.
+
+    Raises:
+        TransferError: The bodies cannot be held against each other.
+        AlignError: No map can be learned from what they did.
+    """
+    check_shared(source, target)
+    known = _given(source, target, None if asked.pairs is None else pairs(asked.pairs))
+    mapper = _mapper(asked.map, known)
+    told.now(f"learning the map {mapper.name}")
+    rng = np.random.default_rng([asked.seed, 2])
+    found = mapper.fit(known, rng)
+    told.now("judging the map")
+    guard, why = _guard(source, target, found, rng)
+    inputs = {f"{side.names.body}": side.sha256 for side in (source, target)}
+    return Aligned(
+        source=source.names,
+        target=target.names,
+        mapper=mapper.name,
+        map=found,
+        parts=parts(found, source.names, target.names, source.spreads, target.spreads),
+        quality=quality_of(found, source, target),
+        guard=guard,
+        why=why,
+        samples=(len(source.seen.state), len(target.seen.state)),
+        held_out=len(target.held.state),
+        seed=asked.seed,
+        seconds=time.monotonic() - began,
+        command=command,
+        inputs=inputs,
+        notes=_notes(source, target),
+    )
+
+
+def check_shared(source: Side, target: Side) -> None:
+    """Refuse two bodies of which no number of the task is both's.
+
+    Raises:
+        TransferError: They share none.
+    """
+    if source.body is None or target.body is None:
+        return
+    periods = [each.task.period for each in (source.body, target.body)]
+    if abs(periods[0] - periods[1]) > 1e-9:
+        raise TransferError(
+            f"{source.names.body} is commanded every {periods[0]:g} s and {target.names.body} "
+            f"every {periods[1]:g} s",
+            where="two bodies",
+            fix="give bodies of one control period: a map of transitions knows but one",
+        )
+
+
+def _given(source: Side, target: Side, known: Pairs | None) -> Given:
+    return Given(
+        source=source.seen,
+        target=target.seen,
+        pairs=known,
+        step=None if source.body is None else source.body.step,
+        source_worth=_worth(source.body),
+        target_worth=_worth(target.body),
+    )
+
+
+def _worth(body: Body | None) -> Worth | None:
+    """Return what states cost by the task: the square of what the task looks at."""
+    if body is None:
+        return None
+    outcome = body.outcome
+    return lambda state: np.asarray(np.square(state @ outcome.T).sum(axis=1))
+
+
+def _mapper(name: str | None, known: Given) -> Mapper:
+    """Return the map that is asked for, or the first that what is known allows."""
+    for each in MAPPERS:
+        mapper: Mapper = each() if isinstance(each, type) else each
+        allowed = all(getattr(known, need) is not None for need in mapper.needs)
+        if mapper.name == name or (name is None and allowed):
+            return mapper
+    raise TransferError(
+        "none of the maps can be learned from what is given",
+        where="--map",
+        fix="give pairs by --pairs, or the source as a body that can be simulated",
+    )
+
+
+def _guard(
+    source: Side, target: Side, found: BodyMap, rng: np.random.Generator
+) -> tuple[Guard, str]:
+    """Return the verdict on the source's policy seen through the map, and why there is none."""
+    if source.body is None or target.body is None:
+        return UNKNOWN, "a body that was only recorded has no task to judge a policy by"
+    body = source.body
+    regulator = held(body.task, body.plant, body.still)
+    law = through(found, regulator.gain, np.zeros(len(regulator.gain)))
+    try:
+        return guarded(target.body, target.seen, law, rng), ""
+    except AlignError as error:
+        return UNKNOWN, f"it cannot tell: {error.what}"
+
+
+def quality_of(found: BodyMap, source: Side, target: Side) -> Mapping[str, float]:
+    """Return how good a map is on what it was not learned from, 1 where it errs by nothing."""
+    y, a, after = target.held.state, target.held.command, target.held.after
+    x = source.held.state
+    quality = {"round_trip": _explained(found.state(found.state_back(x)), x)}
+    if source.body is not None:
+        foreseen = source.body.step(found.state(y), found.action_back(y, a))
+        quality["one_step"] = _explained(foreseen - found.state(y), found.state(after - y))
+    return quality
+
+
+def _explained(found: Array, truth: Array) -> float:
+    """Return R2, 1 - squares of what is left / squares about the mean, the mean over columns."""
+    left = np.square(found - truth).sum(axis=0)
+    whole = np.square(truth - truth.mean(axis=0)).sum(axis=0)
+    fine: Any = whole > 0.0
+    return float(np.mean(1.0 - left[fine] / whole[fine])) if fine.any() else float("nan")
+
+
+def _notes(source: Side, target: Side) -> tuple[str, ...]:
+    told = []
+    for side, option in ((source, "source"), (target, "target")):
+        if side.body is None:
+            told.append(f"what the {option} did was read; its last fifth was held out")
+    return tuple(told)

@@ -1,0 +1,233 @@
+"""`morph transfer`: a policy carried along a chain of bodies, over a map learned at each hop."""
+
+from __future__ import annotations
+
+import sys
+import time
+from itertools import pairwise
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from align.errors import AlignError
+from morph.app.cli.align_arguments import Transfer
+from morph.errors import MorphError, OutputError, TransferError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from morph.app.cli.stages import Stages
+    from morph.app.cli.transfer_bodies import Given
+    from morph.transfer.body import Body
+    from morph.transfer.hops_kept import HopsKept, Kept
+    from morph.transfer.relay_record import RelayRecord
+
+DONE, STOPPED_SHORT, INTERRUPTED = 0, 3, 130
+
+FEWEST = 10
+"""Transitions of a hop, at least."""
+
+
+def run_transfer(asked: Transfer) -> int:
+    """Carry a policy along a chain as asked and return the exit status.
+
+    Raises:
+        MorphError: An input cannot be used, or a result cannot be written.
+        AlignError: No map of the first hop can be learned.
+    """
+    from morph.app.cli.transfer_bodies import body_of, check_task, given
+    from morph.app.cli.transfer_folder import TRANSFER, alone, check_out
+
+    # Whatever the command line got wrong is told before any work is done.
+    began = time.monotonic()
+    _check_numbers(asked)
+    check_task(asked.task)
+    out = check_out(asked.out, TRANSFER)
+    _check_fresh(asked, out)
+    bodies = [body_of(name, asked.task) for name in asked.chain]
+    check_periods(bodies)
+    start = given(asked.policy, bodies[0])
+    with alone(out):
+        return _run(asked, bodies, start, out, began)
+
+
+def _check_numbers(asked: Transfer) -> None:
+    hops = len(asked.chain) - 1
+    wrong = [
+        (hops < 1, "--chain", f"{len(asked.chain)} bodies make no hop", "name two or more"),
+        (
+            len(asked.samples) not in {1, max(hops, 1)},
+            "--samples",
+            f"{len(asked.samples)} numbers are given for {hops} hops",
+            "give one for all hops, or one for each",
+        ),
+        (
+            min(asked.samples, default=0) < FEWEST,
+            "--samples",
+            f"{min(asked.samples, default=0)} transitions tell nothing of a body",
+            f"give {FEWEST} or more",
+        ),
+        (asked.trials < 1, "--trials", f"{asked.trials} runs judge nothing", "give 1 or more"),
+        (asked.repeats < 0, "--repeats", f"{asked.repeats} is no count", "give 0 or more"),
+        (asked.seed < 0, "--seed", f"{asked.seed} is no seed", "give 0 or more"),
+    ]
+    for holds, where, what, fix in wrong:
+        if holds:
+            raise TransferError(what, where=where, fix=fix)
+
+
+def _check_fresh(asked: Transfer, out: Path) -> None:
+    """Refuse to begin anew where that would remove the policy that is given."""
+    inside = Path(asked.policy).resolve().is_relative_to(out.resolve())
+    if asked.fresh and inside and asked.policy != "learned":
+        raise OutputError(
+            "--fresh would remove what --from names, as it lies in this folder",
+            where=str(out),
+            fix="name another folder by --out, or copy it elsewhere first",
+        )
+
+
+def check_periods(bodies: Sequence[Body]) -> None:
+    """Refuse a chain whose bodies are not commanded equally often.
+
+    Raises:
+        TransferError: Two that follow each other are not.
+    """
+    for here, there in pairwise(bodies):
+        if abs(here.task.period - there.task.period) > 1e-9:
+            raise TransferError(
+                f"{here.task.robot.name} is commanded every {here.task.period:g} s and "
+                f"{there.task.robot.name} every {there.task.period:g} s",
+                where="--chain",
+                fix="give bodies of one control period: a map of transitions knows but one",
+            )
+
+
+def _run(asked: Transfer, bodies: list[Body], start: Given, out: Path, began: float) -> int:
+    """Carry the policy in a folder that nobody else works in, and return the exit status."""
+    from morph.app.cli.loop_beat import beating
+    from morph.app.cli.transfer_folder import TRANSFER, clear
+    from morph.app.cli.transfer_said import say_outcome
+    from morph.app.report.transfer.words import done
+    from morph.transfer.hops_kept import HopsKept
+
+    if asked.fresh:
+        clear(out, TRANSFER, kept=True)
+    kept = HopsKept(out, key_of(asked, bodies, start))
+    hops: list[Kept] = []
+    try:
+        with beating(asked.quiet) as told:
+            stopped = _hops(asked, bodies, start, kept, hops, told)
+            told.now("writing the report")
+            record = _written(asked, bodies, start, hops, stopped, out, began)
+    except BaseException as error:
+        return _ended(error, out, len(hops))
+    say_outcome(asked, record)
+    return DONE if done(record) and not stopped else STOPPED_SHORT
+
+
+def _hops(
+    asked: Transfer,
+    bodies: list[Body],
+    start: Given,
+    kept: HopsKept,
+    hops: list[Kept],
+    told: Stages,
+) -> str:
+    """Make or read every hop; return why it stopped short, or nothing.
+
+    Raises:
+        MorphError: The first hop cannot be made.
+        AlignError: No map of it can be learned.
+    """
+    from morph.app.report.transfer.words import hop_said
+    from morph.transfer.crossed import Asked, crossed
+
+    gain, shift = start.gain, start.shift
+    counts = asked.samples if len(asked.samples) > 1 else asked.samples * (len(bodies) - 1)
+    for at, count in enumerate(counts):
+        number = at + 1
+        done = kept.read(number)
+        if done is None:
+            how = Asked(samples=count, trials=asked.trials, repeats=asked.repeats, seed=asked.seed)
+            label = f"hop {number} of {len(counts)}, to {asked.chain[number]}: "
+
+            def said(words: str, label: str = label) -> None:
+                told.now(label + words)
+
+            try:
+                done = crossed(number, bodies[at], gain, shift, bodies[number], how, said)
+            except (MorphError, AlignError) as error:
+                if not hops:
+                    raise
+                return f"hop {number} could not be made: {error.where}: {error.what}; {error.fix}"
+            kept.write(number, done)
+        hops.append(done)
+        gain, shift = done.gain, done.shift
+        told.line(hop_said(number, done.crossing))
+    return ""
+
+
+def _written(
+    asked: Transfer,
+    bodies: list[Body],
+    start: Given,
+    hops: list[Kept],
+    stopped: str,
+    out: Path,
+    began: float,
+) -> RelayRecord:
+    from morph.app.cli.transfer_bodies import hash_of, notes_of
+    from morph.app.cli.transfer_said import command
+    from morph.app.report.transfer.files import write_transfer
+    from morph.transfer.relay_record import RelayRecord
+
+    inputs = {each.task.robot.name: hash_of(each.task.robot) for each in bodies}
+    notes = (*notes_of(asked.chain), *((stopped,) if stopped else ()))
+    record = RelayRecord(
+        task=bodies[0].task,
+        hops=tuple(each.crossing for each in hops),
+        policy=True,
+        seed=asked.seed,
+        seconds=time.monotonic() - began,
+        command=command(asked),
+        inputs={**inputs, "policy": start.sha256},
+        notes=notes,
+    )
+    return write_transfer(record, bodies[len(hops)], hops[-1], asked.trials, out)
+
+
+def key_of(asked: Transfer, bodies: Sequence[Body], start: Given) -> dict[str, str]:
+    """Return what must be the same for a transfer to go on."""
+    from morph.app.cli.transfer_bodies import hash_of
+
+    return {
+        "chain": " ".join(hash_of(each.task.robot) for each in bodies),
+        "task": asked.task,
+        "policy": start.sha256,
+        "samples": " ".join(map(str, asked.samples)),
+        "trials": str(asked.trials),
+        "repeats": str(asked.repeats),
+        "seed": str(asked.seed),
+    }
+
+
+def _ended(error: BaseException, out: Path, hops: int) -> int:
+    """Return the status of a transfer that was interrupted; leave nothing of one without a hop.
+
+    Raises:
+        BaseException: It was not interrupted, but cannot go on.
+    """
+    from morph.app.cli.transfer_folder import TRANSFER, clear
+    from morph.app.cli.words import harmless
+
+    if not hops:
+        clear(out, TRANSFER, kept=True)
+    if not isinstance(error, KeyboardInterrupt):
+        raise error
+    sys.stderr.write(
+        f"interrupted after {hops} hop{'' if hops == 1 else 's'}; the same command goes on from "
+        f"there, by what is in {harmless(str(out))}\n"
+        if hops
+        else "interrupted; nothing was written\n"
+    )
+    return INTERRUPTED

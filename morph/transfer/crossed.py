@@ -1,0 +1,248 @@
+"""One hop as the command makes it: carried over, held against its controls, and told."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from align.errors import AlignError
+from align.samples import Transitions
+from morph.arrays import Array
+from morph.errors import MorphError
+from morph.search.regulator.lqr import noise_aware
+from morph.transfer.body import Body, linear_law, still_law
+from morph.transfer.controls import control_scores, flipped, shuffled, through
+from morph.transfer.crossing import Crossing, Curve
+from morph.transfer.guarded import belief_of, guarded
+from morph.transfer.hop import Hopped, hop
+from morph.transfer.hops_kept import Kept, map_name
+from morph.transfer.parts import Spreads, names_of, parts
+from morph.transfer.record import Guard
+
+COUNTS = (1 / 6, 1 / 3, 2 / 3, 1.0)
+"""At which shares of the transitions a learning curve has its points."""
+
+FEWEST = 10
+"""Transitions of the first point, at least."""
+
+CALM = 1e-3
+"""What every number of the state costs a regulator, so that nothing drifts unseen."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Asked:
+    """How hops are made and judged."""
+
+    samples: int
+    """Transitions of the target."""
+    trials: int = 20
+    """Runs over which a policy is judged."""
+    repeats: int = 5
+    """How often each point of a learning curve is drawn anew; 0: no curves."""
+    seed: int = 0
+    """Of every draw."""
+
+
+def crossed(
+    number: int,
+    source: Body,
+    gain: Array,
+    shift: Array,
+    target: Body,
+    asked: Asked,
+    said: Callable[[str], None] = lambda words: None,
+) -> Kept:
+    """Return a hop: the source's law carried to the target, and all that it is held against.
+
+    The scores of runs on the target serve the report alone; nothing is learned from them.
+
+    Args:
+        number: Which hop of the chain, counted from 1.
+        source: The body whose law it is.
+        gain: Of the law u = gain x + shift about rest, shape (k_s, n_s).
+        shift: Shape (k_s,).
+        target: The body it is carried to.
+        asked: How.
+        said: Is told what is being done.
+
+    Raises:
+        AlignError: No map can be learned.
+        MorphError: The target cannot be held by any law.
+    """
+    rng = np.random.default_rng([asked.seed, number, 1])
+    said("transitions of the target")
+    seen = target.transitions(asked.samples, rng)
+    said("learning the map")
+    found = hop(source, target, seen, seed=asked.seed, source_gain=gain)
+    said("judging")
+    measured = _measured(found, target, gain, shift, seen, asked)
+    guard, notes = _guard(found, target, seen, rng)
+    curves = _curves(number, source, gain, shift, target, asked, said)
+    crossing = Crossing(
+        source=source.task.robot.name,
+        target=target.task.robot.name,
+        map=map_name(number),
+        kind=found.map.kind,
+        parts=parts(
+            found.map, names_of(source), names_of(target), _usual(source, asked), _spreads(seen)
+        ),
+        quality=dict(found.quality),
+        guard=guard,
+        samples=found.samples,
+        measured=measured,
+        curves=curves,
+        notes=notes,
+    )
+    return Kept(crossing=crossing, map=found.map, gain=found.gain, shift=found.shift)
+
+
+def _measured(
+    found: Hopped, target: Body, gain: Array, shift: Array, seen: Transitions, asked: Asked
+) -> dict[str, float]:
+    """Return the task's score of each policy and control, over the same runs."""
+    how = {"rows": asked.trials, "seed": asked.seed}
+    measured = {
+        "zero_shot": target.score(through(found.map, gain, shift), **how),
+        "final": target.score(linear_law(found.gain, found.shift), **how),
+        "hold_still": target.score(still_law(len(found.gain)), **how),
+        "no_source": target.score(linear_law(alone(target, seen)), **how),
+    }
+    measured |= control_scores(target, found.map, gain, shift, rows=asked.trials, seed=asked.seed)
+    own = target.score(linear_law(oracle(target)), **how)
+    # Who knows the true body could also take the best law that was found without knowing it.
+    measured["oracle"] = max(own, measured["final"], measured["zero_shot"])
+    return measured
+
+
+def _guard(
+    found: Hopped, target: Body, seen: Transitions, rng: np.random.Generator
+) -> tuple[Guard, tuple[str, ...]]:
+    if found.guard is not None:
+        verdict = found.guard
+        return Guard(verdict=verdict.verdict, probability=1.0 - verdict.probability), ()
+    try:
+        return guarded(target, seen, linear_law(found.gain, found.shift), rng), ()
+    except AlignError as error:
+        return Guard(verdict="unsure", probability=None), (f"the guard cannot tell: {error.what}",)
+
+
+def _curves(
+    number: int,
+    source: Body,
+    gain: Array,
+    shift: Array,
+    target: Body,
+    asked: Asked,
+    said: Callable[[str], None],
+) -> tuple[Curve, ...]:
+    """Return how good each way is by how many transitions it is given."""
+    if not asked.repeats:
+        return ()
+    counts = sorted({max(FEWEST, round(share * asked.samples)) for share in COUNTS})
+    rows: dict[str, list[list[float]]] = {}
+    for repeat in range(asked.repeats):
+        seed = asked.seed + 1 + repeat
+        rng = np.random.default_rng([seed, number, 2])
+        whole = target.transitions(counts[-1], rng)
+        points: dict[str, list[float]] = {}
+        for count in counts:
+            said(f"learning curve, {count} transitions, {repeat + 1} of {asked.repeats}")
+            scores = _point(source, gain, shift, target, first(whole, count), seed, asked)
+            for name, score in scores.items():
+                points.setdefault(name, []).append(score)
+        for name, line in points.items():
+            rows.setdefault(name, []).append(line)
+    return tuple(
+        Curve(name=name, samples=tuple(counts), scores=np.array(lines))
+        for name, lines in rows.items()
+    )
+
+
+def _point(
+    source: Body,
+    gain: Array,
+    shift: Array,
+    target: Body,
+    seen: Transitions,
+    seed: int,
+    asked: Asked,
+) -> dict[str, float]:
+    """Return the score of each way from the same transitions; that of a way that fails is still."""
+    how = {"rows": max(1, asked.trials // 2), "seed": seed}
+    none = target.score(still_law(len(target.bounds[0])), **how)
+    scores = dict.fromkeys(("transfer", "no_source", "shuffled", "flipped"), none)
+    scores["no_source"] = target.score(linear_law(alone(target, seen)), **how)
+    try:
+        found = hop(source, target, seen, seed=seed, source_gain=gain)
+    except (AlignError, MorphError):
+        return scores
+    scores["transfer"] = target.score(linear_law(found.gain, found.shift), **how)
+    scores["flipped"] = target.score(flipped(found.map, gain, shift), **how)
+    mixed = shuffled(found.map, gain, shift, target.size, np.random.default_rng([seed, 3]))
+    if mixed:
+        scores["shuffled"] = target.score(mixed[0], **how)
+    else:
+        del scores["shuffled"]
+    return scores
+
+
+def first(seen: Transitions, count: int) -> Transitions:
+    """Return the first so many transitions."""
+    return Transitions(
+        state=seen.state[:count],
+        command=seen.command[:count],
+        after=seen.after[:count],
+        turns=seen.turns,
+    )
+
+
+def alone(body: Body, seen: Transitions) -> Array:
+    """Return the gain that a body's own transitions give without any source; zeros if none.
+
+    The regulator of the linear model that they make most probable, noise of readings accounted
+    for: see `align.belief`.
+    """
+    try:
+        law = belief_of(body, seen).law
+        return regulated(body, law[:, : body.size], law[:, body.size :])
+    except (AlignError, MorphError):
+        return np.zeros((len(body.bounds[0]), body.size))
+
+
+def oracle(body: Body) -> Array:
+    """Return the gain that the true linear model gives, shape (nu, n)."""
+    A, B = body.linear
+    if body.sight is not None:
+        back = np.linalg.pinv(body.sight)
+        A, B = body.sight @ A @ back, body.sight @ B
+    return regulated(body, A, B)
+
+
+def regulated(body: Body, A: Array, B: Array) -> Array:
+    """Return the gain that holds x' = A x + B u at rest as the body's task asks, with its noise.
+
+    Raises:
+        SearchError: Nothing holds it.
+    """
+    low, high = body.bounds
+    half = 0.5 * np.minimum(high - low, 2.0 * np.pi)
+    return noise_aware(
+        A,
+        B,
+        body.outcome.T @ body.outcome + CALM * np.eye(body.size),
+        np.diag(half**-2.0),
+        np.full(body.size, body.task.noise),
+        where=f"task {body.task.name} of {body.task.robot.name}",
+        bounds=half,
+    ).gain
+
+
+def _usual(body: Body, asked: Asked) -> Spreads:
+    """Return how far the numbers of a body whose simulation is at hand usually are from rest."""
+    return _spreads(body.transitions(100, np.random.default_rng([asked.seed, 4])))
+
+
+def _spreads(seen: Transitions) -> Spreads:
+    return Spreads(state=seen.state.std(axis=0), command=seen.command.std(axis=0))
