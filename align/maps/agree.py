@@ -1,0 +1,225 @@
+"""The search for a consistent map: many starts, a cubic of the simulator, then the simulator."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from align.arrays import Array
+from align.errors import MapError, SamplesError, SettingError
+from align.maps.affine_map import AffineMap
+from align.maps.begin import beginnings
+from align.maps.bent_map import BentMap
+from align.maps.body_map import Given
+from align.maps.consistent import Agreement, Fit, Guess, Moves, Seen, descended
+from align.maps.straight import Straight
+from align.maps.surrogate import LEAST_SPREAD, Surrogate, surrogate
+from align.samples import Step, Transitions
+from align.states import change
+
+NEAR = 1e-4
+"""Length of a finite difference of the simulator, in spreads."""
+
+SAME = 0.005
+"""Two starts whose losses differ by a smaller share have come to the same map."""
+
+WORST = 1e6
+"""A map whose greatest singular value is so many times its least has no inverse."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Effort:
+    """How long a consistent map is looked for."""
+
+    starts: int = 24
+    """At most so many maps are drawn to begin from."""
+    agreed: int = 4
+    """As soon as so many starts came to the same best map, no more are drawn."""
+    rounds: int = 25
+    """At most so many rounds of each descent."""
+    finalists: int = 2
+    """So many different maps are compared under the simulator itself."""
+
+    def __post_init__(self) -> None:
+        """Check the counts."""
+        if min(self.starts, self.agreed, self.rounds, self.finalists) < 1:
+            raise SettingError(
+                f"{self} has a count below 1",
+                where="the search for a consistent map",
+                fix="give counts of 1 or more",
+            )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Bends:
+    """What straightens the numbers of a target, made for so many of them."""
+
+    states: Callable[[int], Straight] = field()
+    """For the states."""
+    commands: Callable[[int], Straight] = field()
+    """For the commands."""
+    hold: float
+    """How strongly their parameters are held to 0, where they do nothing."""
+
+
+def consistent(
+    given: Given, rng: np.random.Generator, *, effort: Effort, bends: Bends | None, where: str
+) -> BentMap:
+    """Return the map under which the target moves as the source's simulator says.
+
+    Args:
+        given: Both bodies' transitions, and the source's simulator.
+        rng: The chance of the starts.
+        effort: How long it is looked for.
+        bends: What straightens the target's numbers; None for an affine map.
+        where: Who asks, for errors.
+
+    Raises:
+        MapError: There is no simulator, or what is found has no inverse.
+        SamplesError: The target's transitions are too few or one of its numbers never changed.
+    """
+    if given.step is None:
+        raise MapError("it is not given step", where=where, fix="give the source's simulator")
+    source, target = given.source, given.target
+    _check(source, target, where)
+    middle, spread = target.state.mean(axis=0), target.state.std(axis=0)
+    low, wide = target.command.mean(axis=0), target.command.std(axis=0)
+    before = (target.state - middle) / spread
+    seen = Seen(
+        before=before,
+        command=(target.command - low) / wide,
+        after=before + change(target.state, target.after, target.turns) / spread,
+    )
+    cubic = surrogate(source, given.step, rng)
+    best = _best(
+        _finalists(source, cubic, seen, rng, effort, bends), given.step, cubic, seen, effort, bends
+    )
+    return _unscaled(best.guess, cubic, (middle, spread, low, wide), where)
+
+
+def _check(source: Transitions, target: Transitions, where: str) -> None:
+    n, k = source.state.shape[1], source.command.shape[1]
+    least = 2 * (n + k + 1)
+    if len(target.state) < least or len(source.state) < least:
+        raise SamplesError(
+            f"there are {len(source.state)} transitions of the source and {len(target.state)} of "
+            f"the target, where a linear model of the source has {n + k + 1} numbers a row",
+            where=where,
+            fix=f"give at least {least} of both",
+        )
+    for name, value in (("state", target.state), ("command", target.command)):
+        still = np.flatnonzero(value.std(axis=0) <= LEAST_SPREAD)
+        if len(still):
+            raise SamplesError(
+                f"number {still[0]} of the target's {name} never changed",
+                where=where,
+                fix="excite every joint and every actuator, or leave out what cannot move",
+            )
+
+
+def _finalists(
+    source: Transitions,
+    cubic: Surrogate,
+    seen: Seen,
+    rng: np.random.Generator,
+    effort: Effort,
+    bends: Bends | None,
+) -> list[Fit]:
+    """Return different maps that the starts came to under the cubic, the best first."""
+    x = (source.state - cubic.middle) / cubic.spread
+    u = (source.command - cubic.command_middle) / cubic.command_spread
+    move = change(source.state, source.after, source.turns) / cubic.spread
+    draws = beginnings(x, u, move, seen)
+    agree = Agreement(seen=seen, moves=cubic.moves)
+    fits: list[Fit] = []
+    for _ in range(effort.starts):
+        fits.append(descended(draws.drawn(rng), agree, rounds=effort.rounds, hold=0.0))
+        fits.sort(key=lambda fit: fit.loss)
+        if sum(fit.loss <= fits[0].loss * (1.0 + SAME) for fit in fits) >= effort.agreed:
+            break
+    different = [fits[0]]
+    for fit in fits[1:]:
+        if fit.loss > different[-1].loss * (1.0 + SAME) and len(different) < effort.finalists:
+            different.append(fit)
+    if bends is None:
+        return different
+    m, told = seen.before.shape[1], seen.command.shape[1]
+    bent = [
+        replace(fit.guess, states=bends.states(m), commands=bends.commands(told))
+        for fit in different
+    ]
+    return [descended(each, agree, rounds=effort.rounds, hold=bends.hold) for each in bent]
+
+
+def _best(
+    fits: list[Fit],
+    step: Step,
+    cubic: Surrogate,
+    seen: Seen,
+    effort: Effort,
+    bends: Bends | None,
+) -> Fit:
+    """Return the map that agrees best under the simulator, from where it agreed with the cubic."""
+    agree = Agreement(seen=seen, moves=_exact(step, cubic))
+    hold = 0.0 if bends is None else bends.hold
+    trial = [descended(fit.guess, agree, rounds=4, hold=hold) for fit in fits]
+    best = min(trial, key=lambda fit: fit.loss)
+    return descended(best.guess, agree, rounds=effort.rounds, hold=hold)
+
+
+def _exact(step: Step, cubic: Surrogate) -> Moves:
+    """Return how the simulator itself moves, in spreads, with slopes by finite differences."""
+
+    def moves(x: Array, u: Array) -> tuple[Array, Array, Array]:
+        (rows, n), k = x.shape, u.shape[1]
+        apart = NEAR * np.eye(n + k)
+        many_x = np.concatenate([x, *(x + row for row in apart[:n, :n]), *[x] * k])
+        many_u = np.concatenate([u, *[u] * n, *(u + row for row in apart[n:, n:])])
+        after = step(
+            cubic.middle + cubic.spread * many_x,
+            cubic.command_middle + cubic.command_spread * many_u,
+        )
+        after = ((after - cubic.middle) / cubic.spread).reshape(1 + n + k, rows, n)
+        slope = np.moveaxis((after[1:] - after[0]) / NEAR, 0, 2)
+        return after[0] - x, slope[:, :, :n] - np.eye(n), slope[:, :, n:]
+
+    return moves
+
+
+def _unscaled(
+    guess: Guess, cubic: Surrogate, about: tuple[Array, Array, Array, Array], where: str
+) -> BentMap:
+    """Return the map in the bodies' own units, its ways back made exact."""
+    for name, law in (("states", guess.S), ("commands", guess.R)):
+        sizes = np.linalg.svd(law, compute_uv=False)
+        if not (np.isfinite(sizes).all() and sizes[0] < WORST * sizes[-1]):
+            raise MapError(
+                f"the map of {name} that agrees best has no inverse",
+                where=where,
+                fix="give more transitions, which excite every joint, or another source",
+            )
+    (n, m), (k, told) = guess.S.shape, guess.R.shape
+    x_spread, u_spread = cubic.spread, cubic.command_spread
+    S_back, R_back = np.linalg.pinv(guess.S), np.linalg.pinv(guess.R)
+    # The learned way back, moved by the least that makes the way there undo it.
+    L = guess.L - S_back @ (guess.S @ guess.L - np.eye(n)) if n <= m else S_back
+    b = guess.b - S_back @ (guess.S @ guess.b + guess.s) if n <= m else -S_back @ guess.s
+    middle, spread, low, wide = about
+    affine = AffineMap(
+        state_law=x_spread[:, None] * guess.S,
+        state_shift=cubic.middle + x_spread * guess.s,
+        lift_law=L / x_spread,
+        lift_shift=b - L @ (cubic.middle / x_spread),
+        action_law=R_back / u_spread,
+        action_state=np.zeros((told, m)),
+        action_shift=-R_back @ (guess.r + cubic.command_middle / u_spread),
+        read_law=u_spread[:, None] * guess.R,
+        read_state=np.zeros((k, m)),
+        read_shift=cubic.command_middle + u_spread * guess.r,
+    )
+    return BentMap(
+        affine=affine, states=guess.states, commands=guess.commands,
+        middle=middle, spread=spread, command_middle=low, command_spread=wide,
+    )  # fmt: skip

@@ -1,0 +1,202 @@
+"""Maps that agree with how both bodies move: Levenberg and Marquardt's rule on transitions."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from align.arrays import Array, Integers
+from align.maps.straight import Straight
+
+Moves = Callable[[Array, Array], tuple[Array, Array, Array]]
+"""From states (rows, n) and commands (rows, k), in spreads, to changes and their slopes by both."""
+
+SLIGHT = 1e-6
+"""How strongly a number of an affine part is held to 0, where nothing else says what it is."""
+
+LEAST_GAIN = 1e-4
+"""A round that gains less, as a share of what is off, is the last."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Seen:
+    """A target's transitions, every number in its spread about its mean."""
+
+    before: Array
+    """t, shape (rows, m)."""
+    command: Array
+    """a, shape (rows, k_t)."""
+    after: Array
+    """t', shape (rows, m)."""
+
+    @property
+    def weight(self) -> Array:
+        """What a number's error is multiplied by where it is foreseen, shape (m,)."""
+        change: Array = (self.after - self.before).std(axis=0)
+        return np.asarray(1.0 / np.maximum(change, 1e-6))
+
+    def rows(self, which: Integers) -> Seen:
+        """Return some of them."""
+        parts = (self.before[which], self.command[which], self.after[which])
+        return Seen(before=parts[0], command=parts[1], after=parts[2])
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Guess:
+    """x = S z(t) + s, u = R z_a(a) + r, and back z = L x + b; all in spreads."""
+
+    S: Array
+    """Shape (n, m)."""
+    s: Array
+    """Shape (n,)."""
+    R: Array
+    """Shape (k, k_t)."""
+    r: Array
+    """Shape (k,)."""
+    L: Array
+    """Shape (m, n)."""
+    b: Array
+    """Shape (m,)."""
+    states: Straight
+    """z."""
+    commands: Straight
+    """z_a."""
+
+    @property
+    def affine(self) -> tuple[Array, ...]:
+        """S, s, R, r, L and b."""
+        return self.S, self.s, self.R, self.r, self.L, self.b
+
+    @property
+    def vector(self) -> Array:
+        """All numbers one after another."""
+        flat = [part.ravel() for part in self.affine]
+        return np.concatenate([*flat, self.states.parameters, self.commands.parameters])
+
+    def at(self, vector: Array) -> Guess:
+        """Return the guess with other numbers."""
+        parts, begins = [], 0
+        for like in self.affine:
+            parts.append(vector[begins : begins + like.size].reshape(like.shape))
+            begins += like.size
+        ends = begins + len(self.states.parameters)
+        S, s, R, r, L, b = parts
+        states, commands = self.states.at(vector[begins:ends]), self.commands.at(vector[ends:])
+        return Guess(S=S, s=s, R=R, r=r, L=L, b=b, states=states, commands=commands)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Fit:
+    """A guess, and how far it is from the transitions."""
+
+    guess: Guess
+    """The map."""
+    loss: float
+    """Mean square of all that is off, in spreads of changes and of states, and what holds it."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Agreement:
+    """How far a guess is from how a target was seen to move, and its slopes by all numbers.
+
+    The next state as the target would read it, z^-1(z(t) + L (f(S z + s, R z_a + r) - (S z + s))),
+    is compared with t', and z^-1(L (S z + s) + b) with t. Both are errors of the target's own
+    readings: a map that sends all states to one, where a source's dynamics agree with anything,
+    foresees nothing there and is no solution.
+    """
+
+    seen: Seen
+    """The target's transitions."""
+    moves: Moves
+    """How the source moves."""
+
+    def errors(self, guess: Guess) -> tuple[Array, Any]:
+        """Return what is off, shape (2 rows m,), and what the slopes are made of."""
+        seen = self.seen
+        z, told = guess.states.value(seen.before), guess.commands.value(seen.command)
+        x = z @ guess.S.T + guess.s
+        move, by_x, by_u = self.moves(x, told @ guess.R.T + guess.r)
+        next_t = guess.states.back(z + move @ guess.L.T)
+        same_t = guess.states.back(x @ guess.L.T + guess.b)
+        off = [((next_t - seen.after) * seen.weight).ravel(), (same_t - seen.before).ravel()]
+        return np.concatenate(off), (z, told, x, move, by_x, by_u, next_t, same_t)
+
+    def slopes(self, guess: Guess, at: Any) -> Array:
+        """Return the slopes of what is off by `guess.vector`, shape (2 rows m, numbers)."""
+        z, told, x, move, by_x, by_u, next_t, same_t = at
+        (rows, m), n, k = z.shape, len(guess.s), len(guess.r)
+        one = np.eye(m)
+        by_z = guess.states.slope(self.seen.before)
+        by_told = guess.commands.slope(self.seen.command)
+        Lx, Lu = guess.L @ by_x, guess.L @ by_u
+        ahead = [
+            _outer(Lx, z), Lx, _outer(Lu, told), Lu, _outer(one, move), np.zeros((rows, m, m)),
+            Lx @ guess.S @ by_z + by_z - guess.states.slope(next_t), Lu @ guess.R @ by_told,
+        ]  # fmt: skip
+        Lz = np.broadcast_to(guess.L, (rows, m, n))
+        again = [
+            _outer(Lz, z), Lz, np.zeros((rows, m, k * told.shape[1])), np.zeros((rows, m, k)),
+            _outer(one, x), np.broadcast_to(one, (rows, m, m)),
+            guess.L @ guess.S @ by_z - guess.states.slope(same_t),
+            np.zeros((rows, m, by_told.shape[2])),
+        ]  # fmt: skip
+        J = [
+            np.linalg.solve(guess.states.steep(t), np.concatenate(parts, axis=2))
+            for t, parts in ((next_t, ahead), (same_t, again))
+        ]
+        J[0] = self.seen.weight[:, None] * J[0]
+        return np.concatenate([each.reshape(rows * m, -1) for each in J])
+
+
+def descended(guess: Guess, agree: Agreement, *, rounds: int, hold: float) -> Fit:
+    """Return the guess to which the rule leads from a guess.
+
+    Source: Marquardt 1963, J. SIAM 11(2).
+
+    Args:
+        guess: Where it begins.
+        agree: What is to become small.
+        rounds: At most so many.
+        hold: How strongly parameters of curves and networks are held to 0.
+    """
+    vector = guess.vector
+    bends = len(guess.states.parameters) + len(guess.commands.parameters)
+    prior = np.full(len(vector), SLIGHT)
+    prior[len(vector) - bends :] = hold
+    damping = 1e-2
+    # A step too far may overflow; it is then not taken.
+    with np.errstate(all="ignore"):
+        off, at = agree.errors(guess)
+        loss = float(np.square(off).mean()) + float(prior @ vector**2)
+        for _ in range(rounds):
+            J = agree.slopes(guess, at)
+            H = J.T @ J / len(off) + np.diag(prior)
+            slope = J.T @ off / len(off) + prior * guess.vector
+            if not (np.isfinite(H).all() and np.isfinite(slope).all()):
+                break
+            before = loss
+            for _ in range(6):
+                step = np.linalg.solve(H + damping * np.diag(np.diag(H)), slope)
+                trial = guess.at(guess.vector - step)
+                trial_off, trial_at = agree.errors(trial)
+                loss = float(np.square(trial_off).mean()) + float(prior @ trial.vector**2)
+                if loss < before:
+                    break
+                damping *= 5.0
+            if not loss < before:
+                return Fit(guess=guess, loss=before)
+            guess, off, at = trial, trial_off, trial_at
+            damping = max(damping / 5.0, 1e-7)
+            if before - loss < LEAST_GAIN * before:
+                break
+    return Fit(guess=guess, loss=loss)
+
+
+def _outer(law: Array, number: Array) -> Array:
+    """Return the slopes by a matrix M of `law (M number)`, shape (rows, m, size of M)."""
+    law = np.broadcast_to(law, (len(number), *law.shape[-2:]))
+    slopes = law[:, :, :, None] * number[:, None, None, :]
+    return np.asarray(slopes.reshape(*law.shape[:2], -1))

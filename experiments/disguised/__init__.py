@@ -1,0 +1,1 @@
+"""Bodies in disguise: hidden maps of states and commands, to be found again."""
