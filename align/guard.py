@@ -1,0 +1,177 @@
+"""The guard: whether a policy would harm a body, foreseen from few transitions of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from align.arrays import Array
+from align.belief import Belief
+from align.errors import SettingError
+
+Law = Callable[[Array, Array], Array]
+"""From states about rest (m, n) and the time, s, (m,), to commands about rest, (m, k)."""
+
+GONE = 3.1
+"""Size of the outcome from which a body has fallen or is lost: nothing after it counts."""
+
+DRAWS = 64
+"""Bodies drawn from the belief."""
+
+WEIGHTS: tuple[float, ...] = (0.0, 1.0, 0.0, 0.0, 0.0, 0.0)
+"""Of the logistic law from what was foreseen to the probability of harm."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Trial:
+    """What a run on the target would be like, as far as its task tells."""
+
+    outcome: Array
+    """C: the task looks at z = C x, of which the first half are places and the rest rates."""
+    starts: Array
+    """States in which runs may begin, shape (m, n)."""
+    low: Array
+    """Least commands about rest, shape (k,)."""
+    high: Array
+    """Greatest commands about rest, shape (k,)."""
+    periods: int
+    """How many commands a run has."""
+    period: float
+    """How long each is held, s."""
+
+    def __post_init__(self) -> None:
+        """Check the shapes."""
+        n = self.outcome.shape[1] if self.outcome.ndim == 2 else -1
+        fits = self.starts.ndim == 2 and self.starts.shape[1] == n and len(self.starts) > 0
+        bounded = self.low.shape == self.high.shape and bool((self.low <= self.high).all())
+        if not (fits and bounded and self.periods > 0 and self.period > 0.0):
+            raise SettingError(
+                f"the outcome has the shape {self.outcome.shape}, the starts "
+                f"{self.starts.shape}, and there are {self.periods} periods",
+                where="a trial of a policy",
+                fix="give starts of as many numbers as the outcome reads, bounds in order, and "
+                "a period or more",
+            )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Foreseen:
+    """What a policy and holding still would score on every body drawn from a belief."""
+
+    score: Array
+    """Of the policy, 0 to 1, shape (draws,)."""
+    still: Array
+    """Of holding still, shape (draws,)."""
+    misfit: float
+    """How much worse than it says the belief predicts; 1 where it is right."""
+
+    @property
+    def gain(self) -> Array:
+        """What the policy scores beyond holding still, shape (draws,)."""
+        return self.score - self.still
+
+    @property
+    def share(self) -> float:
+        """The share of the bodies that the policy harms, away from 0 and 1 as draws are few."""
+        return float(((self.gain < 0.0).sum() + 0.5) / (len(self.gain) + 1.0))
+
+    @property
+    def features(self) -> Array:
+        """What the probability of harm is told by, shape (6,)."""
+        share = self.share
+        low, high = np.quantile(self.gain, (0.1, 0.9))
+        return np.array(
+            [1.0, np.log(share / (1.0 - share)), self.gain.mean(), low, high, np.log(self.misfit)]
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Verdict:
+    """Whether a policy may be tried on a body."""
+
+    verdict: Literal["safe", "unsafe", "unsure"]
+    """`safe` if harm is improbable, `unsafe` if it is probable."""
+    probability: float
+    """Of harm: that it would score less than holding still."""
+
+
+def foreseen(
+    belief: Belief, law: Law, trial: Trial, rng: np.random.Generator, *, draws: int = DRAWS
+) -> Foreseen:
+    """Return what a policy would score on bodies drawn from a belief, and what holding still.
+
+    Every body drawn is run from every start under the policy, which sees states through the
+    noise of readings, and under no command; both meet the same chance. The score of a run is the
+    mean over time of exp(-|z|^2 / 2), z the outcome, and 0 from where |z| first exceeds `GONE`.
+
+    Args:
+        belief: What is known of the target near rest.
+        law: The policy, about rest.
+        trial: What a run is like.
+        rng: The chance of bodies, of what steps add and of readings.
+        draws: How many bodies.
+    """
+    laws = belief.drawn(draws, rng)
+    seed = int(rng.integers(2**63))
+
+    def still(x: Array, time: Array) -> Array:
+        return np.zeros((len(x), len(trial.low)))
+
+    ours, none = (
+        _scores(laws, belief, each, trial, np.random.default_rng(seed)) for each in (law, still)
+    )
+    return Foreseen(score=ours, still=none, misfit=max(belief.misfit, 1e-3))
+
+
+def _scores(laws: Array, belief: Belief, law: Law, trial: Trial, rng: np.random.Generator) -> Array:
+    """Return the mean score of a policy on each body, shape (draws,)."""
+    draws, m, n = len(laws), *trial.starts.shape
+    half = trial.outcome[: len(trial.outcome) // 2]
+    x = np.broadcast_to(trial.starts, (draws, m, n)).copy()
+    alive, total = np.ones((draws, m)), np.zeros((draws, m))
+    pushed = belief.lift @ belief.lift.T
+    own = np.sqrt(np.diag(pushed) / pushed.max())
+    level = belief.steady * float(belief.noise.mean())
+    for at in range(trial.periods):
+        size = np.square(x @ half.T).sum(axis=-1)
+        alive *= size < GONE**2
+        total += alive * np.exp(-0.5 * size)
+        seen = x + belief.noise * rng.standard_normal(x.shape)
+        time = np.full(draws * m, at * trial.period)
+        told = np.nan_to_num(law(seen.reshape(-1, n), time)).reshape(draws, m, -1)
+        z = np.concatenate([x, np.clip(told, trial.low, trial.high)], axis=-1)
+        x = z @ laws.swapaxes(1, 2) + level * own * rng.standard_normal(x.shape)
+        # What has fallen is over: its numbers must not grow until they are none.
+        x = np.clip(x, -1e3, 1e3) * alive[..., None]
+    return np.asarray(total.mean(axis=-1) / trial.periods)
+
+
+def judge(found: Foreseen, *, safe: float = 0.05, unsafe: float = 0.5) -> Verdict:
+    """Return the verdict on what was foreseen.
+
+    The probability is a logistic law of six numbers of what was foreseen; its weights were found
+    on bodies that no figure of the guard is of (see docs/guard.md).
+
+    Args:
+        found: What was foreseen.
+        safe: Up to which probability of harm a policy is safe.
+        unsafe: From which on it is unsafe.
+
+    Raises:
+        SettingError: The two are out of order.
+    """
+    if not 0.0 <= safe <= unsafe <= 1.0:
+        raise SettingError(
+            f"safe is {safe:g} and unsafe {unsafe:g}",
+            where="the guard",
+            fix="give 0 <= safe <= unsafe <= 1",
+        )
+    score = float(found.features @ np.array(WEIGHTS))
+    probability = 1.0 / (1.0 + float(np.exp(-np.clip(score, -50.0, 50.0))))
+    name: Literal["safe", "unsafe", "unsure"] = (
+        "safe" if probability <= safe else "unsafe" if probability >= unsafe else "unsure"
+    )
+    return Verdict(verdict=name, probability=probability)

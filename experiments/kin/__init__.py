@@ -1,0 +1,1 @@
+"""Kin: bodies drawn about those of the shelf, and policies carried between them in many ways."""

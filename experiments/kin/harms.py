@@ -1,0 +1,73 @@
+"""One target of the study of harm: what was foreseen of each policy, and what it then did."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from align.guard import foreseen
+from align.samples import Transitions
+from experiments.kin.bodies import kin
+from experiments.kin.carried import agreement, wanted_of
+from experiments.kin.pairs import pairs
+from experiments.kin.seen import belief, seen, trial
+from morph.arrays import JSON, Array
+from morph.transfer.body import Law, linear_law, still_law
+
+ROWS = 20
+"""Runs of the target by which a policy is measured; they begin alike for all policies."""
+
+
+def harms(seed: int, number: int) -> list[JSON]:
+    """Return a line for every policy carried to a target: looks at it, and what it scored."""
+    target = kin(seed, number)
+    told = seen(target, np.random.default_rng([seed, number, 73]))
+    looks = trial(target.body, np.random.default_rng([seed, number, 74]))
+    known = belief(target.body, told)
+    chance = np.random.default_rng([seed, number, 76])
+    mixed = replace(told, command=told.command[chance.permutation(len(told.command))])
+    unsure = belief(target.body, mixed)
+    point = replace(known, root=np.zeros_like(known.root))
+    plain = _least_squares(told)
+    still = target.body.score(still_law(len(looks.low)), rows=ROWS, seed=seed)
+    lines: list[JSON] = []
+    for pair in pairs(target, seed, number, told):
+        law = linear_law(pair.gain)
+
+        def ahead(which: object, law: Law = law) -> list[float]:
+            rng = np.random.default_rng([seed, number, 75])
+            return [*foreseen(which, law, looks, rng).features]  # type: ignore[arg-type]
+
+        reads, wanted = wanted_of(pair.source, target.body)
+        lines.append(
+            {
+                "target": target.name,
+                "family": target.family,
+                "source": pair.source.name,
+                "sort": pair.sort,
+                "score": target.body.score(law, rows=ROWS, seed=seed),
+                "still": still,
+                "own": target.own,
+                "features": ahead(known),
+                "shuffled": ahead(unsure),
+                "point": ahead(point),
+                "agreement": agreement(reads, wanted, plain, pair.gain, told.state),
+                "one step": _one_step(target.body.outcome, plain, pair.gain, told.state),
+            }
+        )
+    return lines
+
+
+def _one_step(outcome: Array, law: Array, gain: Array, state: Array) -> float:
+    """Return how much more the task's outcome grows in a period than under holding still."""
+    n = state.shape[1]
+    still = state @ law[:, :n].T
+    under = still + state @ gain.T @ law[:, n:].T
+    sizes = [float(np.square(each @ outcome.T).sum()) for each in (under, still)]
+    return float(np.log(max(sizes[0], 1e-12) / max(sizes[1], 1e-12)))
+
+
+def _least_squares(told: Transitions) -> Array:
+    z = np.concatenate([told.state, told.command], axis=1)
+    return np.asarray(np.linalg.lstsq(z, told.after, rcond=None)[0].T)
