@@ -132,7 +132,7 @@ def _finalists(
     u = (source.command - cubic.command_middle) / cubic.command_spread
     move = change(source.state, source.after, source.turns) / cubic.spread
     draws = beginnings(x, u, move, seen)
-    agree = Agreement(seen=seen, moves=cubic.moves)
+    agree = Agreement(seen=seen, moves=cubic.moves, weight=seen.plain)
     fits: list[Fit] = []
     for _ in range(effort.starts):
         fits.append(descended(draws.drawn(rng), agree, rounds=effort.rounds, hold=0.0))
@@ -162,11 +162,12 @@ def _best(
     bends: Bends | None,
 ) -> Fit:
     """Return the map that agrees best under the simulator, from where it agreed with the cubic."""
-    agree = Agreement(seen=seen, moves=_exact(step, cubic))
+    agree = Agreement(seen=seen, moves=_exact(step, cubic), weight=seen.plain)
     hold = 0.0 if bends is None else bends.hold
     trial = [descended(fit.guess, agree, rounds=4, hold=hold) for fit in fits]
     best = min(trial, key=lambda fit: fit.loss)
-    return descended(best.guess, agree, rounds=effort.rounds, hold=hold)
+    best = descended(best.guess, agree, rounds=effort.rounds, hold=hold)
+    return descended(best.guess, agree.weighed(best.guess), rounds=effort.rounds, hold=hold)
 
 
 def _exact(step: Step, cubic: Surrogate) -> Moves:

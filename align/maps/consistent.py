@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -16,6 +16,9 @@ Moves = Callable[[Array, Array], tuple[Array, Array, Array]]
 
 SLIGHT = 1e-6
 """How strongly a number of an affine part is held to 0, where nothing else says what it is."""
+
+LEAST_SHARE = 0.03
+"""A number that is foreseen ever better than the rest counts no more than 1 over this of it."""
 
 LEAST_GAIN = 1e-4
 """A round that gains less, as a share of what is off, is the last."""
@@ -33,10 +36,13 @@ class Seen:
     """t', shape (rows, m)."""
 
     @property
-    def weight(self) -> Array:
-        """What a number's error is multiplied by where it is foreseen, shape (m,)."""
+    def plain(self) -> Array:
+        """What errors are multiplied by at first, shape (2, m): 1 over spreads of changes, and 1.
+
+        The first row is for what is foreseen, the second for what is only seen again.
+        """
         change: Array = (self.after - self.before).std(axis=0)
-        return np.asarray(1.0 / np.maximum(change, 1e-6))
+        return np.stack([1.0 / np.maximum(change, 1e-6), np.ones_like(change)])
 
     def rows(self, which: Integers) -> Seen:
         """Return some of them."""
@@ -112,6 +118,22 @@ class Agreement:
     """The target's transitions."""
     moves: Moves
     """How the source moves."""
+    weight: Array
+    """What errors are multiplied by, shape (2, m); as `Seen.plain`."""
+
+    def weighed(self, guess: Guess) -> Agreement:
+        """Return this with every number weighed by how well a guess foresees it.
+
+        Readings that are mostly noise, as small steps of a place are, then count less than those
+        that are not. The mean square of all that is off stays what it was.
+
+        Source: Aitken 1936, Proc. R. Soc. Edinburgh 55 (weights by the inverse of variances).
+        """
+        rows, m = self.seen.before.shape
+        off = self.errors(guess)[0].reshape(2, rows, m)
+        size = np.sqrt(np.square(off).mean(axis=1))
+        whole = float(np.sqrt(np.square(size).mean()))
+        return replace(self, weight=self.weight * whole / np.maximum(size, LEAST_SHARE * whole))
 
     def errors(self, guess: Guess) -> tuple[Array, Any]:
         """Return what is off, shape (2 rows m,), and what the slopes are made of."""
@@ -121,7 +143,8 @@ class Agreement:
         move, by_x, by_u = self.moves(x, told @ guess.R.T + guess.r)
         next_t = guess.states.back(z + move @ guess.L.T)
         same_t = guess.states.back(x @ guess.L.T + guess.b)
-        off = [((next_t - seen.after) * seen.weight).ravel(), (same_t - seen.before).ravel()]
+        ahead, again = self.weight
+        off = [((next_t - seen.after) * ahead).ravel(), ((same_t - seen.before) * again).ravel()]
         return np.concatenate(off), (z, told, x, move, by_x, by_u, next_t, same_t)
 
     def slopes(self, guess: Guess, at: Any) -> Array:
@@ -147,8 +170,8 @@ class Agreement:
             np.linalg.solve(guess.states.steep(t), np.concatenate(parts, axis=2))
             for t, parts in ((next_t, ahead), (same_t, again))
         ]
-        J[0] = self.seen.weight[:, None] * J[0]
-        return np.concatenate([each.reshape(rows * m, -1) for each in J])
+        weighed = [weight[:, None] * each for weight, each in zip(self.weight, J, strict=True)]
+        return np.concatenate([each.reshape(rows * m, -1) for each in weighed])
 
 
 def descended(guess: Guess, agree: Agreement, *, rounds: int, hold: float) -> Fit:
