@@ -11,13 +11,14 @@ from align.errors import AlignError
 from align.samples import Transitions
 from morph.arrays import Array
 from morph.errors import MorphError
-from morph.search.regulator.lqr import noise_aware
 from morph.transfer.body import Body, linear_law, still_law
 from morph.transfer.controls import control_scores, flipped, shuffled, through
 from morph.transfer.crossing import Crossing, Curve
-from morph.transfer.guarded import belief_of, guarded
+from morph.transfer.guarded import guarded
 from morph.transfer.hop import Hopped, hop
 from morph.transfer.hops_kept import Kept, map_name
+from morph.transfer.mapped.belief import learned
+from morph.transfer.mapped.feedback import feedback, holding
 from morph.transfer.parts import Spreads, names_of, parts
 from morph.transfer.record import Guard
 
@@ -26,9 +27,6 @@ COUNTS = (1 / 6, 1 / 3, 2 / 3, 1.0)
 
 FEWEST = 10
 """Transitions of the first point, at least."""
-
-CALM = 1e-3
-"""What every number of the state costs a regulator, so that nothing drifts unseen."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -110,7 +108,7 @@ def _measured(
         "no_source": target.score(linear_law(alone(target, seen)), **how),
     }
     measured |= control_scores(target, found.map, gain, shift, rows=asked.trials, seed=asked.seed)
-    own = target.score(linear_law(oracle(target)), **how)
+    own = target.score(linear_law(holding(target)), **how)
     # Who knows the true body could also take the best law that was found without knowing it.
     measured["oracle"] = max(own, measured["final"], measured["zero_shot"])
     return measured
@@ -199,44 +197,12 @@ def first(seen: Transitions, count: int) -> Transitions:
 
 
 def alone(body: Body, seen: Transitions) -> Array:
-    """Return the gain that a body's own transitions give without any source; zeros if none.
+    """Return the gain that a body's own transitions give without any source, shape (nu, n).
 
-    The regulator of the linear model that they make most probable, noise of readings accounted
-    for: see `align.belief`.
+    As a hop makes it, but nothing is believed of the body beforehand.
     """
-    try:
-        law = belief_of(body, seen).law
-        return regulated(body, law[:, : body.size], law[:, body.size :])
-    except (AlignError, MorphError):
-        return np.zeros((len(body.bounds[0]), body.size))
-
-
-def oracle(body: Body) -> Array:
-    """Return the gain that the true linear model gives, shape (nu, n)."""
-    A, B = body.linear
-    if body.sight is not None:
-        back = np.linalg.pinv(body.sight)
-        A, B = body.sight @ A @ back, body.sight @ B
-    return regulated(body, A, B)
-
-
-def regulated(body: Body, A: Array, B: Array) -> Array:
-    """Return the gain that holds x' = A x + B u at rest as the body's task asks, with its noise.
-
-    Raises:
-        SearchError: Nothing holds it.
-    """
-    low, high = body.bounds
-    half = 0.5 * np.minimum(high - low, 2.0 * np.pi)
-    return noise_aware(
-        A,
-        B,
-        body.outcome.T @ body.outcome + CALM * np.eye(body.size),
-        np.diag(half**-2.0),
-        np.full(body.size, body.task.noise),
-        where=f"task {body.task.name} of {body.task.robot.name}",
-        bounds=half,
-    ).gain
+    none = np.zeros((body.size // 2, body.size + seen.command.shape[1]))
+    return feedback(body, learned(seen, none, body))
 
 
 def _usual(body: Body, asked: Asked) -> Spreads:

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, ClassVar
 
 import numpy as np
 
 from align.errors import AlignError
 from align.maps.body_map import BodyMap, Given, Mapper
 from align.maps.maps import MAPPERS
-from align.samples import Pairs, Worth
+from align.samples import Pairs, Step, Worth
 from morph.app.cli.align_arguments import Align
 from morph.app.cli.align_given import Side, pairs
 from morph.app.cli.stages import Stages
@@ -23,11 +24,28 @@ from morph.search.plan.ground import held
 from morph.transfer.body import Body
 from morph.transfer.controls import through
 from morph.transfer.guarded import guarded
+from morph.transfer.mapped.lift import lift
 from morph.transfer.parts import parts
 from morph.transfer.record import Guard
 
 UNKNOWN = Guard(verdict="unsure", probability=None)
 """Of a map through which no policy can be seen."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class TaskMapper(Mapper):
+    """The map of a hop: joints by what the task looks at, commands by the transitions."""
+
+    name: ClassVar[str] = "task"
+
+    source: Body
+    """The source."""
+    target: Body
+    """The target."""
+
+    def found(self, given: Given, rng: np.random.Generator) -> BodyMap:
+        """Return the map with which `morph transfer` would carry a policy."""
+        return lift(self.source, self.target, given.target)
 
 
 def check_map(name: str | None) -> None:
@@ -36,7 +54,7 @@ def check_map(name: str | None) -> None:
     Raises:
         TransferError: There is no such map.
     """
-    names = tuple(each.name for each in MAPPERS)
+    names = (TaskMapper.name, *(each.name for each in MAPPERS))
     if name is not None and name not in names:
         raise TransferError(
             f"there is no map {name!r}; there are {', '.join(names)}",
@@ -56,7 +74,7 @@ def learned(
     """
     check_shared(source, target)
     known = _given(source, target, None if asked.pairs is None else pairs(asked.pairs))
-    mapper = _mapper(asked.map, known)
+    mapper = _mapper(asked.map, known, source, target)
     told.now(f"learning the map {mapper.name}")
     rng = np.random.default_rng([asked.seed, 2])
     found = mapper.fit(known, rng)
@@ -105,10 +123,27 @@ def _given(source: Side, target: Side, known: Pairs | None) -> Given:
         source=source.seen,
         target=target.seen,
         pairs=known,
-        step=None if source.body is None else source.body.step,
+        step=step_of(source),
         source_worth=_worth(source.body),
         target_worth=_worth(target.body),
     )
+
+
+def step_of(source: Side) -> Step:
+    """Return the source's simulator; of one that was only recorded, the law of its transitions.
+
+    That law is affine, x' = x + W (x, u, 1) by least squares: near a state of rest it will do.
+    """
+    if source.body is not None:
+        return source.body.step
+    seen = source.seen
+    known = np.column_stack([seen.state, seen.command, np.ones(len(seen.state))])
+    law, *_ = np.linalg.lstsq(known, seen.after - seen.state, rcond=1e-9)
+
+    def step(state: Array, command: Array) -> Array:
+        return np.asarray(state + np.column_stack([state, command, np.ones(len(state))]) @ law)
+
+    return step
 
 
 def _worth(body: Body | None) -> Worth | None:
@@ -119,18 +154,20 @@ def _worth(body: Body | None) -> Worth | None:
     return lambda state: np.asarray(np.square(state @ outcome.T).sum(axis=1))
 
 
-def _mapper(name: str | None, known: Given) -> Mapper:
+def _mapper(name: str | None, known: Given, source: Side, target: Side) -> Mapper:
     """Return the map that is asked for, or the first that what is known allows."""
+    if source.body is not None and target.body is not None and name in {None, TaskMapper.name}:
+        return TaskMapper(source=source.body, target=target.body)
     for each in MAPPERS:
-        mapper: Mapper = each() if isinstance(each, type) else each
-        allowed = all(getattr(known, need) is not None for need in mapper.needs)
-        if mapper.name == name or (name is None and allowed):
-            return mapper
+        allowed = all(getattr(known, need) is not None for need in each.needs)
+        if each.name == name or (name is None and allowed):
+            return each
     raise TransferError(
-        "none of the maps can be learned from what is given",
-        where="--map",
-        fix="give pairs by --pairs, or the source as a body that can be simulated",
-    )
+        "none can be learned from what is given" if name is None else
+        "it knows the joints by their task, and of a body that was only recorded there is none",
+        where="--map" if name is None else f"--map {name}",
+        fix="give pairs by --pairs, or name both as bodies that can be simulated",
+    )  # fmt: skip
 
 
 def _guard(
@@ -153,9 +190,10 @@ def quality_of(found: BodyMap, source: Side, target: Side) -> Mapping[str, float
     y, a, after = target.held.state, target.held.command, target.held.after
     x = source.held.state
     quality = {"round_trip": _explained(found.state(found.state_back(x)), x)}
-    if source.body is not None:
-        foreseen = source.body.step(found.state(y), found.action_back(y, a))
-        quality["one_step"] = _explained(foreseen - found.state(y), found.state(after - y))
+    # What the source would do from the mapped state under the mapped command, as it changes.
+    now = found.state(y)
+    foreseen = step_of(source)(now, found.action_back(y, a))
+    quality["one_step"] = _explained(foreseen - now, found.state(after) - now)
     return quality
 
 
@@ -172,4 +210,6 @@ def _notes(source: Side, target: Side) -> tuple[str, ...]:
     for side, option in ((source, "source"), (target, "target")):
         if side.body is None:
             told.append(f"what the {option} did was read; its last fifth was held out")
+    if source.body is None:
+        told.append("the source has no simulator: the affine law of its transitions stands for it")
     return tuple(told)

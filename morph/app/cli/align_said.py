@@ -24,7 +24,7 @@ def lines(asked: Align, found: Aligned) -> Iterator[tuple[str, str]]:
     yield from arrows(found.parts, found.source.body, found.target.body, columns)
     yield "how good the map is:", "bold"
     rows = [(harmless(name), value) for name, value in quality_rows(found.quality)]
-    for line in table(("figure", ""), rows, columns=columns, right=("",)):
+    for line in table(("what", "figure"), rows, columns=columns, right=("figure",))[1:]:
         yield f"  {line}", ""
     for note in found.notes:
         for line in paragraph(f"  {harmless(note)}", 4, columns):
@@ -46,7 +46,7 @@ def arrows(
     for title, each in titles:
         if each:
             yield harmless(title), "bold"
-            head = ("", "share", " ", "  ")
+            head = ("from", "arrow", "to", "share")
             for line in table(head, [_row(a) for a in each], columns=columns)[1:]:
                 yield f"  {line}", ""
     if lost := lost_said(parts, target):

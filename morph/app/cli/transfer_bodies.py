@@ -75,7 +75,8 @@ def body_of(name: str, task: str) -> Body:
         raise TransferError(
             f"it shares no quantity of {task}: {error.what}",
             where=f"body {name}",
-            fix=error.fix,
+            fix=f"give a body that can {task}: one that stands upright, with hinges that swing "
+            "in gravity, and can be held so",
         ) from error
 
 

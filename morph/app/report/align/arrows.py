@@ -8,11 +8,20 @@ from markupsafe import Markup, escape
 
 from morph.transfer.parts import Arrow, Parts
 
-WIDTH, ROW, HEAD = 460.0, 23.0, 22.0
-"""Width, height of a row and of the titles, in units of the drawing; the page scales it."""
+ROW, HEAD = 23.0, 22.0
+"""Height of a row and of the titles, in units of the drawing; the page scales it."""
 
-LEFT, RIGHT = 156.0, 304.0
-"""Between which the arrows run; names stand beyond."""
+SPAN = 130.0
+"""Over which the arrows run; names stand beyond."""
+
+LETTER = 6.6
+"""Width of a letter of a name, about."""
+
+GAP = 8.0
+"""Between a name and its arrows."""
+
+SCALE = 1.2
+"""Most pixels to a unit of the drawing."""
 
 LETTERS = 23
 """Of a name that are shown; the whole of it is shown where the pointer rests."""
@@ -46,25 +55,33 @@ def _turned(arrow: Arrow) -> Arrow:
 def _svg(arrows: Sequence[Arrow], source: str, target: str, *, leftward: bool) -> Markup:
     left = list(dict.fromkeys(arrow.begin for arrow in arrows))
     right = _ordered(arrows, left)
-    height = HEAD + ROW * max(len(left), len(right)) + 4.0
-    middle = HEAD + 0.5 * ROW * max(len(left), len(right))
+    a, c = _room([source, *left]), _room([target, *right])
+    b, rows = a + SPAN, max(len(left), len(right))
+    width, height, middle = b + c, HEAD + ROW * rows + 4.0, HEAD + 0.5 * ROW * rows
     at = {("l", name): middle + ROW * (k + 0.5 - 0.5 * len(left)) for k, name in enumerate(left)}
     at |= {("r", name): middle + ROW * (k + 0.5 - 0.5 * len(right)) for k, name in enumerate(right)}
     parts = [
-        _text(LEFT - 8.0, 12.0, source, "end", "whose"),
-        _text(RIGHT + 8.0, 12.0, target, "start", "whose"),
+        _text(a - GAP, 12.0, source, "end", "whose"),
+        _text(b + GAP, 12.0, target, "start", "whose"),
     ]
     # The weak first, so that the strong lie on top.
     for arrow in sorted(arrows, key=lambda each: abs(each.weight)):
-        parts.append(_line(arrow, at[("l", arrow.begin)], at[("r", arrow.end)], leftward=leftward))
-    parts += [_text(LEFT - 8.0, at[("l", name)] + 4.0, name, "end", "part") for name in left]
-    parts += [_text(RIGHT + 8.0, at[("r", name)] + 4.0, name, "start", "part") for name in right]
+        ends = at[("l", arrow.begin)], at[("r", arrow.end)]
+        parts.append(_line(arrow, (a, b), ends, leftward=leftward))
+    parts += [_text(a - GAP, at[("l", name)] + 4.0, name, "end", "part") for name in left]
+    parts += [_text(b + GAP, at[("r", name)] + 4.0, name, "start", "part") for name in right]
     whole = [_turned(arrow) if leftward else arrow for arrow in arrows]
     spoken = escape("; ".join(told(arrow) for arrow in whole))
     return Markup(
-        f'<svg class="arrows" viewBox="0 0 {WIDTH:.0f} {height:.0f}" role="img" '
+        f'<svg class="arrows" style="max-width:{SCALE * width:.0f}px" '
+        f'viewBox="0 0 {width:.0f} {height:.0f}" role="img" '
         f'aria-label="{spoken}">{"".join(parts)}</svg>'
     )
+
+
+def _room(names: Sequence[str]) -> float:
+    """Return how much room names take."""
+    return LETTER * max(min(len(name), LETTERS) for name in names) + GAP + 4.0
 
 
 def _ordered(arrows: Sequence[Arrow], left: Sequence[str]) -> list[str]:
@@ -78,21 +95,22 @@ def _ordered(arrows: Sequence[Arrow], left: Sequence[str]) -> list[str]:
     return sorted(names, key=height)
 
 
-def _line(arrow: Arrow, left: float, right: float, *, leftward: bool) -> str:
+def _line(arrow: Arrow, x: tuple[float, float], y: tuple[float, float], *, leftward: bool) -> str:
+    (left, right), (begin, end) = x, y
     thick = 1.0 + 4.0 * abs(arrow.weight)
     look = "plus" if arrow.weight > 0.0 else "minus"
-    a, b = (LEFT + TIP, RIGHT) if leftward else (LEFT, RIGHT - TIP)
-    bend = 0.5 * (a + b)
-    tip, foot = (LEFT, LEFT + TIP + 1.0) if leftward else (RIGHT, RIGHT - TIP - 1.0)
-    end = left if leftward else right
-    half = 2.2 + 0.6 * thick
     whole = _turned(arrow) if leftward else arrow
+    a, b = (left + TIP, right) if leftward else (left, right - TIP)
+    bend = 0.5 * (a + b)
+    tip, foot = (left, left + TIP + 1.0) if leftward else (right, right - TIP - 1.0)
+    point = begin if leftward else end
+    half = 2.2 + 0.6 * thick
     return (
         f'<g class="{look}"><title>{escape(told(whole))}</title>'
-        f'<path d="M{a:.1f} {left:.1f}C{bend:.1f} {left:.1f} {bend:.1f} {right:.1f} '
-        f'{b:.1f} {right:.1f}" stroke-width="{thick:.1f}"/>'
-        f'<polygon points="{tip:.1f},{end:.1f} {foot:.1f},{end - half:.1f} '
-        f'{foot:.1f},{end + half:.1f}"/></g>'
+        f'<path d="M{a:.1f} {begin:.1f}C{bend:.1f} {begin:.1f} {bend:.1f} {end:.1f} '
+        f'{b:.1f} {end:.1f}" stroke-width="{thick:.1f}"/>'
+        f'<polygon points="{tip:.1f},{point:.1f} {foot:.1f},{point - half:.1f} '
+        f'{foot:.1f},{point + half:.1f}"/></g>'
     )
 
 

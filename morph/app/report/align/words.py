@@ -10,7 +10,11 @@ from morph.app.report.words import counted, percent
 from morph.transfer.parts import Arrow, Parts
 from morph.transfer.record import Guard
 
-QUALITY: Mapping[str, str] = {}
+QUALITY: Mapping[str, str] = {
+    "round_trip": "round trip: there and back again, 1 at best",
+    "one_step": "agreement of dynamics over one step, R2, 1 at best",
+    "dynamics": "agreement of dynamics: what the source would do, 1 at best",
+}
 """What each number of a map's quality is called."""
 
 MINUS = "\N{MINUS SIGN}"
@@ -45,10 +49,15 @@ def summary(found: Aligned) -> tuple[str, ...]:
 def guard_said(guard: Guard) -> str:
     """Return the guard's verdict with its probability."""
     words = f"The guard calls the source's policy seen through it {guard.verdict}"
+    return f"{words}: {VERDICTS[guard.verdict]}, {sure(guard)}."
+
+
+def sure(guard: Guard) -> str:
+    """Return how sure the guard is that a policy does no harm."""
     if guard.probability is None:
-        return f"{words}: {VERDICTS[guard.verdict]}."
+        return "and there is no probability"
     share = percent(guard.probability).replace("\N{NO-BREAK SPACE}", " ")
-    return f"{words}: {share} sure that it does no harm."
+    return f"{share} sure that it does no harm"
 
 
 def quality_rows(quality: Mapping[str, float]) -> list[tuple[str, str]]:

@@ -9,7 +9,7 @@ from markupsafe import Markup
 
 from morph.app.report.align import arrows
 from morph.app.report.align.page import environment, style, tables
-from morph.app.report.align.words import VERDICTS, lost_said, quality_rows
+from morph.app.report.align.words import VERDICTS, lost_said, quality_rows, sure
 from morph.app.report.learn.page import POLICY
 from morph.app.report.transfer import drawn, words
 from morph.arrays import JSON
@@ -59,12 +59,11 @@ def chain_rows(record: RelayRecord) -> list[dict[str, str]]:
 
 def _hop(number: int, hop: Crossing) -> JSON:
     guard = hop.guard
-    sure = "" if guard.probability is None else f", with a probability of {guard.probability:.2f}"
     return {
         "title": f"Hop {number}: {hop.source} to {hop.target}",
         "verdict": guard.verdict,
         "probability": guard.probability,
-        "guard": f"The guard, before the policy was tried: {VERDICTS[guard.verdict]}{sure}.",
+        "guard": f"The guard, before a trial: {VERDICTS[guard.verdict]}; {sure(guard)}.",
         "saved": words.saved(hop),
         "credit": words.credit(hop),
         "drawn": arrows.drawn(hop.parts, hop.source, hop.target),

@@ -1,0 +1,122 @@
+"""Transfers whose hops are cheap: the map is that of the task, and little is run."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import numpy as np
+import pytest
+
+import morph.transfer
+from align.maps.affine_map import AffineMap
+from align.samples import Transitions
+from morph.app.cli.main import main
+from morph.arrays import Array
+from morph.transfer.body import Body
+from morph.transfer.hop import Hopped
+from morph.transfer.mapped.feedback import holding
+
+SCHEMA = json.loads((Path(morph.transfer.__file__).parent / "transfer.schema.json").read_text())
+MESSAGE = re.compile(r"error: (?P<where>.+?): (?P<what>.+)\n  fix: (?P<fix>.+)\n")
+
+
+def mapped(source: Body, target: Body) -> AffineMap:
+    """Return the map by which both bodies look the same to their task, by their true models."""
+    (_, B_s), (A_t, B_t) = source.linear, target.linear
+    A_s = source.linear[0]
+    S = np.linalg.pinv(source.outcome) @ target.outcome
+    reach = np.linalg.pinv(target.outcome @ B_t)
+    action = reach @ source.outcome @ B_s
+    state = reach @ (source.outcome @ A_s @ S - target.outcome @ A_t)
+    (n_s, n_t), (k_t, k_s) = S.shape, action.shape
+    return AffineMap(
+        state_law=S,
+        state_shift=np.zeros(n_s),
+        lift_law=np.linalg.pinv(S),
+        lift_shift=np.zeros(n_t),
+        action_law=action,
+        action_state=state,
+        action_shift=np.zeros(k_t),
+        read_law=np.linalg.pinv(action),
+        read_state=np.zeros((k_s, n_t)),
+        read_shift=np.zeros(k_s),
+    )
+
+
+class Knowing:
+    """Makes a hop from the true models; may be told to fail or to be interrupted at one."""
+
+    def __init__(self) -> None:
+        self.calls = 0
+        self.failing: dict[int, BaseException] = {}
+        self.sign = 1.0
+
+    def __call__(
+        self, source: Body, target: Body, seen: Transitions, *, seed: int, source_gain: Array
+    ) -> Hopped:
+        self.calls += 1
+        if self.calls in self.failing:
+            raise self.failing[self.calls]
+        gain = self.sign * holding(target)
+        return Hopped(
+            source=source.task.robot.name,
+            target=target.task.robot.name,
+            map=mapped(source, target),
+            quality={"round_trip": 1.0},
+            guard=None,
+            samples=len(seen.state),
+            gain=gain,
+            shift=np.zeros(len(gain)),
+        )
+
+
+class Bench:
+    """What the tests of `morph transfer` do."""
+
+    def __init__(self, capsys: pytest.CaptureFixture[str], knowing: Knowing) -> None:
+        self._capsys, self.knowing = capsys, knowing
+
+    def words(self, *more: str, out: str = "out") -> list[str]:
+        chain = [] if "--chain" in more else ["--chain", "cartpole", "rider_rigid_driven"]
+        quick = ["--trials", "4", "--repeats", "0", "--samples", "20"]
+        return ["transfer", "--from", "learned", *chain, *quick, *more, "--out", out]
+
+    def transfer(self, *more: str, out: str = "out", status: int = 0) -> None:
+        """Run the command, which is to end so."""
+        assert main(self.words(*more, out=out)) == status
+
+    def record(self, out: str = "out") -> dict[str, Any]:
+        """Return the record that it wrote, held against its schema."""
+        said: dict[str, Any] = json.loads((Path(out) / "transfer.json").read_text())
+        jsonschema.validate(said, SCHEMA)
+        return said
+
+    def content(self, out: str = "out") -> dict[str, bytes]:
+        """Return every file of a folder."""
+        return {str(path): path.read_bytes() for path in Path(out).rglob("*") if path.is_file()}
+
+    def refused(self, *words: str) -> re.Match[str]:
+        """Return the one message of a command that must be refused and write nothing."""
+        before = self.content(".")
+        assert main(list(words)) == 2
+        told = self._capsys.readouterr()
+        assert told.out == ""
+        found = MESSAGE.fullmatch(told.err)
+        assert found, told.err
+        assert self.content(".") == before
+        return found
+
+
+@pytest.fixture
+def bench(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> Bench:
+    knowing = Knowing()
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "100")
+    monkeypatch.setattr("morph.transfer.crossed.hop", knowing)
+    return Bench(capsys, knowing)
