@@ -1,0 +1,319 @@
+"""Iterations of one body: a policy carried along ten changes, against learning each body anew.
+
+Every iteration changes all lengths, masses and motors of the body before it by chance. Carried is
+what is believed of the lengths, masses and motors: each body is asked for COUNT transitions of
+20 ms, the belief is updated, and the regulator of the most probable body runs. Learning anew fits
+a linear model to the same body's transitions with no source, by whole runs (`anew`) and from
+reading to reading (`regressed`). The score is that of balancing under a push, 0 to 1.
+
+Beside them stand holding still, the first body's law never adjusted, the carried law through a
+map whose signs are flipped or whose parts are shuffled, a search by trials from nothing over three
+step sizes on the last body, and the regulator of the true body (oracle). The seeds 0 to 9 judge.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+
+from experiments.interval import interval, iqm
+from experiments.kept import finished, seeds_of
+from morph.arrays import JSON, Array
+from morph.body.load import load
+from morph.search.cmaes import Adapting
+from morph.search.threads import one_thread
+from morph.task.balance import balance
+from morph.task.push import Push
+from morph.transfer.body import Body, linear_law
+from morph.transfer.iterations import Drift, Printed, first_of, iterations, nearby
+from morph.transfer.linear_belief import LinearBelief, anew, regressed, regulator
+
+EXAMPLE = """example:
+  python -m experiments.iterations --seeds 0:10 --kept out/iterations.jsonl --json out/it.json
+  python -m experiments.iterations --quick"""
+
+BODIES = {"cartpole": 0.4, "rider_rigid_driven": 0.4, "cart_two_links": 0.2}
+"""Each body and the push on its lowest swinging link, N s per kg of the whole body."""
+
+CHANGES = 10
+"""How many iterations."""
+
+COUNT = 6
+"""Transitions of each body by which the carried belief is updated."""
+
+FEWER = (0, 2)
+"""Fewer transitions, to see from how many on it is enough."""
+
+ANEW = (6, 20, 40, 80, 160, 320)
+"""Transitions from which a body is learned anew, until it is enough."""
+
+ENOUGH = 0.95
+"""Share of the oracle's score at which a body counts as learned."""
+
+ROWS = 8
+"""Runs by which a law is judged."""
+
+CONTROLLED = (1, 5, 10)
+"""Iterations at which the controls run."""
+
+STEPS = (0.1, 0.3, 1.0)
+"""First spreads of the search by trials, in largest commands per typical state."""
+
+TRIALS = 144
+"""Trials of 5 s that it may make."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Case:
+    """One body, one seed, and how far the study goes."""
+
+    body: str
+    """Name on the shelf."""
+    seed: int
+    """Of all its chance."""
+    changes: int = CHANGES
+    """Iterations."""
+    anew: tuple[int, ...] = ANEW
+    """Transitions from which each is learned anew."""
+    trials: int = TRIALS
+    """Of the search from nothing, on the last body; 0 for none."""
+
+
+@dataclass(kw_only=True)
+class Row:
+    """What one iteration showed."""
+
+    scores: dict[str, float] = field(default_factory=dict)
+    """Score of each way."""
+    enough: dict[str, float] = field(default_factory=dict)
+    """Transitions of this body after which a way reached ENOUGH; infinite if none did."""
+
+
+def measured(case: Case) -> JSON:
+    """Return how every way does on each iteration of a body."""
+    with one_thread():
+        return _measured(case)
+
+
+def _measured(case: Case) -> JSON:
+    printed = _printed(case.body)
+    changes = iterations(printed, count=case.changes, rng=np.random.default_rng([case.seed, 1]))
+    first = printed.body(np.zeros(len(printed.numbers)))
+    never = _gain(np.concatenate(first.linear, axis=1), first, first)
+    belief = printed.known()
+    rows = []
+    for number, change in enumerate(changes, 1):
+        made = printed.body(change)
+        row, belief = _iterated(case, number, printed, made, first, never, belief)
+        rows.append(asdict(row))
+    return {"body": case.body, "seed": case.seed, "rows": rows}
+
+
+def _printed(name: str) -> Printed:
+    robot = load(name)
+    mass = sum(link.mass for link in robot.links)
+    push = Push(link=robot.joints[1].link, impulse=(BODIES[name] * mass, 0.0, 0.0))
+    return Printed(described=robot, pose=balance, push=push, drift=Drift())
+
+
+def _gain(W: Array, task: Body, bounds: Body) -> Array:
+    return regulator(W, task.outcome, bounds.bounds, noise=bounds.task.noise)
+
+
+def _iterated(
+    case: Case,
+    number: int,
+    printed: Printed,
+    made: Body,
+    first: Body,
+    never: Array,
+    belief: LinearBelief,
+) -> tuple[Row, LinearBelief]:
+    """Return what one iteration shows, and what is believed after it."""
+    rng = np.random.default_rng([case.seed, 2, number])
+    shown = nearby(made, max(COUNT, *case.anew), rng)
+    row = Row()
+
+    def scored(gain: Array) -> float:
+        return made.score(linear_law(gain), rows=ROWS, seed=1000 * case.seed + number)
+
+    oracle = _gain(np.concatenate(made.linear, axis=1), made, made)
+    row.scores |= {"oracle": scored(oracle), "never adjusted": scored(never)}
+    good = ENOUGH * row.scores["oracle"]
+    before = belief.changed(printed.spread)
+    row.enough["carried"] = np.inf
+    for count in (*FEWER, COUNT):
+        after = before.seen(first_of(shown, count), noise=made.task.noise) if count else before
+        law = _gain(after.linear, printed.body(after.mean), made)
+        score = scored(law)
+        row.scores[f"carried {count}" if count < COUNT else "carried"] = score
+        if score >= good:
+            row.enough["carried"] = min(row.enough["carried"], count)
+    for way in ("anew", "regressed"):
+        row.enough[way] = np.inf
+        for count in case.anew:
+            seen = first_of(shown, count)
+            W = (
+                anew(seen, made.task.period, noise=made.task.noise)
+                if way == "anew"
+                else regressed(seen)
+            )
+            score = scored(_gain(W, first, made))
+            row.scores[f"{way} {count}"] = score
+            if score >= good:
+                row.enough[way] = count
+                break
+    if number in CONTROLLED:
+        mixed = rng.permutation(made.size)
+        row.scores |= {
+            "still": scored(np.zeros_like(law)),
+            "flipped": scored(-law),
+            "shuffled": scored(law[:, mixed]),
+        }
+    if number == case.changes and case.trials:
+        score, spent = _scratch(made, case, good, scored)
+        row.scores["scratch"], row.enough["scratch"] = score, spent
+    return row, after
+
+
+def _scratch(made: Body, case: Case, good: float, scored: object) -> tuple[float, float]:
+    """Return the best score of a search by trials over all step sizes, and after how many samples.
+
+    Each trial is one run of the task; the step size that did best counts, and the others' trials
+    are not charged to it.
+    """
+    low, high = made.bounds
+    half = np.minimum(np.minimum(-low, high), 2.0 * np.pi)
+    size = made.size
+    typical = np.repeat([0.2, 1.0], size // 2)
+    unit = half[:, None] / typical
+    length = round(made.task.horizon / made.task.period)
+    best, spent = 0.0, np.inf
+    for step in STEPS:
+        rng = np.random.default_rng([case.seed, 3])
+        search = Adapting(np.full(unit.size, 0.5), 0.5 * step / 2.0, 12, None)
+        for generation in range(1, case.trials // 12 + 1):
+            points = np.clip(search.ask(12, rng), 0.0, 1.0)
+            gains = [(4.0 * point - 2.0).reshape(unit.shape) * unit for point in points]
+            scores = np.array(
+                [
+                    made.score(linear_law(gain), rows=1, seed=int(rng.integers(2**31)))
+                    for gain in gains
+                ]
+            )
+            search.tell(points, -scores)
+            # Only a law that did well is judged, at no charge.
+            if scores.max() < max(good, best):
+                continue
+            score = scored(gains[int(scores.argmax())])  # type: ignore[operator]
+            best = max(best, score)
+            if score >= good:
+                spent = min(spent, 12.0 * generation * length)
+                break
+    return best, spent
+
+
+def summary(cases: Sequence[JSON]) -> JSON:
+    """Return the interquartile means of all ways, with intervals, and how often each is enough."""
+    bodies = tuple(dict.fromkeys(case["body"] for case in cases))
+    found: JSON = {"scores": {}, "enough": {}, "last": {}}
+    names = dict.fromkeys(n for case in cases for row in case["rows"] for n in row["scores"])
+    for name in names:
+        found["scores"][name] = _middle(cases, bodies, name, last=False)
+        found["last"][name] = _middle(cases, bodies, name, last=True)
+    for way in ("carried", "anew", "regressed", "scratch"):
+        spent = [
+            float(row["enough"][way])
+            for case in cases
+            for row in case["rows"]
+            if way in row["enough"]
+        ]
+        if spent:
+            solved = np.isfinite(spent)
+            found["enough"][way] = {
+                "solved": float(solved.mean()),
+                "iqm": iqm(np.array(spent)),
+                "iterations": len(spent),
+            }
+    return found
+
+
+def _middle(cases: Sequence[JSON], bodies: Sequence[str], name: str, *, last: bool) -> JSON | None:
+    """Return the figure of one way: strata are bodies, and a seed's iterations count by their mean.
+
+    A way that stopped because it was enough keeps the score that it had reached.
+    """
+    table = []
+    for body in bodies:
+        rows = [
+            case["rows"][-1:] if last else case["rows"] for case in cases if case["body"] == body
+        ]
+        held = [[r["scores"][name] for r in each if name in r["scores"]] for each in rows]
+        means = [float(np.mean(each)) for each in held if each]
+        if not means:
+            return None
+        table.append(means)
+    least = min(len(each) for each in table)
+    scores = np.array([each[:least] for each in table])
+    low, high = interval(scores)
+    return {"iqm": iqm(scores), "low": low, "high": high, "seeds": least}
+
+
+def report(found: JSON) -> None:
+    """Print the figures as a table."""
+    console = Console()
+    table = Table(title="A body made again: score of balancing, interquartile means")
+    for title in ("way", "all iterations", "the last"):
+        table.add_column(title, justify="left" if title == "way" else "right")
+    for name, all_of in found["scores"].items():
+        if all_of:
+            table.add_row(name, *(_said(each) for each in (all_of, found["last"][name])))
+    console.print(table)
+    for way, each in found["enough"].items():
+        console.print(
+            f"{way}: enough in {each['solved']:.0%} of {each['iterations']} iterations, "
+            f"interquartile mean of transitions {each['iqm']:.3g}"
+        )
+
+
+def _said(each: JSON | None) -> str:
+    return f"{each['iqm']:.3f} ({each['low']:.3f} to {each['high']:.3f})" if each else "-"
+
+
+def main(words: Sequence[str] | None = None) -> None:
+    """Run the study by the words of a command line."""
+    parser = argparse.ArgumentParser(
+        prog="python -m experiments.iterations",
+        description=__doc__,
+        epilog=EXAMPLE,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--seeds", default="10", help="how many, or from:to (default 10)")
+    parser.add_argument("--only", nargs="+", choices=list(BODIES), help="these bodies alone")
+    parser.add_argument("--kept", type=Path, help="a file of finished cases, to go on from")
+    parser.add_argument("--json", type=Path, help="where the figures go")
+    parser.add_argument("--workers", type=int, default=2, help="processes (default 2)")
+    parser.add_argument("--quick", action="store_true", help="one body, one seed, two changes")
+    told = parser.parse_args(words)
+    if told.quick:
+        cases = [Case(body="cartpole", seed=100, changes=2, anew=(6, 20), trials=0)]
+    else:
+        bodies = told.only or list(BODIES)
+        cases = [Case(body=body, seed=seed) for seed in seeds_of(told.seeds) for body in bodies]
+    rows = finished(cases, measured, kept=told.kept, workers=1 if told.quick else told.workers)
+    found = summary(rows)
+    if told.json:
+        told.json.write_text(json.dumps(found | {"cases": rows}, indent=1))
+    report(found)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
