@@ -1,0 +1,210 @@
+"""One hop of a gait: a pattern carried to another body, and what few trials make of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from morph.arrays import Array
+from morph.errors import TransferError
+from morph.policy.pattern import Pattern
+from morph.transfer.gait.direct import direct
+from morph.transfer.gait.landscape import Landscape
+from morph.transfer.gait.limbs import Limb, limbs, responses
+from morph.transfer.gait.mover import Mover
+from morph.transfer.gait.wave import Wave, at, wave
+
+FASTER = (1.0, 0.5, 2.0, 4.0)
+"""Time scales that are tried first, over the one that the responses tell."""
+
+CANDIDATES = 1500
+"""Points among which the most promising one is tried next."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Carried:
+    """A body with its gait: what a hop begins from, and what it ends with."""
+
+    mover: Mover
+    """The body."""
+    limbs: tuple[Limb, ...]
+    """Where each of its servos was found to belong."""
+    late: float
+    """How late it follows its commands, s."""
+    values: Array
+    """The numbers of its best wave."""
+    speed: float
+    """How fast that takes it, m/s."""
+    tried: Array
+    """The numbers of every wave that was tried on it, shape (trials, numbers)."""
+    speeds: Array
+    """How fast each went, m/s, shape (trials,)."""
+    samples: int
+    """Transitions and trials on this body, in control periods."""
+    first: Mapping[str, float] = field(default_factory=dict)
+    """Speeds of what was carried before any trial chose, by name, m/s."""
+
+    @property
+    def policy(self) -> Pattern:
+        """The best wave, as a policy of the body."""
+        return family_of(self.mover, self.limbs).make(self.values)
+
+
+def family_of(mover: Mover, found: tuple[Limb, ...]) -> Wave:
+    """Return the waves of a body whose limbs are known."""
+    return wave(mover.action, found, period=mover.task.period)
+
+
+def scaled(values: Array, faster: float) -> Array:
+    """Return waves (..., 4) that are so much faster."""
+    return values * np.array([faster, 1.0, 1.0, 1.0])
+
+
+@dataclass(frozen=True, kw_only=True)
+class Budget:
+    """What a hop may cost."""
+
+    transitions: int = 20
+    """For each servo."""
+    width: float = 0.5
+    """How far a servo swings in them, rad."""
+    trials: int = 36
+    """Runs on the target, the first ones included."""
+
+    def __post_init__(self) -> None:
+        """Check the numbers."""
+        if self.transitions < 5 or self.trials < 1 or not 0.0 < self.width <= 2.0:
+            raise TransferError(
+                f"{self.transitions} transitions for a servo that swings {self.width:g} rad, "
+                f"and {self.trials} trials",
+                where="the budget of a hop",
+                fix="give 5 transitions or more, above 0 to 2 rad, and a trial or more",
+            )
+
+
+def felt(
+    mover: Mover, budget: Budget, rng: np.random.Generator
+) -> tuple[tuple[Limb, ...], float, int]:
+    """Return where the servos of a body belong, how late it is, s, and the samples that it took."""
+    count = budget.transitions * len(mover.action)
+    seen = mover.transitions(count, rng, width=budget.width)
+    found = responses(seen, period=mover.task.period)
+    return limbs(found), found.late, len(seen.state)
+
+
+def hop(
+    source: Carried, target: Mover, *, rng: np.random.Generator, budget: Budget | None = None
+) -> Carried:
+    """Return the gait of a source on another body.
+
+    From transitions in which one servo swings at a time it learns where each belongs, which way
+    it works and how late. The source's wave then becomes one of the target, as fast as the
+    target is quick; a few trials tell how far off that is; and the trials that follow are those
+    that promise most, where all that was tried on the source says what to expect.
+
+    Raises:
+        TransferError: The target's transitions do not tell its limbs.
+    """
+    budget = budget or Budget()
+    found, late, samples = felt(target, budget, rng)
+    return tuned(source, target, found, late, samples, rng=rng, trials=budget.trials)
+
+
+def tuned(
+    source: Carried | None,
+    target: Mover,
+    found: tuple[Limb, ...],
+    late: float,
+    samples: int,
+    *,
+    rng: np.random.Generator,
+    trials: int,
+    blind: bool = False,
+) -> Carried:
+    """Return what trials make of a source's wave on a target with these limbs.
+
+    Without a source the trials begin in the middle of the family and nothing is foreseen: so
+    much the limbs alone are worth. If they are blind, each is drawn by chance.
+    """
+    family = family_of(target, found)
+    pace = 1.0 if source is None else source.late / late
+    middle = family.values(family.start) if source is None else scaled(source.values, pace)
+    begun = [scaled(middle, each) for each in FASTER][:trials]
+    points = np.array([at(family, each) for each in begun])
+    speeds = target.speed([family.policy(each) for each in points])
+    first = float(speeds[0])
+    foreseen = None
+    if source is not None:
+        faster = pace * FASTER[int(speeds.argmax())]
+        foreseen = _foreseen(source, family, faster)
+    while len(points) < trials:
+        best = max(float(speeds.max()), 1e-6)
+        known = Landscape(point=points, share=speeds / best, foreseen=foreseen)
+        point = rng.random(len(points[0])) if blind else _next(known, points[speeds.argmax()], rng)
+        points = np.vstack([points, point])
+        speeds = np.append(speeds, target.speed([family.policy(point)]))
+    top = int(speeds.argmax())
+    return Carried(
+        mover=target,
+        limbs=found,
+        late=late,
+        values=family.values(points[top]),
+        speed=float(speeds[top]),
+        tried=np.array([family.values(each) for each in points]),
+        speeds=speeds,
+        samples=samples + trials * target.trial,
+        first={"zero_shot": first},
+    )
+
+
+def _foreseen(source: Carried, family: Wave, faster: float) -> Landscape:
+    """Return what a source's trials say of a target that is so much faster."""
+    low, high = (np.array([getattr(n, end) for n in family.numbers]) for end in ("low", "high"))
+    values = scaled(source.tried, faster)
+    near = ((values >= low - 1e-9) & (values <= high + 1e-9)).all(axis=1)
+    near[int(source.speeds.argmax())] = True
+    share = np.maximum(source.speeds / max(source.speed, 1e-9), -0.2)
+    return Landscape(
+        point=np.array([at(family, each) for each in values[near]]),
+        share=share[near],
+        prior=1.0,
+    )
+
+
+def _next(known: Landscape, best: Array, rng: np.random.Generator) -> Array:
+    """Return the point that promises most, of many near the best and some anywhere."""
+    size = len(best)
+    reach = rng.choice([0.03, 0.08, 0.2], CANDIDATES)[:, None]
+    near = best + reach * rng.standard_normal((CANDIDATES, size))
+    far = rng.uniform(0.0, 1.0, (CANDIDATES // 3, size))
+    points = np.clip(np.concatenate([near, far]), 0.0, 1.0)
+    return np.asarray(points[int(known.promise(points).argmax())])
+
+
+def begun(
+    mover: Mover, *, rng: np.random.Generator, trials: int, budget: Budget | None = None
+) -> Carried:
+    """Return a gait that a body has learned by itself, the first of a chain.
+
+    Args:
+        mover: The body.
+        rng: The chance of its transitions and of its search.
+        trials: Runs of the search.
+        budget: What its transitions cost.
+    """
+    found, late, samples = felt(mover, budget or Budget(), rng)
+    family = family_of(mover, found)
+    learned = direct(mover, family, trials=trials, sigma=0.25, seed=int(rng.integers(2**31)))
+    top = int(learned.speed.argmax())
+    return Carried(
+        mover=mover,
+        limbs=found,
+        late=late,
+        values=family.values(learned.point[top]),
+        speed=learned.best,
+        tried=np.array([family.values(each) for each in learned.point]),
+        speeds=learned.speed,
+        samples=samples + trials * mover.trial,
+    )
