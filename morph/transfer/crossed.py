@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from align.errors import AlignError
-from align.samples import Transitions
+from align.quality import quality
+from align.samples import Step, Transitions
 from morph.arrays import Array
 from morph.errors import MorphError
 from morph.transfer.body import Body, linear_law, still_law
@@ -24,6 +25,9 @@ from morph.transfer.record import Guard
 
 COUNTS = (1 / 6, 1 / 3, 2 / 3, 1.0)
 """At which shares of the transitions a learning curve has its points."""
+
+JUDGED = 100
+"""Transitions on which a map is judged; like the runs, they serve the report alone."""
 
 FEWEST = 10
 """Transitions of the first point, at least."""
@@ -86,7 +90,7 @@ def crossed(
         parts=parts(
             found.map, names_of(source), names_of(target), _usual(source, asked), _spreads(seen)
         ),
-        quality=dict(found.quality),
+        quality=_quality(found, source, target, asked),
         guard=guard,
         samples=found.samples,
         measured=measured,
@@ -112,6 +116,21 @@ def _measured(
     # Who knows the true body could also take the best law that was found without knowing it.
     measured["oracle"] = max(own, measured["final"], measured["zero_shot"])
     return measured
+
+
+def _quality(found: Hopped, source: Body, target: Body, asked: Asked) -> dict[str, float]:
+    """Return how good the map is on transitions that nobody learned from."""
+    rng = np.random.default_rng([asked.seed, 5])
+    here, there = source.transitions(JUDGED, rng), target.transitions(JUDGED, rng)
+    return dict(quality(found.map, here, there, _stepping(source)).numbers())
+
+
+def _stepping(body: Body) -> Step:
+    """Return a body's simulator between what is seen of its states."""
+    if body.sight is None:
+        return body.step
+    back = np.linalg.pinv(body.sight).T
+    return lambda state, command: body.seen(body.step(state @ back, command))
 
 
 def _guard(

@@ -30,7 +30,7 @@ def guarded(body: Body, seen: Transitions, law: Law, rng: np.random.Generator) -
     low, high = body.bounds
     trial = Trial(
         outcome=body.outcome,
-        starts=body.state(q, v),
+        starts=body.seen(body.state(q, v)),
         low=low,
         high=high,
         periods=round(task.horizon / task.period),

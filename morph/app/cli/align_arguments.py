@@ -33,7 +33,7 @@ class Align:
     task: Annotated[str, tyro.conf.arg(metavar="TASK")] = "balance"
     """What both bodies can be asked to do: it says where they rest."""
     samples: Annotated[int, tyro.conf.arg(metavar="N")] = 60
-    """Transitions of the target that are made; a tenth more are held out."""
+    """Transitions of the target that it is learned from; 100 more are made to judge it by."""
     out: Annotated[str | None, tyro.conf.arg(metavar="DIR")] = None
     """Folder for align.json, report.html and the map; without one nothing is written."""
     seed: int = 0

@@ -31,6 +31,9 @@ FEWEST = 10
 HELD_OUT = 0.2
 """Share of the transitions on which a map is judged and from which it is not learned."""
 
+JUDGED = 100
+"""Transitions on which the map of simulated bodies is judged."""
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Side:
@@ -59,7 +62,7 @@ def made(body: Body, samples: int, rng: np.random.Generator) -> Side:
     return Side(
         names=names_of(body),
         seen=body.transitions(samples, rng),
-        held=body.transitions(max(FEWEST, round(HELD_OUT * samples)), rng),
+        held=body.transitions(JUDGED, rng),
         body=body,
         sha256=robot.sha256 or sha256(robot.mjcf),
     )

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any, ClassVar
+from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import numpy as np
 
 from align.errors import AlignError
 from align.maps.body_map import BodyMap, Given, Mapper
+from align.maps.features import Features
 from align.maps.maps import MAPPERS
+from align.quality import quality
 from align.samples import Pairs, Step, Worth
 from morph.app.cli.align_arguments import Align
 from morph.app.cli.align_given import Side, pairs
@@ -161,13 +163,24 @@ def _mapper(name: str | None, known: Given, source: Side, target: Side) -> Mappe
     for each in MAPPERS:
         allowed = all(getattr(known, need) is not None for need in each.needs)
         if each.name == name or (name is None and allowed):
-            return each
+            return _looking(each, source, target)
     raise TransferError(
         "none can be learned from what is given" if name is None else
         "it knows the joints by their task, and of a body that was only recorded there is none",
         where="--map" if name is None else f"--map {name}",
         fix="give pairs by --pairs, or name both as bodies that can be simulated",
     )  # fmt: skip
+
+
+def _looking(mapper: Mapper, source: Side, target: Side) -> Mapper:
+    """Return a map that is told what the task looks at, if it is one that asks for that."""
+    if not isinstance(mapper, Features) or source.body is None or target.body is None:
+        return mapper
+    looks = [each.body.outcome for each in (source, target) if each.body is not None]
+    rows = min(len(look) for look in looks) // 2
+    # Places, then their rates: of both the first that both bodies have.
+    here, there = (np.concatenate([look[:rows], look[len(look) // 2 :][:rows]]) for look in looks)
+    return replace(mapper, source_look=here, target_look=there)
 
 
 def _guard(
@@ -186,23 +199,9 @@ def _guard(
 
 
 def quality_of(found: BodyMap, source: Side, target: Side) -> Mapping[str, float]:
-    """Return how good a map is on what it was not learned from, 1 where it errs by nothing."""
-    y, a, after = target.held.state, target.held.command, target.held.after
-    x = source.held.state
-    quality = {"round_trip": _explained(found.state(found.state_back(x)), x)}
-    # What the source would do from the mapped state under the mapped command, as it changes.
-    now = found.state(y)
-    foreseen = step_of(source)(now, found.action_back(y, a))
-    quality["one_step"] = _explained(foreseen - now, found.state(after) - now)
-    return quality
-
-
-def _explained(found: Array, truth: Array) -> float:
-    """Return R2, 1 - squares of what is left / squares about the mean, the mean over columns."""
-    left = np.square(found - truth).sum(axis=0)
-    whole = np.square(truth - truth.mean(axis=0)).sum(axis=0)
-    fine: Any = whole > 0.0
-    return float(np.mean(1.0 - left[fine] / whole[fine])) if fine.any() else float("nan")
+    """Return how good a map is on what it was not learned from, 0 where it errs by nothing."""
+    judged = quality(found, source.held, target.held, step_of(source))
+    return judged.numbers()
 
 
 def _notes(source: Side, target: Side) -> tuple[str, ...]:

@@ -11,9 +11,11 @@ from morph.transfer.parts import Arrow, Parts
 from morph.transfer.record import Guard
 
 QUALITY: Mapping[str, str] = {
-    "round_trip": "round trip: there and back again, 1 at best",
-    "one_step": "agreement of dynamics over one step, R2, 1 at best",
-    "dynamics": "agreement of dynamics: what the source would do, 1 at best",
+    "round_trip": "states there and back, off by so many spreads",
+    "command_round_trip": "commands there and back, off by so many spreads",
+    "one_step": "share of one step that the source's dynamics do not foresee",
+    "many_steps": "the same over several steps",
+    "steps": "how many those are",
 }
 """What each number of a map's quality is called."""
 

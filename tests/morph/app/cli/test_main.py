@@ -45,7 +45,10 @@ def test_a_full_disk_behind_the_output_is_said() -> None:
     assert done.stderr.startswith("error: standard output: No space left on device\n  fix: ")
 
 
-@pytest.mark.parametrize("command", ["inspect", "convert", "diagnose", "simulate", "learn", "list"])
+@pytest.mark.parametrize(
+    "command",
+    ["inspect", "convert", "diagnose", "simulate", "learn", "align", "transfer", "list"],
+)
 def test_help_has_an_example(command: str, capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as left:
         main([command, "--help"])
