@@ -118,7 +118,7 @@ def _size(off: Array, spread: Array) -> float:
 
 def _runs(seen: Transitions, steps: int) -> tuple[Integers, int]:
     """Return where as many transitions as possible, at most `steps`, follow each other."""
-    follows = (seen.state[1:] == seen.after[:-1]).all(axis=1)
+    follows = np.equal(seen.state[1:], seen.after[:-1]).all(axis=1)
     for length in range(min(steps, len(follows) + 1), 1, -1):
         windows = np.lib.stride_tricks.sliding_window_view(follows, length - 1)
         starts = np.flatnonzero(windows.all(axis=1))

@@ -93,7 +93,11 @@ class AffineMap(BodyMap):
     def of(cls, weights: Mapping[str, Array]) -> AffineMap:
         """Return the affine map that these numbers make."""
         wrong = set(SHAPES) ^ set(weights)
-        axes = {name for name, count in SHAPES.items() if np.ndim(weights.get(name)) != count}
+        axes = {
+            name
+            for name, count in SHAPES.items()
+            if name in weights and np.ndim(weights[name]) != count
+        }
         if wrong or axes:
             raise MapError(
                 f"{', '.join(sorted(wrong | axes))} is missing, unknown or misshapen",

@@ -25,6 +25,9 @@ NEAR = 1e-4
 SAME = 0.005
 """Two starts whose losses differ by a smaller share have come to the same map."""
 
+FAINTEST = 1e-5
+"""A command whose spread moves nothing by more than this, in spreads, does nothing."""
+
 WORST = 1e6
 """A map whose greatest singular value is so many times its least has no inverse."""
 
@@ -93,6 +96,7 @@ def consistent(
         after=before + change(target.state, target.after, target.turns) / spread,
     )
     cubic = surrogate(source, given.step, rng)
+    _check_heard(given.step, cubic, source, where)
     best = _best(
         _finalists(source, cubic, seen, rng, effort, bends), given.step, cubic, seen, effort, bends
     )
@@ -116,6 +120,20 @@ def _check(source: Transitions, target: Transitions, where: str) -> None:
                 f"number {still[0]} of the target's {name} never changed",
                 where=where,
                 fix="excite every joint and every actuator, or leave out what cannot move",
+            )
+
+
+def _check_heard(step: Step, cubic: Surrogate, source: Transitions, where: str) -> None:
+    """Refuse a source with a command that does nothing: any map of it would agree."""
+    after = step(source.state, source.command)
+    for number, middle in enumerate(cubic.command_middle):
+        told = source.command.copy()
+        told[:, number] = middle
+        if np.abs((step(source.state, told) - after) / cubic.spread).max() < FAINTEST:
+            raise SamplesError(
+                f"command {number} of the source moves nothing",
+                where=where,
+                fix="leave out commands that do nothing, or give larger ones",
             )
 
 

@@ -79,7 +79,8 @@ def beginnings(x: Array, u: Array, move: Array, seen: Seen) -> Beginnings:
     E = (rest * weight[:, None]).reshape(rows * n, -1)
     inner = E.T @ E + 1e-6 * rows * np.eye(E.shape[1])
     best = np.linalg.solve(inner, E.T @ D)
-    root = np.linalg.cholesky(np.cov(seen.before.T).reshape(m, m) + FAINT * np.eye(m))
+    spread = np.cov(seen.before.T).reshape(m, m) + FAINT * np.eye(m)
+    root = np.asarray(np.linalg.cholesky(spread), dtype=float)
     # Of maps equally spread over the target's states, those that contradict less.
     even = np.linalg.inv(np.kron(one, root))
     value, vector = np.linalg.eigh(even @ (D.T @ D - D.T @ E @ best) @ even.T / rows)

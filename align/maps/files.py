@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import zipfile
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -30,10 +31,11 @@ def write(path: Path, body_map: BodyMap) -> None:
         path: Ends in .npz.
         body_map: The map.
     """
+    numbers: dict[str, Any] = {KIND: np.array(body_map.kind), **body_map.weights()}
     part = path.with_name(f".{path.name}.part")
     try:
         with part.open("wb") as file:
-            np.savez(file, **{KIND: np.array(body_map.kind)}, **dict(body_map.weights()))
+            np.savez(file, allow_pickle=False, **numbers)
         os.replace(part, path)
     finally:
         part.unlink(missing_ok=True)
@@ -56,7 +58,7 @@ def read(path: Path) -> BodyMap:
             where=f"map {path}",
             fix="give an .npz that was written as a map, without objects in it",
         ) from e
-    kind = found.pop(KIND, np.array(""))
+    kind = found.pop(KIND, np.array(0.0))
     if kind.ndim or kind.dtype.kind != "U":
         raise MapError(
             "it does not say what kind of map it is",
