@@ -19,6 +19,9 @@ from morph.transfer.gait.wave import Wave, at, wave
 FASTER = (1.0, 0.5, 2.0, 4.0)
 """Time scales that are tried first, over the one that the responses tell."""
 
+SHORTER = (1.5, 2.0, 3.0)
+"""Lags that are tried next, over the source's: how long a wave is no geometry tells."""
+
 CANDIDATES = 1500
 """Points among which the most promising one is tried next."""
 
@@ -57,9 +60,9 @@ def family_of(mover: Mover, found: tuple[Limb, ...]) -> Wave:
     return wave(mover.action, found, period=mover.task.period)
 
 
-def scaled(values: Array, faster: float) -> Array:
-    """Return waves (..., 4) that are so much faster."""
-    return values * np.array([faster, 1.0, 1.0, 1.0])
+def scaled(values: Array, faster: float, shorter: float = 1.0) -> Array:
+    """Return waves (..., 4) that are so much faster, and so much shorter."""
+    return values * np.array([faster, 1.0, shorter, 1.0])
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -70,7 +73,7 @@ class Budget:
     """For each servo."""
     width: float = 0.5
     """How far a servo swings in them, rad."""
-    trials: int = 36
+    trials: int = 32
     """Runs on the target, the first ones included."""
 
     def __post_init__(self) -> None:
@@ -131,14 +134,18 @@ def tuned(
     family = family_of(target, found)
     pace = 1.0 if source is None else source.late / late
     middle = family.values(family.start) if source is None else scaled(source.values, pace)
-    begun = [scaled(middle, each) for each in FASTER][:trials]
-    points = np.array([at(family, each) for each in begun])
+    first = [scaled(middle, each) for each in FASTER][:trials]
+    points = np.array([at(family, each) for each in first])
     speeds = target.speed([family.policy(each) for each in points])
-    first = float(speeds[0])
-    foreseen = None
-    if source is not None:
-        faster = pace * FASTER[int(speeds.argmax())]
-        foreseen = _foreseen(source, family, faster)
+    faster = FASTER[int(speeds.argmax())]
+    second = [scaled(middle, faster, each) for each in SHORTER][: trials - len(points)]
+    if second:
+        more = np.array([at(family, each) for each in second])
+        points = np.vstack([points, more])
+        speeds = np.append(speeds, target.speed([family.policy(each) for each in more]))
+    top = int(speeds.argmax())
+    shorter = SHORTER[top - len(first)] if top >= len(first) else 1.0
+    foreseen = None if source is None else _foreseen(source, family, pace * faster, shorter)
     while len(points) < trials:
         best = max(float(speeds.max()), 1e-6)
         known = Landscape(point=points, share=speeds / best, foreseen=foreseen)
@@ -155,14 +162,14 @@ def tuned(
         tried=np.array([family.values(each) for each in points]),
         speeds=speeds,
         samples=samples + trials * target.trial,
-        first={"zero_shot": first},
+        first={"zero_shot": float(speeds[0])},
     )
 
 
-def _foreseen(source: Carried, family: Wave, faster: float) -> Landscape:
-    """Return what a source's trials say of a target that is so much faster."""
+def _foreseen(source: Carried, family: Wave, faster: float, shorter: float) -> Landscape:
+    """Return what a source says of a target that is faster, and whose waves are shorter."""
     low, high = (np.array([getattr(n, end) for n in family.numbers]) for end in ("low", "high"))
-    values = scaled(source.tried, faster)
+    values = scaled(source.tried, faster, shorter)
     near = ((values >= low - 1e-9) & (values <= high + 1e-9)).all(axis=1)
     near[int(source.speeds.argmax())] = True
     share = np.maximum(source.speeds / max(source.speed, 1e-9), -0.2)

@@ -9,7 +9,7 @@ import numpy as np
 
 from morph.arrays import Array
 
-SCALE = 0.15
+SCALE = 0.2
 """How far in the cube two patterns are alike."""
 
 PRIOR = 0.3

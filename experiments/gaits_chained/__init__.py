@@ -1,0 +1,1 @@
+"""What the study of chains of gaits is made of."""

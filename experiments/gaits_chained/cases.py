@@ -1,0 +1,170 @@
+"""One case of the study: a chain at a seed with its controls and rivals, or the best of a body."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from experiments.swim.water import aqua_water
+from morph.errors import MorphError
+from morph.files import sha256
+from morph.search.family.family import Family
+from morph.search.family.gait import gait
+from morph.transfer.gait.controls import CONTROLS, control
+from morph.transfer.gait.direct import direct
+from morph.transfer.gait.free import free
+from morph.transfer.gait.hop import Budget, family_of, felt
+from morph.transfer.gait.mover import Mover
+from morph.transfer.gait.relay import Chained, relay
+from morph.transfer.gait.swimmers import swimmer
+
+CHAINS: Mapping[str, tuple[str, ...]] = {
+    "aqua": ("swimmer_three_links", "sea_snake_planar", "sea_snake", "hexapod_swimmer"),
+    "urma": ("swimmer_three_links", "sea_snake_planar", "sea_snake", "urma_sea_snake"),
+}
+"""The bodies of each chain; the first learns by itself."""
+
+PADDLED = "hexapod_swimmer"
+"""The body whose paddles push by Lighthill's force, in the water that is published for AQUA."""
+
+REAL = Path("urma_sea_snake") / "sea_snake.xml"
+"""The real description, within the folder of real robots."""
+
+SIGMAS = (0.1, 0.2, 0.35)
+"""Step sizes of direct learning."""
+
+ORACLE_SEED = 900
+"""Chance of the searches for the best, which no chain sees."""
+
+ENOUGH = 0.95
+"""Share of the best at which a gait counts as learned."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Size:
+    """How much is run."""
+
+    learning: int = 150
+    """Trials of the first body."""
+    trials: int = 32
+    """Trials of each hop and of each control."""
+    direct: int = 320
+    """Most trials of direct learning."""
+    oracle: int = 300
+    """Trials of each of the searches for the best."""
+    families: tuple[str, ...] = ("names", "free")
+    """In what direct learning searches."""
+    sigmas: tuple[float, ...] = SIGMAS
+    """Its step sizes."""
+    controls: tuple[str, ...] = CONTROLS
+    """What runs beside the last hop."""
+
+
+FULL = Size()
+QUICK = Size(
+    learning=20, trials=8, direct=20, oracle=20, families=("free",), sigmas=(0.2,),
+    controls=("shuffled", "no_source"),
+)  # fmt: skip
+
+
+@cache
+def body(name: str, real: str) -> Mover:
+    """Return a body of a chain; the real one is read from the folder of real robots."""
+    if name == "urma_sea_snake":
+        return swimmer(Path(real) / REAL)
+    made = swimmer(name)
+    if name != PADDLED:
+        return made
+    return replace(made, task=replace(made.task, effects=aqua_water(made.robot)))
+
+
+def families(mover: Mover) -> Mapping[str, Family]:
+    """Return what direct learning searches in: servo by servo, or by the servos' names."""
+    period = mover.task.period
+    return {
+        "free": free(mover.action, period=period),
+        "names": gait(mover.robot, period=period, action=mover.action),
+    }
+
+
+def best_of(name: str, real: str, size: Size) -> dict[str, Any]:
+    """Return the greatest speed that long searches find on a body, m/s."""
+    mover = body(name, real)
+    limbs, _, _ = felt(mover, Budget(), np.random.default_rng(ORACLE_SEED))
+    searched: dict[str, Family] = {**families(mover), "waves": family_of(mover, limbs)}
+    found = {}
+    for label, family in searched.items():
+        first = direct(mover, family, trials=size.oracle, sigma=0.25, seed=ORACLE_SEED)
+        again = direct(
+            mover,
+            family,
+            trials=size.oracle // 2,
+            sigma=0.08,
+            seed=ORACLE_SEED + 1,
+            start=first.point[int(first.speed.argmax())],
+        )
+        found[label] = max(first.best, again.best)
+    return {"case": f"best {name}", "best": found, "key": key_of(name, real, size)}
+
+
+def key_of(name: str, real: str, size: Size) -> str:
+    """Return the hash of a body in its world, and of how long it was searched."""
+    mover = body(name, real)
+    return sha256(mover.robot.sha256, mover.task.sha256, str(size.oracle))
+
+
+def case(chain: str, seed: int, real: str, size: Size) -> dict[str, Any]:
+    """Return what one chain comes to at one seed, with its controls and direct learning."""
+    movers = [body(name, real) for name in CHAINS[chain]]
+    budget = Budget(trials=size.trials)
+    made = relay(movers, seed=seed, learning=size.learning, budget=budget)
+    source, last = made.bodies[-2:]
+    rng = np.random.default_rng([seed, 99])
+    beside = {
+        name: control(name, source, last, rng=rng, budget=budget).speeds.tolist()
+        for name in size.controls
+    }
+    learned = {
+        f"{label} {sigma:g}": direct(
+            last.mover, family, trials=size.direct, sigma=sigma, seed=seed
+        ).speed.tolist()
+        for label, family in families(last.mover).items()
+        if label in size.families
+        for sigma in size.sigmas
+    }
+    return {
+        "case": f"{chain} {seed}",
+        "chain": chain,
+        "seed": seed,
+        "hops": _hops(made),
+        "controls": beside,
+        "direct": learned,
+        "trial": last.mover.trial,
+    }
+
+
+def _hops(made: Chained) -> list[dict[str, Any]]:
+    return [
+        {
+            "body": each.mover.robot.name[:60],
+            "speed": each.speed,
+            "speeds": each.speeds.tolist(),
+            "samples": each.samples,
+            "values": each.values.tolist(),
+        }
+        for each in made.bodies
+    ]
+
+
+def job(what: tuple[Any, ...]) -> dict[str, Any]:
+    """Return what one job comes to: the kind, body or chain, seed, folder of robots and size."""
+    kind, name, seed, real, size = what
+    try:
+        return best_of(name, real, size) if kind == "best" else case(name, seed, real, size)
+    except MorphError as error:
+        return {"case": f"{name} {seed}", "chain": name, "seed": seed, "failed": str(error)}
