@@ -7,11 +7,28 @@ from align.errors import MapError
 from align.maps.affine_map import AffineMap
 from align.maps.bent_map import BentMap
 from align.maps.body_map import BodyMap, Mapper
+from align.maps.features import Features
 from align.maps.kernel import KernelMapper
+from align.maps.manifold import Manifold, ManifoldFree
 from align.maps.network import NetworkMapper
+from align.maps.pca_affine import PcaAffine
+from align.maps.sparse import Sparse
 from align.maps.transition import TransitionMapper
+from align.maps.transport import Transport
+from align.maps.uma import Uma
 
-MAPPERS: tuple[Mapper, ...] = (TransitionMapper(), KernelMapper(), NetworkMapper())
+MAPPERS: tuple[Mapper, ...] = (
+    TransitionMapper(),
+    KernelMapper(),
+    NetworkMapper(),
+    PcaAffine(),
+    Manifold(),
+    ManifoldFree(),
+    Sparse(),
+    Uma(),
+    Transport(),
+    Features(),
+)
 """Every way to learn a map, with its settings as they are without a choice."""
 
 KINDS: tuple[type[BodyMap], ...] = (AffineMap, BentMap, ChainMap)
