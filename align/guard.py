@@ -18,11 +18,18 @@ Law = Callable[[Array, Array], Array]
 GONE = 3.1
 """Size of the outcome from which a body has fallen or is lost: nothing after it counts."""
 
+LEAST = 0.01
+"""Score beside which scores are compared: a twentieth of a second upright."""
+
 DRAWS = 64
 """Bodies drawn from the belief."""
 
-WEIGHTS: tuple[float, ...] = (0.0, 1.0, 0.0, 0.0, 0.0, 0.0)
-"""Of the logistic law from what was foreseen to the probability of harm."""
+WEIGHTS: tuple[float, ...] = (0.0, 1.0, 0.0, 0.0, 0.0)
+"""Of the logistic law from what was foreseen to the probability of harm; found on bodies that no
+figure of the guard is of (docs/guard.md)."""
+
+SAFE, UNSAFE = 0.05, 0.5
+"""Probabilities of harm up to which a policy is safe, and from which on it is unsafe."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -65,8 +72,6 @@ class Foreseen:
     """Of the policy, 0 to 1, shape (draws,)."""
     still: Array
     """Of holding still, shape (draws,)."""
-    misfit: float
-    """How much worse than it says the belief predicts; 1 where it is right."""
 
     @property
     def gain(self) -> Array:
@@ -80,12 +85,15 @@ class Foreseen:
 
     @property
     def features(self) -> Array:
-        """What the probability of harm is told by, shape (6,)."""
+        """What the probability of harm is told by, shape (5,).
+
+        One, the log odds of the share, and of the log of the policy's score over holding still's
+        its middle and its lowest and highest tenth: how clear it is, beside how probable.
+        """
         share = self.share
-        low, high = np.quantile(self.gain, (0.1, 0.9))
-        return np.array(
-            [1.0, np.log(share / (1.0 - share)), self.gain.mean(), low, high, np.log(self.misfit)]
-        )
+        ratio = np.log((self.score + LEAST) / (self.still + LEAST))
+        low, middle, high = np.quantile(ratio, (0.1, 0.5, 0.9))
+        return np.array([1.0, np.log(share / (1.0 - share)), middle, low, high])
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -99,7 +107,13 @@ class Verdict:
 
 
 def foreseen(
-    belief: Belief, law: Law, trial: Trial, rng: np.random.Generator, *, draws: int = DRAWS
+    belief: Belief,
+    law: Law,
+    trial: Trial,
+    rng: np.random.Generator,
+    *,
+    draws: int = DRAWS,
+    still: Array | None = None,
 ) -> Foreseen:
     """Return what a policy would score on bodies drawn from a belief, and what holding still.
 
@@ -113,17 +127,19 @@ def foreseen(
         trial: What a run is like.
         rng: The chance of bodies, of what steps add and of readings.
         draws: How many bodies.
+        still: What holding still was foreseen to score, where the same chance foresaw it.
     """
     laws = belief.drawn(draws, rng)
     seed = int(rng.integers(2**63))
 
-    def still(x: Array, time: Array) -> Array:
+    def rested(x: Array, time: Array) -> Array:
         return np.zeros((len(x), len(trial.low)))
 
-    ours, none = (
-        _scores(laws, belief, each, trial, np.random.default_rng(seed)) for each in (law, still)
-    )
-    return Foreseen(score=ours, still=none, misfit=max(belief.misfit, 1e-3))
+    ours = _scores(laws, belief, law, trial, np.random.default_rng(seed))
+    none = still
+    if none is None:
+        none = _scores(laws, belief, rested, trial, np.random.default_rng(seed))
+    return Foreseen(score=ours, still=none)
 
 
 def _scores(laws: Array, belief: Belief, law: Law, trial: Trial, rng: np.random.Generator) -> Array:
@@ -139,6 +155,8 @@ def _scores(laws: Array, belief: Belief, law: Law, trial: Trial, rng: np.random.
         size = np.square(x @ half.T).sum(axis=-1)
         alive *= size < GONE**2
         total += alive * np.exp(-0.5 * size)
+        if not alive.any():
+            break
         seen = x + belief.noise * rng.standard_normal(x.shape)
         time = np.full(draws * m, at * trial.period)
         told = np.nan_to_num(law(seen.reshape(-1, n), time)).reshape(draws, m, -1)
@@ -149,11 +167,17 @@ def _scores(laws: Array, belief: Belief, law: Law, trial: Trial, rng: np.random.
     return np.asarray(total.mean(axis=-1) / trial.periods)
 
 
-def judge(found: Foreseen, *, safe: float = 0.05, unsafe: float = 0.5) -> Verdict:
-    """Return the verdict on what was foreseen.
+def odds(features: Array) -> float:
+    """Return the probability of harm of what was foreseen, by the logistic law of `WEIGHTS`.
 
-    The probability is a logistic law of six numbers of what was foreseen; its weights were found
-    on bodies that no figure of the guard is of (see docs/guard.md).
+    Args:
+        features: As `Foreseen.features` gives them, shape (5,).
+    """
+    return float(1.0 / (1.0 + np.exp(-np.clip(features @ np.array(WEIGHTS), -30.0, 30.0))))
+
+
+def judge(found: Foreseen, *, safe: float = SAFE, unsafe: float = UNSAFE) -> Verdict:
+    """Return the verdict on what was foreseen.
 
     Args:
         found: What was foreseen.
@@ -169,9 +193,7 @@ def judge(found: Foreseen, *, safe: float = 0.05, unsafe: float = 0.5) -> Verdic
             where="the guard",
             fix="give 0 <= safe <= unsafe <= 1",
         )
-    score = float(found.features @ np.array(WEIGHTS))
-    probability = 1.0 / (1.0 + float(np.exp(-np.clip(score, -50.0, 50.0))))
-    name: Literal["safe", "unsafe", "unsure"] = (
-        "safe" if probability <= safe else "unsafe" if probability >= unsafe else "unsure"
-    )
-    return Verdict(verdict=name, probability=probability)
+    probability = odds(found.features)
+    if probability <= safe:
+        return Verdict(verdict="safe", probability=probability)
+    return Verdict(verdict="unsafe" if probability >= unsafe else "unsure", probability=probability)

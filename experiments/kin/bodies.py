@@ -39,14 +39,14 @@ PUSHES = (0.6, 0.4, 0.25, 0.15, 0.1, 0.06, 0.03)
 """What a push may give the last link, m/s: from one of the first four by chance, weakened until
 the oracle bears it."""
 
-EFFORTS = (0.01, 0.1, 1.0, 10.0)
+EFFORTS = (0.1, 1.0, 10.0)
 """What effort may cost a regulator, in shares of the commands' bounds."""
 
 HELD = 0.95
 """What the oracle scores at least."""
 
 SPRUNG = 0.35
-"""Share of the bodies whose first hinge has a spring: some of these stand by themselves, so that
+"""Share of the bodies whose hinges have springs: most of these stand by themselves, so that
 a policy can do harm that is worth the name."""
 
 
@@ -127,23 +127,26 @@ def drawn(robot: Robot, rng: np.random.Generator) -> Robot:
 
 
 def _sprung(robot: Robot, rng: np.random.Generator) -> Robot:
-    """Return a body whose first hinge has a spring that nearly, or well, holds it upright."""
+    """Return a body whose hinges have springs that nearly, or well, hold it upright."""
     top = posture(robot, "balance", upright=True)
-    hinge = next(iter(top))
     model = spec_of(robot).compile()
     q, _ = started(robot, model, top, {})
     data = mujoco.MjData(model)
     data.qpos[:] = q
     mujoco.mj_forward(model, data)
-    at = model.joint(hinge).id
-    link = int(model.jnt_bodyid[at])
-    height = float(data.subtree_com[link][2] - data.xanchor[at][2])
-    # A stiffness of m g h holds a stiff body upright at any small angle.
-    needed = float(model.body_subtreemass[link]) * 9.81 * height
-    stiffness = needed * float(rng.uniform(0.9, 1.8))
-    damping = 0.05 * needed * float(rng.uniform(0.2, 1.0))
-    spring = Stiffen(joint=hinge, stiffness=stiffness, damping=damping, rest=top[hinge])
-    return vary(robot, spring)
+    # One hinge stands at a stiffness of m g h; of a chain each needs more than that.
+    least, most = (0.9, 1.8) if len(top) == 1 else (1.5, 3.0)
+    factor, lag = float(rng.uniform(least, most)), float(rng.uniform(0.01, 0.05))
+    springs = []
+    for hinge, rest in top.items():
+        at = model.joint(hinge).id
+        link = int(model.jnt_bodyid[at])
+        height = float(data.subtree_com[link][2] - data.xanchor[at][2])
+        stiffness = factor * float(model.body_subtreemass[link]) * 9.81 * height
+        springs.append(
+            Stiffen(joint=hinge, stiffness=stiffness, damping=lag * stiffness, rest=rest)
+        )
+    return vary(robot, *springs)
 
 
 def _rewired(robot: Robot, rng: np.random.Generator) -> Robot:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from align.belief import Belief, believed, mechanical
+from align.errors import SamplesError
 from align.guard import Trial
 from align.samples import Transitions
 from experiments.kin.bodies import Kin
@@ -27,6 +28,14 @@ WAYS = {
 keeps the described body near rest, where a linear model holds."""
 
 
+NEAR, FAR = 1.0, 2.5
+"""Greatest number of a state, rad, m, rad/s or m/s, below which runs grow bolder and beyond which
+they are tamed."""
+
+BOLDEST, SHORTEST, LONGEST = 0.4, 4, 20
+"""Largest commands, in shares of the bounds, and commands of the shortest and the longest run."""
+
+
 def moved(
     body: Body, count: int, length: int, share: float, rng: np.random.Generator
 ) -> Transitions:
@@ -38,8 +47,28 @@ def moved(
 
 
 def seen(kin: Kin, rng: np.random.Generator, *, count: int = MOST) -> Transitions:
-    """Return so many transitions of a body, moved as its family's description says it may be."""
-    return moved(kin.body, count, *WAYS[kin.family], rng)
+    """Return so many transitions of a body, moved at first as its description says it may be.
+
+    A run that stayed near rest is followed by a bolder and longer one, a run that went far by a
+    tamer and shorter one.
+    """
+    length, share = WAYS[kin.family]
+    found: Transitions | None = None
+    while (left := count - (0 if found is None else len(found.state))) > 0:
+        run = kin.body.transitions(min(length, left), rng, share=share)
+        found = run if found is None else found.and_also(run)
+        far = float(np.abs(run.state).max())
+        if far < NEAR:
+            share, length = min(BOLDEST, 2.0 * share), min(LONGEST, 3 * length // 2)
+        elif far > FAR:
+            share, length = 0.5 * share, max(SHORTEST, length // 2)
+    if found is None:
+        raise SamplesError(
+            f"{count} transitions are asked for",
+            where=f"what is seen of {kin.name}",
+            fix="ask for one or more",
+        )
+    return found
 
 
 def belief(body: Body, transitions: Transitions) -> Belief:
