@@ -33,6 +33,7 @@ from morph.body.load import load
 from morph.search.cmaes import Adapting
 from morph.search.evaluate import evaluate
 from morph.search.family.family import Family
+from morph.search.family.gait import Gait
 from morph.search.family.paces import paces
 from morph.search.family.stride import Stride, stride
 from morph.search.generations.population import tried as population
@@ -41,7 +42,7 @@ from morph.task.crouch import crouch
 from morph.task.stand import stand
 from morph.task.task import Task
 from morph.task.walk import walk
-from morph.transfer.strides import Carried, Response, carried, joint_map, tried
+from morph.transfer.strides import Carried, Response, Told, carried, joint_map, tried
 
 EXAMPLE = """example:
   python -m experiments.figure_one --seeds 0:10 --kept out/figure_one.jsonl --json out/one.json
@@ -238,12 +239,12 @@ def _humanoid(
 
 
 def _carried(
-    gait: object, values: Array | None, responses: tuple[Response, Response], task: Task, map: Array
+    gait: Gait, values: Array | None, responses: tuple[Response, Response], task: Task, map: Array
 ) -> Carried:
-    return carried(gait, values, responses, task, map=map)  # type: ignore[arg-type]
+    return carried(gait, values, responses, task, map=map)
 
 
-def _springs(task: Task, strides: Stride, values: Array) -> object:
+def _springs(task: Task, strides: Stride, values: Array) -> Told:
     """Return how set points of a biped's stride become efforts, as its policy makes them."""
     model = task.simulator().model
     joints = [model.joint(each.joint) for each in task.robot.actuators]
@@ -260,7 +261,7 @@ def _springs(task: Task, strides: Stride, values: Array) -> object:
     return told
 
 
-def _servos(task: Task) -> object:
+def _servos(task: Task) -> Told:
     posture = np.array([task.start.position.get(each.joint, 0.0) for each in task.robot.actuators])
     return lambda position, velocity, point: posture + point
 

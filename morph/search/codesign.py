@@ -10,7 +10,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from morph.arrays import Array
+from morph.arrays import Array, Mask
 from morph.body.card import Parameter
 from morph.body.robot import Robot
 from morph.body.spec import spec_of
@@ -78,7 +78,7 @@ class Design:
         return (value - known.low) / (known.high - known.low)
 
     @property
-    def of_policy(self) -> Array:
+    def of_policy(self) -> Mask:
         """Which numbers of a point are the policy's, shape (numbers,)."""
         return np.arange(len(self.start)) < len(self.policies.numbers)
 
@@ -172,7 +172,7 @@ class Designed:
 
 def sought(
     design: Design,
-    phases: Sequence[tuple[Array, int]],
+    phases: Sequence[tuple[Mask, int]],
     *,
     seed: int,
     sigma: float = 0.2,

@@ -80,7 +80,7 @@ def crouch(robot: Robot, bends: dict[str, float], *, task: str = "walk") -> dict
 
 def _legs(model: Any, feet: list[int], trunk: int) -> list[int]:
     """Return the hinges between the trunk and the feet, by MuJoCo's numbers."""
-    found = []
+    found: list[int] = []
     for foot in feet:
         link = foot
         while link not in (0, trunk):
