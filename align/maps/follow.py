@@ -150,9 +150,9 @@ def lifted(states: StateLaw, target: Array) -> tuple[Array, Array]:
 class Following(Mapper):
     """A mapper that learns a map of states, and has the target follow the source through it."""
 
-    horizon: int = 40
+    horizon: int = 30
     """How many periods the target is to follow."""
-    effort: float = 0.1
+    effort: float = 0.4
     """What a command of one spread costs against one spread of a state."""
 
     def __post_init__(self) -> None:
