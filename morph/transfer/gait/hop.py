@@ -12,8 +12,10 @@ from morph.errors import TransferError
 from morph.policy.pattern import Pattern
 from morph.transfer.gait.direct import direct
 from morph.transfer.gait.landscape import Landscape
+from morph.transfer.gait.legs import legs
 from morph.transfer.gait.limbs import Limb, limbs, responses
-from morph.transfer.gait.mover import Mover
+from morph.transfer.gait.mover import SETTLE, Mover
+from morph.transfer.gait.pace import Pace, pace
 from morph.transfer.gait.wave import Wave, at, wave
 
 FASTER = (1.0, 0.5, 2.0, 4.0)
@@ -21,6 +23,9 @@ FASTER = (1.0, 0.5, 2.0, 4.0)
 
 SHORTER = (1.5, 2.0, 3.0)
 """Lags that are tried next, over the source's: how long a wave is no geometry tells."""
+
+ALONE = (1.0, 2.0)
+"""Time scales of the wave that a search without a source begins with: tried beside the source's."""
 
 CANDIDATES = 1500
 """Points among which the most promising one is tried next."""
@@ -55,14 +60,18 @@ class Carried:
         return family_of(self.mover, self.limbs).make(self.values)
 
 
-def family_of(mover: Mover, found: tuple[Limb, ...]) -> Wave:
-    """Return the waves of a body whose limbs are known."""
-    return wave(mover.action, found, period=mover.task.period)
+def family_of(mover: Mover, found: tuple[Limb, ...]) -> Wave | Pace:
+    """Return the waves of a swimmer, or the paces of a body on legs, whose limbs are known."""
+    made = wave if mover.wet else pace
+    return made(mover.action, found, period=mover.task.period)
 
 
 def scaled(values: Array, faster: float, shorter: float = 1.0) -> Array:
-    """Return waves (..., 4) that are so much faster, and so much shorter."""
-    return values * np.array([faster, 1.0, shorter, 1.0])
+    """Return waves that are so much faster and shorter, or paces so much faster and higher.
+
+    The frequency is the first of their numbers, a wave's lag and a pace's lift the third.
+    """
+    return values * np.array([faster, 1.0, shorter, *[1.0] * (values.shape[-1] - 3)])
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -91,10 +100,12 @@ def felt(
     mover: Mover, budget: Budget, rng: np.random.Generator
 ) -> tuple[tuple[Limb, ...], float, int]:
     """Return where the servos of a body belong, how late it is, s, and the samples that it took."""
-    count = budget.transitions * len(mover.action)
+    each = budget.transitions + (0 if mover.wet else SETTLE)
+    count = each * len(mover.action)
     seen = mover.transitions(count, rng, width=budget.width)
     found = responses(seen, period=mover.task.period)
-    return limbs(found), found.late, len(seen.state)
+    where = limbs(found) if mover.wet else legs(found, mover.action)
+    return where, found.late, len(seen.state)
 
 
 def hop(
@@ -132,8 +143,9 @@ def tuned(
     much the limbs alone are worth. If they are blind, each is drawn by chance.
     """
     family = family_of(target, found)
-    pace = 1.0 if source is None else source.late / late
-    middle = family.values(family.start) if source is None else scaled(source.values, pace)
+    quick = 1.0 if source is None else source.late / late
+    start = family.values(family.start)
+    middle = start if source is None else scaled(_told(source, source.values, start), quick)
     first = [scaled(middle, each) for each in FASTER][:trials]
     points = np.array([at(family, each) for each in first])
     speeds = target.speed([family.policy(each) for each in points])
@@ -145,9 +157,17 @@ def tuned(
         speeds = np.append(speeds, target.speed([family.policy(each) for each in more]))
     top = int(speeds.argmax())
     shorter = SHORTER[top - len(first)] if top >= len(first) else 1.0
-    foreseen = None if source is None else _foreseen(source, family, pace * faster, shorter)
+    foreseen = None if source is None else _foreseen(source, family, quick * faster, shorter)
+    own = [] if source is None else [scaled(start, each) for each in ALONE][: trials - len(points)]
+    if own:
+        more = np.array([at(family, each) for each in own])
+        gone = target.speed([family.policy(each) for each in more])
+        # A source that is worse than none is not believed.
+        foreseen = foreseen if speeds.max() >= gone.max() else None
+        points, speeds = np.vstack([points, more]), np.append(speeds, gone)
     while len(points) < trials:
-        best = max(float(speeds.max()), 1e-6)
+        # Where all are still slow, one that goes back says no more than that it does.
+        best = max(float(np.abs(speeds).max()), 1e-6)
         known = Landscape(point=points, share=speeds / best, foreseen=foreseen)
         point = rng.random(len(points[0])) if blind else _next(known, points[speeds.argmax()], rng)
         points = np.vstack([points, point])
@@ -166,10 +186,24 @@ def tuned(
     )
 
 
-def _foreseen(source: Carried, family: Wave, faster: float, shorter: float) -> Landscape:
+def _told(source: Carried, values: Array, start: Array) -> Array:
+    """Return a source's numbers, and for those that it cannot tell where a search would begin.
+
+    A body of one leg knows of no lag between sides, nor between front and rear.
+    """
+    if source.mover.wet:
+        return values
+    among = [limb for limb in source.limbs if limb.role]
+    silent = np.zeros(len(start), dtype=bool)
+    silent[4] = len({limb.side for limb in among}) < 2
+    silent[5] = len({limb.place for limb in among}) < 2
+    return np.where(silent, start, values)
+
+
+def _foreseen(source: Carried, family: Wave | Pace, faster: float, shorter: float) -> Landscape:
     """Return what a source says of a target that is faster, and whose waves are shorter."""
     low, high = (np.array([getattr(n, end) for n in family.numbers]) for end in ("low", "high"))
-    values = scaled(source.tried, faster, shorter)
+    values = scaled(_told(source, source.tried, family.values(family.start)), faster, shorter)
     near = ((values >= low - 1e-9) & (values <= high + 1e-9)).all(axis=1)
     near[int(source.speeds.argmax())] = True
     share = np.maximum(source.speeds / max(source.speed, 1e-9), -0.2)

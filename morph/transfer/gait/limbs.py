@@ -32,6 +32,8 @@ class Limb:
     """1 or -1: which way it is told to do what the others do; 0 if it rests."""
     sure: bool
     """Whether the response is clear of its noise."""
+    role: str = ""
+    """`swing` or `lift` of a leg; empty in a swimmer."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -65,13 +67,17 @@ def responses(seen: Transitions, *, period: float) -> Responses:
     size = seen.command.shape[1]
     slot = len(seen.command) // size
     told = np.array([seen.command[i * slot : (i + 1) * slot, i] for i in range(size)])
+    told = told - told[:, :1]
     if slot * size != len(seen.command) or not (np.abs(told).max(axis=1) > 0.0).all():
         raise TransferError(
             f"{len(seen.command)} transitions hold no run in which each of {size} servos swings",
             where="responses of a body",
             fix="take those of Mover.transitions",
         )
-    moved = period * np.cumsum(seen.after.reshape(size, slot, -1), axis=1)
+    # What came before the bells, such as settling on the floor, is no response to them.
+    first = int((np.abs(told).max(axis=0) > 0.0).argmax())
+    told, slot = told[:, first:], slot - first
+    moved = period * np.cumsum(seen.after.reshape(size, first + slot, -1)[:, first:], axis=1)
     tried = [_fitted(told, moved, late, period) for late in LAGS]
     best = min(range(len(LAGS)), key=lambda each: float(tried[each][1].sum()))
     c, left, spread = tried[best]

@@ -31,6 +31,9 @@ WIDEST = 1.0
 LEAD = 1.0
 """How long a rhythm has to settle before it is measured, s."""
 
+SETTLE = 20
+"""Control periods in which a body on a floor comes to rest before a servo swings."""
+
 SHORTEST = 5
 """Fewest control periods in which a servo swings out and back."""
 
@@ -132,21 +135,25 @@ class Mover:
             TransferError: There are too few for each servo to have a run of `SHORTEST`.
         """
         size, period = len(self.action), self.task.period
-        slot = count // size
+        # On a floor it first settles on legs that are bent: straight ones lift either way.
+        lead = 0 if self.wet else SETTLE
+        slot = count // size - lead
         if slot < SHORTEST:
             raise TransferError(
                 f"{count} transitions are too few for {size} servos",
                 where=f"transitions of {self.robot.name}",
-                fix=f"take {SHORTEST * size} or more",
+                fix=f"take {(SHORTEST + lead) * size} or more",
             )
         way = rng.choice([-1.0, 1.0], size)
         low, high = (np.array([getattr(a, end) for a in self.action]) for end in ("low", "high"))
+        middle = np.zeros(size) if self.wet else 0.5 * (low + high)
 
         def act(q: Array, v: Array, time: float) -> Array:
-            bell = 0.5 * (1.0 - np.cos(2.0 * np.pi * (time / period + 1.0) / slot))
-            return np.clip(np.diag(way * width * bell), low, high)
+            into = max(0.0, round(time / period) - lead)
+            bell = 0.5 * (1.0 - np.cos(2.0 * np.pi * into / slot))
+            return np.clip(middle + np.diag(way * width * bell), low, high)
 
-        moved = self._run(act, size, seconds=slot * period)
+        moved = self._run(act, size, seconds=(lead + slot) * period)
         seen = [self._twists(moved, link) for link in (self._body, self._end)]
         twist = np.nan_to_num(np.concatenate(seen, axis=2))
         twist = twist + noise * rng.standard_normal(twist.shape)
@@ -156,7 +163,7 @@ class Mover:
         before = np.concatenate([np.zeros_like(twist[:, :1]), twist[:, :-1]], axis=1)
         return Transitions(
             state=before.reshape(-1, 12),
-            command=moved.command[:, :slot].reshape(-1, size),
+            command=moved.command[:, : lead + slot].reshape(-1, size),
             after=twist.reshape(-1, 12),
             turns=np.zeros(12, dtype=bool),
         )

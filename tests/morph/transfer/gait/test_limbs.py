@@ -92,7 +92,7 @@ def test_a_response_is_the_share_that_was_put_in() -> None:
     # Two servos; the trunk follows the first by 0.3 and the second by -0.2 of its lagged bell.
     period, slot, late = 0.02, 20, 0.1
     told = np.zeros((2 * slot, 2))
-    bell = 0.5 * (1.0 - np.cos(2.0 * np.pi * (np.arange(slot) + 1.0) / slot))
+    bell = 0.5 * (1.0 - np.cos(2.0 * np.pi * np.arange(slot) / slot))
     twist = np.zeros((2 * slot, 12))
     for servo, share in enumerate((0.3, -0.2)):
         rows = slice(servo * slot, (servo + 1) * slot)
