@@ -1,7 +1,7 @@
 """Harm foreseen: policies carried to bodies drawn by chance, judged before they run, then run.
 
 Each target is a body about one of the shelf with other lengths, masses, motors, noise and a push
-of its own; some axes are mirrored, some hinges sprung. Sixteen policies come to it: of its kin as
+of its own; some axes are mirrored, some hinges sprung, none has stops. Fifteen policies come to it: of its kin as
 they are, by an old description, by maps learned of 20 or 60 transitions, by a hop of the library,
 and six of these spoilt by a wrong sign, a shuffle or a wrong unit. The guard sees at most 60 noisy
 transitions of the target. A policy is harmful if it then scores less than holding still, from the
@@ -23,8 +23,8 @@ from align.guard import SAFE, UNSAFE, WEIGHTS, odds
 from experiments.kin.harms import harms
 from experiments.kin.likeness import EACH
 from experiments.kin.many import done, seeds_of
-from experiments.kin.measures import CLEAR, accepted, area, calibration, within
-from morph.arrays import JSON, Array
+from experiments.kin.measures import CLEAR, Rows, accepted, area, calibration, within
+from morph.arrays import JSON, Array, Mask
 
 EXAMPLE = """example:
   python -m experiments.harm --seeds 0:10 --kept out/harm.jsonl --json out/harm.json
@@ -72,15 +72,15 @@ def _suspicions(told: list[JSON]) -> dict[str, Array]:
     }
 
 
-def _figures(told: list[JSON], harmful: Array, useful: Array, suspicion: Array) -> JSON:
+def _figures(told: list[JSON], harmful: Mask, useful: Mask, suspicion: Array) -> JSON:
     clear = harmful | useful
     groups = [line["target"] for line in told]
 
-    def of(rows: Array) -> float:
+    def of(rows: Rows) -> float:
         kept = rows[clear[rows]]
         return area(harmful[kept], suspicion[kept])
 
-    def took(rows: Array) -> float:
+    def took(rows: Rows) -> float:
         return accepted(harmful[rows], useful[rows], suspicion[rows])
 
     every = np.arange(len(told))
@@ -93,7 +93,7 @@ def _figures(told: list[JSON], harmful: Array, useful: Array, suspicion: Array) 
     }
 
 
-def _verdicts(told: list[JSON], harmful: Array, useful: Array) -> JSON:
+def _verdicts(told: list[JSON], harmful: Mask, useful: Mask) -> JSON:
     """Return how many pairs of each sort got each verdict."""
     named = np.array([_verdict(line) for line in told])
     return {
@@ -111,7 +111,7 @@ def _verdict(line: JSON) -> str:
     return "safe" if probability <= SAFE else "unsafe" if probability >= UNSAFE else "unsure"
 
 
-def _sorts(told: list[JSON], harmful: Array, useful: Array) -> JSON:
+def _sorts(told: list[JSON], harmful: Mask, useful: Mask) -> JSON:
     found = {}
     for name in dict.fromkeys(line["sort"] for line in told):
         held = np.array([line["sort"] == name for line in told])

@@ -22,7 +22,7 @@ from scipy.stats import spearmanr
 
 from experiments.kin.likeness import EACH, likeness
 from experiments.kin.many import done, seeds_of
-from experiments.kin.measures import ALIKE, chosen_well, within
+from experiments.kin.measures import ALIKE, Rows, chosen_well, within
 from morph.arrays import JSON, Array
 
 EXAMPLE = """example:
@@ -65,7 +65,7 @@ def report(lines: list[JSON]) -> JSON:
 
 
 def _figures(promise: Array, jumpstart: Array, targets: list[str]) -> JSON:
-    def rank(rows: Array) -> float:
+    def rank(rows: Rows) -> float:
         if np.ptp(promise[rows]) == 0.0:
             return 0.0
         return float(spearmanr(promise[rows], jumpstart[rows]).statistic)

@@ -115,7 +115,7 @@ def described(family: str) -> Source:
 
 
 def drawn(robot: Robot, rng: np.random.Generator) -> Robot:
-    """Return a body of other lengths, masses and motors, some of its axes mirrored."""
+    """Return a body of other lengths, masses and motors, some axes mirrored, without stops."""
     links = [link.name for link in robot.links if link.mass > 0.0]
     made: list[Operation] = [Scale(link="*", factor=float(np.exp(rng.normal(0.0, 0.2))))]
     for name in links[1:]:
@@ -155,9 +155,10 @@ def _rewired(robot: Robot, rng: np.random.Generator) -> Robot:
     spec.modelname = robot.name
     marks = []
     for joint in spec.joints:
+        # A linear model knows no stops: what leans on one is a body of another kind.
+        joint.limited = mujoco.mjtLimited.mjLIMITED_FALSE
         if rng.random() < 0.2:
             joint.axis = -np.asarray(joint.axis)
-            joint.range = -np.asarray(joint.range)[::-1]
             marks.append(joint.name)
     for actuator in spec.actuators:
         factor = float(np.exp(rng.normal(0.0, 0.35)))

@@ -113,8 +113,8 @@ def _clouds(other: Source, target: Kin, told: Transitions, rng: np.random.Genera
         for each, reads in ((ours, mine), (told, theirs))
     ]
     shares = following(clouds[0], clouds[1]).share
-    both = [np.concatenate([each.state, each.after - each.state], axis=1) for each in clouds]
-    return {"eq. 11": shares["relative"], "Wasserstein": -apart(*both, rng)}
+    here, there = (np.concatenate([each.state, each.after - each.state], axis=1) for each in clouds)
+    return {"eq. 11": shares["relative"], "Wasserstein": -apart(here, there, rng)}
 
 
 def _figures(other: Source, target: Kin) -> float:

@@ -6,9 +6,13 @@ from collections.abc import Callable, Sequence
 from itertools import pairwise
 
 import numpy as np
+import numpy.typing as npt
 from scipy.stats import rankdata
 
-from morph.arrays import JSON, Array
+from morph.arrays import JSON, Array, Mask
+
+Rows = npt.NDArray[np.intp]
+"""Numbers of pairs, shape (any,)."""
 
 CLEAR = 0.1
 """What a useful policy scores beyond holding still, at least."""
@@ -21,7 +25,7 @@ DRAWS = 1000
 """Bootstrap samples of an interval, each of as many targets with putting back."""
 
 
-def area(harmful: Array, suspicion: Array) -> float:
+def area(harmful: Mask, suspicion: Array) -> float:
     """Return the area under the curve: how often a harmful pair is the more suspect of two.
 
     Source: Hanley and McNeil 1982, Radiology 143(1): it is the Mann-Whitney statistic.
@@ -35,7 +39,7 @@ def area(harmful: Array, suspicion: Array) -> float:
     return float((rank[harmful].sum() - 0.5 * bad * (bad + 1)) / max(bad * good, 1))
 
 
-def accepted(harmful: Array, useful: Array, suspicion: Array, *, share: float = 0.02) -> float:
+def accepted(harmful: Mask, useful: Mask, suspicion: Array, *, share: float = 0.02) -> float:
     """Return the share of the useful accepted where so many of the harmful are.
 
     The threshold is the highest at which at most that share of the harmful pairs is at or below
@@ -48,7 +52,7 @@ def accepted(harmful: Array, useful: Array, suspicion: Array, *, share: float = 
 
 
 def within(
-    groups: Sequence[str], of: Callable[[Array], float], *, seed: int = 0
+    groups: Sequence[str], of: Callable[[Rows], float], *, seed: int = 0
 ) -> tuple[float, float]:
     """Return the bootstrap 95 % interval of a figure; pairs of one target go together.
 
@@ -68,7 +72,7 @@ def within(
     return float(low), float(high)
 
 
-def calibration(harmful: Array, probability: Array, edges: Sequence[float]) -> list[JSON]:
+def calibration(harmful: Mask, probability: Array, edges: Sequence[float]) -> list[JSON]:
     """Return for each bin of probability how many pairs fell into it, and how many did harm."""
     lines = []
     for low, high in pairwise(edges):
