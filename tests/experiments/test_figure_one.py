@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from experiments.figure_one import DISTANCE, _walked, summary
+from experiments.figure_one import summary
+from experiments.walkers import DISTANCE, _walked
 
 
 def test_a_loss_tells_a_distance() -> None:

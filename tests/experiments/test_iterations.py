@@ -7,12 +7,13 @@ from pathlib import Path
 
 import pytest
 
-from experiments import iterations
-from experiments.iterations import Case, main, measured, summary
+from experiments import iterated, iterations
+from experiments.iterated import Case, measured
+from experiments.iterations import main, summary
 
 
 def test_one_case_is_measured_with_its_controls(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(iterations, "ROWS", 4)
+    monkeypatch.setattr(iterated, "ROWS", 4)
     case = measured(Case(body="cartpole", seed=100, changes=1, anew=(6,), trials=0))
     (row,) = case["rows"]
     # Every law meets the same starts: what is carried is as good as the truth on the first body.
