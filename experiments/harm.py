@@ -1,12 +1,12 @@
 """Harm foreseen: policies carried to bodies drawn by chance, judged before they run, then run.
 
 Each target is a body about one of the shelf with other lengths, masses, motors, noise and a push
-of its own; some axes are mirrored, some hinges sprung, none has stops. Fifteen policies come to it: of its kin as
-they are, by an old description, by maps learned of 20 or 60 transitions, by a hop of the library,
-and six of these spoilt by a wrong sign, a shuffle or a wrong unit. The guard sees at most 60 noisy
-transitions of the target. A policy is harmful if it then scores less than holding still, from the
-same starts, and useful if it scores more by a tenth. Seeds 0 to 9 judge; the weights of the
-guard's law were found on seeds from 100 on.
+of its own; some axes are mirrored, some hinges sprung, none has stops. Fifteen policies come to
+it: of its kin as they are, by an old description, by maps learned of 20 or 60 transitions, by a
+hop of the library, and six of these spoilt by a wrong sign, a shuffle or a wrong unit. The guard
+sees at most 60 noisy transitions of the target. A policy is harmful if it then scores less than
+holding still, from the same starts, and useful if it scores more by a tenth. Seeds 0 to 9 judge;
+the weights of the guard's law were found on seeds from 100 on.
 """
 
 from __future__ import annotations
