@@ -33,8 +33,8 @@ TRUE = """
 
 
 def test_the_formula_moves_as_the_same_body_in_mujoco() -> None:
-    # The pole's inertia is m L^2 / 12 = 0.5 * 0.25 / 12 = 0.0104. Steps of 10 ms that move places by
-    # the speed at their end are ahead by half a step times the change of speed, and no more than
+    # The pole's inertia is m L^2 / 12 = 0.5 * 0.25 / 12 = 0.0104. Steps of 10 ms that move places
+    # by the speed at their end are ahead by half a step times the change of speed, and no more than
     # a hundredth beside; speeds differ by how accelerations change in a step.
     model = mujoco.MjModel.from_xml_string(TRUE)
     data = mujoco.MjData(model)
