@@ -9,8 +9,8 @@ how the humanoid sways is sought with the rest. All searches are CMA-ES with as 
 
 Beside it stand the map alone (the same search begun from no gait), a search of the humanoid's own
 gaits from nothing (begun narrow, and wide), and the gait through the map with the signs of the
-right leg flipped or all rows shuffled. A search has solved its task when its best of a generation walks in 7 of 8 runs
-that chose nothing, twice. The seeds 0 to 9 judge.
+right leg flipped or all rows shuffled. A search has solved its task when its best of a generation
+walks in 7 of 8 runs that chose nothing, twice. The seeds 0 to 9 judge.
 """
 
 from __future__ import annotations
