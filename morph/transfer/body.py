@@ -41,6 +41,12 @@ class Body:
     sight: Array | None = None
     """What laws and learners see of a state x about rest, sight @ x, shape (n, 2 nv); x if none."""
 
+    together: Array | None = None
+    """What actuators are told for each command of a law, shape (actuators, nu); one each if none."""
+
+    dear: float = 1.0
+    """What effort costs against the usual, fixed beforehand for every method alike."""
+
     @property
     def size(self) -> int:
         """How many numbers of a state are seen."""
@@ -56,7 +62,24 @@ class Body:
     @property
     def bounds(self) -> tuple[Array, Array]:
         """Least and greatest commands about rest, shape (nu,) both."""
-        return self.plant.low - self.still.command, self.plant.high - self.still.command
+        low, high = self.plant.low - self.still.command, self.plant.high - self.still.command
+        if self.together is None:
+            return low, high
+        # Of actuators that are told as one, the one with the least room bounds them all.
+        share = self.together
+        with np.errstate(divide="ignore", invalid="ignore"):
+            least = np.where(share > 0.0, low[:, None], high[:, None]) / share
+            most = np.where(share > 0.0, high[:, None], low[:, None]) / share
+        apart = share == 0.0
+        return (
+            np.where(apart, -np.inf, least).max(axis=0),
+            np.where(apart, np.inf, most).min(axis=0),
+        )
+
+    def _told(self, command: Array) -> Array:
+        """Return what actuators are told, (m, actuators), for commands about rest, (m, nu)."""
+        each = command if self.together is None else command @ self.together.T
+        return np.clip(each + self.still.command, self.plant.low, self.plant.high)
 
     def state(self, position: Array, velocity: Array) -> Array:
         """Return states about rest, shape (..., n)."""
@@ -71,8 +94,7 @@ class Body:
     def step(self, state: Array, command: Array) -> Array:
         """Return the states (m, n) one control period after states under commands (m, nu)."""
         q, v = self.place(state)
-        told = np.clip(command + self.still.command, self.plant.low, self.plant.high)
-        return self.state(*self.plant.advance(q, v, told))
+        return self.state(*self.plant.advance(q, v, self._told(command)))
 
     @cached_property
     def linear(self) -> tuple[Array, Array]:
@@ -94,7 +116,12 @@ class Body:
         slope = slope[np.abs(slope).max(axis=1) > 1e-6]
         none = np.zeros_like(slope)
         whole = np.block([[slope, none], [none, 0.2 * slope]])
-        return whole if self.sight is None else whole @ np.linalg.pinv(self.sight)
+        if self.sight is None:
+            return whole
+        # What is seen explains other numbers of the task in part; these are left out.
+        seen = whole @ np.linalg.pinv(self.sight)
+        told = np.abs(seen @ self.sight - whole).max(axis=1) < 1e-6 * np.abs(whole).max(axis=1)
+        return np.asarray(seen[told])
 
     def _seen(self, q: Array) -> Array:
         moved = self._moved(q[:, None], np.zeros((len(q), 1, self.plant.model.nv)))
@@ -168,9 +195,7 @@ class Body:
         def act(position: Array, velocity: Array, time: float) -> Array:
             x = self.state(position, velocity)
             x = x + self.task.noise * rng.standard_normal(x.shape)
-            law_told = law(self.seen(x), np.full(len(x), time))
-            told = np.nan_to_num(law_told) + self.still.command
-            return np.clip(told, self.plant.low, self.plant.high)
+            return self._told(np.nan_to_num(law(self.seen(x), np.full(len(x), time))))
 
         return run(self.task, self.plant.simulator, act, q, v)
 

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import replace
+import mujoco
 import numpy as np
 
+from morph.arrays import Array
 from morph.body.robot import Robot
 from morph.errors import SearchError
 from morph.search.regulator.rest import Rest
@@ -14,7 +16,7 @@ from morph.task.push import Push
 from morph.task.stand import SPREAD, stand
 from morph.task.start import Start
 from morph.task.task import Task
-from morph.task.torso import legs_of
+from morph.task.torso import torso_of
 from morph.transfer.body import Body, body
 
 PERIOD = 0.02
@@ -32,9 +34,26 @@ BRAKE = 0.5
 CORRECTS = 0.01
 """Share of a joint's error by which its servo is told more, each period while it settles."""
 
+DEAR = 10.0
+"""What effort costs against the usual: soles that are pushed too hard tip over their edge."""
+
+BEARS = 0.15
+"""Share of the mass that a joint carries from which it counts beside the legs: a waist, no arm."""
+
+ACROSS = 0.9
+"""Least cosine of a pitch axis with the direction across the board."""
+
+LEVEL = 0.02
+"""Heights of joints within which they are one group, m."""
+
 
 def standing(
-    robot: Robot, carriers: tuple[str, ...], *, push: Push | None = None, noise: float = 0.01
+    robot: Robot,
+    feet: tuple[str, ...],
+    carriers: tuple[str, ...],
+    *,
+    push: Push | None = None,
+    noise: float = 0.01,
 ) -> Body:
     """Return a body with the task to stay upright on what carries it, about where it settles.
 
@@ -42,6 +61,7 @@ def standing(
 
     Args:
         robot: A body with servos that stands as it is described.
+        feet: The links that it stands on.
         carriers: The links that carry it.
         push: By which runs begin.
         noise: Standard deviation of every observation.
@@ -50,24 +70,76 @@ def standing(
         SearchError: It does not come to rest by itself.
     """
     task = stand(robot, name="balance")
-    legs = legs_of(robot)
+    legs = _legs(robot, feet)
     hinges = {joint.name for joint in robot.joints if joint.kind == "hinge"}
     loose = tuple(each.joint for each in robot.actuators if each.joint in hinges - legs)
     start = Start(position=task.start.position, spread=SPREAD, moving=loose, push=push)
     task = replace(task, start=start, period=PERIOD, noise=noise)
-    return sighted(body(task, carriers=carriers, still=settled(task)))
+    return sighted(body(task, carriers=carriers, still=settled(task)), feet)
 
 
-def sighted(whole: Body) -> Body:
-    """Return a body of which only what its task looks at is seen: tilts, places and their rates.
+def sighted(whole: Body, feet: tuple[str, ...]) -> Body:
+    """Return a body that is seen and told in the plane in which its board rolls.
 
-    Each is a sum of what joints and board are read at, scaled to the noise of one reading.
+    Seen is how far it tilts ahead, where a driven board is, and the turn of each pitch group;
+    told are these groups and the board's motor. So a policy has as many numbers as one of a
+    rider in the plane. Aside, servos hold by themselves. All of it comes of the description.
     """
     half = len(whole.outcome) // 2
-    rows = whole.outcome[:half, : whole.size // 2]
+    ahead = [0, half - 1] if whole.upright.placed else [0]
+    groups = pitch_groups(whole, feet)
+    model, actuators = whole.plant.model, whole.task.robot.actuators
+    turned = np.zeros((groups.shape[1], whole.size // 2))
+    for at, actuator in enumerate(actuators):
+        turned[:, model.joint(actuator.joint).dofadr[0]] = groups[at]
+    rows = np.concatenate([whole.outcome[ahead, : whole.size // 2], turned])
+    # Each number is as noisy as one reading.
     rows = rows / np.linalg.norm(rows, axis=1, keepdims=True)
     none = np.zeros_like(rows)
-    return replace(whole, sight=np.block([[rows, none], [none, rows]]))
+    motors = np.eye(len(actuators))[:, [each.kind == "motor" for each in actuators]]
+    return replace(
+        whole,
+        sight=np.block([[rows, none], [none, rows]]),
+        together=np.hstack([motors, groups]),
+        dear=DEAR,
+    )
+
+
+def pitch_groups(whole: Body, feet: tuple[str, ...]) -> Array:
+    """Return which servos turn the body in the plane it rolls in, shape (actuators, groups).
+
+    A group are servos at one height whose axes lie across: 1 or -1 by which way round each turns.
+    They are those of the legs and of what carries much of the body, from the ankles up.
+    """
+    model, robot = whole.plant.model, whole.task.robot
+    data = mujoco.MjData(model)
+    data.qpos[:] = whole.still.position
+    mujoco.mj_kinematics(model, data)
+    legs = _legs(robot, feet)
+    across: dict[float, Array] = {}
+    for at, actuator in enumerate(robot.actuators):
+        joint = model.joint(actuator.joint).id
+        along = float(data.xaxis[joint][1])
+        moved = model.body_subtreemass[model.jnt_bodyid[joint]] / robot.mass
+        bears = actuator.joint in legs or moved > BEARS
+        if actuator.kind != "position" or abs(along) < ACROSS or not bears:
+            continue
+        height = float(data.xanchor[joint][2])
+        near = next((each for each in across if abs(each - height) < LEVEL), height)
+        across.setdefault(near, np.zeros(len(robot.actuators)))[at] = np.sign(along)
+    return np.array([across[each] for each in sorted(across)]).T
+
+
+def _legs(robot: Robot, feet: tuple[str, ...]) -> set[str]:
+    """Return the joints between what floats over the board and the feet."""
+    parents = {link.name: link.parent for link in robot.links}
+    links: set[str] = set()
+    for foot in feet:
+        link = robot.link(foot).name
+        while link in parents and link != torso_of(robot):
+            links.add(link)
+            link = parents[link]
+    return {joint.name for joint in robot.joints if joint.link in links}
 
 
 def settled(task: Task) -> Rest:
