@@ -15,11 +15,12 @@ from morph.errors import MorphError
 from morph.transfer.body import Body, linear_law, still_law
 from morph.transfer.controls import control_scores, flipped, shuffled, through
 from morph.transfer.crossing import Crossing, Curve
+from morph.transfer.from_scratch import scratch
 from morph.transfer.guarded import guarded
 from morph.transfer.hop import Hopped, hop
 from morph.transfer.hops_kept import Kept, map_name
 from morph.transfer.mapped.belief import learned
-from morph.transfer.mapped.feedback import feedback, holding
+from morph.transfer.mapped.feedback import cautious, holding
 from morph.transfer.parts import Spreads, names_of, parts
 from morph.transfer.record import Guard
 
@@ -43,6 +44,8 @@ class Asked:
     """Runs over which a policy is judged."""
     repeats: int = 5
     """How often each point of a learning curve is drawn anew; 0: no curves."""
+    scratch: int = 0
+    """Rounds of a search from scratch beside it; 0: none."""
     seed: int = 0
     """Of every draw."""
 
@@ -82,6 +85,11 @@ def crossed(
     measured = _measured(found, target, gain, shift, seen, asked)
     guard, notes = _guard(found, target, seen, rng)
     curves = _curves(number, source, gain, shift, target, asked, said)
+    if asked.scratch:
+        said("learning from scratch")
+        alone_long = scratch(target, rows=asked.trials, seed=asked.seed, rounds=asked.scratch)
+        curves = (*curves, alone_long)
+        measured[alone_long.name] = float(alone_long.scores[0, -1])
     crossing = Crossing(
         source=source.task.robot.name,
         target=target.task.robot.name,
@@ -220,8 +228,7 @@ def alone(body: Body, seen: Transitions) -> Array:
 
     As a hop makes it, but nothing is believed of the body beforehand.
     """
-    none = np.zeros((body.size // 2, body.size + seen.command.shape[1]))
-    return feedback(body, learned(seen, none, body))
+    return cautious(learned(seen, None, body), body)
 
 
 def _usual(body: Body, asked: Asked) -> Spreads:

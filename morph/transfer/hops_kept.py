@@ -117,7 +117,8 @@ def write_map(path: Path, body_map: BodyMap) -> None:
         OutputError: The folder cannot be written to.
     """
     held = io.BytesIO()
-    np.savez(held, **{"kind": np.array(body_map.kind)}, **dict(body_map.weights()))
+    arrays: dict[str, Any] = {"kind": np.array(body_map.kind), **body_map.weights()}
+    np.savez(held, **arrays)
     write_whole(path, held.getvalue())
 
 

@@ -89,10 +89,13 @@ def names_of(body: Body) -> Names:
     # A body may be seen by what its task looks at alone, which is no joint of its own.
     if body.sight is not None or len(place) != half:
         place = list(READINGS.get(half, ())) or [f"reading {at + 1}" for at in range(half)]
+    command = tuple(actuator.name for actuator in robot.actuators)
+    if body.together is not None:
+        command = tuple(f"group {at + 1}" for at in range(body.together.shape[1]))
     return Names(
         body=robot.name,
         state=(*place, *(f"speed of {name}" for name in place)),
-        command=tuple(actuator.name for actuator in robot.actuators),
+        command=command,
         shown=half,
     )
 

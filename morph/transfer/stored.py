@@ -33,8 +33,11 @@ def stored(body: Body, gain: Array, shift: Array) -> Linear:
     robot, model, still = body.task.robot, body.plant.model, body.still
     seen = observations_of(robot)
     rest = np.concatenate([still.position, still.velocity])
-    # A law may see less than the whole state; the policy that is stored sees all of it.
+    # A law may see less than the whole state, and tell actuators by groups; a policy that is
+    # stored sees all of it, and tells each.
     whole = gain if body.sight is None else gain @ body.sight
+    if body.together is not None:
+        whole, shift = body.together @ whole, body.together @ shift
     weight = whole @ tangent(robot, model, still.position, seen)
     angles = turning(robot, seen)
     plain, turns = angles == 0.0, angles == 1.0
@@ -62,11 +65,13 @@ def law_of(body: Body, policy: Policy) -> Law:
     _check(body, policy)
 
     back = None if body.sight is None else np.linalg.pinv(body.sight).T
+    split = None if body.together is None else np.linalg.pinv(body.together).T
 
     def law(state: Array, time: Array) -> Array:
         q, v = body.place(state if back is None else state @ back)
         seen = Observer(policy, body.task.robot, body.plant.model, len(state)).see(q, v)
-        return policy.act(seen, time) - body.still.command
+        told = policy.act(seen, time) - body.still.command
+        return told if split is None else told @ split
 
     return law
 

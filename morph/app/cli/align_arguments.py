@@ -70,6 +70,8 @@ class Transfer:
     """Runs over which a policy is judged."""
     repeats: Annotated[int, tyro.conf.arg(metavar="N")] = 5
     """How often each point of a learning curve is drawn anew; 0: there are no curves."""
+    scratch: Annotated[int, tyro.conf.arg(metavar="N")] = 12
+    """Rounds of 8 runs in which each target is also learned from scratch; 0: it is not."""
     seed: int = 0
     """Of every draw."""
     fresh: bool = False

@@ -68,6 +68,7 @@ def _check_numbers(asked: Transfer) -> None:
         ),
         (asked.trials < 1, "--trials", f"{asked.trials} runs judge nothing", "give 1 or more"),
         (asked.repeats < 0, "--repeats", f"{asked.repeats} is no count", "give 0 or more"),
+        (asked.scratch < 0, "--scratch", f"{asked.scratch} is no count", "give 0 or more"),
         (asked.seed < 0, "--seed", f"{asked.seed} is no seed", "give 0 or more"),
     ]
     for holds, where, what, fix in wrong:
@@ -148,7 +149,13 @@ def _hops(
         number = at + 1
         done = kept.read(number)
         if done is None:
-            how = Asked(samples=count, trials=asked.trials, repeats=asked.repeats, seed=asked.seed)
+            how = Asked(
+                samples=count,
+                trials=asked.trials,
+                repeats=asked.repeats,
+                scratch=asked.scratch,
+                seed=asked.seed,
+            )
             label = f"hop {number} of {len(counts)}, to {asked.chain[number]}: "
 
             def said(words: str, label: str = label) -> None:
@@ -207,6 +214,7 @@ def key_of(asked: Transfer, bodies: Sequence[Body], start: Given) -> dict[str, s
         "samples": " ".join(map(str, asked.samples)),
         "trials": str(asked.trials),
         "repeats": str(asked.repeats),
+        "scratch": str(asked.scratch),
         "seed": str(asked.seed),
     }
 

@@ -55,6 +55,7 @@ def command(asked: Transfer) -> str:
         "--samples": " ".join(map(str, asked.samples)),
         "--trials": asked.trials,
         "--repeats": asked.repeats,
+        "--scratch": asked.scratch,
         "--seed": asked.seed,
     }
     for option, value in told.items():

@@ -68,6 +68,16 @@ def test_what_sees_less_is_stored_as_what_sees_all(here: Body) -> None:
     assert whole[0] == pytest.approx(gain @ sight, abs=1e-7)
 
 
+def test_actuators_that_are_told_as_one_are_stored_each_by_itself(here: Body) -> None:
+    together = np.ones((len(here.still.command), 1))
+    one = replace(here, together=together)
+    gain, shift = gains(one)
+    whole, each = gain_of(here, stored(one, gain, shift))
+    assert whole == pytest.approx(together @ gain, abs=1e-7)
+    assert each == pytest.approx(np.repeat(shift, len(together)))
+    assert gain_of(one, stored(one, gain, shift))[0] == pytest.approx(gain, abs=1e-7)
+
+
 def test_a_policy_that_does_not_look_is_refused(here: Body) -> None:
     robot = here.task.robot
     blind = pattern(robot, {}, period=here.task.period)

@@ -18,13 +18,16 @@ LOOKS = {
 }
 """The class of each curve on the page."""
 
+FAR = 3
+"""So many times the transfer's own transitions are drawn at most."""
+
 APART = 0.012
 """By how much the intervals of two curves are shifted, of the width, so that both are seen."""
 
 
 def curves(hop: Crossing) -> tuple[Plot, ...]:
     """Return the learning curves of a hop, as shares of what the oracle gains."""
-    shown = [each for each in hop.curves if each.name in LOOKS]
+    shown = shown_of(hop)
     if not shown or hop.scores["oracle"] is None:
         return ()
     width = max(max(each.samples) for each in shown)
@@ -43,6 +46,16 @@ def curves(hop: Crossing) -> tuple[Plot, ...]:
     )
 
 
+def shown_of(hop: Crossing) -> list[Curve]:
+    """Return the curves that fit on the axis of the transfer's own.
+
+    Learning from scratch takes hundreds of times as many transitions: it is told in words.
+    """
+    ours = [each.samples[-1] for each in hop.curves if each.name == "transfer"]
+    most = FAR * max(ours, default=0)
+    return [each for each in hop.curves if each.name in LOOKS and each.samples[-1] <= most]
+
+
 def _lines(hop: Crossing, curve: Curve, shift: float) -> list[Line]:
     at = np.array(curve.samples, dtype=float) + shift
     low, high = (hop.relative(each) for each in curve.interval)
@@ -59,7 +72,7 @@ def _lines(hop: Crossing, curve: Curve, shift: float) -> list[Line]:
 
 def key(record: RelayRecord) -> list[tuple[str, str]]:
     """Return the class and the name of every curve that is drawn."""
-    there = {each.name for hop in record.hops for each in hop.curves}
+    there = {each.name for hop in record.hops for each in shown_of(hop)}
     return [(look, NAMED[name]) for name, look in LOOKS.items() if name in there]
 
 

@@ -72,7 +72,8 @@ def _hop(number: int, hop: Crossing) -> JSON:
         "quality": quality_rows(hop.quality),
         "scores": [_bar(hop, name) for name in words.ORDER if name in hop.measured],
         "curves": drawn.curves(hop),
-        "repeats": max((len(each.scores) for each in hop.curves), default=0),
+        "repeats": max((len(each.scores) for each in drawn.shown_of(hop)), default=0),
+        "long": max((c.samples[-1] for c in hop.curves if c.name == "scratch"), default=0),
         "notes": hop.notes,
     }
 

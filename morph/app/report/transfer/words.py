@@ -79,14 +79,14 @@ def share(value: float) -> str:
 def credit(hop: Crossing) -> str:
     """Return what a hop's source was worth, by its controls; empty if there are none.
 
-    What a control equals is no gain, and is called so.
+    What a control equals from the same transitions is no gain, and is called so.
     """
     ours = hop.scores["zero_shot" if hop.scores["final"] is None else "final"]
     if ours is None:
         return f"At {hop.target} there is no credit to give: holding still does as well."
     equal = [
         NAMED[name]
-        for name in ("shuffled", "flipped", "no_source", "scratch")
+        for name in ("shuffled", "flipped", "no_source")
         if name in hop.measured and float(hop.relative(hop.measured[name])) >= ours - 0.01
     ]
     if equal:

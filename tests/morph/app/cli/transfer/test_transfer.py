@@ -69,9 +69,11 @@ def test_json_is_the_record_and_nothing_else(
 
 
 def test_learning_curves_have_a_row_for_each_repeat(bench: Any) -> None:
-    bench.transfer("--quiet", "--repeats", "2", "--trials", "2")
+    bench.transfer("--quiet", "--repeats", "2", "--scratch", "1")
     curves = {each["name"]: each for each in bench.record()["hops"][0]["relay"]["curves"]}
-    assert set(curves) == {"transfer", "no_source", "shuffled", "flipped"}
+    assert set(curves) == {"transfer", "no_source", "shuffled", "flipped", "scratch"}
+    # One round of 4 directions both ways, 2 s of 20 ms each.
+    assert curves["scratch"]["samples"] == [2 * 4 * 100]
     # A sixth and a third of 20 are below the least count, and are drawn as that.
     assert curves["transfer"]["samples"] == [10, 13, 20]
     assert curves["transfer"]["repeats"] == 2

@@ -29,6 +29,7 @@ def words(*more: str) -> list[str]:
         (("--samples", "9"), "--samples", "9 transitions tell nothing of a body"),
         (("--trials", "0"), "--trials", "0 runs judge nothing"),
         (("--repeats", "-1"), "--repeats", "-1 is no count"),
+        (("--scratch", "-1"), "--scratch", "-1 is no count"),
         (("--seed", "-1"), "--seed", "-1 is no seed"),
         (("--task", "balanc"), "morph.task", "there is no task 'balanc'"),
         (("--task", "swim"), "--task", "swim is not about a state of rest"),
