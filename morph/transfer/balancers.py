@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+import numpy as np
+
+from align.samples import Transitions
 from morph.body.load import load
 from morph.body.robot import Robot
 from morph.body.spec import bare_spec
@@ -45,6 +48,12 @@ PUSHED = {
 }
 """Pushes after which holding still scores at most 0.3 and the oracle at least 0.95."""
 
+KICK = 1.0
+"""By how much a usual command changes the fastest speed in one period, m/s or rad/s."""
+
+FAR, FAST = 0.2, 3.0
+"""Place and speed of a joint at which exploring begins anew, rad or m, and per s."""
+
 PLANAR = tuple(name for name in PUSHED if name != "cartpole")
 """The planar bodies that the cart-pole's policy is carried to."""
 
@@ -77,6 +86,41 @@ def pushed(robot: Robot, how: Pushed) -> Body:
     task = balance(robot)
     push = Push(link=how.link, impulse=(how.impulse, 0.0, 0.0))
     return body(replace(task, start=replace(task.start, push=push)))
+
+
+def explored(target: Body, count: int, rng: np.random.Generator) -> Transitions:
+    """Return transitions of random commands near rest, the same kind for every method.
+
+    Each command alone changes the fastest speed by about `KICK` a period, at most two fifths of
+    its range; how loud that is was fixed beforehand from the body's true response, as somebody
+    who turns a knob until the body just moves would. A run ends, and the next begins at rest as
+    the task's do without their push, when a joint is `FAR` away or faster than `FAST`.
+    """
+    low, high = target.bounds
+    loud = np.minimum(KICK / np.abs(target.linear[1]).max(axis=0), 0.4 * (high - low))
+    calm = replace(target.task.start, push=None)
+    model, half = target.plant.model, target.plant.model.nv
+    rows = []
+    x = None
+    for _ in range(count):
+        if x is None:
+            x = target.state(*calm.sample(target.task.robot, model, 1, rng))[0]
+        u = np.clip(loud * rng.standard_normal(len(loud)), low, high)
+        after = np.nan_to_num(target.step(x[None], u[None])[0])
+        rows.append((x, u, after))
+        lost = np.abs(after[:half]).max() > FAR or np.abs(after[half:]).max() > FAST
+        x = None if lost else after
+    state, command, following = (np.array(each) for each in zip(*rows, strict=True))
+    noise = target.task.noise * rng.standard_normal((2, *state.shape))
+    # What follows one transition is where the next begins: one reading, with one noise.
+    hangs = np.flatnonzero((state[1:] == following[:-1]).all(axis=1))
+    noise[0, hangs + 1] = noise[1, hangs]
+    return Transitions(
+        state=target.seen(state + noise[0]),
+        command=command,
+        after=target.seen(following + noise[1]),
+        turns=np.zeros(target.size, dtype=bool),
+    )
 
 
 def without(robot: Robot, actuator: str) -> Robot:

@@ -14,7 +14,7 @@ from morph.arrays import Array
 from morph.errors import TransferError
 from morph.transfer.body import Body
 from morph.transfer.mapped.belief import carried, learned
-from morph.transfer.mapped.feedback import feedback, holding
+from morph.transfer.mapped.feedback import cautious, chosen, holding, plain
 from morph.transfer.mapped.lift import lift, quality_of
 
 
@@ -82,9 +82,13 @@ def hop(
         )
     gain = holding(source) if source_gain is None else source_gain
     seen_as = lift(source, target, seen)
-    believed = learned(seen, carried(source, seen_as, target, seen), target)
-    found = feedback(target, believed)
-    through = _through(seen_as, gain, target)
+    believed = learned(seen, carried(source, seen_as, target), target)
+    through = through_map(seen_as, gain, target)
+    anew = {
+        "cautious": cautious(believed, target),
+        "plain": plain(believed.step, target),
+    }
+    _, found = chosen({"map_only": through, **anew}, believed, target, np.random.default_rng(seed))
     scores = {}
     if rows:
         from morph.transfer.body import linear_law
@@ -104,7 +108,7 @@ def hop(
     )
 
 
-def _through(seen_as: BodyMap, gain: Array, target: Body) -> Array:
+def through_map(seen_as: BodyMap, gain: Array, target: Body) -> Array:
     """Return the source's feedback seen through a map, about the target's rest."""
     y = np.concatenate([np.zeros((1, target.size)), np.eye(target.size)])
     told = seen_as.action(y, seen_as.state(y) @ gain.T)

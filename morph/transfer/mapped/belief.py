@@ -20,80 +20,129 @@ STEP = 1e-4
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Belief:
-    """x' = A x + B u."""
+    """x' = A x + B u, from accelerations law (x, u) that are normally distributed."""
 
     law: Array
-    """A, shape (n, n)."""
-    command_law: Array
-    """B, shape (n, nu)."""
+    """Most probable accelerations, shape (n/2, n + nu)."""
+    cover: Array
+    """Covariance of their numbers, row by row, shape (p, p)."""
+    period: float
+    """How long a command is held, s."""
+
+    @property
+    def step(self) -> Array:
+        """(A, B), shape (n, n + nu)."""
+        return stepped(self.law, self.period)
+
+    def drawn(self, count: int, rng: np.random.Generator) -> Array:
+        """Return so many (A, B) drawn from it, shape (count, n, n + nu)."""
+        values, vectors = np.linalg.eigh(self.cover)
+        root = vectors * np.sqrt(np.maximum(values, 0.0))
+        moves = rng.standard_normal((count, len(root))) @ root.T
+        return np.array([stepped(self.law + m.reshape(self.law.shape), self.period) for m in moves])
 
 
-def read(body: Body) -> Belief:
-    """Return the linear model of a body whose simulator is ours, by its steps."""
+def read(body: Body) -> Array:
+    """Return (A, B) of a body whose simulator is ours, by its steps, shape (n, n + nu)."""
+    if body.sight is not None:
+        back = np.linalg.pinv(body.sight)
+        law, told = body.linear
+        told = told if body.together is None else told @ body.together
+        return np.hstack([body.sight @ law @ back, body.sight @ told])
     n, k = body.size, len(body.bounds[0])
     move = np.concatenate([np.eye(n + k), -np.eye(n + k)]) * STEP
     after = body.step(move[:, :n], move[:, n:])
-    slope = ((after[: n + k] - after[n + k :]) / (2.0 * STEP)).T
-    return Belief(law=slope[:, :n], command_law=slope[:, n:])
+    return np.asarray((after[: n + k] - after[n + k :]).T / (2.0 * STEP))
 
 
-def carried(source: Body, seen_as: AffineMap, target: Body, seen: Transitions) -> Array:
-    """Return what the source says of the target's accelerations, v' - v, shape (n/2, n + nu).
+def carried(source: Body, seen_as: AffineMap, target: Body) -> Array:
+    """Return what the source says of the target's accelerations, shape (n/2, n + nu).
 
-    J (v' - v) is to be what the source would do at (S y, R a + F y); of all such accelerations
-    the least is taken.
+    J v. is to be what the source would do at (S y, R a + F y); of all such accelerations the
+    least is taken.
     """
     known = read(source)
     half_s, half_t = source.size // 2, target.size // 2
-    state = known.law @ seen_as.state_law + known.command_law @ seen_as.read_state
-    told = known.command_law @ seen_as.read_law
-    rows = np.hstack([state, told])[half_s:]
-    rows[:, : target.size] -= seen_as.state_law[half_s:]
+    law, told = known[half_s:, : source.size], known[half_s:, source.size :]
+    rise = law - np.eye(source.size)[half_s:]
+    state = rise @ seen_as.state_law + told @ seen_as.read_state
+    rows = np.hstack([state, told @ seen_as.read_law]) / source.task.period
     back = np.linalg.pinv(seen_as.state_law[half_s:, half_t:], rcond=1e-6)
     return np.asarray(back @ rows)
 
 
-def learned(seen: Transitions, prior: Array, target: Body) -> Belief:
+def learned(seen: Transitions, before: Array | None, target: Body) -> Belief:
     """Return what is believed of a body after its transitions.
 
-    Every row of v' - v = prior (x, u) + W (x, u) is a regression with normal beliefs of W, one
-    width for places, one for speeds and one for commands, which the evidence chooses; readings
-    are noisy on both sides. Places follow by q' = q + (v + v') period / 2.
+    Every row of v' - v = period law (x, u) is a regression with normal beliefs of its numbers
+    about what was believed before, one width for places, one for speeds and one for commands,
+    which the evidence chooses. Readings are noisy on both sides. Where the
+    evidence of a row is greater without what was believed before, it is left out there.
 
-    Source: MacKay 1992, Neural Computation 4, eqs. 4.2 to 4.4.
+    Source: MacKay 1992, Neural Computation 4(3), eqs. 4.2 to 4.4.
+
+    Args:
+        seen: Transitions of the target.
+        before: Accelerations believed beforehand, shape (n/2, n + nu); none at all if None.
+        target: Whose task tells the noise and the period.
     """
-    noise, period = target.task.noise, target.task.period
-    n = seen.state.shape[1]
-    half, k = n // 2, seen.command.shape[1]
+    period, noise = target.task.period, max(target.task.noise, 1e-4)
+    n, k = seen.state.shape[1], seen.command.shape[1]
+    half = n // 2
+    mean = np.zeros((half, n + k)) if before is None else before
     unit = np.concatenate([np.ones(n), np.sqrt(np.square(seen.command).mean(axis=0)) + 1e-12])
     x = np.hstack([seen.state, seen.command]) / unit
     rise = (seen.after - seen.state)[:, half:]
-    groups = (slice(0, half), slice(half, n), slice(n, n + k))
-    law = np.zeros((half, n + k))
+    law = np.zeros_like(mean)
+    cover = np.zeros((half, n + k, half, n + k))
     for row in range(half):
-        before = prior[row] * unit
-        left = rise[:, row] - x @ before
-        width = np.concatenate([np.full(half, 100.0), np.full(half, 0.1), np.full(k, 0.25)])
-        variance = 2.0 * noise**2
-        more = np.zeros(n + k)
-        for _ in range(ROUNDS):
-            cover = np.linalg.inv(np.diag(1.0 / width) + x.T @ x / variance)
-            more = cover @ (x.T @ left) / variance
-            for group in groups:
-                spread = np.square(more[group]) + np.diag(cover)[group]
-                width[group] = np.clip(spread.mean(), 1e-6, 1e3)
-            slope = (before + more)[:n] + np.eye(n)[half + row]
-            variance = noise**2 * (1.0 + np.square(slope).sum())
-        law[row] = (before + more) / unit
-    return _whole(law, n, period)
+        mine = np.eye(n)[half + row]
+        fits = [
+            _row(x, rise[:, row], period * each * unit, mine, noise)
+            for each in (mean[row], np.zeros(n + k))[: 1 if before is None else 2]
+        ]
+        found, doubt, _ = max(fits, key=lambda fit: fit[2])
+        law[row] = found / unit / period
+        cover[row, :, row] = doubt / np.outer(unit, unit) / period**2
+    size = half * (n + k)
+    return Belief(law=law, cover=cover.reshape(size, size), period=period)
 
 
-def _whole(law: Array, n: int, period: float) -> Belief:
-    half = n // 2
-    speeds = law[:, :n] + np.hstack([np.zeros((half, half)), np.eye(half)])
-    both = np.hstack([np.zeros((half, half)), np.eye(half)]) + speeds
-    places = np.hstack([np.eye(half), np.zeros((half, half))]) + 0.5 * period * both
-    told = law[:, n:]
-    return Belief(
-        law=np.vstack([places, speeds]), command_law=np.vstack([0.5 * period * told, told])
-    )
+def _row(
+    x: Array, rise: Array, before: Array, mine: Array, noise: float
+) -> tuple[Array, Array, float]:
+    """Return the most probable numbers of one row, their covariance, and the log evidence."""
+    n = len(mine)
+    half, size = n // 2, len(before)
+    left = rise - x @ before
+    width = np.concatenate([np.full(half, 4.0), np.full(half, 0.04), np.full(size - n, 0.09)])
+    more, cover, slope = np.zeros(size), np.eye(size), before[:n] + mine
+    evidence = -np.inf
+    for _ in range(ROUNDS):
+        variance = noise**2 * (1.0 + np.square(slope).sum())
+        cover = np.linalg.inv(np.diag(1.0 / width) + x.T @ x / variance)
+        more = cover @ (x.T @ left) / variance
+        evidence = _evidence(x, left, width, variance)
+        spread = np.square(more) + np.diag(cover)
+        for group in (slice(0, half), slice(half, n), slice(n, size)):
+            width[group] = np.clip(spread[group].mean(), 1e-6, 1e3)
+        slope = (before + more)[:n] + mine
+    return before + more, cover, evidence
+
+
+def _evidence(x: Array, left: Array, width: Array, variance: float) -> float:
+    """Return log p(left) of a regression whose numbers have these variances beforehand."""
+    total = (x * width) @ x.T + variance * np.eye(len(x))
+    log_det = float(np.linalg.slogdet(total)[1])
+    return -0.5 * (float(left @ np.linalg.solve(total, left)) + log_det)
+
+
+def stepped(law: Array, period: float) -> Array:
+    """Return (A, B) of v' = v + period law (x, u) and q' = q + period (v + v') / 2, (n, n + nu)."""
+    half = len(law)
+    speeds = period * law
+    speeds[:, half : 2 * half] += np.eye(half)
+    places = 0.5 * period * speeds
+    places[:, :half] += np.eye(half)
+    places[:, half : 2 * half] += 0.5 * period * np.eye(half)
+    return np.vstack([places, speeds])

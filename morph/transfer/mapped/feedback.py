@@ -1,6 +1,8 @@
-"""Feedback that balances, from a linear model of a body."""
+"""Feedback that balances, from what is believed of a body."""
 
 from __future__ import annotations
+
+from collections.abc import Mapping
 
 import numpy as np
 from scipy.linalg import solve_discrete_are
@@ -21,6 +23,18 @@ EFFORT = 0.1
 KEPT = 0.999
 """What a period's cost counts against the period before it."""
 
+DOUBTS = (1.0, 0.5, 0.25, 0.1, 0.03, 0.01, 1e-3, 0.0)
+"""Shares of the covariance that feedback heeds; the greatest that some feedback bears is taken."""
+
+SWEEPS = 400
+"""Most steps of value iteration."""
+
+NEARLY = 0.6
+"""Share of the best foreseen score at which simpler feedback is taken."""
+
+DRAWS = 12
+"""Bodies drawn from a belief by which to judge feedback."""
+
 
 def costs(target: Body) -> tuple[Array, Array]:
     """Return what states and commands cost: Q = C'C + posture, R of half ranges."""
@@ -29,13 +43,14 @@ def costs(target: Body) -> tuple[Array, Array]:
     low, high = target.bounds
     span = 0.5 * np.minimum(high - low, 2.0 * np.pi)
     outcome = target.outcome
-    return outcome.T @ outcome + POSTURE * posture, EFFORT * np.diag(1.0 / span**2)
+    return outcome.T @ outcome + POSTURE * posture, EFFORT * target.dear * np.diag(1.0 / span**2)
 
 
-def feedback(target: Body, believed: Belief) -> Array:
-    """Return the feedback that is best by what is believed of a body, shape (nu, n)."""
-    A, B = believed.law, believed.command_law
+def plain(step: Array, target: Body) -> Array:
+    """Return the feedback that is best if (A, B) are right, shape (nu, n)."""
     Q, R = costs(target)
+    n = len(step)
+    A, B = step[:, :n], step[:, n:]
     scale = np.sqrt(KEPT)
     for dearer in (1.0, 1e2, 1e4):
         try:
@@ -43,9 +58,91 @@ def feedback(target: Body, believed: Belief) -> Array:
         except (np.linalg.LinAlgError, ValueError):
             continue
         return np.asarray(-np.linalg.solve(dearer * R + KEPT * B.T @ P @ B, KEPT * B.T @ P @ A))
-    return np.zeros((B.shape[1], A.shape[0]))
+    return np.zeros((B.shape[1], n))
+
+
+def cautious(believed: Belief, target: Body) -> Array:
+    """Return the feedback of least expected cost where (A, B) are uncertain, shape (nu, n).
+
+    As if each period drew them anew: P = Q + E[A'PA] - E[A'PB] inv(R + E[B'PB]) E[B'PA]. Where
+    no feedback has a finite cost, less of the covariance is heeded.
+
+    Source: De Koning 1982, Automatica 18(4), eqs. 8 to 11.
+    """
+    Q, R = costs(target)
+    step, half = believed.step, len(believed.law)
+    n = len(step)
+    width = step.shape[1]
+    doubt = believed.cover.reshape(half, width, half, width) * believed.period**2
+    paid = np.zeros((width, width))
+    paid[:n, :n], paid[n:, n:] = Q, R
+    for share in DOUBTS:
+        found = _iterated(step, share * doubt, paid)
+        if found is not None:
+            return found
+    return plain(step, target)
+
+
+def _iterated(step: Array, doubt: Array, paid: Array) -> Array | None:
+    n, half = len(step), len(doubt)
+    P = paid[:n, :n].copy()
+    most = 1e6 * np.abs(P).max()
+    for _ in range(SWEEPS):
+        unsure = np.einsum("rs,rasb->ab", P[half:, half:], doubt)
+        both = paid + KEPT * (step.T @ P @ step + unsure)
+        gain = -np.linalg.solve(both[n:, n:], both[n:, :n])
+        new = both[:n, :n] + both[:n, n:] @ gain
+        new = 0.5 * (new + new.T)
+        change = np.abs(new - P).max() / np.abs(P).max()
+        P = new
+        if not np.abs(P).max() < most:
+            return None
+        if change < 1e-3:
+            return np.asarray(gain)
+    return None
+
+
+def foreseen(gain: Array, steps: Array, target: Body, rng: np.random.Generator) -> float:
+    """Return the score that feedback would have on bodies (A, B) drawn from a belief, 0 to 1.
+
+    Runs begin as the task's do, readings are noisy, commands are bounded, and bodies linear.
+    """
+    count = len(steps)
+    task = target.task
+    q, v = task.start.sample(task.robot, target.plant.model, count, rng)
+    x = target.seen(target.state(q, v))
+    low, high = target.bounds
+    outcome = target.outcome[: len(target.outcome) // 2]
+    alive, total = np.ones(count, dtype=bool), np.zeros(count)
+    for _ in range(task.samples - 1):
+        u = np.clip((x + task.noise * rng.standard_normal(x.shape)) @ gain.T, low, high)
+        x = np.einsum("rij,rj->ri", steps, np.concatenate([x, u], axis=1))
+        square = np.square(x @ outcome.T).sum(axis=1)
+        alive &= square < 9.0
+        x = np.where(alive[:, None], x, 0.0)
+        total += np.where(alive, np.exp(-0.5 * square), 0.0)
+    return float(total.mean() / (task.samples - 1))
+
+
+def chosen(
+    choices: Mapping[str, Array], believed: Belief, target: Body, rng: np.random.Generator
+) -> tuple[str, Array]:
+    """Return feedback, with its name: the first that is foreseen to score nearly the best.
+
+    A belief is surer of itself than it ought to be, and feedback made from it is judged by the
+    very errors that made it: what needs fewer numbers comes first and must not be much better.
+    """
+    steps = believed.drawn(DRAWS, rng)
+    seed = int(rng.integers(2**31))
+    scores = {
+        name: foreseen(gain, steps, target, np.random.default_rng(seed))
+        for name, gain in choices.items()
+    }
+    best = max(scores.values())
+    name = next(name for name in choices if scores[name] >= NEARLY * best)
+    return name, choices[name]
 
 
 def holding(body: Body) -> Array:
     """Return the feedback of a body whose simulator is ours, shape (nu, n)."""
-    return feedback(body, read(body))
+    return plain(read(body), body)

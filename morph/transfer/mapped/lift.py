@@ -22,11 +22,11 @@ def lift(source: Body, target: Body, seen: Transitions) -> AffineMap:
     """
     state = np.linalg.pinv(_aligned(source, target)[0]) @ _aligned(source, target)[1]
     n, k = target.size, seen.command.shape[1]
-    known = read(source)
-    wanted = seen.after @ state.T - seen.state @ state.T @ known.law.T
+    law, source_told = np.hsplit(read(source), [source.size])
+    wanted = seen.after @ state.T - seen.state @ state.T @ law.T
     unit = np.concatenate([np.ones(n), np.sqrt(np.square(seen.command).mean(axis=0)) + 1e-12])
     x = np.hstack([seen.state, seen.command]) / unit
-    source_u = wanted @ np.linalg.pinv(known.command_law).T
+    source_u = wanted @ np.linalg.pinv(source_told).T
     weak = np.eye(n + k) * (1e-4 * len(x))
     told = np.linalg.solve(x.T @ x + weak, x.T @ source_u).T / unit
     read_state, read_law = told[:, :n], told[:, n:]
@@ -65,9 +65,8 @@ def quality_of(seen_as: BodyMap, source: Body, seen: Transitions) -> Mapping[str
     """Return how well a map goes there and back, and agrees with the source; 1 at best."""
     x = seen_as.state(seen.state)
     again = seen_as.state(seen_as.state_back(x))
-    known = read(source)
-    after = x @ known.law.T
-    after += seen_as.action_back(seen.state, seen.command) @ known.command_law.T
+    law, told = np.hsplit(read(source), [source.size])
+    after = x @ law.T + seen_as.action_back(seen.state, seen.command) @ told.T
     true = seen_as.state(seen.after)
     change = np.square(true - x).sum()
     return {
