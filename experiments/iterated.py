@@ -29,8 +29,11 @@ COUNT = 6
 FEWER = (0, 2)
 """Fewer transitions, to see from how many on it is enough."""
 
-ANEW = (6, 40, 160)
+ANEW = (6, 40, 80, 160)
 """Transitions from which a body is learned anew, until it is enough."""
+
+LOUD = 0.6
+"""Commands by which it is: without a source they need be three times as strong."""
 
 ENOUGH = 0.95
 """Share of the oracle's score at which a body counts as learned."""
@@ -116,7 +119,8 @@ def _iterated(
 ) -> tuple[Row, LinearBelief]:
     """Return what one iteration shows, and what is believed after it."""
     rng = np.random.default_rng([case.seed, 2, number])
-    shown = nearby(made, max(COUNT, *case.anew), rng)
+    shown = nearby(made, COUNT, rng)
+    loud = nearby(made, max(case.anew), rng, share=LOUD)
     row = Row()
 
     def scored(gain: Array) -> float:
@@ -137,7 +141,7 @@ def _iterated(
     for way in ("anew", "regressed"):
         row.enough[way] = np.inf
         for count in case.anew:
-            seen = first_of(shown, count)
+            seen = first_of(loud, count)
             W = (
                 anew(seen, made.task.period, noise=made.task.noise)
                 if way == "anew"
@@ -149,7 +153,7 @@ def _iterated(
                 row.enough[way] = count
                 break
     if number in CONTROLLED:
-        mixed = rng.permutation(made.size)
+        mixed = _deranged(made.size, rng)
         row.scores |= {
             "still": scored(np.zeros_like(law)),
             "flipped": scored(-law),
@@ -159,6 +163,14 @@ def _iterated(
         score, spent = _scratch(made, case, good, scored)
         row.scores["scratch"], row.enough["scratch"] = score, spent
     return row, after
+
+
+def _deranged(count: int, rng: np.random.Generator) -> Array:
+    """Return a permutation that leaves nothing in its place."""
+    mixed = rng.permutation(count)
+    while (mixed == np.arange(count)).any():
+        mixed = rng.permutation(count)
+    return mixed
 
 
 def _scratch(

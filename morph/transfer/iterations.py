@@ -162,7 +162,9 @@ def _next(printed: Printed, now: Array, rng: np.random.Generator) -> Array:
     ) from hindered
 
 
-def nearby(made: Body, count: int, rng: np.random.Generator) -> Transitions:
+def nearby(
+    made: Body, count: int, rng: np.random.Generator, *, share: float = SHARE
+) -> Transitions:
     """Return so many transitions of random commands near rest, seen through the task's noise.
 
     A run begins as the task does, without its push, and ends as soon as it is no longer NEAR
@@ -172,12 +174,13 @@ def nearby(made: Body, count: int, rng: np.random.Generator) -> Transitions:
         made: The body.
         count: How many transitions; all that it made are among them.
         rng: The chance of starts, commands and noise.
+        share: Standard deviation of the commands, in half ranges.
     """
     low, high = made.bounds
     half = 0.5 * np.minimum(high - low, 2.0 * np.pi)
     start = replace(made.task.start, push=None)
     begins = made.state(*start.sample(made.task.robot, made.plant.model, count, rng))
-    told = np.clip(SHARE * half * rng.standard_normal((count, len(half))), low, high)
+    told = np.clip(share * half * rng.standard_normal((count, len(half))), low, high)
     noise = made.task.noise * rng.standard_normal((2, count, made.size))
     near = np.repeat(NEAR, made.size // 2)
     state, after = np.empty((2, count, made.size))
