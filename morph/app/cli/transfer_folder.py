@@ -44,10 +44,7 @@ TRANSFER = Kind(
         *("transfer.json", "report.html", "maps/[0-9][0-9]_body_map.npz"),
         *("policy/policy.json", "policy/weights.safetensors", "policy/policy.onnx"),
     ),
-    kept=(
-        *("relay.json", "source/policy.json", "source/weights.safetensors"),
-        *("hops/[0-9][0-9]/*.npz", "hops/[0-9][0-9]/*.json"),
-    ),
+    kept=(*("relay.json", "hops/[0-9][0-9]/*.npz", "hops/[0-9][0-9]/*.json"),),
 )
 """Of a relay along a chain."""
 
