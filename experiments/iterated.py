@@ -165,12 +165,12 @@ def _iterated(
     return row, after
 
 
-def _deranged(count: int, rng: np.random.Generator) -> Array:
+def _deranged(count: int, rng: np.random.Generator) -> list[int]:
     """Return a permutation that leaves nothing in its place."""
     mixed = rng.permutation(count)
     while (mixed == np.arange(count)).any():
         mixed = rng.permutation(count)
-    return mixed
+    return [int(each) for each in mixed]
 
 
 def _scratch(
