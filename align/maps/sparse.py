@@ -12,7 +12,7 @@ from align.errors import SettingError
 from align.maps.body_map import Given
 from align.maps.follow import Following
 from align.maps.manifold import some
-from align.maps.state_law import StateLaw, components, labelled, ridged, unscaled
+from align.maps.state_law import StateLaw, labelled, ridged, unscaled
 from align.scale import scale
 from align.states import change
 
@@ -37,13 +37,13 @@ class Sparse(Following):
     name: ClassVar[str] = "sparse"
     needs: ClassVar[frozenset[str]] = frozenset({"pairs"})
 
-    atoms: int = 16
+    atoms: int = 40
     """How many atoms the dictionary has."""
-    active: int = 3
+    active: int = 6
     """How many of them make a transition."""
     rounds: int = 5
     """How often the map is fitted anew."""
-    trust: float = 3.0
+    trust: float = 10.0
     """What all pairs together weigh against all transitions together."""
     ridge: float = 0.02
     """What a slope of 1 costs in the first map, as a share of the pairs."""
@@ -70,9 +70,7 @@ class Sparse(Following):
         atoms = dictionary(whole, self.atoms, self.active, rng)
         z, a, b = theirs(given.target.state), ours(pairs.source), theirs(pairs.target)
         step = change(given.target.state, given.target.after, given.target.turns) / theirs.spread
-        P = components(z, min(len(ours.spread), len(theirs.spread)))
-        law, rest = ridged(b @ P, a, self.ridge)
-        law = law @ P.T
+        law, rest = ridged(b, a, self.ridge)
         for _ in range(self.rounds):
             seen = np.concatenate([z @ law.T + rest, step @ law.T / moves], axis=1)
             made = reconstructed(seen, atoms, self.active)
