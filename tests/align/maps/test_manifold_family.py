@@ -53,7 +53,14 @@ def known() -> Known:
     T = np.diag([2.0, -1.0, 2.0, -1.0]) @ (np.eye(4) + 0.25 * np.roll(np.eye(4), 1, axis=1))
     source, target = moved(150, 1, np.eye(4), 1.0), moved(120, 2, T, 1.0 / 3.0)
     law = np.linalg.inv(T)
-    pairs = posed(target.state, np.eye(4), np.asarray(law, dtype=float), 10, np.random.default_rng(3), error=0.02)
+    pairs = posed(
+        target.state,
+        np.eye(4),
+        np.asarray(law, dtype=float),
+        10,
+        np.random.default_rng(3),
+        error=0.02,
+    )
     return Known(given=Given(source=source, target=target, pairs=pairs), law=law)
 
 
