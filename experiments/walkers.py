@@ -61,9 +61,9 @@ class Case:
     """Of all its chance."""
     standing: int = 6
     """Generations to stand."""
-    walking: int = 30
+    walking: int = 25
     """Generations to walk, of each way on each body."""
-    ways: tuple[str, ...] = WAYS
+    ways: tuple[str, ...] = WAYS[:-1]
     """What is tried on the humanoid."""
 
 
