@@ -22,9 +22,16 @@ from morph.transfer.gait.hop import Budget, family_of, felt
 from morph.transfer.gait.mover import Mover
 from morph.transfer.gait.relay import Chained, relay
 from morph.transfer.gait.swimmers import swimmer
+from morph.transfer.gait.walkers import walker
 
 CHAINS: Mapping[str, tuple[str, ...]] = {
     "aqua": ("swimmer_three_links", "sea_snake_planar", "sea_snake", "hexapod_swimmer"),
+    "aracna": (
+        "quadruped_printed",
+        "quadruped_wide",
+        "quadruped_loaded",
+        "quadruped_four_bar",
+    ),
     "urma": ("swimmer_three_links", "sea_snake_planar", "sea_snake", "urma_sea_snake"),
 }
 """The bodies of each chain; the first learns by itself."""
@@ -45,6 +52,10 @@ ENOUGH = 0.95
 """Share of the best at which a gait counts as learned."""
 
 
+RIVAL = {True: "free", False: "names"}
+"""In what direct learning searches, in water and on a floor: what did better on seeds 100, 101."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Size:
     """How much is run."""
@@ -57,8 +68,8 @@ class Size:
     """Most trials of direct learning."""
     oracle: int = 300
     """Trials of each of the searches for the best."""
-    families: tuple[str, ...] = ("names", "free")
-    """In what direct learning searches."""
+    polish: int = 150
+    """Trials near the best that each of them found."""
     sigmas: tuple[float, ...] = SIGMAS
     """Its step sizes."""
     controls: tuple[str, ...] = CONTROLS
@@ -67,7 +78,7 @@ class Size:
 
 FULL = Size()
 QUICK = Size(
-    learning=20, trials=8, direct=20, oracle=20, families=("free",), sigmas=(0.2,),
+    learning=10, trials=8, direct=10, oracle=10, polish=10, sigmas=(0.2,),
     controls=("shuffled", "no_source"),
 )  # fmt: skip
 
@@ -77,10 +88,19 @@ def body(name: str, real: str) -> Mover:
     """Return a body of a chain; the real one is read from the folder of real robots."""
     if name == "urma_sea_snake":
         return swimmer(Path(real) / REAL)
+    if name.startswith("quadruped"):
+        return walker(name)
     made = swimmer(name)
     if name != PADDLED:
         return made
     return replace(made, task=replace(made.task, effects=aqua_water(made.robot)))
+
+
+def budget_of(mover: Mover, trials: int = FULL.trials) -> Budget:
+    """Return what a hop may cost; feet that are swung too far slip, and tell little."""
+    if mover.wet:
+        return Budget(trials=trials)
+    return Budget(trials=trials, transitions=40, width=0.3)
 
 
 def families(mover: Mover) -> Mapping[str, Family]:
@@ -95,7 +115,7 @@ def families(mover: Mover) -> Mapping[str, Family]:
 def best_of(name: str, real: str, size: Size) -> dict[str, Any]:
     """Return the greatest speed that long searches find on a body, m/s."""
     mover = body(name, real)
-    limbs, _, _ = felt(mover, Budget(), np.random.default_rng(ORACLE_SEED))
+    limbs, _, _ = felt(mover, budget_of(mover), np.random.default_rng(ORACLE_SEED))
     searched: dict[str, Family] = {**families(mover), "waves": family_of(mover, limbs)}
     found = {}
     for label, family in searched.items():
@@ -103,7 +123,7 @@ def best_of(name: str, real: str, size: Size) -> dict[str, Any]:
         again = direct(
             mover,
             family,
-            trials=size.oracle // 2,
+            trials=size.polish,
             sigma=0.08,
             seed=ORACLE_SEED + 1,
             start=first.point[int(first.speed.argmax())],
@@ -121,7 +141,7 @@ def key_of(name: str, real: str, size: Size) -> str:
 def case(chain: str, seed: int, real: str, size: Size) -> dict[str, Any]:
     """Return what one chain comes to at one seed, with its controls and direct learning."""
     movers = [body(name, real) for name in CHAINS[chain]]
-    budget = Budget(trials=size.trials)
+    budget = budget_of(movers[0], size.trials)
     made = relay(movers, seed=seed, learning=size.learning, budget=budget)
     source, last = made.bodies[-2:]
     rng = np.random.default_rng([seed, 99])
@@ -134,7 +154,7 @@ def case(chain: str, seed: int, real: str, size: Size) -> dict[str, Any]:
             last.mover, family, trials=size.direct, sigma=sigma, seed=seed
         ).speed.tolist()
         for label, family in families(last.mover).items()
-        if label in size.families
+        if label == RIVAL[last.mover.wet]
         for sigma in size.sigmas
     }
     return {

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from morph.arrays import Array
+from morph.arrays import Array, Mask
 from morph.errors import TransferError
 from morph.policy.pattern import Pattern
 from morph.transfer.gait.direct import direct
@@ -71,7 +71,7 @@ def scaled(values: Array, faster: float, shorter: float = 1.0) -> Array:
 
     The frequency is the first of their numbers, a wave's lag and a pace's lift the third.
     """
-    return values * np.array([faster, 1.0, shorter, *[1.0] * (values.shape[-1] - 3)])
+    return np.asarray(values * np.array([faster, 1.0, shorter, *[1.0] * (values.shape[-1] - 3)]))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -204,7 +204,8 @@ def _foreseen(source: Carried, family: Wave | Pace, faster: float, shorter: floa
     """Return what a source says of a target that is faster, and whose waves are shorter."""
     low, high = (np.array([getattr(n, end) for n in family.numbers]) for end in ("low", "high"))
     values = scaled(_told(source, source.tried, family.values(family.start)), faster, shorter)
-    near = ((values >= low - 1e-9) & (values <= high + 1e-9)).all(axis=1)
+    within = (values >= low - 1e-9) & (values <= high + 1e-9)
+    near: Mask = np.asarray(within.all(axis=1))
     near[int(source.speeds.argmax())] = True
     share = np.maximum(source.speeds / max(source.speed, 1e-9), -0.2)
     return Landscape(

@@ -80,4 +80,4 @@ def wave(
 def at(family: Family, values: Array) -> Array:
     """Return the point of the cube that makes these values, or the nearest on its faces."""
     low, high = (np.array([getattr(n, end) for n in family.numbers]) for end in ("low", "high"))
-    return np.clip((values - low) / (high - low), 0.0, 1.0)
+    return np.asarray(np.clip((values - low) / (high - low), 0.0, 1.0))

@@ -116,7 +116,7 @@ def test_too_few_transitions_are_refused() -> None:
 
 def test_transitions_in_which_nothing_moves_the_trunk_are_refused() -> None:
     told = np.zeros((20, 2))
-    told[:10, 0] = told[10:, 1] = 0.1
+    told[1:10, 0] = told[11:, 1] = 0.1
     seen = Transitions(
         state=np.zeros((20, 12)), command=told, after=np.zeros((20, 12)), turns=np.zeros(12, bool)
     )
