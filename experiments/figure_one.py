@@ -85,7 +85,8 @@ def main(words: Sequence[str] | None = None) -> None:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--seeds", default="10", help="how many, or from:to (default 10)")
-    parser.add_argument("--only", nargs="+", choices=WAYS, help="these ways alone (default all but the last)")
+    ways = "these ways alone (default all but the last)"
+    parser.add_argument("--only", nargs="+", choices=WAYS, help=ways)
     parser.add_argument("--kept", type=Path, help="a file of finished cases, to go on from")
     parser.add_argument("--json", type=Path, help="where the figures go")
     parser.add_argument("--workers", type=int, default=2, help="processes (default 2)")

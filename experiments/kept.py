@@ -47,8 +47,9 @@ def finished(
     def keep(name: str, row: JSON) -> None:
         done[name] = row
         if kept:
+            # Each on lines of its own: what a kill cut short stays alone.
             with kept.open("a") as file:
-                file.write(json.dumps({"case": name, "row": row}) + "\n")
+                file.write("\n" + json.dumps({"case": name, "row": row}) + "\n")
         count = sum(each in done for each in names)
         said = f"  {count} of {len(names)}, {time.monotonic() - began:.0f} s: {name}"
         print(said, file=sys.stderr, flush=True)
@@ -81,7 +82,7 @@ def _read(kept: Path | None) -> dict[str, JSON]:
     if kept is None or not kept.exists():
         return {}
     found: dict[str, JSON] = {}
-    for line in kept.read_text().splitlines():
+    for line in filter(None, kept.read_text().splitlines()):
         try:
             one = json.loads(line)
         except json.JSONDecodeError:
