@@ -8,7 +8,6 @@ from functools import cache
 
 import numpy as np
 
-from align.arrays import Array
 from align.maps.affine_map import AffineMap
 from align.maps.body_map import Given
 from align.maps.follow import linear
@@ -16,10 +15,10 @@ from align.pairs import posed
 from experiments.aligning.formula import CartPole, plain, worn
 from experiments.aligning.ways import measures, shown_by
 from morph.arrays import JSON
-from morph.errors import MorphError
-from morph.search.regulator.lqr import noise_aware
 from morph.transfer.balancers import balancer
 from morph.transfer.body import Body, linear_law, still_law
+from morph.transfer.mapped.feedback import holding
+from morph.transfer.mapped.feedback import plain as plain_feedback
 
 SHELF = (
     ("cartpole", "rider_rigid_driven"),
@@ -92,25 +91,6 @@ def _body(name: str) -> Body:
     return balancer(name)
 
 
-def _half(body: Body) -> Array:
-    low, high = body.bounds
-    return 0.5 * np.minimum(high - low, 2.0 * np.pi)
-
-
-def feedback(body: Body, A: Array, B: Array) -> Array:
-    """Return the feedback that is best by a linear model of a body, shape (nu, n)."""
-    half, look = _half(body), body.outcome
-    return noise_aware(
-        A,
-        B,
-        look.T @ look + 1e-4 * np.eye(body.size),
-        np.diag(half**-2.0),
-        np.full(body.size, body.task.noise),
-        where=body.task.robot.name,
-        bounds=half,
-    ).gain
-
-
 def _share(body: Body) -> float:
     # A servo's command is a place: large ones throw the body about. A motor's is a force.
     return 0.1 if body.task.robot.name.endswith("servo") else 0.5
@@ -123,7 +103,7 @@ def _shelf(case: Case) -> JSON:
     theirs = target.transitions(COUNTS[1], rng, share=_share(target))
     pairs = posed(theirs.state, source.outcome, target.outcome, int(case.level), rng)
     given = Given(source=ours, target=theirs, pairs=pairs)
-    gain = feedback(source, *source.linear)
+    gain = holding(source)
 
     def score(found: AffineMap) -> float:
         law = np.concatenate([np.zeros((1, target.size)), np.eye(target.size)])
@@ -136,13 +116,10 @@ def _shelf(case: Case) -> JSON:
     ways = shown_by(given, looks, law, score, case.seed)
     runs = {"rows": RUNS, "seed": case.seed}
     ways["hold still"] = {"score": target.score(still_law(len(target.bounds[0])), **runs)}
-    ways["oracle"] = {"score": target.score(linear_law(feedback(target, *target.linear)), **runs)}
+    ways["oracle"] = {"score": target.score(linear_law(holding(target)), **runs)}
     model = linear(theirs)
-    try:
-        alone = target.score(linear_law(feedback(target, model.A, model.B)), **runs)
-    except MorphError:
-        alone = 0.0
-    ways["no source"] = {"score": alone}
+    alone = plain_feedback(np.concatenate([model.A, model.B], axis=1), target)
+    ways["no source"] = {"score": target.score(linear_law(alone), **runs)}
     return {"ways": ways, "measures": measures(given)}
 
 
