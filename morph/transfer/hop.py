@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from align.guard import Verdict
+from align.maps.affine_map import AffineMap
 from align.maps.body_map import BodyMap
 from align.samples import Transitions
 from morph.arrays import Array
@@ -49,6 +50,7 @@ def hop(
     *,
     seed: int,
     source_gain: Array | None = None,
+    seen_as: AffineMap | None = None,
     rows: int = 0,
 ) -> Hopped:
     """Return the feedback of a target from that of a source and a few transitions.
@@ -68,6 +70,7 @@ def hop(
         seen: Transitions of the target.
         seed: Of the runs that score it.
         source_gain: The source's feedback, shape (nu_s, n_s); made from its model if none.
+        seen_as: A map that is known already; learned from the transitions if none.
         rows: Runs of the target by which to score; none if 0.
 
     Raises:
@@ -81,7 +84,8 @@ def hop(
             fix="give transitions of the target",
         )
     gain = holding(source) if source_gain is None else source_gain
-    seen_as = lift(source, target, seen)
+    if seen_as is None:
+        seen_as = lift(source, target, seen)
     believed = learned(seen, carried(source, seen_as, target), target)
     through = through_map(seen_as, gain, target)
     anew = {

@@ -1,0 +1,1 @@
+"""Parts of the study of the cart-pole's policy on many bodies."""
