@@ -35,7 +35,7 @@ def lift(source: Body, target: Body, seen: Transitions) -> AffineMap:
     return AffineMap(
         state_law=state,
         state_shift=np.zeros(len(state)),
-        lift_law=np.linalg.pinv(state),
+        lift_law=np.asarray(np.linalg.pinv(state), dtype=float),
         lift_shift=np.zeros(n),
         action_law=back,
         action_state=-back @ read_state,
