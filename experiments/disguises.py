@@ -44,9 +44,9 @@ EXAMPLE = """example:
   python -m experiments.disguises --quick"""
 
 BODIES = (
-    "cartpole", "double_pendulum", "cart_two_links", "rider_two_links_driven", "cart_three_links",
+    "cartpole", "double_pendulum", "cart_two_links", "rider_two_links_driven", "rider_rigid_driven",
 )  # fmt: skip
-"""Two to four joints, one to four commands."""
+"""Two or three joints, one to three commands."""
 
 KINDS = {"plain": (False, False), "redundant": (True, False), "bent": (False, True),
          "both": (True, True)}  # fmt: skip
@@ -57,6 +57,12 @@ COUNT, HELD_OUT = 200, 1000
 
 NOISE = 0.01
 """Deviation of every reading, in the bodies' own units: that of their tasks."""
+
+CHEAP = ("principal", "any_order")
+"""Controls that take no time."""
+
+FEW = 4
+"""Seeds out of ten on which the others are shown."""
 
 GOAL = 0.99
 """Least R2 of a map that is found."""
@@ -115,9 +121,11 @@ def cases_of(seeds: Sequence[int], *, quick: bool) -> list[Case]:
         for noise in (0.0, NOISE)
         for kind in KINDS
         for body in BODIES
-        # Rivals and the dear control are shown where all is hidden, under the noise of tasks.
-        if way == "transition_kernel"
-        or (noise == NOISE and (kind == "both" or way in ("principal", "any_order")))
+        # Beside the tasks' noise, none is shown on a few seeds; so are rivals and the dear control,
+        # where all is hidden.
+        if (way == "transition_kernel" and (noise == NOISE or seed % 10 < FEW))
+        or (noise == NOISE and way in CHEAP)
+        or (noise == NOISE and kind == "both" and seed % 10 < FEW)
     ]
 
 

@@ -25,6 +25,12 @@ NEAR = 1e-4
 SAME = 0.005
 """Two starts whose losses differ by a smaller share have come to the same map."""
 
+HEAT_ROUNDS = 4
+"""Rounds of a finalist before it is compared."""
+
+ROUGH = 1e-3
+"""A start's descent ends as soon as a round gains less than this share."""
+
 FAINTEST = 1e-5
 """A command whose spread moves nothing by more than this, in spreads, does nothing."""
 
@@ -36,18 +42,20 @@ WORST = 1e6
 class Effort:
     """How long a consistent map is looked for."""
 
-    starts: int = 24
-    """At most so many maps are drawn to begin from."""
-    agreed: int = 4
-    """As soon as so many starts came to the same best map, no more are drawn."""
+    starts: int = 32
+    """So many maps are drawn to begin from."""
     rounds: int = 25
     """At most so many rounds of each descent."""
-    finalists: int = 2
-    """So many different maps are compared under the simulator itself."""
+    candidates: int = 6
+    """So many different affine maps are bent."""
+    finalists: int = 4
+    """And so many of these compared under the simulator itself."""
+    heat: int = 100
+    """On so many transitions; the best alone sees all of them."""
 
     def __post_init__(self) -> None:
         """Check the counts."""
-        if min(self.starts, self.agreed, self.rounds, self.finalists) < 1:
+        if min(vars(self).values()) < 1:
             raise SettingError(
                 f"{self} has a count below 1",
                 where="the search for a consistent map",
@@ -151,24 +159,27 @@ def _finalists(
     move = change(source.state, source.after, source.turns) / cubic.spread
     draws = beginnings(x, u, move, seen)
     agree = Agreement(seen=seen, moves=cubic.moves, weight=seen.plain)
-    fits: list[Fit] = []
-    for _ in range(effort.starts):
-        fits.append(descended(draws.drawn(rng), agree, rounds=effort.rounds, hold=0.0))
-        fits.sort(key=lambda fit: fit.loss)
-        if sum(fit.loss <= fits[0].loss * (1.0 + SAME) for fit in fits) >= effort.agreed:
-            break
-    different = [fits[0]]
-    for fit in fits[1:]:
-        if fit.loss > different[-1].loss * (1.0 + SAME) and len(different) < effort.finalists:
-            different.append(fit)
+    starts = (draws.drawn(rng) for _ in range(effort.starts))
+    fits = [descended(g, agree, rounds=effort.rounds, hold=0.0, gain=ROUGH) for g in starts]
+    fits.sort(key=lambda fit: fit.loss)
     if bends is None:
-        return different
+        return _different(fits, effort.finalists)
     m, told = seen.before.shape[1], seen.command.shape[1]
     bent = [
         replace(fit.guess, states=bends.states(m), commands=bends.commands(told))
-        for fit in different
+        for fit in _different(fits, effort.candidates)
     ]
-    return [descended(each, agree, rounds=effort.rounds, hold=bends.hold) for each in bent]
+    fits = [descended(each, agree, rounds=effort.rounds, hold=bends.hold) for each in bent]
+    return _different(sorted(fits, key=lambda fit: fit.loss), effort.finalists)
+
+
+def _different(fits: list[Fit], count: int) -> list[Fit]:
+    """Return the best of sorted fits, one of each loss: some that err alike are one map."""
+    found = fits[:1]
+    for fit in fits[1:]:
+        if fit.loss > found[-1].loss * (1.0 + SAME) and len(found) < count:
+            found.append(fit)
+    return found
 
 
 def _best(
@@ -180,12 +191,20 @@ def _best(
     bends: Bends | None,
 ) -> Fit:
     """Return the map that agrees best under the simulator, from where it agreed with the cubic."""
-    agree = Agreement(seen=seen, moves=_exact(step, cubic), weight=seen.plain)
-    hold = 0.0 if bends is None else bends.hold
-    trial = [descended(fit.guess, agree, rounds=4, hold=hold) for fit in fits]
+    exact, hold = _exact(step, cubic), 0.0 if bends is None else bends.hold
+    # What the cubic cannot tell apart the simulator tells within a few rounds, on part of the data.
+    heat = Agreement(seen=_part(seen, effort.heat), moves=exact, weight=seen.plain)
+    trial = [descended(fit.guess, heat, rounds=HEAT_ROUNDS, hold=hold) for fit in fits]
     best = min(trial, key=lambda fit: fit.loss)
+    agree = Agreement(seen=seen, moves=exact, weight=seen.plain)
     best = descended(best.guess, agree, rounds=effort.rounds, hold=hold)
     return descended(best.guess, agree.weighed(best.guess), rounds=effort.rounds, hold=hold)
+
+
+def _part(seen: Seen, count: int) -> Seen:
+    """Return so many transitions, evenly from all; all if there are no more."""
+    rows = len(seen.before)
+    return seen.rows(np.linspace(0, rows - 1, min(count, rows)).astype(np.int64))
 
 
 def _exact(step: Step, cubic: Surrogate) -> Moves:

@@ -174,7 +174,9 @@ class Agreement:
         return np.concatenate([each.reshape(rows * m, -1) for each in weighed])
 
 
-def descended(guess: Guess, agree: Agreement, *, rounds: int, hold: float) -> Fit:
+def descended(
+    guess: Guess, agree: Agreement, *, rounds: int, hold: float, gain: float = LEAST_GAIN
+) -> Fit:
     """Return the guess to which the rule leads from a guess.
 
     Source: Marquardt 1963, J. SIAM 11(2).
@@ -184,6 +186,7 @@ def descended(guess: Guess, agree: Agreement, *, rounds: int, hold: float) -> Fi
         agree: What is to become small.
         rounds: At most so many.
         hold: How strongly parameters of curves and networks are held to 0.
+        gain: A round that gains less, as a share of what is off, is the last.
     """
     vector = guess.vector
     bends = len(guess.states.parameters) + len(guess.commands.parameters)
@@ -213,7 +216,7 @@ def descended(guess: Guess, agree: Agreement, *, rounds: int, hold: float) -> Fi
                 return Fit(guess=guess, loss=before)
             guess, off, at = trial, trial_off, trial_at
             damping = max(damping / 5.0, 1e-7)
-            if before - loss < LEAST_GAIN * before:
+            if before - loss < gain * before:
                 break
     return Fit(guess=guess, loss=loss)
 
