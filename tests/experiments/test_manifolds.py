@@ -13,7 +13,8 @@ from align.maps.body_map import Given
 from align.maps.features import Features
 from experiments.aligning.cases import LEVELS, Case, cases_of, measured
 from experiments.aligning.formula import PERIOD, SPREAD, CartPole, plain, worn
-from experiments.manifolds import clear, drawn, figures, foretold, main
+from experiments.interval import interval
+from experiments.manifolds import clear, drawn, figures, foretold, main, sure
 
 TRUE = """
 <mujoco>
@@ -94,6 +95,14 @@ def test_a_measure_that_falls_where_the_gain_rises_is_said_to_foretell() -> None
     assert [row["manifold"] for row in foretold(lines)] == [pytest.approx(-1.0)]
     assert lines[3]["ways"]["sparse"]["gain"] == pytest.approx([0.3, 0.3, 0.3])
     assert "manifold, shuffled" in drawn(lines)
+
+
+@pytest.mark.parametrize("count", [1, 3, 10])
+def test_its_intervals_are_those_of_every_study(count: int) -> None:
+    # The same draws and the same figure, to rounding.
+    x = np.random.default_rng(count).random(count)
+    np.testing.assert_allclose(sure(x, middle=True), interval(x), atol=1e-12)
+    np.testing.assert_allclose(sure(x), interval(x, of=lambda y: float(y.mean())), atol=1e-12)
 
 
 def test_the_quick_study_ends_with_every_control_beside_each_claim(tmp_path: Path) -> None:
