@@ -24,7 +24,7 @@ LEAST = 0.01
 DRAWS = 64
 """Bodies drawn from the belief."""
 
-WEIGHTS: tuple[float, ...] = (0.0, 1.0, 0.0, 0.0, 0.0)
+WEIGHTS = (-0.37, 0.44, -0.88, -1.03, 0.35)
 """Of the logistic law from what was foreseen to the probability of harm; found on bodies that no
 figure of the guard is of (docs/guard.md)."""
 
