@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,15 +17,19 @@ from morph.transfer.controls import control_scores, flipped, shuffled, through
 from morph.transfer.crossing import Crossing, Curve
 from morph.transfer.from_scratch import scratch
 from morph.transfer.guarded import guarded
-from morph.transfer.hop import Hopped, hop
+from morph.transfer.hop import Hopped, through_map
 from morph.transfer.hops_kept import Kept, map_name
-from morph.transfer.mapped.belief import learned
-from morph.transfer.mapped.feedback import cautious, holding
+from morph.transfer.mapped.belief import Belief, learned
+from morph.transfer.mapped.feedback import cautious, chosen, holding
 from morph.transfer.parts import Spreads, names_of, parts
 from morph.transfer.record import Guard
+from morph.transfer.relay import carry, tried
 
 COUNTS = (1 / 6, 1 / 3, 2 / 3, 1.0)
 """At which shares of the transitions a learning curve has its points."""
+
+SEEDS = 1000
+"""How far the seeds of two hops are apart: repeats take those between."""
 
 JUDGED = 100
 """Transitions on which a map is judged; like the runs, they serve the report alone."""
@@ -65,7 +69,7 @@ def crossed(
 
     Args:
         number: Which hop of the chain, counted from 1.
-        source: The body whose law it is.
+        source: The body whose law it is; the first of a chain, or one as it is believed.
         gain: Of the law u = gain x + shift about rest, shape (k_s, n_s).
         shift: Shape (k_s,).
         target: The body it is carried to.
@@ -76,14 +80,13 @@ def crossed(
         AlignError: No map can be learned.
         MorphError: The target cannot be held by any law.
     """
-    rng = np.random.default_rng([asked.seed, number, 1])
-    said("transitions of the target")
-    seen = target.transitions(asked.samples, rng)
     said("learning the map")
-    found = hop(source, target, seen, seed=asked.seed, source_gain=gain)
+    seed = asked.seed + SEEDS * number
+    found, believed = carried(source, gain, target, asked.samples, seed)
+    seen = shown(target, asked.samples, seed)
     said("judging")
     measured = _measured(found, target, gain, shift, seen, asked)
-    guard, notes = _guard(found, target, seen, rng)
+    guard, notes = _guard(found, target, seen, np.random.default_rng([seed, 1]))
     curves = _curves(number, source, gain, shift, target, asked, said)
     if asked.scratch:
         said("learning from scratch")
@@ -105,7 +108,33 @@ def crossed(
         curves=curves,
         notes=notes,
     )
-    return Kept(crossing=crossing, map=found.map, gain=found.gain, shift=found.shift)
+    return Kept(
+        crossing=crossing,
+        map=found.map,
+        gain=found.gain,
+        shift=found.shift,
+        step=believed.step,
+    )
+
+
+def carried(
+    source: Body, gain: Array, target: Body, count: int, seed: int
+) -> tuple[Hopped, Belief]:
+    """Return a hop of a relay, and what is believed of the target after it.
+
+    The policy is the one that is made anew, or the source's own through the map where that is
+    foreseen to do better.
+    """
+    found, believed = carry(source, target, count, seed=seed)
+    through = through_map(found.map, gain, target)
+    choices = {"anew": found.gain, "through": through}
+    _, best = chosen(choices, believed, target, np.random.default_rng([seed, 6]))
+    return replace(found, gain=best), believed
+
+
+def shown(target: Body, count: int, seed: int) -> Transitions:
+    """Return the very transitions that a hop of this seed learns from."""
+    return tried(target, count, np.random.default_rng([seed, 5]))
 
 
 def _measured(
@@ -129,11 +158,11 @@ def _measured(
 def _quality(found: Hopped, source: Body, target: Body, asked: Asked) -> dict[str, float]:
     """Return how good the map is on transitions that nobody learned from."""
     rng = np.random.default_rng([asked.seed, 5])
-    here, there = source.transitions(JUDGED, rng), target.transitions(JUDGED, rng)
-    return dict(quality(found.map, here, there, _stepping(source)).numbers())
+    here, there = tried(source, JUDGED, rng), tried(target, JUDGED, rng)
+    return dict(quality(found.map, here, there, stepping(source)).numbers())
 
 
-def _stepping(body: Body) -> Step:
+def stepping(body: Body) -> Step:
     """Return a body's simulator between what is seen of its states."""
     if body.sight is None:
         return body.step
@@ -168,13 +197,11 @@ def _curves(
     counts = sorted({max(FEWEST, round(share * asked.samples)) for share in COUNTS})
     rows: dict[str, list[list[float]]] = {}
     for repeat in range(asked.repeats):
-        seed = asked.seed + 1 + repeat
-        rng = np.random.default_rng([seed, number, 2])
-        whole = target.transitions(counts[-1], rng)
         points: dict[str, list[float]] = {}
         for count in counts:
             said(f"learning curve, {count} transitions, {repeat + 1} of {asked.repeats}")
-            scores = _point(source, gain, shift, target, first(whole, count), seed, asked)
+            seed = asked.seed + SEEDS * number + 1 + repeat
+            scores = _point(source, gain, shift, target, count, seed, asked)
             for name, score in scores.items():
                 points.setdefault(name, []).append(score)
         for name, line in points.items():
@@ -190,7 +217,7 @@ def _point(
     gain: Array,
     shift: Array,
     target: Body,
-    seen: Transitions,
+    count: int,
     seed: int,
     asked: Asked,
 ) -> dict[str, float]:
@@ -198,9 +225,10 @@ def _point(
     how = {"rows": max(1, asked.trials // 2), "seed": seed}
     none = target.score(still_law(len(target.bounds[0])), **how)
     scores = dict.fromkeys(("transfer", "no_source", "shuffled", "flipped"), none)
+    seen = shown(target, count, seed)
     scores["no_source"] = target.score(linear_law(alone(target, seen)), **how)
     try:
-        found = hop(source, target, seen, seed=seed, source_gain=gain)
+        found, _ = carried(source, gain, target, count, seed)
     except (AlignError, MorphError):
         return scores
     scores["transfer"] = target.score(linear_law(found.gain, found.shift), **how)
@@ -213,16 +241,6 @@ def _point(
     return scores
 
 
-def first(seen: Transitions, count: int) -> Transitions:
-    """Return the first so many transitions."""
-    return Transitions(
-        state=seen.state[:count],
-        command=seen.command[:count],
-        after=seen.after[:count],
-        turns=seen.turns,
-    )
-
-
 def alone(body: Body, seen: Transitions) -> Array:
     """Return the gain that a body's own transitions give without any source, shape (nu, n).
 
@@ -233,7 +251,7 @@ def alone(body: Body, seen: Transitions) -> Array:
 
 def _usual(body: Body, asked: Asked) -> Spreads:
     """Return how far the numbers of a body whose simulation is at hand usually are from rest."""
-    return _spreads(body.transitions(100, np.random.default_rng([asked.seed, 4])))
+    return _spreads(tried(body, JUDGED, np.random.default_rng([asked.seed, 4])))
 
 
 def _spreads(seen: Transitions) -> Spreads:

@@ -31,6 +31,9 @@ SCHEMA = "morph.relay/1"
 MOST_BYTES = 20_000_000
 """Largest file of a hop that is read."""
 
+NUMBERS = ("gain", "shift", "step")
+"""What `law.npz` holds."""
+
 SPOILT = (
     *(KeyError, TypeError, ValueError, EOFError, OSError, zipfile.BadZipFile, AlignError),
     MorphError,
@@ -50,6 +53,8 @@ class Kept:
     """Of the target's law about rest, shape (nu, n)."""
     shift: Array
     """Shape (nu,)."""
+    step: Array
+    """(A, B) as believed of the target, shape (n, n + nu): what the next hop begins from."""
 
 
 class HopsKept:
@@ -74,7 +79,7 @@ class HopsKept:
     def write(self, number: int, done: Kept) -> None:
         """Keep a hop; its `hop.json` makes it a finished one."""
         folder, held = self._folder(number), io.BytesIO()
-        np.savez(held, gain=done.gain, shift=done.shift)
+        np.savez(held, gain=done.gain, shift=done.shift, step=done.step)
         write_map(self.out / done.crossing.map, done.map)
         write_whole(folder / LAW, held.getvalue())
         told = _told(done.crossing)
@@ -92,12 +97,15 @@ class HopsKept:
                 return None
             # Read whole first: of a spoilt file numpy would leave the handle open.
             with np.load(io.BytesIO(_bytes(folder / LAW)), allow_pickle=False) as held:
-                gain, shift = (np.asarray(held[name], dtype=float) for name in ("gain", "shift"))
-            if not (np.isfinite(gain).all() and gain.shape[:1] == shift.shape):
-                return None
-            return Kept(
-                crossing=crossing, map=read(self.out / crossing.map), gain=gain, shift=shift
+                law = {name: np.asarray(held[name], dtype=float) for name in NUMBERS}
+            gain, step = law["gain"], law["step"]
+            fits = gain.shape[:1] == law["shift"].shape and step.shape == (
+                gain.shape[1],
+                sum(gain.shape),
             )
+            if not (fits and all(np.isfinite(each).all() for each in law.values())):
+                return None
+            return Kept(crossing=crossing, map=read(self.out / crossing.map), **law)
         except SPOILT:
             return None
 

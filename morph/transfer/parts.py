@@ -87,17 +87,22 @@ def names_of(body: Body) -> Names:
     ]
     half = body.size // 2
     # A body may be seen by what its task looks at alone, which is no joint of its own.
-    if body.sight is not None or len(place) != half:
+    if not _each(body.sight) or len(place) != half:
         place = list(READINGS.get(half, ())) or [f"reading {at + 1}" for at in range(half)]
     command = tuple(actuator.name for actuator in robot.actuators)
-    if body.together is not None:
-        command = tuple(f"group {at + 1}" for at in range(body.together.shape[1]))
+    if not _each(body.together):
+        command = tuple(f"group {at + 1}" for at in range(len(body.bounds[0])))
     return Names(
         body=robot.name,
         state=(*place, *(f"speed of {name}" for name in place)),
         command=command,
         shown=half,
     )
+
+
+def _each(taken: Array | None) -> bool:
+    """Return whether numbers are taken each by itself."""
+    return taken is None or np.array_equal(taken, np.eye(len(taken)))
 
 
 def parts(

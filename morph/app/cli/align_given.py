@@ -15,6 +15,7 @@ from morph.errors import TransferError
 from morph.files import sha256
 from morph.transfer.body import Body
 from morph.transfer.parts import Names, Spreads, names_of
+from morph.transfer.relay import tried
 
 ARRAYS = ("state", "command", "after")
 """What a file of transitions must hold."""
@@ -61,8 +62,8 @@ def made(body: Body, samples: int, rng: np.random.Generator) -> Side:
     robot = body.task.robot
     return Side(
         names=names_of(body),
-        seen=body.transitions(samples, rng),
-        held=body.transitions(JUDGED, rng),
+        seen=tried(body, samples, rng),
+        held=tried(body, JUDGED, rng),
         body=body,
         sha256=robot.sha256 or sha256(robot.mjcf),
     )

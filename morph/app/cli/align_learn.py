@@ -22,10 +22,11 @@ from morph.app.report.align.outcome import Aligned
 from morph.arrays import Array
 from morph.errors import TransferError
 from morph.record.nearest import nearest
-from morph.search.plan.ground import held
 from morph.transfer.body import Body
 from morph.transfer.controls import through
+from morph.transfer.crossed import stepping
 from morph.transfer.guarded import guarded
+from morph.transfer.mapped.feedback import holding
 from morph.transfer.mapped.lift import lift
 from morph.transfer.parts import parts
 from morph.transfer.record import Guard
@@ -137,7 +138,7 @@ def step_of(source: Side) -> Step:
     That law is affine, x' = x + W (x, u, 1) by least squares: near a state of rest it will do.
     """
     if source.body is not None:
-        return source.body.step
+        return stepping(source.body)
     seen = source.seen
     known = np.column_stack([seen.state, seen.command, np.ones(len(seen.state))])
     law, *_ = np.linalg.lstsq(known, seen.after - seen.state, rcond=1e-9)
@@ -190,8 +191,8 @@ def _guard(
     if source.body is None or target.body is None:
         return UNKNOWN, "a body that was only recorded has no task to judge a policy by"
     body = source.body
-    regulator = held(body.task, body.plant, body.still)
-    law = through(found, regulator.gain, np.zeros(len(regulator.gain)))
+    gain = holding(body)
+    law = through(found, gain, np.zeros(len(gain)))
     try:
         return guarded(target.body, target.seen, law, rng), ""
     except AlignError as error:

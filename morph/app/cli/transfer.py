@@ -142,8 +142,9 @@ def _hops(
     """
     from morph.app.report.transfer.words import hop_said
     from morph.transfer.crossed import Asked, crossed
+    from morph.transfer.relay import as_believed
 
-    gain, shift = start.gain, start.shift
+    gain, shift, source = start.gain, start.shift, bodies[0]
     counts = asked.samples if len(asked.samples) > 1 else asked.samples * (len(bodies) - 1)
     for at, count in enumerate(counts):
         number = at + 1
@@ -162,7 +163,7 @@ def _hops(
                 told.now(label + words)
 
             try:
-                done = crossed(number, bodies[at], gain, shift, bodies[number], how, said)
+                done = crossed(number, source, gain, shift, bodies[number], how, said)
             except (MorphError, AlignError) as error:
                 if not hops:
                     raise
@@ -170,6 +171,8 @@ def _hops(
             kept.write(number, done)
         hops.append(done)
         gain, shift = done.gain, done.shift
+        # Only the first body's simulator is ours: the others are what their transitions told.
+        source = as_believed(bodies[number], done.step)
         told.line(hop_said(number, done.crossing))
     return ""
 

@@ -19,6 +19,7 @@ from morph.search.plan.ground import held
 from morph.task.tasks import check_name
 from morph.transfer.balancers import PUSHED, balancer
 from morph.transfer.body import Body, body
+from morph.transfer.riders import RIDERS, rider
 from morph.transfer.stored import gain_of
 
 TASKS = ("balance",)
@@ -68,6 +69,8 @@ def body_of(name: str, task: str) -> Body:
     try:
         if name in PUSHED:
             return balancer(name)
+        if name in RIDERS:
+            return rider(name)
         from morph.task.tasks import task as task_of
 
         return body(task_of(task, load(name)))
@@ -84,7 +87,7 @@ def notes_of(names: Sequence[str]) -> tuple[str, ...]:
     """Return what is to be known of these bodies before any figure of theirs is believed."""
     notes = []
     for name in names:
-        if name not in PUSHED:
+        if name not in PUSHED and name not in RIDERS:
             notes.append(
                 f"no push was fixed for {name}: its runs begin near rest, and holding still may "
                 "do as well as any policy"

@@ -120,7 +120,9 @@ def affine() -> AffineMap:
 def kept(tmp_path: Path) -> HopsKept:
     keeper = HopsKept(tmp_path, {"seed": "0"})
     gain, shift = np.array([[1.0, -2.0]]), np.array([0.5])
-    keeper.write(1, Kept(crossing=crossing(), map=affine(), gain=gain, shift=shift))
+    step = np.arange(6.0).reshape(2, 3)
+    done = Kept(crossing=crossing(), map=affine(), gain=gain, shift=shift, step=step)
+    keeper.write(1, done)
     return keeper
 
 
@@ -129,6 +131,7 @@ def test_a_hop_that_was_kept_is_read_as_it_was(kept: HopsKept) -> None:
     assert again is not None
     assert again.crossing.said() == crossing().said()
     assert (again.gain.tolist(), again.shift.tolist()) == ([[1.0, -2.0]], [0.5])
+    assert again.step.tolist() == [[0.0, 1.0, 2.0], [3.0, 4.0, 5.0]]
     assert again.map.state(np.array([[3.0, 4.0]])).tolist() == [[3.0, 4.0]]
     assert kept.read(2) is None
 

@@ -22,6 +22,9 @@ QUALITY: Mapping[str, str] = {
 MINUS = "\N{MINUS SIGN}"
 """Of a part that is turned round."""
 
+ROUNDING = 1e-9
+"""Below which a figure is only what numbers of so many digits leave over."""
+
 VERDICTS: Mapping[str, str] = {
     "safe": "it is safe to try",
     "unsafe": "it is not safe to try",
@@ -69,6 +72,8 @@ def quality_rows(quality: Mapping[str, float]) -> list[tuple[str, str]]:
 
 def short(value: float) -> str:
     """Return a number with three figures."""
+    if abs(value) < ROUNDING:
+        return "0"
     return f"{value:.3g}" if math.isfinite(value) else "none"
 
 

@@ -14,12 +14,11 @@ import pytest
 
 import morph.transfer
 from align.maps.affine_map import AffineMap
-from align.samples import Transitions
 from morph.app.cli.main import main
 from morph.app.cli.transfer_bodies import body_of
-from morph.arrays import Array
 from morph.transfer.body import Body
 from morph.transfer.hop import Hopped
+from morph.transfer.mapped.belief import Belief, read
 from morph.transfer.mapped.feedback import holding
 
 SCHEMA = json.loads((Path(morph.transfer.__file__).parent / "transfer.schema.json").read_text())
@@ -58,22 +57,31 @@ class Knowing:
         self.sign = 1.0
 
     def __call__(
-        self, source: Body, target: Body, seen: Transitions, *, seed: int, source_gain: Array
-    ) -> Hopped:
+        self, source: Body, target: Body, count: int, *, seed: int
+    ) -> tuple[Hopped, Belief]:
         self.calls += 1
         if self.calls in self.failing:
             raise self.failing[self.calls]
         gain = self.sign * holding(target)
-        return Hopped(
+        hopped = Hopped(
             source=source.task.robot.name,
             target=target.task.robot.name,
             map=mapped(source, target),
-            quality={"round_trip": 1.0},
+            quality={},
             guard=None,
-            samples=len(seen.state),
+            samples=count,
             gain=gain,
             shift=np.zeros(len(gain)),
         )
+        return hopped, self.sure(target)
+
+    def sure(self, body: Body) -> Belief:
+        """Return a belief that is the truth, or its mirror image in the commands."""
+        half, rise = body.size // 2, read(body)[body.size // 2 :].copy()
+        rise[:, half : 2 * half] -= np.eye(half)
+        rise[:, 2 * half :] *= self.sign
+        cover = 1e-12 * np.eye(rise.size)
+        return Belief(law=rise / body.task.period, cover=cover, period=body.task.period)
 
 
 class Bench:
@@ -127,6 +135,6 @@ def bench(
     knowing = Knowing()
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "100")
-    monkeypatch.setattr("morph.transfer.crossed.hop", knowing)
+    monkeypatch.setattr("morph.transfer.crossed.carry", knowing)
     monkeypatch.setattr("morph.app.cli.transfer_bodies.body_of", shorter)
     return Bench(capsys, knowing)
