@@ -37,7 +37,7 @@ ENOUGH = 0.95
 FEW = 60
 """Transitions of the zero-shot row."""
 
-COUNTS = (10, 20, 30, 40, 60, 120, 240)
+COUNTS = (10, 20, 30, 40, 60, 120)
 """Transitions of the learning curves."""
 
 ROWS = 3
@@ -72,10 +72,9 @@ def case(body: str, seed: int, *, counts: tuple[int, ...], generations: int) -> 
         )
         for size in (SIZES if generations else ())
     }
-    finite = {size: None if np.isinf(each) else each for size, each in took.items()}
     return {
         "body": body, "seed": seed, "oracle": optimum, "hold_still": still,
-        "curves": curves, "scratch": finite,
+        "curves": curves, "scratch": took,
     }  # fmt: skip
 
 
@@ -167,16 +166,17 @@ def _times(
     said["sourceless_over_hop"] = {"iqm": iqm(ratio), "interval": interval(ratio)}
     if generations:
         sizes = list(whole[bodies[0], seeds[0]]["scratch"])
-        most = generations * 16 * 250
-        tuned = []
+        tuned, solved = [], []
         for body in bodies:
-            by = np.array(
-                [[whole[body, s]["scratch"][size] or most for size in sizes] for s in seeds]
-            )
-            tuned.append(by[:, int(np.argmin(by.mean(axis=0)))])
+            by = np.array([[whole[body, s]["scratch"][size] for size in sizes] for s in seeds])
+            # Of three sizes that which solves most, then soonest. What is unsolved counts by
+            # what it used until then, which flatters it.
+            at = int(np.lexsort((by[..., 0].mean(axis=0), -by[..., 1].mean(axis=0)))[0])
+            tuned.append(by[:, at, 0])
+            solved.append(by[:, at, 1])
         ratio = np.array(tuned) / hop
         said["scratch_over_hop"] = {"iqm": iqm(ratio), "interval": interval(ratio)}
-        said["scratch_solved"] = float((np.array(tuned) < most).mean())
+        said["scratch_solved"] = float(np.mean(solved))
     return said
 
 
@@ -235,7 +235,7 @@ def _told(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--bodies", nargs="+", choices=PLANAR, help="all planar ones if none")
     parser.add_argument("--json", type=Path, help="where to write every figure")
     parser.add_argument("--kept", type=Path, help="finished cases, one a line: goes on from there")
-    parser.add_argument("--generations", type=int, default=20, help="of learning from nothing")
+    parser.add_argument("--generations", type=int, default=6, help="of learning from nothing")
     parser.add_argument("--no-scratch", action="store_true", help="leave that out")
     parser.add_argument("--quick", action="store_true", help="two counts, nothing from nothing")
     parser.add_argument("--workers", type=int, default=2)

@@ -18,8 +18,10 @@ PAIRS = 8
 """Pairs of opposite moves a generation; each is run once."""
 
 
-def scratch(target: Body, *, size: float, generations: int, enough: float, seed: int) -> float:
-    """Return how many transitions it takes to score enough; infinity if it never does.
+def scratch(
+    target: Body, *, size: float, generations: int, enough: float, seed: int
+) -> tuple[float, bool]:
+    """Return how many transitions were used until the score is enough, and whether it ever is.
 
     A run counts until the body has fallen; what judges a generation is not counted.
     """
@@ -37,8 +39,8 @@ def scratch(target: Body, *, size: float, generations: int, enough: float, seed:
         step = np.einsum("i,ijk->jk", rank[:PAIRS] - rank[PAIRS:], moves) / PAIRS
         gain = gain + 2.0 * size * half[:, None] * step
         if target.score(linear_law(gain), rows=3, seed=seed) >= enough:
-            return spent
-    return float("inf")
+            return spent, True
+    return spent, False
 
 
 def _runs(target: Body, gains: Array, rng: np.random.Generator) -> tuple[Array, float]:
