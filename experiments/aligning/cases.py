@@ -8,6 +8,7 @@ from functools import cache
 
 import numpy as np
 
+from align.arrays import Array
 from align.maps.affine_map import AffineMap
 from align.maps.body_map import Given
 from align.maps.follow import linear
@@ -15,6 +16,7 @@ from align.pairs import posed
 from experiments.aligning.formula import CartPole, plain, worn
 from experiments.aligning.ways import measures, shown_by
 from morph.arrays import JSON
+from morph.search.regulator.lqr import noise_aware
 from morph.transfer.balancers import balancer
 from morph.transfer.body import Body, linear_law, still_law
 from morph.transfer.mapped.feedback import holding
@@ -91,6 +93,26 @@ def _body(name: str) -> Body:
     return balancer(name)
 
 
+def feedback(source: Body) -> Array:
+    """Return the source's policy, shape (nu, n): gentle, since every observation is noisy.
+
+    What a hop starts from is stiffer (`holding`), and what is stiff is seen less well through a
+    map that is not exact.
+    """
+    low, high = source.bounds
+    half = 0.5 * np.minimum(high - low, 2.0 * np.pi)
+    A, B = source.linear
+    return noise_aware(
+        A,
+        B,
+        source.outcome.T @ source.outcome + 1e-4 * np.eye(source.size),
+        np.diag(half**-2.0),
+        np.full(source.size, source.task.noise),
+        where=source.task.robot.name,
+        bounds=half,
+    ).gain
+
+
 def _share(body: Body) -> float:
     # A servo's command is a place: large ones throw the body about. A motor's is a force.
     return 0.1 if body.task.robot.name.endswith("servo") else 0.5
@@ -103,7 +125,7 @@ def _shelf(case: Case) -> JSON:
     theirs = target.transitions(COUNTS[1], rng, share=_share(target))
     pairs = posed(theirs.state, source.outcome, target.outcome, int(case.level), rng)
     given = Given(source=ours, target=theirs, pairs=pairs)
-    gain = holding(source)
+    gain = feedback(source)
 
     def score(found: AffineMap) -> float:
         law = np.concatenate([np.zeros((1, target.size)), np.eye(target.size)])
