@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from align.arrays import Array, Integers
+from align.arrays import Array, Integers, Mask
 from align.errors import AlignError, SamplesError
 from align.maps.body_map import BodyMap, Given, Mapper
 from align.samples import Step, Transitions
@@ -118,7 +118,8 @@ def _size(off: Array, spread: Array) -> float:
 
 def _runs(seen: Transitions, steps: int) -> tuple[Integers, int]:
     """Return where as many transitions as possible, at most `steps`, follow each other."""
-    follows = np.equal(seen.state[1:], seen.after[:-1]).all(axis=1)
+    same: Mask = np.asarray(seen.state[1:] == seen.after[:-1], dtype=bool)
+    follows: Mask = np.asarray(same.all(axis=1))
     for length in range(min(steps, len(follows) + 1), 1, -1):
         windows = np.lib.stride_tricks.sliding_window_view(follows, length - 1)
         starts = np.flatnonzero(windows.all(axis=1))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -106,5 +107,5 @@ def _bend(spread: Array, rng: np.random.Generator, *, more: int, bent: bool) -> 
         spread=spread,
         bend=size,
         phase=rng.uniform(0.0, 2.0 * np.pi, size=m),
-        factor=np.exp(rng.uniform(*np.log(SCALES), size=m)),
+        factor=np.exp(rng.uniform(math.log(SCALES[0]), math.log(SCALES[1]), size=m)),
     )
