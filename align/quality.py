@@ -140,7 +140,7 @@ def _missed(
     moved, off = after - begun, after - x
     spread = np.sqrt(np.square(moved).mean(axis=0))
     fine = spread > 0.0
-    lost = ~np.isfinite(off).all(axis=1)
+    lost: Mask = np.asarray(~np.isfinite(off).all(axis=1))
     # A step that the simulator cannot make is foreseen no better than by standing still.
     off = np.where(lost[:, None], moved, off)
     return float(np.square(off[:, fine] / spread[fine]).mean()) if fine.any() else 1.0
