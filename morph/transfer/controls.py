@@ -7,7 +7,7 @@ from itertools import permutations
 import numpy as np
 
 from align.maps.body_map import BodyMap
-from morph.arrays import Array
+from morph.arrays import Array, Integers
 from morph.transfer.body import Body, Law
 
 SHUFFLES = 3
@@ -62,7 +62,7 @@ def shuffled(
     for order in _orders(half, rng):
         which = np.concatenate([order, half + order])
 
-        def law(state: Array, time: Array, which: Array = which) -> Array:
+        def law(state: Array, time: Array, which: Integers = which) -> Array:
             told = body_map.state(state[:, which]) @ gain.T + shift
             return body_map.action(state, told)
 
@@ -70,7 +70,7 @@ def shuffled(
     return tuple(laws)
 
 
-def _orders(count: int, rng: np.random.Generator) -> list[Array]:
+def _orders(count: int, rng: np.random.Generator) -> list[Integers]:
     """Return some orders of so many joints, none of them the right one, no two the same."""
     if count <= MOST_WAYS:
         ways = [np.array(each) for each in permutations(range(count))][1:]
