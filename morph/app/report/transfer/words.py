@@ -22,6 +22,9 @@ NAMED: Mapping[str, str] = {
 }
 """What each policy is called."""
 
+EQUAL = 0.01
+"""Share of what the oracle gains by which a control may be worse and still counts as as good."""
+
 ORDER = tuple(NAMED)
 """The order in which they are shown."""
 
@@ -87,11 +90,22 @@ def credit(hop: Crossing) -> str:
     equal = [
         NAMED[name]
         for name in ("shuffled", "flipped", "no_source")
-        if name in hop.measured and float(hop.relative(hop.measured[name])) >= ours - 0.01
+        if name in hop.measured and _equals(hop, name, ours)
     ]
     if equal:
-        return f"At {hop.target} the source gains nothing: {' and '.join(equal)} is as good."
+        return (
+            f"At {hop.target} the source gains nothing with {hop.samples} transitions: "
+            f"{' and '.join(equal)} is as good."
+        )
     return ""
+
+
+def _equals(hop: Crossing, name: str, ours: float) -> bool:
+    """Return whether a control is as good as what is kept, over all draws where there are any."""
+    means = {each.name: float(hop.relative(each.mean[-1])) for each in hop.curves}
+    if "transfer" in means and name in means:
+        return means[name] >= means["transfer"] - EQUAL
+    return float(hop.relative(hop.measured[name])) >= ours - EQUAL
 
 
 def saved(hop: Crossing) -> str:

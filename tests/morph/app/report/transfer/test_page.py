@@ -117,9 +117,13 @@ def test_what_was_saved_is_told_in_transitions() -> None:
 
 def test_what_a_control_equals_is_called_no_gain() -> None:
     assert credit(HOP) == ""
-    equal = replace(HOP, measured={**HOP.measured, "no_source": 0.985})
+    equal = replace(HOP, measured={**HOP.measured, "no_source": 0.985}, curves=())
     # 0.985 against 0.99 is 0.006 of what the oracle gains, less than 0.01.
-    assert credit(equal) == ("At rider <b> the source gains nothing: without a source is as good.")
+    assert credit(equal) == (
+        "At rider <b> the source gains nothing with 40 transitions: without a source is as good."
+    )
+    # One draw is not believed where there are several: on their mean transfer is better.
+    assert credit(replace(equal, curves=HOP.curves)) == ""
 
 
 def test_where_holding_still_does_as_well_there_is_no_credit() -> None:
