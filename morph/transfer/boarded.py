@@ -10,8 +10,8 @@ import mujoco
 import numpy as np
 
 from morph.arrays import Array
-from morph.body.load import load
 from morph.body.fulltext import fulltext
+from morph.body.load import load
 from morph.body.robot import Robot
 from morph.body.servo import DYNAMIXELS, Servo
 from morph.body.spec import bare_spec
@@ -142,7 +142,9 @@ def _points(model: Any, data: Any, body: int) -> Array:
     return np.concatenate(found)
 
 
-def _bare(spec: Any, soles: dict[str, tuple[Array, Array, Array, Array]], *, touching: bool) -> None:
+def _bare(
+    spec: Any, soles: dict[str, tuple[Array, Array, Array, Array]], *, touching: bool
+) -> None:
     """Leave a body no shapes but its soles, and neither free joint nor keyframes."""
     for geom in list(spec.geoms):
         spec.delete(geom)

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from align.maps.affine_map import AffineMap
 from align.samples import Transitions
@@ -18,8 +19,11 @@ from morph.transfer.mapped.belief import Belief, carried, learned, read
 from morph.transfer.mapped.feedback import cautious, chosen, plain
 from morph.transfer.mapped.lift import lift, quality_of
 
-ALIKE = 0.3
+ALIKE = 0.1
 """How far bodies with the same joints differ, as a share of what the first does."""
+
+MISFIT = 4.0
+"""Variance of what a linear model leaves out, soles that tip above all, beside that of noise."""
 
 SHARE = 0.2
 """Standard deviation of the servo targets that are tried, in half ranges."""
@@ -89,28 +93,39 @@ def relay(
 
 
 def carry(
-    source: Body, target: Body, count: int, *, seed: int, rows: int = 0
+    source: Body,
+    target: Body,
+    count: int,
+    *,
+    seed: int,
+    rows: int = 0,
+    spoil: Callable[[AffineMap], AffineMap] | None = None,
 ) -> tuple[Hopped, Belief]:
     """Return one hop of a relay, and what is believed of the target after it.
 
     Bodies that are seen and told by the same groups of joints are mapped one to one; others by
     what their task looks at. What the source does at mapped states is believed of the target
     beforehand, its transitions correct that, and feedback is made anew.
+
+    Args:
+        source: Whose linear model is known, or believed.
+        target: Whose transitions are looked at.
+        count: How many.
+        seed: Of all chance.
+        rows: Runs by which it is scored; none if 0.
+        spoil: Makes the map a wrong one, for a control.
     """
     rng = np.random.default_rng([seed, 5])
     seen = tried(target, count, rng)
-    if alike(source, target):
-        seen_as = same(target)
-        before = _rises(read(source), target)
-        believed = fused(before, learned(seen, None, target))
-        choices = {"made_anew": plain(believed.step, target)}
-    else:
-        seen_as = lift(source, target, seen)
-        believed = learned(seen, carried(source, seen_as, target), target)
-        choices = {
-            "made_anew": plain(believed.step, target),
-            "cautious": cautious(believed, target),
-        }
+    near = alike(source, target)
+    seen_as = same(target) if near else lift(source, target, seen)
+    seen_as = seen_as if spoil is None else spoil(seen_as)
+    before = carried(source, seen_as, target)
+    believe = fused if near else _learned
+    believed = believe(before, seen, target)
+    choices = {"made_anew": plain(believed.step, target)}
+    if not near:
+        choices["cautious"] = cautious(believed, target)
     _, gain = chosen(choices, believed, target, np.random.default_rng([seed, 3]))
     through = linear_law(through_map(seen_as, plain(read(source), source), target))
     scores = {}
@@ -153,9 +168,8 @@ def as_believed(body: Body, step: Array) -> Body:
 
 def alike(source: Body, target: Body) -> bool:
     """Return whether two bodies stand by servos in the same groups of joints."""
-    by_groups = source.together is not None and target.together is not None
-    standing = by_groups and target.dear == source.dear != 1.0
-    return standing and source.size == target.size and _commands(source) == _commands(target)
+    by_groups = _grouped(source) and _grouped(target)
+    return by_groups and source.size == target.size and _commands(source) == _commands(target)
 
 
 def same(target: Body) -> AffineMap:
@@ -168,25 +182,33 @@ def same(target: Body) -> AffineMap:
     )  # fmt: skip
 
 
-def fused(before: Array, found: Belief) -> Belief:
-    """Return two normal beliefs as one: before, as near as bodies are alike, and what was found.
+def fused(before: Array, seen: Transitions, target: Body) -> Belief:
+    """Return what is believed of a body that is nearly another one, after its transitions.
+
+    Every row of (v' - v) / h = law (x, u) is a linear regression about what was believed before.
 
     Source: Bishop 2006, Pattern Recognition and Machine Learning, eqs. 3.50 and 3.51.
 
     Args:
         before: Accelerations believed beforehand, shape (n/2, n + nu).
-        found: What transitions alone tell.
+        seen: Transitions of the target.
+        target: Whose task tells the noise and the period.
     """
-    half = len(before)
+    half, period = len(before), target.task.period
+    x = np.hstack([seen.state, seen.command])
+    rise = (seen.after - seen.state)[:, half:] / period
+    variance = MISFIT * 2.0 * max(target.task.noise, 1e-6) ** 2 / period**2
     groups = (slice(0, half), slice(half, 2 * half), slice(2 * half, before.shape[1]))
-    width = np.empty_like(before)
-    for group in groups:
-        usual = np.sqrt(np.square(before[:, group]).mean(axis=1, keepdims=True))
-        width[:, group] = ALIKE * (0.5 * usual + np.abs(before[:, group])) + 1e-6
-    told = np.linalg.inv(found.cover)
-    cover = np.linalg.inv(told + np.diag(1.0 / np.square(width).ravel()))
-    law = cover @ (told @ found.law.ravel() + (before / np.square(width)).ravel())
-    return replace(found, law=law.reshape(before.shape), cover=cover)
+    law, covers = np.empty_like(before), []
+    for row, mean in enumerate(before):
+        usual = [
+            np.full_like(mean[group], np.sqrt(np.square(mean[group]).mean())) for group in groups
+        ]
+        width = ALIKE * (0.5 * np.concatenate(usual) + np.abs(mean)) + 1e-6
+        cover = np.linalg.inv(np.diag(width**-2.0) + x.T @ x / variance)
+        law[row] = mean + cover @ x.T @ (rise[:, row] - x @ mean) / variance
+        covers.append(cover)
+    return Belief(law=law, cover=block_diag(*covers), period=period)
 
 
 def through_map(seen_as: AffineMap, gain: Array, target: Body) -> Array:
@@ -220,12 +242,12 @@ def nearest_path(bodies: Sequence[Body], apart: Apart, *, most: int) -> tuple[in
     return best[count - 1][2]
 
 
-def _rises(step: Array, target: Body) -> Array:
-    """Return the accelerations of (A, B), shape (n/2, n + nu)."""
-    half = target.size // 2
-    rise = step[half:].copy()
-    rise[:, : target.size] -= np.eye(target.size)[half:]
-    return np.asarray(rise / target.task.period)
+def _learned(before: Array, seen: Transitions, target: Body) -> Belief:
+    return learned(seen, before, target)
+
+
+def _grouped(body: Body) -> bool:
+    return body.together is not None and len(body.together) > body.together.shape[1]
 
 
 def _commands(body: Body) -> int:

@@ -12,7 +12,7 @@ from morph.transfer.boarded import Board, on_board
 from morph.transfer.body import Body
 from morph.transfer.standing import standing
 
-PUSHES: dict[Board, float] = {"driven": 4.0, "passive": 5.0, "free": 2.5}
+PUSHES: dict[Board, float] = {"driven": 3.85, "passive": 5.0, "free": 2.5}
 """Impulse on the pelvis along the board, N s: holding still falls, and feedback can stand it."""
 
 PELVIS = "pelvis"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+
 import mujoco
 import numpy as np
 
@@ -179,4 +180,3 @@ def settled(task: Task) -> Rest:
             fix="give a body that stands by itself as it is described",
         )
     return Rest(position=q, velocity=np.zeros(plant.model.nv), command=told)
-
