@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import permutations
 
 import numpy as np
 
+from align.maps.affine_map import AffineMap
 from align.maps.body_map import BodyMap
 from morph.arrays import Array, Integers
 from morph.transfer.body import Body, Law
@@ -77,6 +79,36 @@ def _orders(count: int, rng: np.random.Generator) -> list[Integers]:
         chosen = rng.permutation(len(ways))[:SHUFFLES]
         return [ways[at] for at in sorted(chosen)]
     return [rng.permutation(count) for _ in range(SHUFFLES)]
+
+
+def turned(body_map: AffineMap) -> AffineMap:
+    """Return a map with every sign of the state turned round."""
+    return replace(
+        body_map,
+        state_law=-body_map.state_law,
+        lift_law=-body_map.lift_law,
+        action_state=-body_map.action_state,
+        read_state=-body_map.read_state,
+    )
+
+
+def mixed(body_map: AffineMap) -> AffineMap:
+    """Return a map with the target's joints in the reverse order; a joint takes its speed along."""
+    half = body_map.state_law.shape[1] // 2
+    back = np.arange(half)[::-1]
+    which = np.concatenate([back, half + back])
+    return replace(
+        body_map,
+        state_law=body_map.state_law[:, which],
+        lift_law=body_map.lift_law[which],
+        lift_shift=body_map.lift_shift[which],
+        action_state=body_map.action_state[:, which],
+        read_state=body_map.read_state[:, which],
+    )
+
+
+SPOILT = (("flipped_anew", turned), ("shuffled_anew", mixed))
+"""Maps that are wrong on purpose, to make a policy anew by."""
 
 
 def control_scores(

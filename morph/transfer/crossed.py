@@ -13,7 +13,7 @@ from align.samples import Step, Transitions
 from morph.arrays import Array
 from morph.errors import MorphError
 from morph.transfer.body import Body, linear_law, still_law
-from morph.transfer.controls import control_scores, flipped, shuffled, through
+from morph.transfer.controls import SPOILT, control_scores, flipped, shuffled, through
 from morph.transfer.crossing import Crossing, Curve
 from morph.transfer.from_scratch import scratch
 from morph.transfer.guarded import guarded
@@ -86,6 +86,7 @@ def crossed(
     seen = shown(target, asked.samples, seed)
     said("judging")
     measured = _measured(found, target, gain, shift, seen, asked)
+    measured |= _spoilt(source, target, seed, asked)
     guard, notes = _guard(found, target, seen, np.random.default_rng([seed, 1]))
     curves = _curves(number, source, gain, shift, target, asked, said)
     if asked.scratch:
@@ -153,6 +154,18 @@ def _measured(
     # Who knows the true body could also take the best law that was found without knowing it.
     measured["oracle"] = max(own, measured["final"], measured["zero_shot"])
     return measured
+
+
+def _spoilt(source: Body, target: Body, seed: int, asked: Asked) -> dict[str, float]:
+    """Return the task's score of policies made anew from the same transitions by wrong maps."""
+    scores = {}
+    for name, spoil in SPOILT:
+        if name == "shuffled_anew" and target.size < 4:
+            continue
+        found, _ = carry(source, target, asked.samples, seed=seed, spoil=spoil)
+        law = linear_law(found.gain, found.shift)
+        scores[name] = target.score(law, rows=asked.trials, seed=asked.seed)
+    return scores
 
 
 def _quality(found: Hopped, source: Body, target: Body, asked: Asked) -> dict[str, float]:

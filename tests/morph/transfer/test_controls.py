@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 
 from align.maps.affine_map import AffineMap
-from morph.transfer.controls import flipped, shuffled, through
+from morph.transfer.controls import flipped, mixed, shuffled, through, turned
 
 GAIN, SHIFT = np.array([[1.0, 10.0, 100.0, 1000.0]]), np.array([0.25])
 Y = np.array([[1.0, 2.0, 3.0, 4.0]])
@@ -50,3 +50,10 @@ def test_no_shuffle_is_the_right_order() -> None:
     right = through(identity(), GAIN, SHIFT)(Y, NOW)
     for law in shuffled(identity(), GAIN, SHIFT, 4, rng):
         assert not np.array_equal(law(Y, NOW), right)
+
+
+def test_a_map_that_is_turned_or_mixed_still_goes_there_and_back() -> None:
+    for spoilt in (turned(identity()), mixed(identity())):
+        assert spoilt.state(spoilt.state_back(Y)).tolist() == Y.tolist()
+    assert turned(identity()).state(Y).tolist() == (-Y).tolist()
+    assert mixed(identity()).state(Y).tolist() == [[2.0, 1.0, 4.0, 3.0]]

@@ -18,9 +18,14 @@ NAMED: Mapping[str, str] = {
     "hold_still": "holding still",
     "shuffled": "through a shuffled map",
     "flipped": "through a flipped map",
+    "shuffled_anew": "made anew by a shuffled map",
+    "flipped_anew": "made anew by a flipped map",
     "transfer": "transfer",
 }
 """What each policy is called."""
+
+CONTROLS = ("shuffled", "flipped", "shuffled_anew", "flipped_anew", "no_source")
+"""What has the same transitions as the transfer."""
 
 EQUAL = 0.01
 """Share of what the oracle gains by which a control may be worse and still counts as as good."""
@@ -87,11 +92,7 @@ def credit(hop: Crossing) -> str:
     ours = hop.scores["zero_shot" if hop.scores["final"] is None else "final"]
     if ours is None:
         return f"At {hop.target} there is no credit to give: holding still does as well."
-    equal = [
-        NAMED[name]
-        for name in ("shuffled", "flipped", "no_source")
-        if name in hop.measured and _equals(hop, name, ours)
-    ]
+    equal = [NAMED[name] for name in CONTROLS if name in hop.measured and _equals(hop, name, ours)]
     if equal:
         return (
             f"At {hop.target} the source gains nothing with {hop.samples} transitions: "

@@ -57,12 +57,13 @@ class Knowing:
         self.sign = 1.0
 
     def __call__(
-        self, source: Body, target: Body, count: int, *, seed: int
+        self, source: Body, target: Body, count: int, *, seed: int, spoil: Any = None
     ) -> tuple[Hopped, Belief]:
-        self.calls += 1
-        if self.calls in self.failing:
+        self.calls += spoil is None
+        if spoil is None and self.calls in self.failing:
             raise self.failing[self.calls]
-        gain = self.sign * holding(target)
+        # By a map that is spoilt it makes the wrong law.
+        gain = self.sign * holding(target) * (1.0 if spoil is None else -1.0)
         hopped = Hopped(
             source=source.task.robot.name,
             target=target.task.robot.name,
