@@ -60,7 +60,10 @@ def files() -> None:
     # y = (-x_2, x_1): the second number of the target is the first of the source.
     turn = np.array([[0.0, -1.0], [1.0, 0.0]])
     seen = linear(200, np.random.default_rng(1), turn @ A @ turn.T, -2.0 * turn @ B)
-    names: dict[str, Any] = {"state_names": np.array(["lean", "place"]), "command_names": np.array(["wheel"])}
+    names: dict[str, Any] = {
+        "state_names": np.array(["lean", "place"]),
+        "command_names": np.array(["wheel"]),
+    }
     np.savez("b.npz", **seen, **names)
 
 
