@@ -19,10 +19,10 @@ from morph.transfer.mapped.belief import Belief, carried, learned, read
 from morph.transfer.mapped.feedback import cautious, chosen, plain
 from morph.transfer.mapped.lift import lift, quality_of
 
-ALIKE = 0.1
+ALIKE = 0.02
 """How far bodies with the same joints differ, as a share of what the first does."""
 
-MISFIT = 4.0
+MISFIT = 16.0
 """Variance of what a linear model leaves out, soles that tip above all, beside that of noise."""
 
 SHARE = 0.2
