@@ -15,15 +15,18 @@ from morph.errors import SearchError, TaskError, TransferError
 from morph.files import sha256
 from morph.policy.policy import Policy
 from morph.policy.store import load_policy
-from morph.search.plan.ground import held
 from morph.task.tasks import check_name
 from morph.transfer.balancers import PUSHED, balancer
 from morph.transfer.body import Body, body
-from morph.transfer.riders import RIDERS, rider
+from morph.transfer.mapped.feedback import holding
+from morph.transfer.riders import PUSHES, RIDERS, rider, riding
 from morph.transfer.stored import gain_of
 
 TASKS = ("balance",)
 """Tasks about a state of rest that bodies share: what a relay carries so far."""
+
+BOARDS = tuple(PUSHES)
+"""How a skateboard under a humanoid may roll."""
 
 LEARNED = "learned"
 """Instead of a folder: the first body's policy is learned first."""
@@ -71,6 +74,8 @@ def body_of(name: str, task: str) -> Body:
             return balancer(name)
         if name in RIDERS:
             return rider(name)
+        if "@" in name and not Path(name).exists():
+            return _boarded(name)
         from morph.task.tasks import task as task_of
 
         return body(task_of(task, load(name)))
@@ -83,11 +88,31 @@ def body_of(name: str, task: str) -> Body:
         ) from error
 
 
+def _boarded(name: str) -> Body:
+    """Return a humanoid on a skateboard, from ROBOT@BOARD:LEFT,RIGHT.
+
+    Raises:
+        TransferError: It is not written so.
+    """
+    robot, _, how = name.rpartition("@")
+    kind, _, feet = how.partition(":")
+    board = next((each for each in BOARDS if each == kind), None)
+    left, comma, right = feet.partition(",")
+    if board is None or not (robot and comma and left and right):
+        raise TransferError(
+            f"{how!r} is no skateboard with two feet on it",
+            where=f"body {name}",
+            fix=f"write ROBOT@BOARD:LEFT,RIGHT, where BOARD is {', '.join(BOARDS)} and the rest "
+            "names its two feet",
+        )
+    return riding(load(robot, base="floating"), (left, right), board)
+
+
 def notes_of(names: Sequence[str]) -> tuple[str, ...]:
     """Return what is to be known of these bodies before any figure of theirs is believed."""
     notes = []
     for name in names:
-        if name not in PUSHED and name not in RIDERS:
+        if name not in PUSHED and name not in RIDERS and "@" not in name:
             notes.append(
                 f"no push was fixed for {name}: its runs begin near rest, and holding still may "
                 "do as well as any policy"
@@ -116,11 +141,9 @@ def given(policy: str, first: Body) -> Given:
         gain, shift = gain_of(first, found)
         numbers = (np.asarray(value).tobytes() for _, value in sorted(found.weights().items()))
         return Given(gain=gain, shift=shift, sha256=sha256(*numbers))
-    regulator = held(first.task, first.plant, first.still)
+    gain = holding(first)
     return Given(
-        gain=regulator.gain,
-        shift=np.zeros(len(regulator.gain)),
-        sha256="learned by lqr on its own description",
+        gain=gain, shift=np.zeros(len(gain)), sha256="the regulator of its own description"
     )
 
 

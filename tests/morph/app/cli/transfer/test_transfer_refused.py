@@ -57,6 +57,12 @@ def test_an_unknown_body_is_refused(bench: Any) -> None:
     assert "no robot is called 'ridr'" in said["what"]
 
 
+@pytest.mark.parametrize("how", ["free", "free:l_foot", "flying:l_foot,r_foot", ""])
+def test_a_skateboard_that_is_not_one_is_refused(bench: Any, how: str) -> None:
+    said = bench.refused(*words("--chain", "cartpole", f"humanoid@{how}"))
+    assert said["what"] == f"{how!r} is no skateboard with two feet on it"
+
+
 def test_the_policy_of_another_body_is_refused_by_its_hash(bench: Any) -> None:
     there = balancer("rider_rigid_driven")
     gain = holding(there)
