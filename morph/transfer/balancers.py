@@ -48,11 +48,11 @@ PUSHED = {
 }
 """Pushes after which holding still scores at most 0.3 and the oracle at least 0.95."""
 
-KICK = 1.0
-"""By how much a usual command changes the fastest speed in one period, m/s or rad/s."""
+LOUD = 200.0
+"""By how many deviations of the noise a usual command changes the fastest speed in one period."""
 
-FAR, FAST = 0.2, 3.0
-"""Place and speed of a joint at which exploring begins anew, rad or m, and per s."""
+LOUDEST, SOFTEST = 1.0, 0.05
+"""Most and least of that change, m/s or rad/s, by which linear models hold and are seen."""
 
 PLANAR = tuple(name for name in PUSHED if name != "cartpole")
 """The planar bodies that the cart-pole's policy is carried to."""
@@ -91,13 +91,15 @@ def pushed(robot: Robot, how: Pushed) -> Body:
 def explored(target: Body, count: int, rng: np.random.Generator) -> Transitions:
     """Return transitions of random commands near rest, the same kind for every method.
 
-    Each command alone changes the fastest speed by about `KICK` a period, at most two fifths of
-    its range; how loud that is was fixed beforehand from the body's true response, as somebody
-    who turns a knob until the body just moves would. A run ends, and the next begins at rest as
-    the task's do without their push, when a joint is `FAR` away or faster than `FAST`.
+    Each command alone changes the fastest speed by about `LOUD` deviations of the noise a period,
+    at most two fifths of its range; how loud that is was fixed beforehand from the body's true
+    response, as somebody who turns a knob until the body just moves would. A run ends, and the
+    next begins at rest as the task's do without their push, when a joint is far away or fast.
     """
     low, high = target.bounds
-    loud = np.minimum(KICK / np.abs(target.linear[1]).max(axis=0), 0.4 * (high - low))
+    kick = float(np.clip(LOUD * target.task.noise, SOFTEST, LOUDEST))
+    far, fast = (0.2, 3.0) if kick > 0.5 else (max(0.5 * kick, 0.05), max(4.0 * kick, 0.4))
+    loud = np.minimum(kick / np.abs(target.linear[1]).max(axis=0), 0.4 * (high - low))
     calm = replace(target.task.start, push=None)
     model, half = target.plant.model, target.plant.model.nv
     rows = []
@@ -108,7 +110,7 @@ def explored(target: Body, count: int, rng: np.random.Generator) -> Transitions:
         u = np.clip(loud * rng.standard_normal(len(loud)), low, high)
         after = np.nan_to_num(target.step(x[None], u[None])[0])
         rows.append((x, u, after))
-        lost = np.abs(after[:half]).max() > FAR or np.abs(after[half:]).max() > FAST
+        lost = np.abs(after[:half]).max() > far or np.abs(after[half:]).max() > fast
         x = None if lost else after
     state, command, following = (np.array(each) for each in zip(*rows, strict=True))
     noise = target.task.noise * rng.standard_normal((2, *state.shape))
@@ -121,6 +123,11 @@ def explored(target: Body, count: int, rng: np.random.Generator) -> Transitions:
         after=target.seen(following + noise[1]),
         turns=np.zeros(target.size, dtype=bool),
     )
+
+
+def seen_with(body: Body, noise: float) -> Body:
+    """Return a body whose every reading has noise of this standard deviation."""
+    return replace(body, task=replace(body.task, noise=noise))
 
 
 def without(robot: Robot, actuator: str) -> Robot:

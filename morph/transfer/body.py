@@ -42,7 +42,7 @@ class Body:
     """What laws and learners see of a state x about rest, sight @ x, shape (n, 2 nv); x if none."""
 
     together: Array | None = None
-    """What actuators are told for each command of a law, shape (actuators, nu); one each if none."""
+    """What actuators are told for each command of a law, (actuators, nu); one each if none."""
 
     dear: float = 1.0
     """What effort costs against the usual, fixed beforehand for every method alike."""
@@ -168,7 +168,9 @@ class Body:
             u = np.clip(share * half * rng.standard_normal(len(half)), low, high)
             after = self.step(x[None], u[None])[0]
             rows.append((x, u, after))
-            lost = not np.isfinite(after).all() or np.abs(self.outcome @ self.seen(after)).max() > 1.0
+            lost = (
+                not np.isfinite(after).all() or np.abs(self.outcome @ self.seen(after)).max() > 1.0
+            )
             x = self._begun(rng) if lost else after
         state, command, after = (np.array(each) for each in zip(*rows, strict=True))
         seen = level * rng.standard_normal((2, *state.shape))

@@ -88,11 +88,12 @@ def hop(
         seen_as = lift(source, target, seen)
     believed = learned(seen, carried(source, seen_as, target), target)
     through = through_map(seen_as, gain, target)
-    anew = {
+    choices = {
         "cautious": cautious(believed, target),
+        "map_only": through,
         "plain": plain(believed.step, target),
     }
-    _, found = chosen({"map_only": through, **anew}, believed, target, np.random.default_rng(seed))
+    _, found = chosen(choices, believed, target, np.random.default_rng(seed))
     scores = {}
     if rows:
         from morph.transfer.body import linear_law

@@ -14,13 +14,20 @@ from morph.transfer.body import Body
 ROUNDS = 20
 """Rounds in which the evidence chooses how far to trust what was believed beforehand."""
 
+SMALL = 1e-4
+"""Variance of what places slip, beforehand, beside that of what speeds change."""
+
 STEP = 1e-4
 """Distance of a finite difference."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Belief:
-    """x' = A x + B u, from accelerations law (x, u) that are normally distributed."""
+    """x' = A x + B u, from accelerations law (x, u) that are normally distributed.
+
+    Places follow the mean of two speeds, and beside that a slip (x, u), also normal: a body that
+    falls fast does not fall at a constant acceleration within a period.
+    """
 
     law: Array
     """Most probable accelerations, shape (n/2, n + nu)."""
@@ -28,18 +35,44 @@ class Belief:
     """Covariance of their numbers, row by row, shape (p, p)."""
     period: float
     """How long a command is held, s."""
+    slip: Array | None = None
+    """What places move beside the mean of two speeds, m or rad, shape (n/2, n + nu); None: 0."""
+    slip_cover: Array | None = None
+    """Covariance of its numbers, row by row, shape (p, p)."""
 
     @property
     def step(self) -> Array:
         """(A, B), shape (n, n + nu)."""
-        return stepped(self.law, self.period)
+        return stepped(self.law, self.period, self.slip)
+
+    @property
+    def doubt(self) -> Array:
+        """Covariance of the numbers of (A, B), between rows and numbers: (n, n+nu, n, n+nu)."""
+        half, width = self.law.shape
+        speeds = self.cover.reshape(half, width, half, width) * self.period**2
+        found = np.zeros((2 * half, width, 2 * half, width))
+        found[half:, :, half:] = speeds
+        found[:half, :, half:] = 0.5 * self.period * speeds
+        found[half:, :, :half] = 0.5 * self.period * speeds
+        found[:half, :, :half] = 0.25 * self.period**2 * speeds
+        if self.slip_cover is not None:
+            found[:half, :, :half] += self.slip_cover.reshape(half, width, half, width)
+        return found
 
     def drawn(self, count: int, rng: np.random.Generator) -> Array:
         """Return so many (A, B) drawn from it, shape (count, n, n + nu)."""
-        values, vectors = np.linalg.eigh(self.cover)
-        root = vectors * np.sqrt(np.maximum(values, 0.0))
-        moves = rng.standard_normal((count, len(root))) @ root.T
-        return np.array([stepped(self.law + m.reshape(self.law.shape), self.period) for m in moves])
+        laws = self.law + _moves(self.cover, count, rng).reshape(count, *self.law.shape)
+        if self.slip is None or self.slip_cover is None:
+            return np.array([stepped(law, self.period) for law in laws])
+        slips = self.slip + _moves(self.slip_cover, count, rng).reshape(count, *self.law.shape)
+        pairs = zip(laws, slips, strict=True)
+        return np.array([stepped(law, self.period, slip) for law, slip in pairs])
+
+
+def _moves(cover: Array, count: int, rng: np.random.Generator) -> Array:
+    values, vectors = np.linalg.eigh(cover)
+    root = vectors * np.sqrt(np.maximum(values, 0.0))
+    return np.asarray(rng.standard_normal((count, len(root))) @ root.T)
 
 
 def read(body: Body) -> Array:
@@ -93,8 +126,11 @@ def learned(seen: Transitions, before: Array | None, target: Body) -> Belief:
     unit = np.concatenate([np.ones(n), np.sqrt(np.square(seen.command).mean(axis=0)) + 1e-12])
     x = np.hstack([seen.state, seen.command]) / unit
     rise = (seen.after - seen.state)[:, half:]
-    law = np.zeros_like(mean)
+    law, slip = np.zeros_like(mean), np.zeros_like(mean)
     cover = np.zeros((half, n + k, half, n + k))
+    slip_cover = np.zeros_like(cover)
+    mid = 0.5 * period * (seen.state + seen.after)[:, half:]
+    slipped = (seen.after - seen.state)[:, :half] - mid
     for row in range(half):
         mine = np.eye(n)[half + row]
         fits = [
@@ -104,18 +140,28 @@ def learned(seen: Transitions, before: Array | None, target: Body) -> Belief:
         found, doubt, _ = max(fits, key=lambda fit: fit[2])
         law[row] = found / unit / period
         cover[row, :, row] = doubt / np.outer(unit, unit) / period**2
+        found, doubt, _ = _row(x, slipped[:, row], np.zeros(n + k), np.eye(n)[row], noise, SMALL)
+        slip[row] = found / unit
+        slip_cover[row, :, row] = doubt / np.outer(unit, unit)
     size = half * (n + k)
-    return Belief(law=law, cover=cover.reshape(size, size), period=period)
+    return Belief(
+        law=law,
+        cover=cover.reshape(size, size),
+        period=period,
+        slip=slip,
+        slip_cover=slip_cover.reshape(size, size),
+    )
 
 
 def _row(
-    x: Array, rise: Array, before: Array, mine: Array, noise: float
+    x: Array, rise: Array, before: Array, mine: Array, noise: float, wide: float = 1.0
 ) -> tuple[Array, Array, float]:
     """Return the most probable numbers of one row, their covariance, and the log evidence."""
     n = len(mine)
     half, size = n // 2, len(before)
     left = rise - x @ before
-    width = np.concatenate([np.full(half, 4.0), np.full(half, 0.04), np.full(size - n, 0.09)])
+    first = wide * np.array([4.0, 0.04, 0.09])
+    width = np.repeat(first, [half, half, size - n])
     more, cover, slope = np.zeros(size), np.eye(size), before[:n] + mine
     evidence = -np.inf
     for _ in range(ROUNDS):
@@ -125,7 +171,7 @@ def _row(
         evidence = _evidence(x, left, width, variance)
         spread = np.square(more) + np.diag(cover)
         for group in (slice(0, half), slice(half, n), slice(n, size)):
-            width[group] = np.clip(spread[group].mean(), 1e-6, 1e3)
+            width[group] = np.clip(spread[group].mean(), 1e-6 * wide, 1e3)
         slope = (before + more)[:n] + mine
     return before + more, cover, evidence
 
@@ -137,12 +183,18 @@ def _evidence(x: Array, left: Array, width: Array, variance: float) -> float:
     return -0.5 * (float(left @ np.linalg.solve(total, left)) + log_det)
 
 
-def stepped(law: Array, period: float) -> Array:
-    """Return (A, B) of v' = v + period law (x, u) and q' = q + period (v + v') / 2, (n, n + nu)."""
+def stepped(law: Array, period: float, slip: Array | None = None) -> Array:
+    """Return (A, B) of v' = v + period law (x, u), q' = q + period (v + v') / 2 + slip (x, u).
+
+    Args:
+        law: Shape (n/2, n + nu).
+        period: s.
+        slip: Likewise; 0 if None.
+    """
     half = len(law)
     speeds = period * law
     speeds[:, half : 2 * half] += np.eye(half)
     places = 0.5 * period * speeds
     places[:, :half] += np.eye(half)
     places[:, half : 2 * half] += 0.5 * period * np.eye(half)
-    return np.vstack([places, speeds])
+    return np.vstack([places if slip is None else places + slip, speeds])
