@@ -20,15 +20,27 @@ import numpy as np
 
 from align.samples import Transitions
 from experiments.interval import interval, iqm
-from experiments.morphologies.methods import MAPPED, SOURCELESS, mapped, sourceless
+from experiments.morphologies.methods import (
+    KIN,
+    MAPPED,
+    SOURCELESS,
+    from_kin,
+    kin_of,
+    mapped,
+    sourceless,
+)
 from experiments.morphologies.scratch import SIZES, scratch
 from morph.arrays import JSON, Array
-from morph.transfer.balancers import PLANAR, balancer, explored
+from morph.transfer.balancers import PLANAR, balancer, seen_with
 from morph.transfer.body import linear_law, still_law
+from morph.transfer.mapped.belief import read
 from morph.transfer.mapped.feedback import plain
+from morph.transfer.relay import tried
+from morph.transfer.riders import rider
 
 EXAMPLE = """example:
   python -m experiments.zero_shot --seeds 0:10 --json out/zero_shot.json --kept out/zero_shot.jsonl
+  python -m experiments.zero_shot --seeds 0:10 --noise 0.001 --json out/zero_shot_noisy.json
   python -m experiments.zero_shot --seeds 100:102 --bodies cart_two_links --no-scratch"""
 
 ENOUGH = 0.95
@@ -37,25 +49,36 @@ ENOUGH = 0.95
 FEW = 60
 """Transitions of the zero-shot row."""
 
-COUNTS = (10, 20, 30, 40, 60, 120)
+COUNTS = (2, 5, 10, 15, 20, 30, 60)
 """Transitions of the learning curves."""
 
-ROWS = 3
+ROWS = 2
 """Judged runs of every feedback."""
 
 
-def case(body: str, seed: int, *, counts: tuple[int, ...], generations: int) -> JSON:
+HUMANOID = "humanoid_free"
+"""The fifteenth body: a humanoid whose soles stand on a free skateboard; it has no kin here."""
+
+BODIES = (*PLANAR, HUMANOID)
+"""Every target."""
+
+
+def case(
+    body: str, seed: int, *, counts: tuple[int, ...], generations: int, noise: float = 0.0
+) -> JSON:
     """Return the scores of one body under one seed, by what ran and from how many transitions."""
-    source, target = balancer("cartpole"), balancer(body)
+    source = seen_with(balancer("cartpole"), noise)
+    target = seen_with(rider(body) if body == HUMANOID else balancer(body), noise)
+    kin = None if body == HUMANOID else kin_of(body, np.random.default_rng([seed, 9]))
 
     def score(gain: Array) -> float:
         return target.score(linear_law(gain), rows=ROWS, seed=seed)
 
-    optimum = score(plain(np.hstack(target.linear), target))
+    optimum = score(plain(read(target), target))
     still = target.score(still_law(len(target.bounds[0])), rows=ROWS, seed=seed)
     # One stream of transitions: more of them begin with the fewer.
     curves: dict[str, dict[str, float]] = {}
-    stream = explored(target, max(counts), np.random.default_rng([seed, 5]))
+    stream = tried(target, max(counts), np.random.default_rng([seed, 5]))
     for count in counts:
         seen = Transitions(
             state=stream.state[:count],
@@ -64,6 +87,9 @@ def case(body: str, seed: int, *, counts: tuple[int, ...], generations: int) -> 
             turns=stream.turns,
         )
         found = mapped(source, target, seen, seed=seed, controls=count == FEW)
+        if kin is not None:
+            close = seen_with(kin, noise)
+            found |= from_kin(close, target, seen, seed=seed, controls=count == FEW)
         for name, gain in {**found, **sourceless(target, seen)}.items():
             curves.setdefault(name, {})[str(count)] = score(gain)
     took = {
@@ -73,14 +99,18 @@ def case(body: str, seed: int, *, counts: tuple[int, ...], generations: int) -> 
         for size in (SIZES if generations else ())
     }
     return {
-        "body": body, "seed": seed, "oracle": optimum, "hold_still": still,
+        "body": body, "seed": seed, "noise": noise, "oracle": optimum, "hold_still": still,
         "curves": curves, "scratch": took,
     }  # fmt: skip
 
 
-def _job(told: tuple[str, int, tuple[int, ...], int]) -> JSON:
-    body, seed, counts, generations = told
-    return case(body, seed, counts=counts, generations=generations)
+Job = tuple[str, int, tuple[int, ...], int, float]
+"""A body, a seed, counts of transitions, generations of learning from nothing, and the noise."""
+
+
+def _job(told: Job) -> JSON:
+    body, seed, counts, generations, noise = told
+    return case(body, seed, counts=counts, generations=generations, noise=noise)
 
 
 def first_enough(curve: dict[str, float], optimum: float) -> float:
@@ -99,36 +129,46 @@ def summary(cases: list[JSON], generations: int) -> JSON:
     seeds = sorted({each["seed"] for each in cases})
     whole = {(each["body"], each["seed"]): each for each in cases}
     seeds = [seed for seed in seeds if all((body, seed) in whole for body in bodies)]
-    names = [*MAPPED, *SOURCELESS]
+    names = [*MAPPED, *KIN, *SOURCELESS]
 
-    def table(name: str) -> Array:
+    def table(name: str, rows: list[str]) -> Array:
         return np.array(
             [
                 [
                     whole[body, seed]["curves"][name][str(FEW)] / whole[body, seed]["oracle"]
                     for seed in seeds
                 ]
-                for body in bodies
+                for body in rows
             ]
         )
 
     zero: JSON = {}
     for name in names:
-        scores = table(name)
+        rows = [body for body in bodies if name in whole[body, seeds[0]]["curves"]]
+        if not rows:
+            continue
+        scores = table(name, rows)
         zero[name] = {
             "iqm": iqm(scores),
             "interval": interval(scores),
-            "bodies": {body: iqm(row) for body, row in zip(bodies, scores, strict=True)},
+            "bodies": {body: iqm(row) for body, row in zip(rows, scores, strict=True)},
             "solved": int(sum(iqm(row) >= ENOUGH for row in scores)),
         }
     counts = sorted(int(count) for count in cases[0]["curves"]["hop"])
     best = max(SOURCELESS, key=lambda name: _mean_of_curve(cases, name))
+    with_kin = [body for body in bodies if body != HUMANOID]
+    censored = 2 * counts[-1]
     return {
         "bodies": bodies,
         "seeds": seeds,
         "zero_shot": zero,
         "best_sourceless": best,
-        "time_to_threshold": _times(whole, bodies, seeds, best, 2 * counts[-1], generations),
+        "time_to_threshold": _times(whole, bodies, seeds, ("hop", best), censored, generations),
+        "time_to_threshold_from_kin": _times(
+            whole, with_kin, seeds, ("kin", best), censored, generations
+        )
+        if with_kin
+        else None,
     }
 
 
@@ -140,7 +180,7 @@ def _times(
     whole: dict[tuple[str, int], JSON],
     bodies: list[str],
     seeds: list[int],
-    best: str,
+    ours_and_best: tuple[str, str],
     censored: int,
     generations: int,
 ) -> JSON:
@@ -148,9 +188,10 @@ def _times(
 
     A ratio of two censored times is 1.
     """
+    ours, best = ours_and_best
     said: JSON = {"censored_at": censored}
     times = {}
-    for name in ("hop", "map_only", best):
+    for name in ours_and_best:
         rows = [
             [first_enough(whole[b, s]["curves"][name], whole[b, s]["oracle"]) for s in seeds]
             for b in bodies
@@ -161,9 +202,9 @@ def _times(
             body: _said(iqm(np.minimum(row, censored)))
             for body, row in zip(bodies, times[name], strict=True)
         }
-    hop = np.minimum(times["hop"], censored)
-    ratio = np.minimum(times[best], censored) / hop
-    said["sourceless_over_hop"] = {"iqm": iqm(ratio), "interval": interval(ratio)}
+    soon = np.minimum(times[ours], censored)
+    ratio = np.minimum(times[best], censored) / soon
+    said["sourceless_over_ours"] = {"iqm": iqm(ratio), "interval": interval(ratio)}
     if generations:
         sizes = list(whole[bodies[0], seeds[0]]["scratch"])
         tuned, solved = [], []
@@ -174,8 +215,8 @@ def _times(
             at = int(np.lexsort((by[..., 0].mean(axis=0), -by[..., 1].mean(axis=0)))[0])
             tuned.append(by[:, at, 0])
             solved.append(by[:, at, 1])
-        ratio = np.array(tuned) / hop
-        said["scratch_over_hop"] = {"iqm": iqm(ratio), "interval": interval(ratio)}
+        ratio = np.array(tuned) / soon
+        said["scratch_over_ours"] = {"iqm": iqm(ratio), "interval": interval(ratio)}
         said["scratch_solved"] = float(np.mean(solved))
     return said
 
@@ -189,12 +230,15 @@ def main(argv: list[str] | None = None) -> int:
     told = _told(argv)
     low, _, high = told.seeds.rpartition(":")
     seeds = range(int(low or 0), int(high))
-    bodies = told.bodies or list(PLANAR)
+    bodies = told.bodies or list(BODIES)
     counts: tuple[int, ...] = (20, FEW) if told.quick else COUNTS
     generations = 0 if told.no_scratch or told.quick else told.generations
     kept = _kept(told.kept)
+    kept = [each for each in kept if each["noise"] == told.noise]
     done = {(each["body"], each["seed"]) for each in kept}
-    jobs = [(b, s, counts, generations) for s in seeds for b in bodies if (b, s) not in done]
+    jobs = [
+        (b, s, counts, generations, told.noise) for s in seeds for b in bodies if (b, s) not in done
+    ]
     wanted = {(b, s) for s in seeds for b in bodies}
     cases = [each for each in kept if (each["body"], each["seed"]) in wanted]
     for each in _ran(jobs, told.workers):
@@ -210,7 +254,7 @@ def main(argv: list[str] | None = None) -> int:
     return 0
 
 
-def _ran(jobs: list[tuple[str, int, tuple[int, ...], int]], workers: int) -> Iterator[JSON]:
+def _ran(jobs: list[Job], workers: int) -> Iterator[JSON]:
     if workers <= 1:
         yield from map(_job, jobs)
         return
@@ -232,10 +276,11 @@ def _told(argv: list[str] | None) -> argparse.Namespace:
         description=__doc__, epilog=EXAMPLE, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--seeds", default="0:10", help="A:B, or how many from 0")
-    parser.add_argument("--bodies", nargs="+", choices=PLANAR, help="all planar ones if none")
+    parser.add_argument("--bodies", nargs="+", choices=BODIES, help="all fifteen if none")
+    parser.add_argument("--noise", type=float, default=0.0, help="of every reading")
     parser.add_argument("--json", type=Path, help="where to write every figure")
     parser.add_argument("--kept", type=Path, help="finished cases, one a line: goes on from there")
-    parser.add_argument("--generations", type=int, default=6, help="of learning from nothing")
+    parser.add_argument("--generations", type=int, default=3, help="of learning from nothing")
     parser.add_argument("--no-scratch", action="store_true", help="leave that out")
     parser.add_argument("--quick", action="store_true", help="two counts, nothing from nothing")
     parser.add_argument("--workers", type=int, default=2)

@@ -9,17 +9,28 @@ import numpy as np
 from align.maps.affine_map import AffineMap
 from align.samples import Transitions
 from morph.arrays import Array
-from morph.transfer.body import Body
+from morph.body.load import load
+from morph.body.vary import Heavier, Operation, Scale, vary
+from morph.errors import MorphError, SearchError
+from morph.transfer.balancers import PUSHED, pushed
+from morph.transfer.body import Body, linear_law
 from morph.transfer.hop import hop
-from morph.transfer.mapped.belief import learned, read
-from morph.transfer.mapped.feedback import cautious, plain
+from morph.transfer.mapped.belief import carried, learned, read
+from morph.transfer.mapped.feedback import cautious, chosen, plain
 from morph.transfer.mapped.lift import lift
+from morph.transfer.relay import same
+
+LONGER, HEAVIER = 0.25, 0.5
+"""Deviations of the logarithms of a kin's size and of each mass of its links."""
 
 RIDGE = 1e-3
 """What a square of a weight costs against squares of readings, of the ridge."""
 
 MAPPED = ("hop", "map_only", "shuffled", "flipped", "shuffled_map_only", "flipped_map_only")
 """What uses the source, rightly or wrongly."""
+
+KIN = ("kin", "kin_carried", "kin_flipped")
+"""What uses a body of the same joints, of other lengths and masses, as source."""
 
 SOURCELESS = ("least_squares", "ridge", "structured", "structured_cautious")
 """What fits the target alone."""
@@ -45,6 +56,62 @@ def mapped(
         found[name or "hop"] = hop(source, target, seen, seed=seed, seen_as=each).gain
         found[f"{name}_map_only".lstrip("_")] = through(source, target, each)
     return found
+
+
+def from_kin(
+    kin: Body, target: Body, seen: Transitions, *, seed: int, controls: bool
+) -> dict[str, Array]:
+    """Return the feedback of what starts from a body of the same joints, by its name.
+
+    Each number of a state and each command is that of the other body. The policy as it came is
+    kept unless one made anew on what is believed is foreseen to be clearly better, which fewer
+    transitions than a row of the model has numbers cannot tell. The control turns every command
+    of the map round.
+    """
+    gain = plain(read(kin), kin)
+    found: dict[str, Array] = {"kin_carried": gain}
+    few = len(seen.state) < seen.state.shape[1] + seen.command.shape[1]
+    for name, sign in (("kin", 1.0), ("kin_flipped", -1.0))[: 2 if controls else 1]:
+        if few:
+            found[name] = sign * gain
+            continue
+        right = same(target)
+        as_it_is = replace(right, read_law=sign * right.read_law)
+        believed = learned(seen, carried(kin, as_it_is, target), target)
+        choices = {
+            "map_only": sign * gain,
+            "cautious": cautious(believed, target),
+            "plain": plain(believed.step, target),
+        }
+        _, found[name] = chosen(choices, believed, target, np.random.default_rng([seed, 3]))
+    return found
+
+
+def kin_of(body: str, rng: np.random.Generator) -> Body:
+    """Return a body of the shelf with other lengths and masses, whose own policy balances it.
+
+    Raises:
+        SearchError: None of ten draws can be balanced.
+    """
+    for _ in range(10):
+        robot = load(body)
+        heavy = [link.name for link in robot.links if link.mass > 0.0]
+        changes: list[Operation] = [Scale(link="*", factor=float(np.exp(rng.normal(0.0, LONGER))))]
+        changes += [
+            Heavier(link=link, factor=float(np.exp(rng.normal(0.0, HEAVIER)))) for link in heavy
+        ]
+        try:
+            found = pushed(vary(robot, *changes), PUSHED[body])
+            gain = plain(np.hstack(found.linear), found)
+        except MorphError:
+            continue
+        if found.score(linear_law(gain), rows=2, seed=0) > 0.9:
+            return found
+    raise SearchError(
+        "none of ten draws can be balanced",
+        where=f"a body like {body}",
+        fix="draw it nearer",
+    )
 
 
 def flipped(right: AffineMap) -> AffineMap:
