@@ -86,7 +86,7 @@ def upright(task: Task, *, carriers: tuple[str, ...] = ()) -> Upright:
             else the link that the first joint turns.
 
     Raises:
-        TaskError: The body has no joint.
+        TaskError: The body has no joint, or nothing that its carriers would carry.
     """
     robot = task.robot
     model: Any = spec_of(robot).compile()
@@ -106,6 +106,13 @@ def upright(task: Task, *, carriers: tuple[str, ...] = ()) -> Upright:
         velocity=np.zeros((1, 1, model.nv)),
         command=np.zeros((1, 1, model.nu)),
     )
+    held = {model.body(name).id for name in named}
+    if not sum(mass for at, mass in enumerate(model.body_mass) if at not in held) > 0.0:
+        raise TaskError(
+            f"nothing with a mass stands on {', '.join(named)}",
+            where=f"robot {robot.name}",
+            fix="give a body of two links or more that have a mass",
+        )
     middle, mass = _masses(moved, named)
     x, y, z = (mass - middle)[0, 0]
     placed = any(joint.link in named and joint.name in driven for joint in slides)

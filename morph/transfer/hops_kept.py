@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import json
-import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,11 +11,10 @@ from typing import Any
 
 import numpy as np
 
-from align.errors import AlignError
 from align.maps.body_map import BodyMap
 from align.maps.files import read
 from morph.arrays import JSON, Array
-from morph.errors import MorphError, OutputError
+from morph.errors import OutputError
 from morph.files import sha256, write_whole
 from morph.transfer.crossing import Crossing, Curve, parts_said
 from morph.transfer.parts import Arrow, Parts
@@ -33,12 +31,6 @@ MOST_BYTES = 20_000_000
 
 NUMBERS = ("gain", "shift", "step")
 """What `law.npz` holds."""
-
-SPOILT = (
-    *(KeyError, TypeError, ValueError, EOFError, OSError, zipfile.BadZipFile, AlignError),
-    MorphError,
-)
-"""What reading a spoilt file may raise."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -84,6 +76,7 @@ class HopsKept:
         write_whole(folder / LAW, held.getvalue())
         told = _told(done.crossing)
         told["map_sha256"] = sha256(self.out / done.crossing.map)
+        told["law_sha256"] = sha256(held.getvalue())
         write_whole(folder / TOLD, json.dumps(told) + "\n")
 
     def read(self, number: int) -> Kept | None:
@@ -96,7 +89,12 @@ class HopsKept:
             if not mine or sha256(self.out / crossing.map) != said["map_sha256"]:
                 return None
             # Read whole first: of a spoilt file numpy would leave the handle open.
-            with np.load(io.BytesIO(_bytes(folder / LAW)), allow_pickle=False) as held:
+            data = _bytes(folder / LAW)
+            if sha256(data) != said["law_sha256"]:
+                return None
+            # What is lacking of it fails here, where the hop can still be made anew.
+            crossing.said()
+            with np.load(io.BytesIO(data), allow_pickle=False) as held:
                 law = {name: np.asarray(held[name], dtype=float) for name in NUMBERS}
             gain, step = law["gain"], law["step"]
             fits = gain.shape[:1] == law["shift"].shape and step.shape == (
@@ -106,7 +104,8 @@ class HopsKept:
             if not (fits and all(np.isfinite(each).all() for each in law.values())):
                 return None
             return Kept(crossing=crossing, map=read(self.out / crossing.map), **law)
-        except SPOILT:
+        # numpy, zipfile and json raise a dozen unrelated errors on damaged bytes.
+        except Exception:
             return None
 
     def _folder(self, number: int) -> Path:
@@ -140,7 +139,7 @@ def _check(state: Path, said: Mapping[str, str]) -> None:
     try:
         before = json.loads(state.read_text(encoding="utf-8"))
         other = [name for name, value in said.items() if before[name] != value]
-    except (ValueError, KeyError, TypeError, OSError) as error:
+    except (ValueError, KeyError, TypeError, OSError, RecursionError) as error:
         raise OutputError(
             f"it is no state of a transfer: {error}", where=str(state), fix="name a new folder"
         ) from error

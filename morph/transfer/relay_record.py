@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from importlib.metadata import version
 
@@ -69,3 +69,19 @@ class RelayRecord:
             OutputError: It holds what JSON cannot.
         """
         return text_of(self.said())
+
+
+def hashes(inputs: Iterable[tuple[str, str]]) -> dict[str, str]:
+    """Return the hash of each input by its name; those that share a name are numbered.
+
+    Args:
+        inputs: Names and hashes in order; what is given twice stands there once.
+    """
+    found: dict[str, str] = {}
+    for name, value in inputs:
+        numbered, at = name, 1
+        while found.get(numbered, value) != value:
+            at += 1
+            numbered = f"{name} {at}"
+        found[numbered] = value
+    return found

@@ -46,13 +46,19 @@ def run_align(asked: Align) -> int:
 
 
 def _check_numbers(asked: Align) -> None:
-    from morph.app.cli.align_given import FEWEST
+    from morph.app.cli.align_given import FEWEST, MOST
 
     if asked.samples < FEWEST:
         raise TransferError(
             f"{asked.samples} transitions tell nothing of a body",
             where="--samples",
             fix=f"give {FEWEST} or more",
+        )
+    if asked.samples > MOST:
+        raise TransferError(
+            f"{asked.samples} transitions would take longer than anyone waits",
+            where="--samples",
+            fix=f"give {MOST} or fewer; some hundreds tell all that there is",
         )
     if asked.seed < 0:
         raise TransferError(f"{asked.seed} is no seed", where="--seed", fix="give 0 or more")

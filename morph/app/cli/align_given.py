@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -10,7 +11,9 @@ from typing import Any
 
 import numpy as np
 
+from align.errors import SamplesError
 from align.samples import Pairs, Transitions
+from morph.app.cli.words import harmless
 from morph.errors import TransferError
 from morph.files import sha256
 from morph.transfer.body import Body
@@ -26,8 +29,14 @@ TOLD = ("turns", "state_names", "command_names")
 MOST_BYTES = 200_000_000
 """Most bytes of a file, unpacked."""
 
+LARGEST = 1e30
+"""Largest number of a file: its square and the sums of those must be numbers too."""
+
 FEWEST = 10
 """Transitions of which a map can be learned at all, beside those that are held out."""
+
+MOST = 100_000
+"""Transitions that are made of a body, at most."""
 
 HELD_OUT = 0.2
 """Share of the transitions on which a map is judged and from which it is not learned."""
@@ -73,27 +82,32 @@ def read(path: Path, option: str) -> Side:
     """Return what a file says that a body did; its last fifth is held out.
 
     Raises:
-        TransferError: It cannot be read, or holds something else.
-        SamplesError: Its arrays do not fit together, or hold what is no number.
+        TransferError: It cannot be read, holds something else, or its arrays do not fit together.
     """
     held = _arrays(path, option)
     lacking = [name for name in ARRAYS if name not in held]
     unknown = sorted(held.keys() - {*ARRAYS, *TOLD})
     if lacking or unknown:
         raise _refused(
-            path, option, f"it lacks {', '.join(lacking)}" if lacking else f"it holds {unknown[0]}"
-        )
+            path, option,
+            f"it lacks {', '.join(lacking)}" if lacking else
+            f"it holds {unknown[0]!r}, which says nothing here",
+            "" if lacking else f"give the arrays {', '.join((*ARRAYS, *TOLD))} alone",
+        )  # fmt: skip
     state, command, after = (_numbers(path, option, name, held[name]) for name in ARRAYS)
     columns = state.shape[1]
-    turns = np.asarray(held.get("turns", np.zeros(columns)), dtype=bool)
-    whole = Transitions(state=state, command=command, after=after, turns=turns)
+    try:
+        turns = _turns(path, option, held.get("turns", np.zeros(columns)))
+        whole = Transitions(state=state, command=command, after=after, turns=turns)
+    except SamplesError as error:
+        raise _refused(path, option, error.what, error.fix) from error
     out = max(1, round(HELD_OUT * len(state)))
     if len(state) - out < FEWEST:
         raise _refused(
             path, option, f"it holds {len(state)} transitions", f"give {FEWEST + out} or more"
         )
     names = Names(
-        body=path.stem,
+        body=harmless(path.stem),
         state=_named(path, option, held, "state", columns),
         command=_named(path, option, held, "command", command.shape[1]),
         shown=columns,
@@ -106,14 +120,17 @@ def pairs(path: Path) -> Pairs:
     """Return the pairs of states that a file holds.
 
     Raises:
-        TransferError: It cannot be read, or holds something else.
-        SamplesError: There are not as many states of one body as of the other.
+        TransferError: It cannot be read, holds something else, or there are not as many states of
+            one body as of the other.
     """
     held = _arrays(path, "--pairs")
     if held.keys() != {"source", "target"}:
         raise _refused(path, "--pairs", f"it holds {', '.join(sorted(held)) or 'nothing'}")
-    both = (_numbers(path, "--pairs", name, held[name]) for name in ("source", "target"))
-    return Pairs(**dict(zip(("source", "target"), both, strict=True)))
+    both = {name: _numbers(path, "--pairs", name, held[name]) for name in ("source", "target")}
+    try:
+        return Pairs(**both)
+    except SamplesError as error:
+        raise _refused(path, "--pairs", error.what, error.fix) from error
 
 
 def _some(whole: Transitions, which: slice) -> Transitions:
@@ -127,16 +144,33 @@ def _some(whole: Transitions, which: slice) -> Transitions:
 
 def _arrays(path: Path, option: str) -> dict[str, Any]:
     try:
-        with zipfile.ZipFile(path) as archive:
-            size = sum(each.file_size for each in archive.infolist())
-        if size > MOST_BYTES:
-            raise ValueError(f"it is larger than {MOST_BYTES} bytes")
+        data = _bytes(path)
         # Objects would be pickles, which may run anything.
-        with np.load(path, allow_pickle=False) as held:
-            return {name: held[name] for name in held.files}
-    except (OSError, ValueError, EOFError, KeyError, zipfile.BadZipFile) as error:
+        with np.load(io.BytesIO(data), allow_pickle=False) as held:
+            arrays = {name: held[name] for name in held.files}
+    # numpy and zipfile raise a dozen unrelated errors on damaged bytes.
+    except Exception as error:
         told = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
-        raise _refused(path, option, f"it cannot be read: {told}") from error
+        raise _refused(path, option, f"it cannot be read: {told or 'it is damaged'}") from error
+    for name, value in arrays.items():
+        if not isinstance(value, np.ndarray):
+            raise _refused(path, option, f"{name} is no array")
+    return arrays
+
+
+def _bytes(path: Path) -> bytes:
+    """Return a file's bytes, once it is small enough, and also what is packed in it."""
+    # Of a pipe one would wait for ever.
+    if path.exists() and not path.is_file():
+        raise ValueError("it is no file")
+    if path.stat().st_size > MOST_BYTES:
+        raise ValueError(f"it is larger than {MOST_BYTES} bytes")
+    data = path.read_bytes()
+    with zipfile.ZipFile(io.BytesIO(data)) as archive:
+        size = sum(each.file_size for each in archive.infolist())
+    if size > MOST_BYTES:
+        raise ValueError(f"it is larger than {MOST_BYTES} bytes")
+    return data
 
 
 def _numbers(path: Path, option: str, name: str, value: Any) -> Any:
@@ -145,7 +179,22 @@ def _numbers(path: Path, option: str, name: str, value: Any) -> Any:
             path, option, f"{name} is of type {value.dtype} and shape {value.shape}",
             "give numbers, one row for each transition and one column or more",
         )  # fmt: skip
-    return np.asarray(value, dtype=float)
+    numbers = np.asarray(value, dtype=float)
+    if not (np.abs(numbers) <= LARGEST).all():
+        raise _refused(
+            path, option, f"{name} holds numbers that are not finite, or larger than {LARGEST:g}",
+            "leave out what a sensor failed to see, and give other units",
+        )  # fmt: skip
+    return numbers
+
+
+def _turns(path: Path, option: str, value: Any) -> Any:
+    if value.dtype.kind not in "fiub" or not np.isin(value, (0, 1)).all():
+        raise _refused(
+            path, option, f"turns is of type {value.dtype} and says more than yes or no",
+            "give True or 1 for each number of the state that is an angle which may go round",
+        )  # fmt: skip
+    return np.asarray(value, dtype=bool)
 
 
 def _named(
@@ -159,6 +208,12 @@ def _named(
         raise _refused(
             path, option, f"{key} holds {len(names)} texts for {count} columns of {what}",
             "give each column one name, no two the same",
+        )  # fmt: skip
+    # Reports are UTF-8, which has no such letters, and a name that nobody sees names nothing.
+    if not all(name.isprintable() and name.strip() for name in names):
+        raise _refused(
+            path, option, f"{key} holds a name with letters that cannot be shown, or without any",
+            "name the columns by letters, digits and signs",
         )  # fmt: skip
     return names
 

@@ -30,6 +30,7 @@ from morph.transfer.mapped.feedback import holding
 from morph.transfer.mapped.lift import lift
 from morph.transfer.parts import parts
 from morph.transfer.record import Guard
+from morph.transfer.relay_record import hashes
 
 UNKNOWN = Guard(verdict="unsure", probability=None)
 """Of a map through which no policy can be seen."""
@@ -83,7 +84,7 @@ def learned(
     found = mapper.fit(known, rng)
     told.now("judging the map")
     guard, why = _guard(source, target, found, rng)
-    inputs = {f"{side.names.body}": side.sha256 for side in (source, target)}
+    inputs = hashes([(side.names.body, side.sha256) for side in (source, target)])
     return Aligned(
         source=source.names,
         target=target.names,
@@ -169,7 +170,8 @@ def _mapper(name: str | None, known: Given, source: Side, target: Side) -> Mappe
         "none can be learned from what is given" if name is None else
         "it knows the joints by their task, and of a body that was only recorded there is none",
         where="--map" if name is None else f"--map {name}",
-        fix="give pairs by --pairs, or name both as bodies that can be simulated",
+        fix="give pairs by --pairs, or name both as bodies that can be simulated" if name is None
+        else "leave out --map, or name both as bodies that can be simulated",
     )  # fmt: skip
 
 

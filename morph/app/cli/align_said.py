@@ -17,7 +17,7 @@ BAR = 10
 def lines(asked: Align, found: Aligned) -> Iterator[tuple[str, str]]:
     """Yield each line of the answer and its style."""
     columns = width()
-    yield headline(found), "bold"
+    yield harmless(headline(found)), "bold"
     for sentence in summary(found):
         for line in paragraph(f"  {harmless(sentence)}", 4, columns):
             yield line, "yellow" if found.guard.verdict == "unsafe" else ""

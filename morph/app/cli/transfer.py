@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 
 DONE, STOPPED_SHORT, INTERRUPTED = 0, 3, 130
 
-FEWEST = 10
-"""Transitions of a hop, at least."""
+FEWEST, MOST = 10, 100_000
+"""Transitions of a hop, at least and at most."""
 
 
 def run_transfer(asked: Transfer) -> int:
@@ -65,6 +65,12 @@ def _check_numbers(asked: Transfer) -> None:
             "--samples",
             f"{min(asked.samples, default=0)} transitions tell nothing of a body",
             f"give {FEWEST} or more",
+        ),
+        (
+            max(asked.samples, default=0) > MOST,
+            "--samples",
+            f"{max(asked.samples, default=0)} transitions would take longer than anyone waits",
+            f"give {MOST} or fewer; some hundreds tell all that there is",
         ),
         (asked.trials < 1, "--trials", f"{asked.trials} runs judge nothing", "give 1 or more"),
         (asked.repeats < 0, "--repeats", f"{asked.repeats} is no count", "give 0 or more"),
@@ -149,7 +155,7 @@ def _hops(
     for at, count in enumerate(counts):
         number = at + 1
         done = kept.read(number)
-        if done is None:
+        if done is None or not _fits(done, bodies[number]):
             how = Asked(
                 samples=count,
                 trials=asked.trials,
@@ -177,6 +183,12 @@ def _hops(
     return ""
 
 
+def _fits(done: Kept, body: Body) -> bool:
+    """Return whether a hop that was read is of this body."""
+    shape = (len(body.bounds[0]), body.size)
+    return done.gain.shape == shape and done.crossing.target == body.task.robot.name
+
+
 def _written(
     asked: Transfer,
     bodies: list[Body],
@@ -189,9 +201,9 @@ def _written(
     from morph.app.cli.transfer_bodies import hash_of, notes_of
     from morph.app.cli.transfer_said import command
     from morph.app.report.transfer.files import write_transfer
-    from morph.transfer.relay_record import RelayRecord
+    from morph.transfer.relay_record import RelayRecord, hashes
 
-    inputs = {each.task.robot.name: hash_of(each.task.robot) for each in bodies}
+    inputs = [(each.task.robot.name, hash_of(each.task.robot)) for each in bodies]
     notes = (*notes_of(asked.chain), *((stopped,) if stopped else ()))
     record = RelayRecord(
         task=bodies[0].task,
@@ -200,7 +212,7 @@ def _written(
         seed=asked.seed,
         seconds=time.monotonic() - began,
         command=command(asked),
-        inputs={**inputs, "policy": start.sha256},
+        inputs=hashes([("policy", start.sha256), *inputs]),
         notes=notes,
     )
     return write_transfer(record, bodies[len(hops)], hops[-1], asked.trials, out)

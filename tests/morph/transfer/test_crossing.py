@@ -18,7 +18,7 @@ from morph.transfer.crossing import Crossing, Curve
 from morph.transfer.hops_kept import HopsKept, Kept
 from morph.transfer.parts import Arrow, Parts
 from morph.transfer.record import Guard
-from morph.transfer.relay_record import RelayRecord
+from morph.transfer.relay_record import RelayRecord, hashes
 
 SCHEMA = json.loads((Path(morph.transfer.__file__).parent / "transfer.schema.json").read_text())
 
@@ -144,6 +144,35 @@ def test_a_spoilt_hop_is_made_anew(kept: HopsKept, name: str, spoil: bytes | Non
     else:
         (kept.out / name).write_bytes(spoil)
     assert kept.read(1) is None
+
+
+def test_a_law_that_was_changed_is_no_longer_the_hops(kept: HopsKept) -> None:
+    law = {"gain": np.array([[1.0, 2.0]]), "shift": np.array([0.5]), "step": np.zeros((2, 3))}
+    np.savez(kept.out / "hops/01/law.npz", **law)
+    assert kept.read(1) is None
+
+
+@pytest.mark.parametrize(
+    ("before", "after"),
+    [
+        ('"quality": {', '"quality": [], "more": {'),
+        ('"samples": 40', '"samples": Infinity'),
+        ('"hold_still": 0.2, ', ""),
+        ('"parts": {', '"parts": null, "more": {'),
+    ],
+)
+def test_a_hop_told_by_what_it_cannot_be_is_made_anew(
+    kept: HopsKept, before: str, after: str
+) -> None:
+    path = kept.out / "hops/01/hop.json"
+    assert before in path.read_text()
+    path.write_text(path.read_text().replace(before, after, 1))
+    assert kept.read(1) is None
+
+
+def test_inputs_of_one_name_are_numbered_and_none_is_lost() -> None:
+    given = [("policy", "a"), ("rig", "b"), ("rig", "b"), ("rig", "c"), ("policy", "d")]
+    assert hashes(given) == {"policy": "a", "rig": "b", "rig 2": "c", "policy 2": "d"}
 
 
 def test_a_hop_reads_no_map_but_its_own(kept: HopsKept) -> None:

@@ -27,6 +27,7 @@ def words(*more: str) -> list[str]:
         (("--chain", "cartpole"), "--chain", "1 bodies make no hop"),
         (("--samples", "20", "30"), "--samples", "2 numbers are given for 1 hops"),
         (("--samples", "9"), "--samples", "9 transitions tell nothing of a body"),
+        (("--samples", "100001"), "--samples", "100001 transitions would take longer"),
         (("--trials", "0"), "--trials", "0 runs judge nothing"),
         (("--repeats", "-1"), "--repeats", "-1 is no count"),
         (("--scratch", "-1"), "--scratch", "-1 is no count"),
@@ -50,6 +51,15 @@ def test_a_body_that_shares_no_quantity_is_refused(bench: Any) -> None:
     said = bench.refused(*words("--chain", "cartpole", "swimmer_three_links"))
     assert said["where"] == "body swimmer_three_links"
     assert said["what"].startswith("it shares no quantity of balance")
+
+
+def test_a_body_that_carries_nothing_is_refused(bench: Any) -> None:
+    said = bench.refused(*words("--chain", "cartpole", "pendulum"))
+    assert said["where"] == "body pendulum"
+    # One link with a mass, and that is the one which the first joint turns.
+    assert said["what"].startswith("it shares no quantity of balance: nothing with a mass stands")
+        "it shares no quantity of balance: nothing with a mass stands on"
+    )
 
 
 def test_an_unknown_body_is_refused(bench: Any) -> None:
