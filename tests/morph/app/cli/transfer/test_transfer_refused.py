@@ -58,8 +58,6 @@ def test_a_body_that_carries_nothing_is_refused(bench: Any) -> None:
     assert said["where"] == "body pendulum"
     # One link with a mass, and that is the one which the first joint turns.
     assert said["what"].startswith("it shares no quantity of balance: nothing with a mass stands")
-        "it shares no quantity of balance: nothing with a mass stands on"
-    )
 
 
 def test_an_unknown_body_is_refused(bench: Any) -> None:
