@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from morph.app.report.align.words import VERDICTS
 from morph.app.report.words import counted, percent
@@ -28,7 +28,7 @@ CONTROLS = ("shuffled", "flipped", "shuffled_anew", "flipped_anew", "no_source")
 """What has the same transitions as the transfer."""
 
 EQUAL = 0.01
-"""Share of what the oracle gains by which a control may be worse and still counts as as good."""
+"""Share of what the oracle gains by which a control may be worse or better and is as good."""
 
 ORDER = tuple(NAMED)
 """The order in which they are shown."""
@@ -92,21 +92,32 @@ def credit(hop: Crossing) -> str:
     ours = hop.scores["zero_shot" if hop.scores["final"] is None else "final"]
     if ours is None:
         return f"At {hop.target} there is no credit to give: holding still does as well."
-    equal = [NAMED[name] for name in CONTROLS if name in hop.measured and _equals(hop, name, ours)]
-    if equal:
-        return (
-            f"At {hop.target} the source gains nothing with {hop.samples} transitions: "
-            f"{' and '.join(equal)} is as good."
-        )
-    return ""
+    by = {name: _beyond(hop, name, ours) for name in CONTROLS if name in hop.measured}
+    better = [NAMED[name] for name, more in by.items() if more > EQUAL]
+    equal = [NAMED[name] for name, more in by.items() if -EQUAL <= more <= EQUAL]
+    found = [
+        f"{_listed(names)} {'is' if len(names) == 1 else 'are'} {how}"
+        for names, how in ((better, "better"), (equal, "as good"))
+        if names
+    ]
+    if not found:
+        return ""
+    return (
+        f"At {hop.target} the source gains nothing with {hop.samples} transitions: "
+        f"{'; '.join(found)}."
+    )
 
 
-def _equals(hop: Crossing, name: str, ours: float) -> bool:
-    """Return whether a control is as good as what is kept, over all draws where there are any."""
+def _listed(names: Sequence[str]) -> str:
+    return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
+
+
+def _beyond(hop: Crossing, name: str, ours: float) -> float:
+    """Return by how much a control is better than what is kept, over all draws if there are any."""
     means = {each.name: float(hop.relative(each.mean[-1])) for each in hop.curves}
     if "transfer" in means and name in means:
-        return means[name] >= means["transfer"] - EQUAL
-    return float(hop.relative(hop.measured[name])) >= ours - EQUAL
+        return means[name] - means["transfer"]
+    return float(hop.relative(hop.measured[name])) - ours
 
 
 def saved(hop: Crossing) -> str:

@@ -122,6 +122,13 @@ def test_what_a_control_equals_is_called_no_gain() -> None:
     assert credit(equal) == (
         "At rider <b> the source gains nothing with 40 transitions: without a source is as good."
     )
+    worse = {"final": 0.6, "no_source": 0.9, "flipped": 0.6, "shuffled": 0.605, "flipped_anew": 0.3}
+    told = credit(replace(HOP, measured={**HOP.measured, **worse}, curves=()))
+    # 0.9 is 0.375 of what the oracle gains above 0.6, 0.605 is 0.006 above it, 0.3 far below.
+    assert told.endswith(
+        "40 transitions: without a source is better; "
+        "through a shuffled map and through a flipped map are as good."
+    )
     # One draw is not believed where there are several: on their mean transfer is better.
     assert credit(replace(equal, curves=HOP.curves)) == ""
 
