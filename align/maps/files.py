@@ -52,13 +52,21 @@ def read(path: Path) -> BodyMap:
         # Objects would be pickles, and pickles run what they are told to.
         with np.load(path, allow_pickle=False) as file:
             found = {name: file[name] for name in file.files}
-    except (OSError, ValueError, EOFError, KeyError, zipfile.BadZipFile, NotImplementedError) as e:
+    # numpy and zipfile raise a dozen unrelated errors on damaged bytes.
+    except Exception as e:
         raise MapError(
             f"it cannot be read: {e}",
             where=f"map {path}",
             fix="give an .npz that was written as a map, without objects in it",
         ) from e
     kind = found.pop(KIND, np.array(0.0))
+    plain = [kind, *found.values()]
+    if not all(isinstance(value, np.ndarray) for value in plain):
+        raise MapError(
+            "it holds what is no array",
+            where=f"map {path}",
+            fix="give an .npz that was written as a map, without objects in it",
+        )
     if kind.ndim or kind.dtype.kind != "U":
         raise MapError(
             "it does not say what kind of map it is",

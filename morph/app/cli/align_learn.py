@@ -100,7 +100,7 @@ def learned(
         seconds=time.monotonic() - began,
         command=command,
         inputs=inputs,
-        notes=_notes(source, target),
+        notes=_notes(source, target, known),
     )
 
 
@@ -207,11 +207,14 @@ def quality_of(found: BodyMap, source: Side, target: Side) -> Mapping[str, float
     return judged.numbers()
 
 
-def _notes(source: Side, target: Side) -> tuple[str, ...]:
+def _notes(source: Side, target: Side, known: Given) -> tuple[str, ...]:
     told = []
     for side, option in ((source, "source"), (target, "target")):
         if side.body is None:
             told.append(f"what the {option} did was read; its last fifth was held out")
     if source.body is None:
         told.append("the source has no simulator: the affine law of its transitions stands for it")
+    if told and known.pairs is None:
+        # Of a linear law x' = A x + B u the negative of both x and u moves alike.
+        told.append("all signs together may be turned round: no pairs tell them")
     return tuple(told)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import zipfile
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -87,3 +88,37 @@ def test_what_is_no_archive_is_refused(content: bytes, tmp_path: Path) -> None:
 def test_a_file_that_is_missing_is_said_to_be(tmp_path: Path) -> None:
     with pytest.raises(MapError, match=r"No such file"):
         read(tmp_path / "none.npz")
+
+
+def locked(data: bytes) -> bytes:
+    """Return an archive whose first member says that it is locked by a password."""
+    changed, entry = bytearray(data), data.index(b"PK\x01\x02")
+    changed[6] |= 1
+    changed[entry + 8] |= 1
+    return bytes(changed)
+
+
+def holed(data: bytes) -> bytes:
+    """Return an archive with a hole where its first member is packed."""
+    changed = bytearray(data)
+    changed[60:90] = bytes(30)
+    return bytes(changed)
+
+
+@pytest.mark.parametrize("spoil", [locked, holed])
+def test_an_archive_that_cannot_be_unpacked_is_refused(
+    tmp_path: Path, spoil: Callable[[bytes], bytes]
+) -> None:
+    path = tmp_path / "map.npz"
+    np.savez_compressed(path, kind=np.array("affine"), numbers=np.arange(50.0))
+    path.write_bytes(spoil(path.read_bytes()))
+    with pytest.raises(MapError, match=r"it cannot be read"):
+        read(path)
+
+
+def test_a_member_that_is_no_array_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "map.npz"
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("kind.npy", b"affine")
+    with pytest.raises(MapError, match=r"it holds what is no array"):
+        read(path)

@@ -116,6 +116,8 @@ def test_recordings_of_other_bodies_are_aligned_by_their_own_names(
     assert said["parts"]["commands"][0]["weight"] == pytest.approx(-1.0)
     assert said["quality"]["one_step"] < 1e-3
     assert said["guard"]["verdict"] == "unsure"
+    # The negative of all states and commands moves alike.
+    assert said["notes"][-1] == "all signs together may be turned round: no pairs tell them"
     assert said["samples"] == {"source": 160, "target": 160, "held_out": 40}
 
 
