@@ -6,27 +6,26 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.linalg import block_diag
 
 from align.maps.affine_map import AffineMap
 from align.samples import Transitions
 from morph.arrays import Array
 from morph.errors import TransferError
-from morph.transfer.balancers import explored
+from morph.transfer.balancers import explored, seen_with
 from morph.transfer.body import Body, linear_law
 from morph.transfer.hop import Hopped
 from morph.transfer.mapped.belief import Belief, carried, learned, read
 from morph.transfer.mapped.feedback import cautious, chosen, plain
 from morph.transfer.mapped.lift import lift, quality_of
 
-ALIKE = 0.02
-"""How far bodies with the same joints differ, as a share of what the first does."""
-
-MISFIT = 16.0
-"""Variance of what a linear model leaves out, soles that tip above all, beside that of noise."""
-
-SHARE = 0.2
+SHARE = 0.1
 """Standard deviation of the servo targets that are tried, in half ranges."""
+
+UNSEEN = 0.003
+"""Share of how speeds change that is reckoned as noise where a body is not wholly seen.
+
+What is hidden and what slides moves what is seen, however exact readings are.
+"""
 
 Apart = Callable[[Body, Body], float]
 """How far two bodies are apart for a task; a map between near ones loses less."""
@@ -38,13 +37,18 @@ class Relayed:
 
     hops: tuple[Hopped, ...]
     """In order; the target of one is the source of the next."""
-    last: Belief
-    """What is believed of the last body."""
+    beliefs: tuple[Belief, ...]
+    """What is believed of each target after its transitions."""
 
     @property
     def samples(self) -> int:
         """Transitions of all targets together."""
         return sum(each.samples for each in self.hops)
+
+    @property
+    def last(self) -> Belief:
+        """What is believed of the last body."""
+        return self.beliefs[-1]
 
     @property
     def gain(self) -> Array:
@@ -82,14 +86,16 @@ def relay(
             fix="give two bodies or more, and a count of 1 or more for each hop",
         )
     known, hops, beliefs = chain[0], list[Hopped](), list[Belief]()
+    gain = plain(read(known), known)
     for at, (target, count) in enumerate(zip(chain[1:], counts, strict=True)):
-        hopped, belief = carry(known, target, count, seed=seed + 1000 * at, rows=rows)
+        own = seed + 1000 * at
+        hopped, belief = carry(known, target, count, seed=own, source_gain=gain, rows=rows)
         hops.append(hopped)
         beliefs.append(belief)
         if done is not None:
             done(at, hopped)
-        known = as_believed(target, belief.step)
-    return Relayed(hops=tuple(hops), last=beliefs[-1])
+        known, gain = as_believed(target, belief.step), hopped.gain
+    return Relayed(hops=tuple(hops), beliefs=tuple(beliefs))
 
 
 def carry(
@@ -98,6 +104,7 @@ def carry(
     count: int,
     *,
     seed: int,
+    source_gain: Array | None = None,
     rows: int = 0,
     spoil: Callable[[AffineMap], AffineMap] | None = None,
 ) -> tuple[Hopped, Belief]:
@@ -112,24 +119,26 @@ def carry(
         target: Whose transitions are looked at.
         count: How many.
         seed: Of all chance.
+        source_gain: The source's feedback; made from its model if none.
         rows: Runs by which it is scored; none if 0.
         spoil: Makes the map a wrong one, for a control.
     """
     rng = np.random.default_rng([seed, 5])
     seen = tried(target, count, rng)
-    near = alike(source, target)
-    seen_as = same(target) if near else lift(source, target, seen)
+    seen_as = same(target) if alike(source, target) else lift(source, target, seen)
     seen_as = seen_as if spoil is None else spoil(seen_as)
     before = carried(source, seen_as, target)
-    believe = fused if near else _learned
-    believed = believe(before, seen, target)
-    choices = {"made_anew": plain(believed.step, target)}
-    if not near:
-        choices["cautious"] = cautious(believed, target)
+    believed = learned(seen, before, reckoned(seen, target))
+    first = plain(read(source), source) if source_gain is None else source_gain
+    choices = {
+        "map_only": through_map(seen_as, first, target),
+        "cautious": cautious(believed, target),
+        "plain": plain(believed.step, target),
+    }
     _, gain = chosen(choices, believed, target, np.random.default_rng([seed, 3]))
-    through = linear_law(through_map(seen_as, plain(read(source), source), target))
     scores = {}
     if rows:
+        through = linear_law(choices["map_only"])
         scores["zero_shot"] = target.score(linear_law(gain), rows=rows, seed=seed)
         scores["map_only"] = target.score(through, rows=rows, seed=seed)
     hopped = Hopped(
@@ -182,35 +191,6 @@ def same(target: Body) -> AffineMap:
     )  # fmt: skip
 
 
-def fused(before: Array, seen: Transitions, target: Body) -> Belief:
-    """Return what is believed of a body that is nearly another one, after its transitions.
-
-    Every row of (v' - v) / h = law (x, u) is a linear regression about what was believed before.
-
-    Source: Bishop 2006, Pattern Recognition and Machine Learning, eqs. 3.50 and 3.51.
-
-    Args:
-        before: Accelerations believed beforehand, shape (n/2, n + nu).
-        seen: Transitions of the target.
-        target: Whose task tells the noise and the period.
-    """
-    half, period = len(before), target.task.period
-    x = np.hstack([seen.state, seen.command])
-    rise = (seen.after - seen.state)[:, half:] / period
-    variance = MISFIT * 2.0 * max(target.task.noise, 1e-6) ** 2 / period**2
-    groups = (slice(0, half), slice(half, 2 * half), slice(2 * half, before.shape[1]))
-    law, covers = np.empty_like(before), []
-    for row, mean in enumerate(before):
-        usual = [
-            np.full_like(mean[group], np.sqrt(np.square(mean[group]).mean())) for group in groups
-        ]
-        width = ALIKE * (0.5 * np.concatenate(usual) + np.abs(mean)) + 1e-6
-        cover = np.linalg.inv(np.diag(width**-2.0) + x.T @ x / variance)
-        law[row] = mean + cover @ x.T @ (rise[:, row] - x @ mean) / variance
-        covers.append(cover)
-    return Belief(law=law, cover=block_diag(*covers), period=period)
-
-
 def through_map(seen_as: AffineMap, gain: Array, target: Body) -> Array:
     """Return a source's feedback seen through a map, shape (nu, n)."""
     return np.asarray(seen_as.action_law @ gain @ seen_as.state_law + seen_as.action_state)
@@ -242,8 +222,18 @@ def nearest_path(bodies: Sequence[Body], apart: Apart, *, most: int) -> tuple[in
     return best[count - 1][2]
 
 
-def _learned(before: Array, seen: Transitions, target: Body) -> Belief:
-    return learned(seen, before, target)
+def reckoned(seen: Transitions, target: Body) -> Body:
+    """Return a body told to be as noisy as a linear model of what is seen of it has to bear.
+
+    Args:
+        seen: Its transitions.
+        target: The body; it comes back as it is if all of its state is seen.
+    """
+    if target.sight is None:
+        return target
+    rise = (seen.after - seen.state)[:, target.size // 2 :]
+    unseen = UNSEEN * float(np.sqrt(np.square(rise).mean()))
+    return seen_with(target, float(np.hypot(target.task.noise, unseen)))
 
 
 def _grouped(body: Body) -> bool:

@@ -9,11 +9,20 @@ import pytest
 
 from align.samples import Transitions
 from morph.errors import TransferError
-from morph.transfer.balancers import balancer
+from morph.transfer.balancers import balancer, seen_with
 from morph.transfer.body import Body, linear_law
 from morph.transfer.mapped.belief import read
 from morph.transfer.mapped.feedback import plain
-from morph.transfer.relay import as_believed, fused, nearest_path, relay, same
+from morph.transfer.relay import (
+    UNSEEN,
+    as_believed,
+    carry,
+    nearest_path,
+    reckoned,
+    relay,
+    same,
+    tried,
+)
 
 
 @pytest.fixture(scope="module")
@@ -38,19 +47,26 @@ def test_a_body_as_believed_has_the_believed_model_and_not_the_true_one(bodies: 
     assert read(body) != pytest.approx(step, abs=0.1)
 
 
-def test_without_noise_many_transitions_outweigh_what_was_believed(bodies: list[Body]) -> None:
-    # x'' = law (x, u) exactly, and noise held to be 1e-6: of a belief of width w 4000 draws leave
-    # the share v / (4000 w^2), v = 16 * 2 * 1e-12 / 0.02^2 = 8e-8 and w >= 0.003: 3e-6.
-    task = replace(bodies[1].task, noise=0.0)
-    body, rng = replace(bodies[1], task=task), np.random.default_rng(0)
-    law = rng.normal(size=(2, 5))
-    state, command = rng.normal(size=(4000, 4)), rng.normal(size=(4000, 1))
-    after = state.copy()
-    after[:, 2:] += body.task.period * np.hstack([state, command]) @ law.T
-    seen = Transitions(state=state, command=command, after=after, turns=np.zeros(4, dtype=bool))
-    wrong = 1.3 * law
-    found = fused(wrong, seen, body)
-    assert np.abs(found.law - law).max() < 1e-4 * np.abs(wrong - law).max()
+def test_a_body_that_is_wholly_seen_is_reckoned_as_noisy_as_it_is(bodies: list[Body]) -> None:
+    seen = tried(bodies[1], 5, np.random.default_rng(0))
+    assert reckoned(seen, bodies[1]) is bodies[1]
+
+
+def test_what_is_hidden_of_a_body_counts_as_noise(bodies: list[Body]) -> None:
+    # Speeds rise by 3 and 4 everywhere: sqrt((9 + 16) / 2) = 3.5355; readings have none.
+    whole = seen_with(bodies[1], 0.0)
+    body = replace(whole, sight=np.eye(4))
+    after = np.tile([0.0, 0.0, 3.0, 4.0], (6, 1))
+    seen = Transitions(
+        state=np.zeros((6, 4)), command=np.zeros((6, 1)), after=after, turns=np.zeros(4, dtype=bool)
+    )
+    assert reckoned(seen, body).task.noise == pytest.approx(UNSEEN * np.sqrt(12.5))
+
+
+def test_a_policy_carried_to_its_own_body_by_five_transitions_balances(bodies: list[Body]) -> None:
+    first = plain(read(bodies[1]), bodies[1])
+    hop, _ = carry(bodies[1], bodies[1], 5, seed=100, source_gain=first)
+    assert bodies[1].score(linear_law(hop.gain), rows=2) > 0.95
 
 
 def test_the_map_of_bodies_alike_changes_nothing(bodies: list[Body]) -> None:
