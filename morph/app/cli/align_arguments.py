@@ -64,6 +64,9 @@ class Transfer:
     """Folder for transfer.json, report.html, the policy and the maps."""
     task: Annotated[str, tyro.conf.arg(metavar="TASK")] = "balance"
     """What all of them do."""
+    over: Annotated[tuple[str, ...], tyro.conf.arg(metavar="BODY ...")] = ()
+    """Bodies that the way between the two of --chain may go over; those are taken, and in that
+    order, over which the worst hop promises most by their descriptions."""
     samples: Annotated[tuple[int, ...], tyro.conf.arg(metavar="N ...")] = (60,)
     """Transitions of the target of each hop: one number for all, or one for each."""
     trials: Annotated[int, tyro.conf.arg(metavar="N")] = 20

@@ -36,14 +36,19 @@ def run_transfer(asked: Transfer) -> int:
     """
     from morph.app.cli.transfer_bodies import body_of, check_task, given
     from morph.app.cli.transfer_folder import TRANSFER, alone, check_out
+    from morph.app.cli.transfer_way import check_over, chosen_way
 
     # Whatever the command line got wrong is told before any work is done.
     began = time.monotonic()
+    check_over(asked)
     _check_numbers(asked)
     check_task(asked.task)
     out = check_out(asked.out, TRANSFER)
     _check_fresh(asked, out)
-    bodies = [body_of(name, asked.task) for name in asked.chain]
+    if asked.over:
+        asked, bodies = chosen_way(asked)
+    else:
+        bodies = [body_of(name, asked.task) for name in asked.chain]
     check_periods(bodies)
     start = given(asked.policy, bodies[0])
     with alone(out):
