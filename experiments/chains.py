@@ -66,7 +66,7 @@ REAL_FEET = ("l_foot", "r_foot")
 REAL_TRANSITIONS = 40
 """Of it."""
 
-GENERATIONS = 4
+GENERATIONS = 3
 """Generations of learning from nothing, 16 runs each, with each of three sizes of moves."""
 
 ROWS = 2

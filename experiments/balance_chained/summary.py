@@ -9,7 +9,7 @@ import numpy as np
 from experiments.interval import interval, iqm
 from morph.arrays import JSON
 
-GRID = (5, 10, 20, 30, 40, 60, 120)
+GRID = (5, 10, 20, 40, 80)
 """Transitions from which learning without a source is tried."""
 
 ALONE = ("ridge", "structured", "structured_cautious")
