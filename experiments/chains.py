@@ -51,7 +51,7 @@ CHAIN = (
 `humanoid_driven` is left out: after no push that fells what holds still does its oracle reach .95.
 """
 
-TRANSITIONS = (10, 10, 40, 60, 40, 40)
+TRANSITIONS = (10, 10, 60, 60, 40, 40)
 """Of each body after the first."""
 
 REAL = "poppy"
