@@ -48,7 +48,7 @@ CHAIN = (
 )  # fmt: skip
 """From the cart-pole to a humanoid on a free skateboard.
 
-`humanoid_driven` is left out: after no push that fells what holds still does its oracle reach .95.
+`humanoid_driven` is left out: after its push of 3.85 N s holding still scores .30, its oracle .93.
 """
 
 TRANSITIONS = (10, 10, 60, 60, 40, 40)
