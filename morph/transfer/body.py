@@ -134,7 +134,7 @@ class Body:
         return Moved(
             robot=self.task.robot,
             model=self.plant.model,
-            time=self.task.period * np.arange(q.shape[1]),
+            time=self.task.period * np.arange(q.shape[1], dtype=float),
             position=q,
             velocity=v,
             command=np.zeros((*q.shape[:2], self.plant.model.nu)),
@@ -187,7 +187,7 @@ class Body:
     def _begun(self, rng: np.random.Generator) -> Array:
         start = replace(self.task.start, push=None)
         q, v = start.sample(self.task.robot, self.plant.model, 1, rng)
-        return self.state(q, v)[0]
+        return np.asarray(self.state(q, v)[0])
 
     def run(self, law: Law, *, rows: int, rng: np.random.Generator) -> Moved:
         """Return runs of the task under a law that sees states about rest through noise."""
