@@ -69,6 +69,9 @@ class Transfer:
     order, over which the worst hop promises most by their descriptions."""
     samples: Annotated[tuple[int, ...], tyro.conf.arg(metavar="N ...")] = (60,)
     """Transitions of the target of each hop: one number for all, or one for each."""
+    noise: Annotated[float, tyro.conf.arg(metavar="SIGMA")] = 0.001
+    """Standard deviation of every reading: 0.001 is that of a fair encoder; at 0.01, the noise of
+    the tasks, 60 transitions tell little of a body of many joints."""
     trials: Annotated[int, tyro.conf.arg(metavar="N")] = 20
     """Runs over which a policy is judged."""
     repeats: Annotated[int, tyro.conf.arg(metavar="N")] = 5

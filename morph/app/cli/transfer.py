@@ -26,6 +26,9 @@ DONE, STOPPED_SHORT, INTERRUPTED = 0, 3, 130
 FEWEST, MOST = 10, 100_000
 """Transitions of a hop, at least and at most."""
 
+MOST_NOISE = 0.1
+"""Most noise of a reading, in its unit."""
+
 
 def run_transfer(asked: Transfer) -> int:
     """Carry a policy along a chain as asked and return the exit status.
@@ -37,6 +40,7 @@ def run_transfer(asked: Transfer) -> int:
     from morph.app.cli.transfer_bodies import body_of, check_task, given
     from morph.app.cli.transfer_folder import TRANSFER, alone, check_out
     from morph.app.cli.transfer_way import check_over, chosen_way
+    from morph.transfer.balancers import seen_with
 
     # Whatever the command line got wrong is told before any work is done.
     began = time.monotonic()
@@ -49,6 +53,7 @@ def run_transfer(asked: Transfer) -> int:
         asked, bodies = chosen_way(asked)
     else:
         bodies = [body_of(name, asked.task) for name in asked.chain]
+    bodies = [seen_with(each, asked.noise) for each in bodies]
     check_periods(bodies)
     start = given(asked.policy, bodies[0])
     with alone(out):
@@ -76,6 +81,12 @@ def _check_numbers(asked: Transfer) -> None:
             "--samples",
             f"{max(asked.samples, default=0)} transitions would take longer than anyone waits",
             f"give {MOST} or fewer; some hundreds tell all that there is",
+        ),
+        (
+            not 0.0 <= asked.noise <= MOST_NOISE,
+            "--noise",
+            f"{asked.noise:g} is no noise that a body could be seen through",
+            f"give 0 to {MOST_NOISE:g}",
         ),
         (asked.trials < 1, "--trials", f"{asked.trials} runs judge nothing", "give 1 or more"),
         (asked.repeats < 0, "--repeats", f"{asked.repeats} is no count", "give 0 or more"),
@@ -231,6 +242,7 @@ def key_of(asked: Transfer, bodies: Sequence[Body], start: Given) -> dict[str, s
         "chain": " ".join(hash_of(each.task.robot) for each in bodies),
         "task": asked.task,
         "policy": start.sha256,
+        "noise": repr(asked.noise),
         "samples": " ".join(map(str, asked.samples)),
         "trials": str(asked.trials),
         "repeats": str(asked.repeats),

@@ -52,6 +52,7 @@ def command(asked: Transfer) -> str:
     parts = ["morph", "transfer", "--from", asked.policy, "--chain", *asked.chain]
     told: dict[str, object] = {
         "--task": asked.task,
+        "--noise": f"{asked.noise:g}",
         "--samples": " ".join(map(str, asked.samples)),
         "--trials": asked.trials,
         "--repeats": asked.repeats,
