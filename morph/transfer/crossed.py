@@ -38,6 +38,13 @@ FEWEST = 10
 """Transitions of the first point, at least."""
 
 
+UNJUDGED = (
+    "the guard cannot tell: it was held against bodies of which every joint is seen, and this one "
+    "is seen and told in groups"
+)
+"""What is said of a body that the guard is not made for: it took good laws for unsafe there."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Asked:
     """How hops are made and judged."""
@@ -189,6 +196,8 @@ def _guard(
     if found.guard is not None:
         verdict = found.guard
         return Guard(verdict=verdict.verdict, probability=1.0 - verdict.probability), ()
+    if target.sight is not None:
+        return Guard(verdict="unsure", probability=None), (UNJUDGED,)
     try:
         return guarded(target, seen, linear_law(found.gain, found.shift), rng), ()
     except AlignError as error:

@@ -29,6 +29,8 @@ def words(*more: str) -> list[str]:
         (("--samples", "9"), "--samples", "9 transitions tell nothing of a body"),
         (("--samples", "100001"), "--samples", "100001 transitions would take longer"),
         (("--trials", "0"), "--trials", "0 runs judge nothing"),
+        (("--noise", "nan"), "--noise", "nan is no noise"),
+        (("--noise", "0.2"), "--noise", "0.2 is no noise"),
         (("--repeats", "-1"), "--repeats", "-1 is no count"),
         (("--scratch", "-1"), "--scratch", "-1 is no count"),
         (("--seed", "-1"), "--seed", "-1 is no seed"),
