@@ -130,15 +130,16 @@ def carry(
     before = carried(source, seen_as, target)
     believed = learned(seen, before, reckoned(seen, target))
     first = plain(read(source), source) if source_gain is None else source_gain
+    through_it = through_map(seen_as, first, target)
     choices = {
-        "map_only": through_map(seen_as, first, target),
         "cautious": cautious(believed, target),
+        "map_only": through_it,
         "plain": plain(believed.step, target),
     }
     _, gain = chosen(choices, believed, target, np.random.default_rng([seed, 3]))
     scores = {}
     if rows:
-        through = linear_law(choices["map_only"])
+        through = linear_law(through_it)
         scores["zero_shot"] = target.score(linear_law(gain), rows=rows, seed=seed)
         scores["map_only"] = target.score(through, rows=rows, seed=seed)
     hopped = Hopped(
