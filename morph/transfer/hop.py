@@ -13,7 +13,7 @@ from align.maps.body_map import BodyMap
 from align.samples import Transitions
 from morph.arrays import Array
 from morph.errors import TransferError
-from morph.transfer.body import Body
+from morph.transfer.body import Body, linear_law
 from morph.transfer.mapped.belief import carried, learned
 from morph.transfer.mapped.feedback import cautious, chosen, holding, plain
 from morph.transfer.mapped.lift import lift, quality_of
@@ -96,8 +96,6 @@ def hop(
     _, found = chosen(choices, believed, target, np.random.default_rng(seed))
     scores = {}
     if rows:
-        from morph.transfer.body import linear_law
-
         scores["zero_shot"] = target.score(linear_law(found), rows=rows, seed=seed)
         scores["map_only"] = target.score(linear_law(through), rows=rows, seed=seed)
     return Hopped(
