@@ -120,3 +120,7 @@ class LinkDropped(TransferError):
 
 class OutputError(MorphError):
     """A result cannot be written."""
+
+
+class ViewError(MorphError):
+    """What is to be viewed cannot be used, or does not fit what it is viewed with."""

@@ -23,13 +23,14 @@ from morph.app.cli.arguments import (
     Loop,
     Simulate,
 )
+from morph.app.cli.view_arguments import View
 from morph.app.cli.words import harmless
 from morph.errors import MorphError
 
 DONE, UNUSABLE, STOPPED_SHORT, INTERRUPTED = 0, 2, 3, 130
 """Exit statuses, the same for every command."""
 
-Command = Diagnose | Inspect | Convert | Simulate | Learn | Loop | Align | Transfer | List
+Command = Diagnose | Inspect | Convert | Simulate | Learn | Loop | Align | Transfer | View | List
 """What is asked: one command with its options."""
 
 Asked = (
@@ -41,6 +42,7 @@ Asked = (
     | Annotated[Loop, tyro.conf.subcommand("loop")]
     | Annotated[Align, tyro.conf.subcommand("align")]
     | Annotated[Transfer, tyro.conf.subcommand("transfer")]
+    | Annotated[View, tyro.conf.subcommand("view")]
     | Annotated[List, tyro.conf.subcommand("list")]
 )
 
@@ -59,6 +61,8 @@ Example: morph loop swing-up --robot cartpole --sealed 7 --out carried
 Example: morph align cartpole rider_rigid_driven
 
 Example: morph transfer --from learned --chain cartpole rider_rigid_driven --out carried
+
+Example: morph view cartpole rider_rigid_driven --task balance --policy learned
 
 Exit status: 0 done, 2 what was given cannot be used, 3 stopped short, 130 interrupted.
 `morph --version` says which morph this is; `morph COMMAND --help` says more."""
@@ -162,6 +166,10 @@ def _run(asked: Command) -> int:
         from morph.app.cli.transfer import run_transfer
 
         return run_transfer(asked)
+    if isinstance(asked, View):
+        from morph.app.cli.view import run_view
+
+        return run_view(asked)
     from morph.app.cli.diagnose import run_diagnose
 
     return run_diagnose(asked)

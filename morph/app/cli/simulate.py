@@ -65,7 +65,7 @@ def run_simulate(asked: Simulate) -> int:
         write(done.recording, out)
     _say(asked, done)
     if asked.view:
-        from morph.app.cli.view import view
+        from morph.app.picture.page import view
 
         view(robot, effects, moved.time, moved.position)
     return DONE if why is None else STOPPED_SHORT

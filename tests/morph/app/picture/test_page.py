@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from morph.app.cli.view import view
+from morph.app.picture.page import view
 from morph.body.load import load
 from morph.sim.simulator import Simulator
 

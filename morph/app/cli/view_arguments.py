@@ -1,0 +1,62 @@
+"""What `morph view` takes; light, so that `morph --help` answers at once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Literal
+
+import tyro
+
+from morph.app.cli.arguments import Many
+
+
+@dataclass(frozen=True, kw_only=True)
+class View:
+    """Show bodies side by side in the browser: compare, design, align, or see a mismatch.
+
+    Example: morph view cartpole rider_rigid_driven --task balance --policy learned
+    """
+
+    robots: Annotated[
+        tyro.conf.Positional[tuple[str, ...]], tyro.conf.arg(metavar="ROBOT ...")
+    ] = ()
+    """Up to eight: descriptions, robot folders, or names on the shelf."""
+    task: Annotated[str | None, tyro.conf.arg(metavar="NAME")] = None
+    """What all of them do: a name from `morph list tasks`; without one joints show their ranges."""
+    policy: Annotated[Many, tyro.conf.arg(metavar="DIR")] = ()
+    """Policy of one of the bodies, matched by its body; or `learned`. May be repeated."""
+    recording: Annotated[Many, tyro.conf.arg(metavar="FILE")] = ()
+    """Recording to hold the first body's simulation against; may be repeated."""
+    root: Path | None = None
+    """Folder that a recording.toml's files are relative to, instead of its own `root`."""
+    diagnosis: Annotated[str | None, tyro.conf.arg(metavar="DIR")] = None
+    """Folder that `morph diagnose` wrote about these recordings."""
+    transfer: Annotated[str | None, tyro.conf.arg(metavar="DIR")] = None
+    """Folder that `morph transfer` or `morph align` wrote; its bodies are shown."""
+    world: Annotated[str | None, tyro.conf.arg(metavar="NAME")] = None
+    """Where they move, if not where the task says: as `morph simulate --world`."""
+    seconds: float | None = None
+    """How long they move; by default as long as the task, or five seconds."""
+    state: Annotated[str | None, tyro.conf.arg(metavar="FILE")] = None
+    """View that was saved before, as JSON; it names the bodies and all else."""
+    html: Annotated[str | None, tyro.conf.arg(metavar="FILE")] = None
+    """Write one page that opens without a network, and end."""
+    first: Literal["compare", "design", "align", "mismatch"] | None = None
+    """The view to begin with, and the one that --html writes."""
+    host: str = "127.0.0.1"
+    """Address to serve at; by default only this machine can look. Any other takes a token."""
+    port: int = 8080
+    """Port to serve at; if it is taken, the next free one."""
+    browser: bool = False
+    """Open a browser on it."""
+    base: Literal["fixed", "floating", "board"] | None = None
+    """How bodies stand in the world, where a description does not say."""
+    folder: Path | None = None
+    """Folder outside which nothing of a description is read; by default its own."""
+    seed: int = 0
+    """Of every draw."""
+    json: bool = False
+    """Print where it is served as one line of JSON, by the schema morph.viewing/1."""
+    quiet: bool = False
+    """Show no progress."""

@@ -1,0 +1,1 @@
+"""The viewer: bodies side by side in the browser, on one clock."""

@@ -1,0 +1,74 @@
+"""What is drawn of one body: its shapes, link by link, light enough for a browser."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from morph.app.picture.scene import is_wet
+from morph.app.picture.shapes import Shape, shapes
+from morph.app.viewer.web_shapes import web_shape
+from morph.body.robot import Robot
+from morph.body.spec import spec_of
+from morph.errors import SimulationFailed
+from morph.physics.apply import apply
+from morph.physics.effect import Effect
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Figure:
+    """One body as it is drawn, before it moves."""
+
+    robot: Robot
+    """The body."""
+    name: str
+    """What it is called in headings; from a file, so never to be trusted as HTML."""
+    model: Any
+    """The `mujoco.MjModel` that it was drawn from, its effects applied; 0 is the world."""
+    shapes: tuple[Shape, ...]
+    """What it looks like, each in the frame of its link."""
+    wet: bool = False
+    """Whether it is in water."""
+    notes: tuple[str, ...] = ()
+    """What could not be drawn as described, in words."""
+
+    @property
+    def links(self) -> tuple[str, ...]:
+        """Names of the links in the model's order, the world first."""
+        return tuple(self.model.body(at).name for at in range(self.model.nbody))
+
+
+def figure(robot: Robot, effects: Sequence[Effect] = (), *, name: str | None = None) -> Figure:
+    """Return what is drawn of a robot under its effects.
+
+    Args:
+        robot: The robot.
+        effects: What acts on it: water and ground are drawn.
+        name: What to call it; by default its own name.
+
+    Raises:
+        SimulationFailed: MuJoCo refuses the description.
+    """
+    spec = spec_of(robot)
+    apply(spec, effects)
+    try:
+        model = spec.compile()
+    except ValueError as error:
+        raise SimulationFailed(
+            f"MuJoCo refuses to draw it: {error}",
+            where=f"robot {robot.name}",
+            fix="see what `morph inspect` says of it",
+        ) from error
+    return Figure(
+        robot=robot,
+        name=robot.name if name is None else name,
+        model=model,
+        shapes=tuple(web_shape(shape) for shape in shapes(model)),
+        wet=is_wet(effects),
+        notes=tuple(
+            f"{finding.where}: {finding.what}"
+            for finding in robot.findings
+            if finding.code.startswith("mesh")
+        ),
+    )

@@ -1,0 +1,36 @@
+"""What the viewer was given to show, before anything is loaded from it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from morph.body.robot import Robot
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Given:
+    """Bodies, and what is to be seen of them."""
+
+    robots: tuple[Robot, ...]
+    """Up to eight bodies; none if a transfer names them."""
+    asked: tuple[str, ...]
+    """What each was asked for by: a name on the shelf or a path."""
+    task: str | None = None
+    """What all of them do."""
+    policies: tuple[str, ...] = ()
+    """Folders of policies, or `learned`."""
+    recordings: tuple[Path, ...] = ()
+    """Recordings of the first body."""
+    root: Path | None = None
+    """Folder that a recording.toml's files are relative to."""
+    diagnosis: Path | None = None
+    """Folder of a diagnosis of the first body."""
+    transfer: Path | None = None
+    """Folder of a transfer or an alignment."""
+    world: str | None = None
+    """Where they move."""
+    seconds: float | None = None
+    """How long."""
+    seed: int = 0
+    """Of every draw."""

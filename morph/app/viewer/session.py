@@ -1,0 +1,138 @@
+"""One person's page: a clock, a stage and views of their own, run in one thread."""
+
+from __future__ import annotations
+
+import queue
+import threading
+import time
+from collections.abc import Callable, Sequence
+from typing import Any, TypeVar
+
+from morph.app.viewer.clock import Clock
+from morph.app.viewer.content import Content
+from morph.app.viewer.controls import Controls
+from morph.app.viewer.motion import RATE
+from morph.app.viewer.stage import Stage
+from morph.app.viewer.view import View
+from morph.errors import MorphError
+
+Found = TypeVar("Found")
+
+SLOW = 0.1
+"""Numbers and tables are told every so many seconds: nobody reads faster."""
+
+
+class Session:
+    """What one person sees and does.
+
+    Everything happens in the session's thread; what viser calls from other threads only asks
+    for it by `do`. So two people never wait for each other, nor share a clock.
+
+    Args:
+        client: The `viser.ClientHandle`.
+        views: This person's views.
+        first: Which of them is shown first.
+    """
+
+    def __init__(self, client: Any, views: Sequence[View], first: int = 0) -> None:
+        """Prepare; `start` begins."""
+        self.client, self.views = client, tuple(views)
+        self.clock, self.stage = Clock(), Stage(client.scene)
+        self.view, self.content = self.views[first], Content(actors=())
+        self._asked: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
+        self._over = threading.Event()
+        self._controls = Controls(self)
+        self._aimed = False
+        self._thread = threading.Thread(target=self._run, name="morph-session", daemon=True)
+
+    def start(self) -> None:
+        """Begin to show."""
+        self._thread.start()
+
+    def close(self) -> None:
+        """End; the page is gone."""
+        self._over.set()
+
+    def do(self, what: Callable[[], None]) -> None:
+        """Have something done in the session's thread, soon; may be called from any."""
+        self._asked.put(what)
+
+    def later(self, work: Callable[[], Found], then: Callable[[Found], None]) -> None:
+        """Have something long done beside the session, and what comes of it in its thread.
+
+        An error of ours is told on the page.
+        """
+
+        def run() -> None:
+            try:
+                found = work()
+            except MorphError as error:
+                told = f"{error.where}: {error.what}. {error.fix}"
+                self.do(lambda: self.say(told, bad=True))
+                return
+            self.do(lambda: then(found))
+
+        threading.Thread(target=run, name="morph-work", daemon=True).start()
+
+    def show(self, content: Content | None = None) -> None:
+        """Show something else, by default what the view has now; the clock goes on."""
+        self.content = self.view.content() if content is None else content
+        with self.client.atomic():
+            self.stage.show(self.content)
+            self.clock.lasts(self.content.seconds)
+            self.stage.pose(self.clock.time)
+            self._controls.show()
+        if not self._aimed:
+            self.stage.aim(self.client.camera)
+            self._aimed = True
+
+    def turn_to(self, view: View) -> None:
+        """Show another view, with its controls."""
+        self.view, self._aimed = view, False
+        self._controls.open_view()
+        self.clock.seek(0.0)
+        self.show()
+
+    def jump(self, to: float) -> None:
+        """Pause at a time, s."""
+        self.clock.playing = False
+        self.clock.seek(to)
+
+    def say(self, text: str, *, bad: bool = False) -> None:
+        """Show a message for some seconds; it is plain text."""
+        self.client.add_notification(
+            "That did not work" if bad else "morph", text, color="red" if bad else "blue"
+        )
+
+    def _run(self) -> None:
+        self._controls.build()
+        self.turn_to(self.view)
+        before, told, shown = time.monotonic(), 0.0, -1
+        while not self._over.is_set():
+            now = time.monotonic()
+            self.clock.tick(now - before)
+            before = now
+            self._answer()
+            picture = int(self.clock.time * RATE + 1e-6)
+            # A change of content, a switch or a hand on the slider shows the same picture anew.
+            if picture != shown or self._controls.stale:
+                with self.client.atomic():
+                    self.stage.pose(self.clock.time)
+                shown, self._controls.stale = picture, False
+                if now - told >= SLOW or not self.clock.playing:
+                    self._controls.tell()
+                    self.view.picture(self.clock.time)
+                    told = now
+            time.sleep(max(0.0, 1.0 / RATE - (time.monotonic() - now)))
+
+    def _answer(self) -> None:
+        while not self._over.is_set():
+            try:
+                asked = self._asked.get_nowait()
+            except queue.Empty:
+                return
+            try:
+                asked()
+            except MorphError as error:
+                self.say(f"{error.where}: {error.what}. {error.fix}", bad=True)
+            self._controls.stale = True
