@@ -70,7 +70,10 @@ class Line:
     colour: str = "#0072b2"
     """As CSS has it."""
     dashed: bool = False
-    """Whether it is told from others by dashes too."""
+    """Whether it is dashed wherever it stands; others are told apart by dashes in their order."""
+    leads: bool = False
+    """Whether the axis is made for it, such as a measurement: where some lines lead, others may
+    leave the plot, such as a model that blew up."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -7,7 +7,8 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from morph.app.viewer.clock import SPEEDS
-from morph.app.viewer.fragments import chart_html, notes_html, table_html
+from morph.app.viewer.charts import chart_html, now_html
+from morph.app.viewer.fragments import notes_html, table_html
 from morph.app.viewer.motion import RATE
 from morph.app.viewer.style import style
 
@@ -38,6 +39,7 @@ class Controls:
         self._slider: Any = None
         self._folder: Any = None
         self._told: Any = None
+        self._now: Any = None
         self._tables: list[Any] = []
         self._charts: list[Any] = []
 
@@ -47,6 +49,7 @@ class Controls:
         gui.configure_theme(show_logo=False, show_share_button=False, control_width="large")
         gui.main_panel.dock_right()
         gui.add_html(style())
+        self._now = gui.add_html("")
         if len(session.views) > 1:
             names = tuple(view.title for view in session.views)
             tabs = gui.add_button_group("view", names)
@@ -79,7 +82,7 @@ class Controls:
             for table in content.tables:
                 self._tables.append(gui.add_html(table_html(table, content.actors, clock.time)))
             for chart in content.charts:
-                self._charts.append(gui.add_html(chart_html(chart, clock.seconds, clock.time)))
+                self._charts.append(gui.add_html(chart_html(chart, clock.seconds)))
             if content.notes:
                 self._charts.append(gui.add_html(notes_html(content.notes)))
         self.stale = True
@@ -90,6 +93,7 @@ class Controls:
         clock, content = session.clock, session.content
         self._slider.value = round(clock.time, 4)
         self._play.label = "Pause" if clock.playing else "Play"
+        self._now.content = now_html(clock.time, clock.seconds)
         for handle, table in zip(self._tables, content.tables, strict=True):
             handle.content = table_html(table, content.actors, clock.time)
 

@@ -1,4 +1,4 @@
-"""Tables, charts and notes as HTML; every name and text in them is escaped."""
+"""Tables and notes as HTML; every name and text in them is escaped."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from html import escape
 
-from morph.app.viewer.content import Actor, Chart, Live, Table
+from morph.app.viewer.content import Actor, Live, Table
 
 
 def table_html(table: Table, actors: Sequence[Actor], time: float) -> str:
@@ -32,15 +32,14 @@ def notes_html(notes: Sequence[str]) -> str:
     return '<ul class="morph">' + "".join(f"<li>{escape(note)}</li>" for note in notes) + "</ul>"
 
 
-def chart_html(chart: Chart, seconds: float, time: float) -> str:
-    """Return a chart with its cursor where the clock is, s."""
-    # The cursor is drawn over the chart; the chart itself is drawn once.
-    return f'<figure class="morph"><figcaption>{escape(chart.title)}</figcaption></figure>'
-
-
 def _cell(cell: str | Live, actors: Sequence[Actor], time: float) -> str:
     if isinstance(cell, str):
         return escape(cell)
     motion = actors[cell.actor].motion
-    value = float(motion.series[cell.series][motion.at(time)])
-    return f"{value:.{cell.digits}g}" if math.isfinite(value) else "–"
+    text = told(float(motion.series[cell.series][motion.at(time)]), cell.digits)
+    return f'<span class="live">{text}</span>'
+
+
+def told(value: float, digits: int) -> str:
+    """Return a number as a cell shows it, with a dash for what is no number."""
+    return f"{value:.{digits}g}" if math.isfinite(value) else "–"
