@@ -12,7 +12,11 @@ bin := $(VENV)/bin
 # The stamp carries the checksum of pyproject.toml, so that what is installed is never installed again.
 stamp := $(VENV)/.installed-$(shell cksum < pyproject.toml | cut -d ' ' -f 1)
 
-.PHONY: help demo test install lint types arrows fuzz clean
+# The viewer is tested in a real browser.
+browsers := chromium chromium-browser google-chrome google-chrome-stable
+debs := chromium libgl1-mesa-dri libegl1 libgles2
+
+.PHONY: help demo test install lint types arrows browser fuzz clean
 
 help: ## Show this list
 	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1|\2/p' Makefile | awk -F '|' '{printf "%-16s%s\n", $$1, $$2}'
@@ -20,7 +24,7 @@ help: ## Show this list
 demo: $(stamp) ## Conceal a piece of physics, diagnose it, and compare the finding with the truth
 	@$(bin)/python -m experiments.demo
 
-test: lint types arrows ## Check style, types and imports, then run every test
+test: lint types arrows browser ## Check style, types and imports, then run every test
 	$(bin)/python -m pytest -n 2
 
 lint: $(stamp) ## Check style
@@ -32,6 +36,14 @@ types: $(stamp) ## Check types
 
 arrows: $(stamp) ## Check that imports point the right way
 	$(bin)/lint-imports --no-logo
+
+browser: ## See that there is a browser to test the viewer in; as root on Debian, install one
+	@for each in $(browsers); do command -v $$each >/dev/null && exit 0; done; \
+	if [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null; then \
+		echo "Installing $(debs), which the tests of the viewer look with ..."; \
+		apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $(debs) >/dev/null && exit 0; \
+	fi; \
+	echo "There is no browser, so the viewer is not tested in one. On Debian: sudo apt-get install $(debs)" >&2
 
 fuzz: $(stamp) ## Feed every reader with spoiled files for an hour; what crashes is kept in out/fuzz
 	$(bin)/python -m experiments.fuzz_readers all --seconds 3600 --out out/fuzz
