@@ -1,0 +1,116 @@
+"""The one page that is served: viser's, with a script of ours, and what it is allowed to do."""
+
+from __future__ import annotations
+
+import base64
+import gzip
+import hashlib
+import re
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+DIGITS = "!#$%()*+,-./0123456789:;=?@ABCDEFGHIJKLMNOPQRSTUVWXYZ[\\]^_abcdefghijklmnopqrstuvwxyz{|}~"
+"""The 88 digits that viser packs its program with: five of them for four bytes."""
+
+SCRIPT = re.compile(r"<script\b([^>]*)>(.*?)</script>", re.DOTALL)
+"""A script that stands in the page."""
+
+PACKED = re.compile(r'data-p="([^"]*)" data-ss="(\d+)" data-cs="(\d+)"')
+"""viser's program: packed, with the lengths of its style sheet and of its code."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class FrontPage:
+    """What is answered to who may come in."""
+
+    plain: bytes
+    """The page."""
+    packed: bytes
+    """The same for browsers that take gzip."""
+    scripts: tuple[str, ...]
+    """What CSP calls the scripts that may run."""
+
+    def policy(self, host: str) -> str:
+        """Return what the page may do, as CSP has it; it may speak with nobody but us.
+
+        A name from a file that became HTML in spite of all could still run nothing: only the
+        scripts of the page run. Those may evaluate text, as viser's sorting program does.
+
+        Args:
+            host: What the browser calls us, with the port.
+        """
+        return "; ".join(
+            (
+                "default-src 'none'",
+                f"script-src {' '.join(self.scripts)} 'unsafe-eval'",
+                "style-src 'unsafe-inline'",
+                "img-src data: blob:",
+                "font-src data:",
+                "worker-src blob:",
+                # Not every browser holds a websocket to be of the same origin as its page.
+                f"connect-src 'self' ws://{host} data: blob:",
+                "base-uri 'none'",
+                "form-action 'none'",
+                "frame-ancestors 'none'",
+            )
+        )
+
+
+def page_script() -> str:
+    """Return our script for the page; empty if there is none."""
+    path = Path(__file__).with_name("page.js")
+    return path.read_text(encoding="utf-8") if path.is_file() else ""
+
+
+@cache
+def front_page() -> FrontPage:
+    """Return viser's page with our script in it."""
+    import viser
+
+    path = Path(viser.__file__).parent / "client" / "build" / "index.html"
+    text = path.read_text(encoding="utf-8").replace("<title>Viser</title>", "<title>morph</title>")
+    script = page_script()
+    if script:
+        # What ends a script must not stand inside one.
+        script = script.replace("</", "<\\/")
+        text = text.replace("</head>", f"<script>{script}</script></head>")
+    plain = text.encode()
+    return FrontPage(plain=plain, packed=gzip.compress(plain, 6), scripts=_allowed(text))
+
+
+def _allowed(text: str) -> tuple[str, ...]:
+    """Return the hashes of the page's scripts, and of the program that the first one unpacks."""
+    allowed = [_hash(body.encode()) for _, body in SCRIPT.findall(text)]
+    packed = PACKED.search(text)
+    if packed is None:
+        # Another viser than we know: it may run what it brings, as it does without us.
+        return ("'unsafe-inline'",)
+    import zstandard
+
+    styles, code = int(packed[2]), int(packed[3])
+    unpacked = zstandard.ZstdDecompressor().decompress(
+        unpack(packed[1]), max_output_size=styles + code
+    )
+    return (*allowed, _hash(unpacked[styles:]))
+
+
+def unpack(text: str) -> bytes:
+    """Return the bytes of a text in viser's 88 digits; what is left of five is shorter."""
+    digits = np.zeros(127, dtype=np.uint64)
+    for value, digit in enumerate(DIGITS):
+        digits[ord(digit)] = value
+    values = digits[np.frombuffer(text.encode("ascii"), dtype=np.uint8)]
+    whole, left = divmod(len(values), 5)
+    powers = np.array([88**power for power in range(4, -1, -1)], dtype=np.uint64)
+    words = values[: 5 * whole].reshape(whole, 5) @ powers
+    last = 0
+    for value in values[5 * whole :]:
+        last = 88 * last + int(value)
+    return words.astype(">u4").tobytes() + last.to_bytes(8, "big")[8 - max(left - 1, 0) :]
+
+
+def _hash(script: bytes) -> str:
+    return f"'sha256-{base64.b64encode(hashlib.sha256(script).digest()).decode()}'"
