@@ -1,0 +1,204 @@
+"""A real Chromium that looks at the real viewer."""
+
+from __future__ import annotations
+
+import io
+import os
+import re
+import shutil
+import socket
+import time
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any
+
+import numpy as np
+import pytest
+
+from morph.app.viewer.given import Given
+from morph.app.viewer.server import Viewer
+from morph.app.viewer.view import View
+from morph.app.viewer.views.views import makers
+from morph.body.load import load
+
+NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+
+FLAGS = ("--no-sandbox", "--use-angle=gl-egl", "--ignore-gpu-blocklist")
+"""With these WebGL is drawn without a graphics card and without a display."""
+
+PATIENCE = 40.0
+"""s; a picture takes seconds where the processor draws it, and two tests may share it."""
+
+HARMLESS = re.compile(r"THREE\.Clock|\[Performance\]|GPU stall due to ReadPixels")
+"""What viser's client and the browser say of themselves."""
+
+
+def differs(one: np.ndarray, other: np.ndarray) -> bool:
+    """Whether two pictures of the canvas differ by more than the edges of a line or two."""
+    # Viser draws more coarsely while it is slow, which moves edges by a part of a pixel.
+    far = np.abs(one.astype(int) - other.astype(int)).max(axis=2) > 40
+    return bool(far.mean() > 5e-4)
+
+
+class Look:
+    """One person at one page."""
+
+    def __init__(self, page: Any) -> None:
+        self.page = page
+        self.said: list[str] = []
+        """All that the console said."""
+        self.wrong: list[str] = []
+        """Errors of it, and of scripts."""
+        self.requests: list[str] = []
+        """Addresses that the page asked for."""
+        page.on("console", self._hears)
+        page.on("pageerror", lambda error: self.wrong.append(str(error)))
+        page.on("request", lambda request: self.requests.append(request.url))
+        page.on("websocket", lambda socket: self.requests.append(socket.url))
+
+    def until(self, holds: Callable[[], Any], what: str) -> Any:
+        """Wait until something holds, and return it."""
+        end = time.monotonic() + PATIENCE
+        while not (found := holds()):
+            if time.monotonic() > end:
+                pytest.fail(f"after {PATIENCE:.0f} s still not: {what}; wrong: {self.wrong}")
+            self.page.wait_for_timeout(50)
+        return found
+
+    def picture(self) -> np.ndarray:
+        """What the canvas shows, uint8, shape (rows, columns, 3), without panel and messages."""
+        from PIL import Image
+
+        box = self.page.locator("canvas").first.bounding_box()
+        # The top holds the messages of viser, the lower edge its buttons.
+        clip = {
+            "x": box["x"],
+            "y": box["y"] + 0.15 * box["height"],
+            "width": min(box["width"], 880.0),
+            "height": 0.75 * box["height"],
+        }
+        shot = self.page.screenshot(clip=clip)
+        return np.array(Image.open(io.BytesIO(shot)).convert("RGB"))
+
+    def changes(self, since: np.ndarray) -> bool:
+        """Whether the canvas shows something else than in an earlier picture."""
+        return differs(since, self.picture())
+
+    def settled(self) -> np.ndarray:
+        """The picture of a scene in which nothing moves any more."""
+        last = self.picture()
+        end = time.monotonic() + PATIENCE
+        while differs(last, now := self.picture()):
+            if time.monotonic() > end:
+                pytest.fail("the picture never comes to rest")
+            last = now
+        return now
+
+    def colours(self) -> int:
+        """How many colours the canvas has."""
+        return len(np.unique(self.picture().reshape(-1, 3), axis=0))
+
+    def text(self) -> str:
+        """All the text that is to be read."""
+        return str(self.page.inner_text("body"))
+
+    def press(self, name: str) -> None:
+        """Press the button of this name."""
+        self.page.get_by_role("button", name=name, exact=True).first.click()
+
+    def _hears(self, message: Any) -> None:
+        self.said.append(message.text)
+        if message.type in ("error", "warning") and not HARMLESS.search(message.text):
+            self.wrong.append(message.text)
+
+
+@pytest.fixture(scope="session")
+def chromium() -> str:
+    """The browser's command; CI must have it, elsewhere its tests are skipped."""
+    for name in NAMES:
+        if found := shutil.which(name):
+            return found
+    reason = f"there is no browser ({', '.join(NAMES)}); `make test` installs one as root"
+    if os.environ.get("CI") == "true":
+        pytest.fail(reason)
+    pytest.skip(reason)
+
+
+# By module: while playwright runs in a thread, nothing else there can run an event loop.
+@pytest.fixture(scope="module")
+def browser(chromium: str) -> Iterator[Any]:
+    """A running browser."""
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as play:
+        running = play.chromium.launch(executable_path=chromium, args=list(FLAGS))
+        yield running
+        running.close()
+
+
+@pytest.fixture
+def blank(browser: Any) -> Iterator[Callable[..., Look]]:
+    """Makes a person with an empty page; what went wrong on a page fails the test."""
+    people: list[tuple[Any, Look]] = []
+
+    def made(**how: Any) -> Look:
+        context = browser.new_context(
+            viewport={"width": 1280, "height": 760}, accept_downloads=True, **how
+        )
+        page = context.new_page()
+        page.set_default_timeout(1e3 * PATIENCE)
+        people.append((context, Look(page)))
+        return people[-1][1]
+
+    yield made
+    wrong = [each for _, person in people for each in person.wrong]
+    for context, _ in people:
+        context.close()
+    assert wrong == []
+
+
+@pytest.fixture
+def look(blank: Callable[..., Look]) -> Callable[[str], Look]:
+    """Opens a page of the viewer, and waits until its canvas shows something."""
+
+    def opened(address: str) -> Look:
+        person = blank()
+        person.page.goto(address)
+        person.until(lambda: person.page.locator("canvas").count(), "there is a canvas")
+        person.until(
+            lambda: person.page.get_by_role("slider").count(), "the controls of the clock are there"
+        )
+        person.until(lambda: person.colours() > 200, "the canvas shows something")
+        return person
+
+    return opened
+
+
+def free_port() -> int:
+    """Return a port that nobody has."""
+    with socket.socket() as asked:
+        asked.bind(("127.0.0.1", 0))
+        return int(asked.getsockname()[1])
+
+
+@pytest.fixture
+def served() -> Iterator[Callable[..., Viewer]]:
+    """Serves views: those given, or what `morph view` would show of bodies."""
+    viewers: list[Viewer] = []
+
+    def opened(
+        *names: str,
+        views: Callable[[], Sequence[View]] | None = None,
+        first: str | None = None,
+        **given: Any,
+    ) -> Viewer:
+        begin = 0
+        if views is None:
+            robots = tuple(load(name) for name in names)
+            found, begin = makers(Given(robots=robots, asked=names, **given), first)
+            views = lambda: [make() for make in found]  # noqa: E731
+        viewers.append(Viewer(views, first=begin, port=free_port()))
+        return viewers[-1]
+
+    yield opened
+    for viewer in viewers:
+        viewer.close()

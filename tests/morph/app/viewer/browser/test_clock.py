@@ -1,0 +1,127 @@
+"""The clock on a page, held against a motion that is known in closed form."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, ClassVar
+
+import numpy as np
+import pytest
+
+from morph.app.viewer.content import Actor, Content
+from morph.app.viewer.figure import Figure, figure
+from morph.app.viewer.motion import RATE, posed
+from morph.app.viewer.view import View
+from morph.body.load import load
+
+SECONDS = 4.0
+
+
+class Turning(View):
+    """A pendulum that is at one radian for every second."""
+
+    name: ClassVar[str] = "turning"
+    title: ClassVar[str] = "Turning"
+
+    def __init__(self, drawn: Figure) -> None:
+        angles = np.arange(round(SECONDS * RATE) + 1)[:, None] / RATE
+        self._actor = Actor(figure=drawn, motion=posed(drawn.model, angles))
+
+    def content(self) -> Content:
+        return Content(actors=(self._actor,))
+
+
+def nearer(picture: np.ndarray, one: np.ndarray, other: np.ndarray) -> bool:
+    """Whether a picture is much more like one than like another."""
+    far = [np.abs(picture.astype(int) - each).mean() for each in (one, other)]
+    return bool(far[0] < 0.3 * far[1])
+
+
+@pytest.fixture
+def viewer(served: Callable[..., Any]) -> Any:
+    drawn = figure(load("pendulum"))
+    return served(views=lambda: [Turning(drawn)])
+
+
+def test_buttons_and_keys_hold_the_body_and_let_it_go(
+    viewer: Any, look: Callable[..., Any]
+) -> None:
+    person = look(viewer.address)
+    (session,) = viewer.sessions
+    start = person.picture()
+    person.until(lambda: person.changes(start), "the body moves")
+
+    person.press("Pause")
+    person.until(lambda: not session.clock.playing, "it pauses")
+    held = person.settled()
+    at = session.clock.time
+
+    person.page.mouse.click(400, 300)
+    person.page.keyboard.press("Space")
+    person.until(lambda: session.clock.playing, "the space bar plays")
+    person.until(lambda: session.clock.time != at and person.changes(held), "the body moves again")
+    person.page.keyboard.press("Space")
+    person.until(lambda: not session.clock.playing, "the space bar pauses")
+
+    person.page.keyboard.press("Home")
+    person.until(lambda: session.clock.time == 0.0, "the key goes to the start")
+    for _ in range(3):
+        person.page.keyboard.press("ArrowRight")
+    person.until(lambda: abs(session.clock.time - 3.0 / RATE) < 1e-9, "three pictures on")
+    person.page.keyboard.press("ArrowLeft")
+    person.until(lambda: abs(session.clock.time - 2.0 / RATE) < 1e-9, "one picture back")
+    person.press("+1 s")
+    person.until(lambda: abs(session.clock.time - 1.0 - 2.0 / RATE) < 1e-9, "a second on")
+    person.press("-1 s")
+    person.until(lambda: abs(session.clock.time - 2.0 / RATE) < 1e-9, "and back")
+
+
+def test_a_scrubbed_clock_shows_the_pose_of_that_time(
+    viewer: Any, look: Callable[..., Any]
+) -> None:
+    person = look(viewer.address)
+    (session,) = viewer.sessions
+    handle = person.page.get_by_role("slider").first
+    handle.focus()
+    person.page.keyboard.press("Home")
+    person.until(lambda: session.clock.time == 0.0, "scrubbed to the start")
+    assert not session.clock.playing
+    start = person.settled()
+
+    box = handle.bounding_box()
+    across = person.page.locator(".mantine-Slider-track").first.bounding_box()
+    assert box is not None and across is not None
+    y = box["y"] + 0.5 * box["height"]
+    person.page.mouse.move(box["x"] + 0.5 * box["width"], y)
+    person.page.mouse.down()
+    for share in (0.1, 0.3, 0.5):
+        person.page.mouse.move(across["x"] + share * across["width"], y)
+    person.page.mouse.up()
+    # Half of the track is half of the time; the handle's width makes some percent of it.
+    person.until(lambda: abs(session.clock.time - 0.5 * SECONDS) < 0.1, "scrubbed to the middle")
+    middle = person.settled()
+    # At two radians the pendulum hangs elsewhere than at none.
+    assert person.changes(start)
+    shown = float(handle.get_attribute("aria-valuenow"))
+    assert shown == pytest.approx(session.clock.time, abs=2e-3)
+
+    person.page.mouse.click(400, 300)
+    person.page.keyboard.press("Home")
+    person.until(lambda: session.clock.time == 0.0, "at the start again")
+    # The same time shows the same pose again, and not that of the middle.
+    person.until(lambda: nearer(person.picture(), start, middle), "the pose of the start")
+
+
+def test_two_people_do_not_share_a_clock(viewer: Any, look: Callable[..., Any]) -> None:
+    one, other = look(viewer.address), look(viewer.address)
+    mine, yours = viewer.sessions
+    one.press("Pause")
+    one.until(lambda: not mine.clock.playing, "the first has paused")
+    held = mine.clock.time
+    passed = yours.clock.time
+    other.until(lambda: yours.clock.time != passed, "the second's goes on")
+    assert yours.clock.playing
+    assert mine.clock.time == held
+    one.page.close()
+    other.until(lambda: len(viewer.sessions) == 1, "who leaves is gone")
+    assert viewer.sessions == (yours,)
