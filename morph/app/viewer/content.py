@@ -41,6 +41,10 @@ class Tie:
     """Number of an actor, and the name of its link."""
     target: tuple[int, str]
     """The same at its other end."""
+    source_at: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Where on the one link it ends, in the link's frame, m."""
+    target_at: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Where on the other."""
     strength: float = 1.0
     """How thick it is, 0 to 1."""
     colour: Colour = (0, 114, 178)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
+import mujoco
 import numpy as np
 
 from morph.app.picture.scene import rounded
-from morph.app.viewer.content import Actor, Colour, Content
+from morph.app.viewer.content import Actor, Colour, Content, Tie
 from morph.app.viewer.layout import Layout, laid_out
 from morph.arrays import Array
 
@@ -38,6 +40,9 @@ GHOST = 0.32
 STILL = 1e-6
 """m, or part of a quaternion: what moved less is not sent."""
 
+THIN, THICK = 1.5, 7.0
+"""Width of the weakest and of the strongest tie, in pixels."""
+
 FAR = 2.6
 """How far the camera is, by the radius of what it sees."""
 
@@ -58,7 +63,7 @@ class Stage:
         self._meshes: list[list[tuple[int, Any, Colour]]] = []
         self._arrows: dict[tuple[int, str], Any] = {}
         self._marks: dict[int, Any] = {}
-        self._ties: Any = None
+        self._ties: list[tuple[list[int], Any]] = []
         self._chosen: tuple[int, str] | None = None
         self._levels: dict[int, Array] = {}
         self._sent: list[tuple[Array, Array]] = []
@@ -81,19 +86,12 @@ class Stage:
             scene.remove_by_name("/world")
         self._content, self._layout = content, laid_out(content.actors)
         self._links, self._meshes, self._sent = [], [], []
-        self._arrows, self._marks, self._levels, self._ties = {}, {}, {}, None
+        self._arrows, self._marks, self._levels, self._ties = {}, {}, {}, []
         self._world = scene.add_frame("/world", show_axes=False)
         _ground(scene, self._layout)
         for at, actor in enumerate(content.actors):
             self._stand(at, actor)
-        if content.ties:
-            colours = np.array([tie.colour for tie in content.ties], dtype=np.uint8)
-            self._ties = scene.add_line_segments(
-                "/world/ties",
-                np.zeros((len(content.ties), 2, 3), dtype=np.float32),
-                np.repeat(colours[:, None], 2, axis=1),
-                line_width=3.0,
-            )
+        self._tie(content.ties)
 
     def pose(self, time: float) -> None:
         """Put everything where it is at a time on the shared clock, s."""
@@ -105,8 +103,9 @@ class Stage:
             self._pose_links(at, actor, picture)
             self._pose_arrows(at, actor, picture)
             self._colour(at, actor, picture)
-        if self._ties is not None:
-            self._ties.points = self._tied(content, time).astype(np.float32)
+        for which, lines in self._ties:
+            ends = [self._ends(content, content.ties[tie], time) for tie in which]
+            lines.points = np.array(ends, dtype=np.float32)
         self._world.position = -self._gone(content, time)
 
     def choose(self, actor: int, link: str | None) -> None:
@@ -245,14 +244,30 @@ class Stage:
                 mesh.color = (red, green, blue)
         self._levels[at] = levels
 
-    def _tied(self, content: Content, time: float) -> Array:
-        ends = np.empty((len(content.ties), 2, 3))
-        for number, tie in enumerate(content.ties):
-            for end, (at, link) in enumerate((tie.source, tie.target)):
-                actor = content.actors[at]
-                body = actor.figure.links.index(link)
-                where = actor.motion.position[actor.motion.at(time), body]
-                ends[number, end] = where + self.layout.places[at]
+    def _tie(self, ties: Sequence[Tie]) -> None:
+        # A set of lines has one width, so that each width is a set.
+        widths = [THIN + (THICK - THIN) * min(max(tie.strength, 0.0), 1.0) for tie in ties]
+        for width in sorted({round(each) for each in widths}):
+            which = [at for at, each in enumerate(widths) if round(each) == width]
+            colours = np.array([ties[at].colour for at in which], dtype=np.uint8)
+            lines = self._scene.add_line_segments(
+                f"/world/ties_{width}",
+                np.zeros((len(which), 2, 3), dtype=np.float32),
+                np.repeat(colours[:, None], 2, axis=1),
+                line_width=float(width),
+            )
+            self._ties.append((which, lines))
+
+    def _ends(self, content: Content, tie: Tie, time: float) -> list[Array]:
+        """Return where a tie's two ends are, m, shape (3,) each."""
+        ends = []
+        for (at, link), place in ((tie.source, tie.source_at), (tie.target, tie.target_at)):
+            actor = content.actors[at]
+            body, picture = actor.figure.links.index(link), actor.motion.at(time)
+            away = np.empty(3)
+            mujoco.mju_rotVecQuat(away, np.array(place), actor.motion.turn[picture, body])
+            where = actor.motion.position[picture, body] + away
+            ends.append(where + self.layout.places[at])
         return ends
 
     def _gone(self, content: Content, time: float) -> Array:
