@@ -17,6 +17,7 @@ from morph.arrays import Array
 ARROWS: dict[str, Colour] = {
     "contact": (213, 94, 0),
     "fluid": (0, 158, 205),
+    "buoyancy": (0, 158, 115),
     "torque": (204, 121, 167),
     "wrench": (200, 30, 30),
 }

@@ -29,6 +29,12 @@ class View(ABC):
     def content(self) -> Content:
         """Return what is shown now; at once, even if more is still being computed."""
 
+    def complete(self) -> None:
+        """Wait until nothing that is still being computed is missing from `content`.
+
+        What is exported or pictured waits for it; a page never does.
+        """
+
     def panel(self, gui: Any, session: Session) -> None:
         """Add its controls to the page; they act through `session.do` and `session.show`.
 
