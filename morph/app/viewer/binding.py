@@ -16,7 +16,7 @@ NEXT = 100
 LARGEST = 65535
 """The largest port there is."""
 
-ELSEWHERE = ("192.0.2.1", 9)
+ELSEWHERE = ("203.0.113.1", 9)
 """An address that nobody has (RFC 5737); nothing is sent to it."""
 
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import logging
 import threading
-import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager, redirect_stdout, suppress
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from typing import Any
 
 from morph.app.viewer.binding import Bound, bound
 from morph.app.viewer.front_page import front_page
-from morph.app.viewer.guard import LOG, Guard
+from morph.app.viewer.guard import Guard
 from morph.errors import OutputError
 
 HOST, PORT = "127.0.0.1", 8080
@@ -24,6 +24,9 @@ LARGEST_MESSAGE = 4 * 2**20
 
 VISER = "viser.infra._infra"
 """The module whose server is guarded."""
+
+LOG = logging.getLogger("morph.websockets")
+"""What strangers at the door get wrong is told here, to nobody unless somebody listens."""
 
 _ONE_AT_A_TIME = threading.Lock()
 
@@ -95,6 +98,8 @@ def quiet(speaker: Any) -> None:
     for message in refused:
         with suppress(AssertionError):
             handler.unregister_handler(message)
+    # What is said to a page between its end and our hearing of it is not worth a warning.
+    handler.get_message_buffer()._sanctioned_dead_writes += 1
 
 
 def _served(place: Bound, token: str | None, label: str) -> Any:
@@ -108,8 +113,6 @@ def _served(place: Bound, token: str | None, label: str) -> Any:
         protocol=f"viser-v{viser.__version__}",
         people=lambda: people[0],
     )
-    # Between a page's end and our hearing of it, what is still said to it is said to nobody.
-    warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")
     # viser's greetings must not mix with what a command answers.
     with _guarded(place, guard, people) as used, redirect_stdout(StringIO()):
         # Were our own socket not used, it would serve to this machine only, until we notice.

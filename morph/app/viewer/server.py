@@ -2,13 +2,24 @@
 
 from __future__ import annotations
 
+import logging
+import signal
+import sys
 import threading
-from collections.abc import Callable, Sequence
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from html import escape
 from typing import Any
 
-from morph.app.viewer.door import HOST, PORT, Door, open_door
+from morph.app.viewer.door import HOST, PORT, Door, open_door, quiet
 from morph.app.viewer.session import Session
 from morph.app.viewer.view import View
+
+LOG = logging.getLogger(__name__)
+
+MOST_PEOPLE = 20
+"""People who look at one time; each has pictures sent 60 times a second."""
 
 
 class Viewer:
@@ -36,7 +47,7 @@ class Viewer:
         """Serve."""
         self._views, self._first = views, first
         self._sessions: dict[int, Session] = {}
-        self._lock = threading.Lock()
+        self._lock, self._closed = threading.Lock(), False
         self.door: Door = open_door(host, port, label)
         self.door.server.on_client_connect(self._enters)
         self.door.server.on_client_disconnect(self._leaves)
@@ -52,20 +63,94 @@ class Viewer:
         with self._lock:
             return tuple(self._sessions.values())
 
+    def wait(self, go_on: Callable[[], bool] = lambda: True) -> None:
+        """Tell where to look, serve until the keyboard interrupts or the system asks to end, close.
+
+        Nothing is lost by either, so both are a good end.
+
+        Args:
+            go_on: Is asked some times a second; False is an end, too.
+        """
+        for note in self.door.notes:
+            sys.stderr.write(f"{note}\n")
+        sys.stderr.write(f"see {self.address} (end with Ctrl-C)\n")
+        sys.stderr.flush()
+        try:
+            with _ends_as_interrupted(), _told():
+                while go_on():
+                    time.sleep(0.1)
+        except KeyboardInterrupt:
+            sys.stderr.write("\n")
+        finally:
+            self.close()
+
     def close(self) -> None:
         """Stop serving."""
-        for session in self.sessions:
+        with self._lock:
+            self._closed = True
+        sessions = self.sessions
+        for session in sessions:
             session.close()
+        for session in sessions:
+            session.join(seconds=1.0)
         self.door.close()
 
     def _enters(self, client: Any) -> None:
-        session = Session(client, self._views(), self._first)
+        quiet(client)
+        try:
+            session = Session(client, self._views(), self._first)
+        except Exception as error:
+            LOG.exception("no view could be made for a page")
+            _only(client, f"The viewer itself failed ({type(error).__name__}: {error}).")
+            return
         with self._lock:
-            self._sessions[client.client_id] = session
-        session.start()
+            full = len(self._sessions) >= MOST_PEOPLE
+            if not full and not self._closed:
+                self._sessions[client.client_id] = session
+        if full:
+            _only(
+                client,
+                f"{MOST_PEOPLE} people look already, no more can: load the page again later.",
+            )
+        elif client.client_id in self.door.server.get_clients():
+            session.start()
+        else:
+            # Gone before it was here: its leaving may have been heard of already.
+            self._leaves(client)
 
     def _leaves(self, client: Any) -> None:
         with self._lock:
             session = self._sessions.pop(client.client_id, None)
         if session is not None:
             session.close()
+
+
+def _only(client: Any, text: str) -> None:
+    """Show a person nothing but a text."""
+    client.gui.configure_theme(show_logo=False, show_share_button=False)
+    client.gui.add_html(f"<p>{escape(text)}</p>")
+
+
+@contextmanager
+def _ends_as_interrupted() -> Iterator[None]:
+    """Have the system's wish to end be an interrupt; only Python's main thread hears of it."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        yield
+    finally:
+        # None stands for a handler that was not installed from Python.
+        signal.signal(signal.SIGTERM, signal.SIG_DFL if before is None else before)
+
+
+@contextmanager
+def _told() -> Iterator[None]:
+    """Tell the terminal what goes wrong in the viewer itself; nobody else listens there."""
+    log, terminal = logging.getLogger("morph.app.viewer"), logging.StreamHandler(sys.stderr)
+    log.addHandler(terminal)
+    try:
+        yield
+    finally:
+        log.removeHandler(terminal)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import logging
 import queue
 import threading
 import time
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any, TypeVar
 
 from morph.app.viewer.clock import Clock
@@ -15,6 +17,8 @@ from morph.app.viewer.motion import RATE
 from morph.app.viewer.stage import Stage
 from morph.app.viewer.view import View
 from morph.errors import MorphError
+
+LOG = logging.getLogger(__name__)
 
 Found = TypeVar("Found")
 
@@ -43,6 +47,7 @@ class Session:
         self._over = threading.Event()
         self._controls = Controls(self)
         self._aimed = False
+        self._shown, self._told = -1, 0.0
         self._thread = threading.Thread(target=self._run, name="morph-session", daemon=True)
 
     def start(self) -> None:
@@ -50,8 +55,18 @@ class Session:
         self._thread.start()
 
     def close(self) -> None:
-        """End; the page is gone."""
+        """End; the page is gone. What is still being computed for it is not shown."""
         self._over.set()
+
+    def join(self, seconds: float) -> None:
+        """Wait until nothing of it runs any more, at most so many seconds."""
+        if self._thread.is_alive():
+            self._thread.join(seconds)
+
+    @property
+    def over(self) -> bool:
+        """Whether the page is gone; long work may ask, and stop."""
+        return self._over.is_set()
 
     def do(self, what: Callable[[], None]) -> None:
         """Have something done in the session's thread, soon; may be called from any."""
@@ -60,15 +75,14 @@ class Session:
     def later(self, work: Callable[[], Found], then: Callable[[Found], None]) -> None:
         """Have something long done beside the session, and what comes of it in its thread.
 
-        An error of ours is told on the page.
+        What goes wrong is told on the page.
         """
 
         def run() -> None:
             try:
                 found = work()
-            except MorphError as error:
-                told = f"{error.where}: {error.what}. {error.fix}"
-                self.do(lambda: self.say(told, bad=True))
+            except Exception as error:
+                self.do(partial(self._tell, error))
                 return
             self.do(lambda: then(found))
 
@@ -105,25 +119,32 @@ class Session:
         )
 
     def _run(self) -> None:
-        self._controls.build()
-        self.turn_to(self.view)
-        before, told, shown = time.monotonic(), 0.0, -1
+        self._safely(self._controls.build)
+        self._safely(partial(self.turn_to, self.view))
+        before = time.monotonic()
         while not self._over.is_set():
             now = time.monotonic()
             self.clock.tick(now - before)
             before = now
             self._answer()
-            picture = int(self.clock.time * RATE + 1e-6)
-            # A change of content, a switch or a hand on the slider shows the same picture anew.
-            if picture != shown or self._controls.stale:
-                with self.client.atomic():
-                    self.stage.pose(self.clock.time)
-                shown, self._controls.stale = picture, False
-                if now - told >= SLOW or not self.clock.playing:
-                    self._controls.tell()
-                    self.view.picture(self.clock.time)
-                    told = now
+            if not self._safely(partial(self._picture, now)):
+                # Whoever looks decides whether to try again; it must not fail 60 times a second.
+                self.clock.playing = False
             time.sleep(max(0.0, 1.0 / RATE - (time.monotonic() - now)))
+
+    def _picture(self, now: float) -> None:
+        """Show where the clock is, unless it is shown already."""
+        picture = int(self.clock.time * RATE + 1e-6)
+        # A change of content, a switch or a hand on the slider shows the same picture anew.
+        if picture == self._shown and not self._controls.stale:
+            return
+        self._shown, self._controls.stale = picture, False
+        with self.client.atomic():
+            self.stage.pose(self.clock.time)
+        if now - self._told >= SLOW or not self.clock.playing:
+            self._told = now
+            self._controls.tell()
+            self.view.picture(self.clock.time)
 
     def _answer(self) -> None:
         while not self._over.is_set():
@@ -131,8 +152,30 @@ class Session:
                 asked = self._asked.get_nowait()
             except queue.Empty:
                 return
-            try:
-                asked()
-            except MorphError as error:
-                self.say(f"{error.where}: {error.what}. {error.fix}", bad=True)
+            self._safely(asked)
             self._controls.stale = True
+
+    def _safely(self, what: Callable[[], None]) -> bool:
+        """Do something and return whether it could be done; if not, it is told on the page.
+
+        A fault of the viewer's own must end neither the page nor those of other people.
+        """
+        try:
+            what()
+        except Exception as error:
+            if not self._over.is_set():
+                self._tell(error)
+            return False
+        return True
+
+    def _tell(self, error: Exception) -> None:
+        if isinstance(error, MorphError):
+            self.say(f"{error.where}: {error.what}. {error.fix}", bad=True)
+            return
+        LOG.error("a page could not be shown as asked", exc_info=error)
+        self.say(
+            f"The viewer itself failed at this ({type(error).__name__}: {error}). What is shown "
+            "may lack something; load the page again if it does. Where morph was started stands "
+            "what went wrong.",
+            bad=True,
+        )
