@@ -3,11 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import ClassVar
+from functools import partial
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from morph.app.viewer.content import Content
 from morph.app.viewer.given import Given
+from morph.app.viewer.mismatch.case import Case, load_case
+from morph.app.viewer.mismatch.choices import Choices
+from morph.app.viewer.mismatch.diagnosed import Found
+from morph.app.viewer.mismatch.drawn import drawn
+from morph.app.viewer.mismatch.missing import clearest, joint_of
+from morph.app.viewer.mismatch.take import DESCRIBED, Take
 from morph.app.viewer.view import View
+from morph.arrays import JSON
+
+if TYPE_CHECKING:
+    from morph.app.viewer.session import Session
 
 
 class Mismatch(View):
@@ -16,11 +27,79 @@ class Mismatch(View):
     name: ClassVar[str] = "mismatch"
     title: ClassVar[str] = "Mismatch"
 
+    def __init__(self, case: Case) -> None:
+        """Begin with the first recording that no model had seen."""
+        self._case, self._chosen = case, Choices.of(case)
+
     def content(self) -> Content:
-        """Return the recording and its ghost."""
-        return Content(actors=())
+        """Return the recording and its ghosts."""
+        chosen = self._chosen
+        return drawn(self._case, self._take(), chosen.shown, chosen.colouring)
+
+    def state(self) -> JSON:
+        """Return what is chosen."""
+        return self._chosen.state(self._case)
+
+    def restore(self, state: JSON) -> None:
+        """Choose what an earlier `state` said.
+
+        Raises:
+            ViewError: It names a recording, a window, a model or a way that is not here.
+        """
+        self._chosen = Choices.restored(self._case, state)
+
+    def panel(self, gui: Any, session: Session) -> None:
+        """Add the choice of recording, window, simulation, models and colours, and findings."""
+        from morph.app.viewer.mismatch.panel import Panel
+
+        Panel(self, gui, session)
+
+    @property
+    def case(self) -> Case:
+        """What was given."""
+        return self._case
+
+    @property
+    def chosen(self) -> Choices:
+        """What is shown."""
+        return self._chosen
+
+    def choose(self, chosen: Choices, session: Session, then: Callable[[], None]) -> None:
+        """Show something else as soon as it is computed.
+
+        Args:
+            chosen: What is to be shown.
+            session: Whose page.
+            then: Called in the session's thread when it is shown.
+        """
+        self._chosen = chosen
+
+        def shown(take: Take) -> None:
+            # Whoever chose again in the meantime waits for that alone.
+            if self._chosen == chosen:
+                session.show()
+                then()
+
+        session.later(lambda: self._case.take(chosen.ask), shown)
+
+    def moment_of(self, found: Found) -> float | None:
+        """Return when a finding shows most in the window, s; None if it cannot be told."""
+        missed = self._take().missing.get(DESCRIBED)
+        if missed is None:
+            return None
+        return clearest(missed, found.effect.label, joint_of(found.effect, self._case.robot))
+
+    def _take(self) -> Take:
+        return self._case.take(self._chosen.ask)
 
 
 def maker(given: Given) -> Callable[[], View]:
-    """Return what makes this view for a person who opens the page."""
-    return Mismatch
+    """Return what makes this view for a person who opens the page.
+
+    Raises:
+        MorphError: What was given cannot be used, or does not belong together.
+    """
+    case = load_case(given)
+    # What is shown first is ready before anybody looks.
+    case.take(Choices.of(case).ask)
+    return partial(Mismatch, case)

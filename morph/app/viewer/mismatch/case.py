@@ -1,0 +1,296 @@
+"""What was given to be held against each other: recordings, models, and what a diagnosis says."""
+
+from __future__ import annotations
+
+import threading
+from dataclasses import replace
+from pathlib import Path
+
+from morph.app.viewer.figure import Figure, figure
+from morph.app.viewer.given import Given
+from morph.app.viewer.mismatch import loose, rollouts
+from morph.app.viewer.mismatch.diagnosed import Diagnosed, command_of, load_diagnosed
+from morph.app.viewer.mismatch.laid import part_of, windows, with_commands
+from morph.app.viewer.mismatch.missing import missing
+from morph.app.viewer.mismatch.poses import channels_of, poses, span, untold
+from morph.app.viewer.mismatch.take import CORRECTED, DESCRIBED, Ask, Missing, Model, Take
+from morph.body.robot import Robot
+from morph.errors import MorphError, ViewError
+from morph.model.episodes import Episode, episode, gaps, step_for
+from morph.model.split import split
+from morph.physics.effect import Effect
+from morph.physics.worlds import world
+from morph.record.load import check_distinct, load
+from morph.record.recording import Recording
+
+HORIZON = 1.0
+"""Seconds after which a simulation is restarted, where no diagnosis says it."""
+KEPT = 24
+"""Takes that are kept for whoever asks next; the oldest go first."""
+DESCRIBED_COLOUR, CORRECTED_COLOUR = (0, 114, 178), (0, 158, 115)
+
+
+class Case:
+    """Recordings of one robot and the models that they are held against.
+
+    All that it gives is shared by everybody who looks, and computed once.
+
+    Args:
+        robot: The robot as described.
+        recordings: What it did, at least one.
+        diagnosed: What a diagnosis says of them.
+        around: Effects of the world that it is in.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        recordings: tuple[Recording, ...],
+        diagnosed: Diagnosed | None = None,
+        around: tuple[Effect, ...] = (),
+    ) -> None:
+        """Lay nothing out yet."""
+        self.robot, self.recordings, self.diagnosed = robot, recordings, diagnosed
+        self.figure: Figure = figure(robot, around)
+        self.models = _models(robot, diagnosed, around)
+        self._takes: dict[Ask, Take] = {}
+        self._laid: dict[int, tuple[Episode | None, str]] = {}
+        self._lock = threading.RLock()
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What does not fit between the diagnosis and what else was given, in words."""
+        found = self.diagnosed
+        if found is None:
+            return ()
+        notes = []
+        if found.robot_sha256 != self.robot.sha256:
+            notes.append(
+                "The diagnosis was made of another version of this description: its joints and "
+                "actuators are the same, its figures may not be."
+            )
+        other = [
+            recording.name
+            for recording in self.recordings
+            if found.recordings_sha256.get(recording.name, recording.sha256) != recording.sha256
+        ]
+        if other:
+            notes.append(f"The diagnosis was made of other files called {', '.join(other)}.")
+        if found.corrected is None:
+            notes.append("The diagnosis holds no corrected model.")
+        return tuple(notes)
+
+    @property
+    def findings(self) -> tuple[Effect, ...]:
+        """The effects that the diagnosis found."""
+        return () if self.diagnosed is None else tuple(f.effect for f in self.diagnosed.findings)
+
+    @property
+    def horizon(self) -> float:
+        """Seconds after which a simulation is restarted, if it is."""
+        given = None if self.diagnosed is None else self.diagnosed.horizon
+        return HORIZON if given is None else given
+
+    def windows(self, index: int) -> tuple[tuple[float, float], ...]:
+        """Return the windows of a recording, s from its start."""
+        begin, end = span(self.recordings[index], self.robot)
+        return windows(end - begin)
+
+    def never_seen(self, index: int) -> bool:
+        """Return whether the diagnosis held a recording, or the last quarter of it, out."""
+        found = self.diagnosed
+        return found is not None and self.recordings[index].name in found.held_out
+
+    def unseen_from(self, index: int) -> float:
+        """Return from when on, s, no model had seen a recording that was held out."""
+        if self.diagnosed is None or not self.diagnosed.by_time:
+            return 0.0
+        recording = self.recordings[index]
+        held_out = split([recording]).held_out[0]
+        return span(held_out, self.robot)[0] - span(recording, self.robot)[0]
+
+    def take(self, ask: Ask) -> Take:
+        """Return what is shown of a recording; the first time it is computed.
+
+        Raises:
+            MorphError: It cannot be simulated at all.
+        """
+        with self._lock:
+            if ask not in self._takes:
+                while len(self._takes) >= KEPT:
+                    self._takes.pop(next(iter(self._takes)))
+                self._takes[ask] = self._taken(ask)
+            return self._takes[ask]
+
+    def laid(self, index: int) -> tuple[Episode | None, str]:
+        """Return a recording as a diagnosis would read it, or None and why it cannot."""
+        if index not in self._laid:
+            recording = with_commands(self.recordings[index], self.robot)[0]
+            try:
+                self._laid[index] = episode(recording, self.robot, self._step()), ""
+            except MorphError as error:
+                self._laid[index] = None, error.what
+        return self._laid[index]
+
+    def _step(self) -> float:
+        """Return the seconds a step, as the diagnosis chose it where these are its recordings."""
+        train = () if self.diagnosed is None else self.diagnosed.train
+        told = [each for each in self.recordings if not untold(each, self.robot)]
+        fitted = [each for each in told if each.name in train]
+        return step_for(fitted or told, self.robot)
+
+    def _taken(self, ask: Ask) -> Take:
+        recording, notes = with_commands(self.recordings[ask.episode], self.robot)
+        begin, end = self.windows(ask.episode)[ask.window]
+        zero = span(recording, self.robot)[0]
+        horizon, said = _horizon(ask.horizon, end - begin)
+        measured = poses(recording, self.robot, self.figure.model, zero + begin, end - begin)
+        take = Take(
+            ask=ask,
+            name=recording.name,
+            start=begin,
+            seconds=end - begin,
+            horizon=horizon,
+            measured=measured,
+            simulated={},
+            traces=(),
+            notes=(*notes, *said, *(f"{note.where}: {note.what}" for note in recording.notes)),
+        )
+        laid, why = (None, "") if untold(recording, self.robot) else self.laid(ask.episode)
+        if laid is None:
+            return self._loosely(take, recording, zero + begin, why)
+        return self._scored(take, part_of(laid, begin, end))
+
+    def _scored(self, take: Take, laid: Episode) -> Take:
+        segments, predicted = rollouts.simulated(self.models, laid, take.horizon)
+        at = [int(self.figure.model.joint(each.name).qposadr[0]) for each in self.robot.joints]
+        simulated = {}
+        for name, readings in predicted.items():
+            simulated[name] = take.measured.copy()
+            simulated[name][:, at] = rollouts.pictured(segments, readings, take.measured[:, at])
+        stretch = min(
+            rollouts.STRETCH if take.horizon is None else take.horizon, 0.5 * take.seconds
+        )
+        return replace(
+            take,
+            simulated=simulated,
+            traces=rollouts.traced(self.robot, segments, predicted),
+            missing=self._missing(laid),
+            worst=self._stretches(take) or rollouts.worst_stretches(self.models[0], laid, stretch),
+            notes=(*take.notes, *(f"There is {gap}." for gap in gaps(laid))),
+        )
+
+    def _missing(self, laid: Episode) -> dict[str, Missing]:
+        return {model.name: missing(model, laid, self.findings) for model in self.models}
+
+    def _stretches(self, take: Take) -> tuple[tuple[float, float], ...]:
+        """Return the diagnosis' worst stretches that lie in a window, if they are shorter."""
+        if self.diagnosed is None or not self.never_seen(take.ask.episode):
+            return ()
+        moved = self.unseen_from(take.ask.episode) - take.start
+        found = [
+            (each.start + moved, each.end + moved)
+            for each in self.diagnosed.stretches
+            if each.episode == take.name and each.end - each.start < 0.5 * take.seconds
+        ]
+        return tuple(each for each in found if each[0] >= 0.0 and each[1] <= take.seconds)
+
+    def _loosely(self, take: Take, recording: Recording, begin: float, why: str) -> Take:
+        notes = [f"What force is missing cannot be told: {why}."] if why else []
+        still = untold(recording, self.robot)
+        if still:
+            notes.append(
+                "What force is missing cannot be told, for the recording does not say where "
+                f"{', '.join(still)} is; shown as described."
+            )
+        simulated = {}
+        for model in self.models:
+            simulated[model.name], stopped = loose.simulated(
+                model, recording, take.measured, begin, take.horizon
+            )
+            if stopped:
+                notes.append(f"The simulation {model.title} stopped {stopped}.")
+        traces = loose.traced(self.robot, self.figure.model, recording, take.measured, simulated)
+        return replace(take, simulated=simulated, traces=traces, notes=(*take.notes, *notes))
+
+
+def load_case(given: Given) -> Case:
+    """Return what was given, checked.
+
+    Raises:
+        ViewError: There is no recording, or one that tells nothing of the robot, or the
+            diagnosis is of another robot.
+        MorphError: A recording or a diagnosis cannot be used.
+    """
+    robot = given.robots[0]
+    if not given.recordings:
+        raise _no_recordings(given.diagnosis)
+    recordings = tuple(
+        each for path in given.recordings for each in load(path, robot=robot, root=given.root)
+    )
+    check_distinct(recordings)
+    _check(recordings, robot)
+    diagnosed = None if given.diagnosis is None else load_diagnosed(given.diagnosis, robot)
+    around = () if given.world is None else world(given.world, robot).effects
+    return Case(robot, recordings, diagnosed, around)
+
+
+def _check(recordings: tuple[Recording, ...], robot: Robot) -> None:
+    names = [recording.name for recording in recordings]
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice:
+        raise ViewError(
+            f"several recordings are called {', '.join(twice)}",
+            where="--recording",
+            fix="give each file or episode a name of its own",
+        )
+    for recording in recordings:
+        wanted = [name for joint in robot.joints for name in channels_of(joint)]
+        if len(untold(recording, robot)) == len(robot.joints):
+            raise ViewError(
+                f"it tells of no joint of {robot.name} where it is; its channels are "
+                f"{', '.join(sorted(recording.channels))}",
+                where=", ".join(map(str, recording.sources)) or f"recording {recording.name}",
+                fix=f"give a recording with {', '.join(wanted[:8]) or 'a joint that moves'}",
+            )
+
+
+def _no_recordings(diagnosis: Path | None) -> ViewError:
+    command = "" if diagnosis is None else command_of(diagnosis)
+    return ViewError(
+        "a diagnosis does not hold the recordings that it was made of"
+        + (f"; it was made by: {command}" if command else ""),
+        where=str(diagnosis),
+        fix="give them too, by --recording FILE (and --root DIR, if the diagnosis had one)",
+    )
+
+
+def _models(
+    robot: Robot, diagnosed: Diagnosed | None, around: tuple[Effect, ...]
+) -> tuple[Model, ...]:
+    described = Model(
+        name=DESCRIBED,
+        title="as described",
+        robot=robot,
+        effects=around,
+        colour=DESCRIBED_COLOUR,
+    )
+    if diagnosed is None or diagnosed.corrected is None:
+        return (described,)
+    corrected = Model(
+        name=CORRECTED,
+        title="corrected",
+        robot=diagnosed.corrected,
+        effects=(*around, *diagnosed.effects),
+        colour=CORRECTED_COLOUR,
+    )
+    return described, corrected
+
+
+def _horizon(asked: float | None, seconds: float) -> tuple[float | None, tuple[str, ...]]:
+    if asked is None or asked <= seconds:
+        return asked, ()
+    return None, (
+        f"The recording lasts {seconds:.3g} s, less than {asked:g} s: the simulation is not "
+        "restarted.",
+    )

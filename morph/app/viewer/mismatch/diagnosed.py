@@ -1,0 +1,217 @@
+"""A diagnosis as its folder holds it, checked against the robot before it is believed."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from morph.app.viewer.mismatch.said import Said
+from morph.body.load import load
+from morph.body.robot import Robot
+from morph.errors import MorphError, ViewError
+from morph.model.diagnosis import SCHEMA, Stretch
+from morph.physics.effect import Effect
+from morph.physics.store import effect_of, load_effects
+
+MOST_BYTES = 2**24
+"""Largest diagnosis.json that is read."""
+MOST_FINDINGS = 50
+"""Findings that are read."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Found:
+    """One finding of a diagnosis."""
+
+    effect: Effect
+    """What was left out, as fitted."""
+    statement: str
+    """In one sentence; from a file, so never to be trusted as HTML."""
+    probability: float
+    """How sure it is, 0 to 1."""
+    figures: tuple[str, ...]
+    """Its parameters with their intervals, in words."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Diagnosed:
+    """What a folder says of a diagnosis."""
+
+    folder: Path
+    """Where it was read."""
+    verdict: str
+    """consistent, mismatch or unknown."""
+    findings: tuple[Found, ...]
+    """What was left out."""
+    stretches: tuple[Stretch, ...]
+    """The worst stretches of held-out episodes."""
+    horizon: float | None
+    """Seconds of the rollouts that it scored; None for whole episodes."""
+    train: tuple[str, ...]
+    """Episodes that were fitted."""
+    held_out: tuple[str, ...]
+    """Episodes that no model had seen."""
+    by_time: bool
+    """Whether it held out the last quarter of one episode."""
+    robot_sha256: str
+    """Hash of the description that it was made of."""
+    recordings_sha256: dict[str, str]
+    """Hash of each episode by name."""
+    command: str
+    """The command that made it, empty if it was made from Python."""
+    corrected: Robot | None
+    """The corrected description; None if there is none."""
+    effects: tuple[Effect, ...]
+    """What MuJoCo cannot hold of the correction."""
+
+
+def load_diagnosed(folder: Path, robot: Robot) -> Diagnosed:
+    """Return a diagnosis of a robot.
+
+    Raises:
+        ViewError: The folder holds no diagnosis, or one of another robot.
+        MorphError: The corrected model in it cannot be used.
+    """
+    path = folder / "diagnosis.json"
+    content = Said(_json(path), where=str(path))
+    if content.text("schema") != SCHEMA:
+        raise ViewError(
+            f"its schema is not {SCHEMA!r}",
+            where=str(path),
+            fix="name a folder that this version of `morph diagnose` wrote",
+        )
+    fit, provenance = content.table("fit"), content.table("provenance")
+    horizon = None if fit.content.get("horizon_s") == "full" else fit.number("horizon_s")
+    if horizon is not None and horizon < 0.1:
+        raise ViewError(
+            f"a horizon of {horizon:g} s", where=str(path), fix="a horizon is 0.1 s or more"
+        )
+    corrected = _corrected(folder, robot)
+    return Diagnosed(
+        folder=folder,
+        verdict=content.text("verdict"),
+        findings=tuple(_found(each, robot) for each in content.tables("findings")[:MOST_FINDINGS]),
+        stretches=tuple(_stretch(each) for each in content.table("located").tables("times")),
+        horizon=horizon,
+        train=fit.texts("train"),
+        held_out=fit.texts("held_out"),
+        by_time=fit.text("split") == "by time",
+        robot_sha256=provenance.text("robot_sha256"),
+        recordings_sha256=provenance.table("recordings_sha256").of_texts(),
+        command=provenance.text("command", default=""),
+        corrected=corrected,
+        effects=() if corrected is None else _effects(folder, corrected),
+    )
+
+
+def command_of(folder: Path) -> str:
+    """Return the command that made a diagnosis, empty if the folder does not say.
+
+    Raises:
+        ViewError: The folder holds no diagnosis.
+    """
+    path = folder / "diagnosis.json"
+    return Said(_json(path), where=str(path)).table("provenance").text("command", default="")
+
+
+def _json(path: Path) -> Any:
+    try:
+        with path.open("rb") as file:
+            data = file.read(MOST_BYTES + 1)
+        if len(data) > MOST_BYTES:
+            raise ValueError(f"it is larger than {MOST_BYTES} bytes")
+        return json.loads(data)
+    # Brackets in their thousands exceed Python's own depth.
+    except (OSError, ValueError, RecursionError) as error:
+        why = getattr(error, "strerror", None) or str(error)[:200]
+        raise ViewError(
+            f"the diagnosis cannot be read: {why}",
+            where=str(path),
+            fix="name a folder that `morph diagnose --out` wrote",
+        ) from error
+
+
+def _found(said: Said, robot: Robot) -> Found:
+    place = said.table("where").text("name")
+    parameters = {
+        name: said.table("parameters").table(name) for name in said.table("parameters").content
+    }
+    values = {name: each.number("value") for name, each in parameters.items()}
+    effect = effect_of({"name": said.text("effect"), "where": place, **values}, where=said.where)
+    if place not in effect.places(robot):
+        raise ViewError(
+            f"{effect.label} concerns a part that {robot.name} does not have",
+            where=said.where,
+            fix="name the robot that was diagnosed",
+        )
+    return Found(
+        effect=effect,
+        statement=said.text("statement"),
+        probability=said.number("probability"),
+        figures=tuple(
+            f"{name} = {each.number('value'):.3g} "
+            f"[{each.number('low90'):.3g}, {each.number('high90'):.3g}] {each.text('unit')}"
+            for name, each in parameters.items()
+        ),
+    )
+
+
+def _stretch(said: Said) -> Stretch:
+    return Stretch(
+        episode=said.text("episode"),
+        start=said.number("start_s"),
+        end=said.number("end_s"),
+        share=said.number("share"),
+    )
+
+
+def _corrected(folder: Path, robot: Robot) -> Robot | None:
+    path = folder / "corrected.xml"
+    if not path.is_file():
+        return None
+    try:
+        found = load(path)
+    except MorphError as error:
+        raise ViewError(
+            f"the corrected description cannot be used: {error.what}",
+            where=error.where if str(path) in error.where else f"{path}, {error.where}",
+            fix="run the diagnosis again, or leave --diagnosis out",
+        ) from error
+    parts = [
+        ("joints", _joints(robot), _joints(found)),
+        ("actuators", _actuators(robot), _actuators(found)),
+    ]
+    for kind, ours, theirs in parts:
+        if ours != theirs:
+            raise ViewError(
+                f"it corrects another robot: its {kind} are {', '.join(theirs) or 'none'}; "
+                f"those of {robot.name} are {', '.join(ours) or 'none'}",
+                where=str(path),
+                fix="name the robot that was diagnosed",
+            )
+    return found
+
+
+def _joints(robot: Robot) -> list[str]:
+    return [f"{joint.name} ({joint.kind})" for joint in robot.joints]
+
+
+def _actuators(robot: Robot) -> list[str]:
+    return [f"{actuator.name} ({actuator.joint})" for actuator in robot.actuators]
+
+
+def _effects(folder: Path, corrected: Robot) -> tuple[Effect, ...]:
+    path = folder / "corrected.toml"
+    if not path.is_file():
+        return ()
+    effects = load_effects(path)
+    for effect in effects:
+        if effect.where not in effect.places(corrected):
+            raise ViewError(
+                f"{effect.label} concerns a part that {corrected.name} does not have",
+                where=str(path),
+                fix="name the robot that was diagnosed",
+            )
+    return effects

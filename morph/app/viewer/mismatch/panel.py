@@ -1,0 +1,147 @@
+"""The knobs of the view: which recording, how it is simulated, and what was found."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from html import escape
+from typing import TYPE_CHECKING, Any
+
+from morph.app.viewer.mismatch.choices import BOTH, Choices
+from morph.app.viewer.mismatch.diagnosed import Found
+from morph.app.viewer.mismatch.drawn import COLOURINGS
+from morph.app.viewer.mismatch.missing import link_of
+
+if TYPE_CHECKING:
+    from morph.app.viewer.session import Session
+    from morph.app.viewer.views.mismatch import Mismatch
+
+OPEN_LOOP = "open loop"
+"""A simulation that is never restarted."""
+
+
+class Panel:
+    """The knobs of one person's page; what they do, they do in the session's thread.
+
+    Args:
+        view: What they choose for.
+        gui: The page's `viser.GuiApi`.
+        session: The page.
+    """
+
+    def __init__(self, view: Mismatch, gui: Any, session: Session) -> None:
+        """Add them."""
+        self._view, self._session = view, session
+        case, chosen = view.case, view.chosen
+        self._recordings = _distinct(
+            [
+                recording.name + (" (never seen)" if case.never_seen(at) else "")
+                for at, recording in enumerate(case.recordings)
+            ]
+        )
+        self._recording = self._list(
+            gui, "recording", self._recordings, chosen.ask.episode, self._to_recording
+        )
+        self._window = self._list(
+            gui, "seconds", self._windows(), chosen.ask.window, self._to_window
+        )
+        self._window.visible = len(self._windows()) > 1
+        self._ways: dict[str, float | None] = {
+            f"restarted every {case.horizon:g} s": case.horizon,
+            OPEN_LOOP: None,
+        }
+        if chosen.ask.horizon not in self._ways.values():
+            self._ways[f"restarted every {chosen.ask.horizon:g} s"] = chosen.ask.horizon
+        ways = list(self._ways)
+        way = list(self._ways.values()).index(chosen.ask.horizon)
+        self._way = self._list(gui, "simulation", ways, way, self._to_way)
+        if len(case.models) > 1:
+            self._models = {model.title: model.name for model in case.models} | {BOTH: BOTH}
+            at = list(self._models.values()).index(chosen.models)
+            self._model = self._list(gui, "models", list(self._models), at, self._to_models)
+        at = COLOURINGS.index(chosen.colouring)
+        self._colouring = self._list(gui, "links by", list(COLOURINGS), at, self._to_colouring)
+        for found in () if case.diagnosed is None else case.diagnosed.findings:
+            self._finding(gui, found)
+
+    def _list(
+        self, gui: Any, label: str, options: list[str], at: int, then: Callable[[], None]
+    ) -> Any:
+        handle = gui.add_dropdown(label, tuple(options), initial_value=options[at])
+        self._on(handle.on_update, then)
+        return handle
+
+    def _on(self, event: Any, what: Callable[[], None]) -> None:
+        """Have something done when a person does something; what the program sets is no event."""
+
+        def happened(event: Any) -> None:
+            if event.client_id is not None:
+                self._session.do(what)
+
+        event(happened)
+
+    def _finding(self, gui: Any, found: Found) -> None:
+        sure = f"{100.0 * found.probability:.0f} % sure"
+        figures = "; ".join(found.figures)
+        gui.add_html(
+            f'<p class="morph"><b>{escape(found.statement)}</b><br>'
+            f"{escape(figures)} ({escape(sure)})</p>"
+        )
+        button = gui.add_button(f"show {found.effect.label}")
+        self._on(button.on_click, lambda: self._show(found))
+
+    def _show(self, found: Found) -> None:
+        """Go to where a finding shows most, and point at its link."""
+        time = self._view.moment_of(found)
+        if time is None:
+            self._session.say(
+                f"Where {found.effect.label} shows cannot be told from this recording.", bad=True
+            )
+            return
+        self._session.jump(time)
+        self._session.stage.choose(0, link_of(found.effect, self._view.case.robot))
+
+    def _windows(self) -> list[str]:
+        case, chosen = self._view.case, self._view.chosen
+        return [f"{a:g} to {b:.4g} s" for a, b in case.windows(chosen.ask.episode)]
+
+    def _to(self, chosen: Choices, then: Callable[[], None] = lambda: None) -> None:
+        self._session.stage.choose(0, None)
+        self._view.choose(chosen, self._session, then)
+
+    def _to_recording(self) -> None:
+        chosen = self._view.chosen
+        at = self._recordings.index(self._recording.value)
+        self._to(
+            replace(chosen, ask=replace(chosen.ask, episode=at, window=0)), self._new_recording
+        )
+        self._session.clock.seek(0.0)
+
+    def _new_recording(self) -> None:
+        windows = self._windows()
+        self._window.options = tuple(windows)
+        self._window.value = windows[self._view.chosen.ask.window]
+        self._window.visible = len(windows) > 1
+
+    def _to_window(self) -> None:
+        chosen = self._view.chosen
+        at = self._windows().index(self._window.value)
+        self._to(replace(chosen, ask=replace(chosen.ask, window=at)))
+        self._session.clock.seek(0.0)
+
+    def _to_way(self) -> None:
+        chosen = self._view.chosen
+        self._to(replace(chosen, ask=replace(chosen.ask, horizon=self._ways[self._way.value])))
+
+    def _to_models(self) -> None:
+        self._to(replace(self._view.chosen, models=self._models[self._model.value]))
+
+    def _to_colouring(self) -> None:
+        self._to(replace(self._view.chosen, colouring=self._colouring.value))
+
+
+def _distinct(names: list[str]) -> list[str]:
+    """Return names of which no two are the same."""
+    return [
+        name if names.index(name) == at else f"{name} ({at + 1})" for at, name in enumerate(names)
+    ]

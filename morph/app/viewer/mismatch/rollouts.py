@@ -1,0 +1,99 @@
+"""A window of a fixed robot whose joints are all measured, simulated as a diagnosis scores it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from morph.app.viewer.mismatch.take import Model, Trace
+from morph.app.viewer.motion import RATE
+from morph.arrays import Array
+from morph.body.robot import Robot
+from morph.model.episodes import Episode
+from morph.model.hypothesis import Hypothesis
+from morph.model.score import by_segment, rmse, rollouts, traces
+from morph.model.segments import Segments, scored_segments
+
+WORST = 5
+"""Stretches that are marked."""
+STRETCH = 1.0
+"""Seconds of a stretch, where no diagnosis says how long they are."""
+
+
+def hypothesis_of(model: Model, step: float) -> Hypothesis:
+    """Return a model as the diagnosis simulates it, nothing of it free to be refitted."""
+    return Hypothesis(robot=model.robot, step=step, knobs=(), effects=model.effects)
+
+
+def simulated(
+    models: Sequence[Model], episode: Episode, horizon: float | None
+) -> tuple[Segments, dict[str, Array]]:
+    """Return the rollouts along an episode, and each model's prediction of their readings.
+
+    Args:
+        models: What is simulated.
+        episode: A recording, or a window of it.
+        horizon: Seconds a rollout; None for one from start to end.
+
+    Returns:
+        The rollouts, and by model the readings (rollouts, readings, joints).
+    """
+    segments = scored_segments([episode], horizon)
+    laid = [hypothesis_of(model, episode.step) for model in models]
+    return segments, rollouts(
+        {model.name: (each, each.start) for model, each in zip(models, laid, strict=True)},
+        segments,
+    )
+
+
+def traced(robot: Robot, segments: Segments, predicted: Mapping[str, Array]) -> tuple[Trace, ...]:
+    """Return each joint's channel along all rollouts."""
+    joined = traces(segments, predicted, [(joint.name, joint.unit) for joint in robot.joints])
+    errors = {name: rmse(segments, values) for name, values in predicted.items()}
+    return tuple(
+        Trace(
+            channel=each.channel,
+            unit=each.unit,
+            link=joint.link,
+            time=each.time,
+            measured=each.measured,
+            simulated=each.models,
+            noise=float(segments.noise[at]),
+            rmse={name: float(error[at]) for name, error in errors.items()},
+        )
+        for at, (joint, each) in enumerate(zip(robot.joints, joined, strict=True))
+    )
+
+
+def pictured(segments: Segments, predicted: Array, measured: Array) -> Array:
+    """Return joint positions in the pictures; where nothing is simulated, as measured.
+
+    Args:
+        segments: Rollouts.
+        predicted: Their readings, (rollouts, readings, joints).
+        measured: What was recorded in the pictures, (pictures, joints).
+    """
+    found = measured.copy()
+    when = np.arange(len(measured)) / RATE
+    joints = measured.shape[1]
+    for row in range(len(segments)):
+        inside = segments.valid[row]
+        begin, _ = segments.seconds(row)
+        offset = segments.before[row, inside] + segments.part[row, inside]
+        times = np.concatenate([[begin], begin + segments.step * offset])
+        here = (when >= begin - 1e-9) & (when <= times[-1] + 1e-9)
+        for joint in range(joints):
+            values = np.concatenate([[segments.start[row, joint]], predicted[row, inside, joint]])
+            found[here, joint] = np.interp(when[here], times, values)
+    return found
+
+
+def worst_stretches(
+    model: Model, episode: Episode, horizon: float
+) -> tuple[tuple[float, float], ...]:
+    """Return the stretches that a model misses most, each joint in units of its noise."""
+    segments, predicted = simulated([model], episode, horizon)
+    lost = by_segment(segments, predicted[model.name], segments.noise)
+    order = np.argsort(-lost)[:WORST]
+    return tuple(segments.seconds(int(row)) for row in order if lost[row] > 0.0)
