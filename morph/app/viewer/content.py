@@ -100,7 +100,7 @@ class Table:
     """What stands above it."""
     head: tuple[str, ...]
     """Heads of the columns, the first over the names of the rows."""
-    rows: tuple[tuple[str | Live, ...], ...]
+    rows: tuple[tuple[str | Live | Marked, ...], ...]
     """Cells; all text, none of it HTML."""
 
 
@@ -114,6 +114,16 @@ class Live:
     """Which of its motion's series."""
     digits: int = 3
     """Figures that are shown."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Marked:
+    """A cell of words with a patch of colour before them; the words say it all without it."""
+
+    text: str
+    """The words."""
+    colour: Colour
+    """Of the patch."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

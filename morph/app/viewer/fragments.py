@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from html import escape
 
-from morph.app.viewer.content import Actor, Live, Table
+from morph.app.viewer.content import Actor, Live, Marked, Table
 
 
 def table_html(table: Table, actors: Sequence[Actor], time: float) -> str:
@@ -32,9 +32,13 @@ def notes_html(notes: Sequence[str]) -> str:
     return '<ul class="morph">' + "".join(f"<li>{escape(note)}</li>" for note in notes) + "</ul>"
 
 
-def _cell(cell: str | Live, actors: Sequence[Actor], time: float) -> str:
+def _cell(cell: str | Live | Marked, actors: Sequence[Actor], time: float) -> str:
     if isinstance(cell, str):
         return escape(cell)
+    if isinstance(cell, Marked):
+        red, green, blue = cell.colour
+        patch = f'<i style="background:rgb({red},{green},{blue})"></i>'
+        return f'<span class="mark">{patch}{escape(cell.text)}</span>'
     motion = actors[cell.actor].motion
     text = told(float(motion.series[cell.series][motion.at(time)]), cell.digits)
     return f'<span class="live">{text}</span>'

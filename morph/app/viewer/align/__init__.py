@@ -1,0 +1,1 @@
+"""What an alignment or a transfer found, as bodies with lines between their parts."""

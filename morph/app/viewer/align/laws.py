@@ -1,0 +1,96 @@
+"""What moves a body of a chain: the policy that a hop kept for it, or the next best."""
+
+from __future__ import annotations
+
+import io
+import zipfile
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from align.maps.body_map import BodyMap
+from morph.app.viewer.align.cast import Player
+from morph.app.viewer.align.read import inside
+from morph.app.viewer.align.story import Story
+from morph.arrays import Array
+from morph.errors import MorphError, ViewError
+from morph.policy.store import load_policy
+from morph.transfer.body import Body, Law, linear_law
+from morph.transfer.controls import through
+from morph.transfer.mapped.feedback import holding
+from morph.transfer.stored import law_of
+
+MOST_BYTES = 20_000_000
+"""Largest file of a law, packed or not."""
+
+
+def law(
+    story: Story, players: Sequence[Player], maps: Sequence[BodyMap | None], at: int
+) -> tuple[Law, str]:
+    """Return what moves a body of a chain, and in words what that is.
+
+    Args:
+        story: What the folder tells.
+        players: The bodies of the chain.
+        maps: The map of each hop.
+        at: Number of the body, which must have a simulation.
+    """
+    body, name = _body(players[at]), players[at].name
+    kept = _kept(story, body, at)
+    if kept is not None:
+        return linear_law(*kept), f"{name} moves by the policy that was made for it"
+    if at == len(players) - 1 and story.policy is not None:
+        try:
+            found = law_of(body, load_policy(story.policy, body.task.robot))
+        except MorphError:
+            # Another body's, or spoilt; what moves it then is said.
+            pass
+        else:
+            return found, f"{name} moves by the policy that was made for it"
+    before, body_map = (players[at - 1].body, maps[at - 1]) if at else (None, None)
+    if before is not None and body_map is not None:
+        gain = holding(before)
+        words = f"{name} moves by the regulator of {players[at - 1].name}, seen through the map"
+        return through(body_map, gain, np.zeros(len(gain))), words
+    return linear_law(holding(body)), f"{name} moves by the regulator of its own description"
+
+
+def _body(player: Player) -> Body:
+    if player.body is None:
+        raise RuntimeError(f"{player.name} cannot move")
+    return player.body
+
+
+def _kept(story: Story, body: Body, at: int) -> tuple[Array, Array] | None:
+    """Return gain and shift that a hop kept for this body, None if there are none for it."""
+    path = inside(story.folder, f"hops/{at:02d}/law.npz") if at else None
+    if path is None:
+        return None
+    gain, shift = _numbers(path)
+    shape = (len(body.bounds[0]), body.size)
+    return (gain, shift) if gain.shape == shape and shift.shape == shape[:1] else None
+
+
+def _numbers(path: Path) -> tuple[Array, Array]:
+    try:
+        if not path.is_file():
+            raise ValueError("it is no file")
+        with path.open("rb") as file:
+            content = file.read(MOST_BYTES + 1)
+        with zipfile.ZipFile(io.BytesIO(content)) as archive:
+            unpacked = sum(each.file_size for each in archive.infolist())
+        if max(len(content), unpacked) > MOST_BYTES:
+            raise ValueError(f"it is larger than {MOST_BYTES} bytes")
+        with np.load(io.BytesIO(content), allow_pickle=False) as held:
+            gain, shift = (np.asarray(held[name], dtype=float) for name in ("gain", "shift"))
+        if not (np.isfinite(gain).all() and np.isfinite(shift).all()):
+            raise ValueError("it holds numbers that are not finite")
+    # numpy and zipfile raise a dozen unrelated errors on damaged bytes.
+    except Exception as error:
+        raise ViewError(
+            f"it cannot be read: {error}",
+            where=str(path),
+            fix="remove it, and another policy moves the body; or run `morph transfer` again",
+        ) from error
+    return gain, shift

@@ -1,0 +1,67 @@
+"""Where on a body the numbers are that a map joins: names of readings and commands to links."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from morph.app.viewer.figure import Figure
+from morph.arrays import Array
+from morph.transfer.body import Body
+from morph.transfer.parts import names_of
+
+STRONG = 0.5
+"""Share of a reading's greatest coefficient from which a joint counts to it."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Parts:
+    """Names of a body's links by what its numbers are called."""
+
+    states: Mapping[str, tuple[str, ...]]
+    """By the names of its state."""
+    commands: Mapping[str, tuple[str, ...]]
+    """By the names of its commands."""
+
+
+def parts_of(body: Body) -> Parts:
+    """Return which links the numbers of a body are about."""
+    names, model = names_of(body), body.plant.model
+    half = body.size // 2
+    seen = np.eye(half) if body.sight is None else body.sight[:half, : model.nv]
+    states: dict[str, tuple[str, ...]] = {}
+    for at, row in enumerate(np.abs(seen)):
+        which = np.flatnonzero(row >= STRONG * row.max())
+        links = tuple(dict.fromkeys(model.body(model.dof_bodyid[dof]).name for dof in which))
+        states[names.state[at]] = states[names.state[half + at]] = links
+    driven = [_driven(model, each) for each in range(model.nu)]
+    told = np.eye(model.nu) if body.together is None else np.abs(body.together)
+    commands = {
+        name: tuple(dict.fromkeys(driven[at] for at in np.flatnonzero(column)))
+        for name, column in zip(names.command, told.T, strict=True)
+    }
+    return Parts(states=states, commands=commands)
+
+
+def middle(figure: Figure, link: str) -> tuple[float, float, float]:
+    """Return the middle of what is drawn of a link, in its frame, m; its origin if nothing is."""
+    at = figure.links.index(link)
+    points = [shape.vertices for shape in figure.shapes if shape.body == at]
+    if not points:
+        return (0.0, 0.0, 0.0)
+    every: Array = np.concatenate(points)
+    x, y, z = (0.5 * (every.min(axis=0) + every.max(axis=0))).tolist()
+    return (x, y, z)
+
+
+def _driven(model: mujoco.MjModel, actuator: int) -> str:
+    """Return the link that an actuator drives."""
+    kind, at = model.actuator_trntype[actuator], int(model.actuator_trnid[actuator, 0])
+    if kind == mujoco.mjtTrn.mjTRN_JOINT.value:
+        return str(model.body(model.jnt_bodyid[at]).name)
+    if kind == mujoco.mjtTrn.mjTRN_SITE.value:
+        return str(model.body(model.site_bodyid[at]).name)
+    return str(model.body(at if kind == mujoco.mjtTrn.mjTRN_BODY.value else 0).name)

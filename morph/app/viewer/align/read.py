@@ -1,0 +1,286 @@
+"""Reading what `morph align`, `morph transfer` or `morph loop` left in a folder, with distrust."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+import shlex
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from morph.app.viewer.align.story import Story, Told
+from morph.app.viewer.align.values import Values
+from morph.errors import ViewError
+from morph.transfer.crossing import Crossing, Curve
+from morph.transfer.parts import Arrow, Parts
+from morph.transfer.record import Guard
+
+RECORDS = {"transfer.json": "morph.transfer/1", "align.json": "morph.align/1"}
+"""What a folder may hold, and by which schema."""
+
+MOST_BYTES = 20_000_000
+"""Largest record that is read; one of eight hops has some 100 kB."""
+
+MOST_HOPS = 99
+"""Most hops: their files are numbered by two digits."""
+
+MOST_PARTS = 2000
+"""Most arrows, or names, of one hop."""
+
+SENTENCE, MOST_NOTES = 2000, 100
+"""Letters of a sentence, and how many of them."""
+
+MAP = re.compile(r"maps/[0-9]{2}_body_map\.npz")
+"""Where a map may stand beside its record."""
+
+NO_PARTS = Parts(states=(), commands=(), lost=())
+
+
+def story(folder: Path) -> Story:
+    """Return what a folder tells.
+
+    Raises:
+        ViewError: It holds no record, or one that nobody of ours wrote.
+    """
+    if folder.name in RECORDS and folder.is_file():
+        folder = folder.parent
+    name = next((each for each in RECORDS if _there(folder / each)), None)
+    if name is None:
+        raise _none(folder)
+    path = folder / name
+    said = Values(_said(folder, path), str(path))
+    schema = said.text("schema")
+    if schema != RECORDS[name]:
+        raise said.refused(f"it is of the schema {schema!r}, not {RECORDS[name]}")
+    return _aligned(folder, said) if name == "align.json" else _transfer(folder, said)
+
+
+def inside(folder: Path, name: str) -> Path | None:
+    """Return a file or folder beside a record, None if it is gone.
+
+    Raises:
+        ViewError: A link leads out of the folder.
+    """
+    path = folder / name
+    try:
+        if not path.exists():
+            return None
+        out = not path.resolve().is_relative_to(folder.resolve())
+    except (OSError, RuntimeError, ValueError) as error:
+        raise ViewError(
+            f"it cannot be looked for: {error}", where=str(path), fix="copy the folder again"
+        ) from error
+    if out:
+        raise ViewError(
+            "it is a link that leads out of the folder",
+            where=str(path),
+            fix="copy what it leads to into the folder, if you trust it",
+        )
+    return path
+
+
+def _there(path: Path) -> bool:
+    try:
+        return path.exists()
+    except OSError:
+        return False
+
+
+def _none(folder: Path) -> ViewError:
+    if not _there(folder):
+        what, fix = "there is no such folder", "name a folder that was written by --out"
+    elif _there(folder / "relay.json"):
+        what = "the transfer in it has not ended"
+        fix = "run the same `morph transfer` again: it goes on where it was"
+    else:
+        what = f"it holds neither {' nor '.join(RECORDS)}"
+        fix = "give a folder that `morph align` or `morph transfer` wrote by --out"
+    return ViewError(what, where=f"--transfer {folder}", fix=fix)
+
+
+def _said(folder: Path, path: Path) -> Any:
+    try:
+        inside(folder, path.name)
+        # A pipe would be waited for.
+        if not path.is_file():
+            raise ViewError("it is no file", where=str(path), fix="give the folder as it was")
+        with path.open("rb") as file:
+            content = file.read(MOST_BYTES + 1)
+    except OSError as error:
+        raise ViewError(
+            f"it cannot be read: {error.strerror or error}",
+            where=str(path),
+            fix="give a file that can be read",
+        ) from error
+    if len(content) > MOST_BYTES:
+        raise ViewError(
+            f"it is larger than {MOST_BYTES} bytes",
+            where=str(path),
+            fix="give a folder that `morph transfer` wrote",
+        )
+    try:
+        return json.loads(content)
+    # Brackets in their thousands exceed Python's own depth.
+    except (ValueError, RecursionError) as error:
+        raise ViewError(
+            f"it is not JSON, or only a part of it: {error}",
+            where=str(path),
+            fix="run the command that wrote it again",
+        ) from error
+
+
+def _aligned(folder: Path, said: Values) -> Story:
+    source, target = said.inside("source"), said.inside("target")
+    guard = said.inside("guard")
+    hop = Told(
+        source=source.text("name"),
+        target=target.text("name"),
+        map=_map(folder, said),
+        mapper=said.text("mapper"),
+        parts=_parts(said.inside("parts")),
+        quality=said.numbers("quality"),
+        guard=_guard(guard),
+        why=guard.text("why", SENTENCE),
+        samples=int(said.inside("samples").number("target", 0.0)),
+    )
+    made = said.inside("provenance")
+    return Story(
+        folder=folder,
+        command="align",
+        hops=(hop,),
+        asked=_asked(made.text("command", SENTENCE), "align"),
+        hashes=_hashes(made),
+        notes=said.texts("notes", MOST_NOTES, SENTENCE),
+    )
+
+
+def _transfer(folder: Path, said: Values) -> Story:
+    hops = said.each("hops", lambda each: _hop(folder, each), MOST_HOPS)
+    broken = any(a.target != b.source for a, b in zip(hops, hops[1:], strict=False))
+    if not hops or broken:
+        raise said.refused("its hops make no chain: each must begin where the one before ended")
+    made = said.inside("provenance")
+    relay = all(hop.crossing is not None for hop in hops)
+    named = said.inside("robot")
+    return Story(
+        folder=folder,
+        command="transfer" if relay else "loop",
+        hops=hops,
+        asked=_asked(made.text("command", SENTENCE), "transfer") if relay else (),
+        hashes={named.text("name"): named.text("sha256"), **_hashes(made)},
+        policy=inside(folder, "policy") if said.has("policy") else None,
+        notes=said.texts("notes", MOST_NOTES, SENTENCE),
+    )
+
+
+def _hop(folder: Path, said: Values) -> Told:
+    relay = said.inside("relay") if said.has("relay") else None
+    parts = NO_PARTS if relay is None else _parts(relay.inside("parts"))
+    guard = _guard(said.inside("guard"))
+    quality = said.numbers("quality") if relay is not None else {}
+    told = Told(
+        source=said.text("source"),
+        target=said.text("target"),
+        map=None if relay is None else _map(folder, said),
+        mapper="same joints" if relay is None else relay.text("kind"),
+        parts=parts,
+        quality=quality,
+        guard=guard,
+        samples=int(said.number("samples", 0.0)),
+        scores={
+            name: None if math.isnan(value) else value
+            for name, value in said.numbers("score").items()
+        },
+        crossing=None if relay is None else _crossing(said, relay, parts, guard, quality),
+        notes=() if relay is None else relay.texts("notes", MOST_NOTES, SENTENCE),
+    )
+    return told
+
+
+def _crossing(
+    said: Values, relay: Values, parts: Parts, guard: Guard, quality: dict[str, float]
+) -> Crossing:
+    measured = relay.numbers("measured")
+    for name in ("hold_still", "oracle"):
+        # A share of what the oracle gains cannot be told without them.
+        measured.setdefault(name, math.nan)
+    return Crossing(
+        source=said.text("source"),
+        target=said.text("target"),
+        map=said.text("map"),
+        kind=relay.text("kind"),
+        parts=parts,
+        quality=quality,
+        guard=guard,
+        samples=int(said.number("samples", 0.0)),
+        measured=measured,
+        curves=relay.each("curves", _curve, 20),
+    )
+
+
+def _curve(said: Values) -> Curve:
+    samples = tuple(int(each) for each in said.list_of_numbers("samples", MOST_PARTS))
+    mean = said.list_of_numbers("mean", MOST_PARTS)
+    if len(samples) != len(mean) or not samples:
+        raise said.refused(f"{len(samples)} counts of transitions have {len(mean)} means")
+    return Curve(name=said.text("name"), samples=samples, scores=np.array([mean]))
+
+
+def _guard(said: Values) -> Guard:
+    verdict = said.text("verdict")
+    probability = said.number("probability", 0.0, 1.0) if said.has("probability") else None
+    if verdict == "safe":
+        return Guard(verdict="safe", probability=probability)
+    if verdict == "unsafe":
+        return Guard(verdict="unsafe", probability=probability)
+    if verdict == "unsure":
+        return Guard(verdict="unsure", probability=probability)
+    raise said.refused(f"the verdict is {verdict!r}, not safe, unsafe or unsure")
+
+
+def _parts(said: Values) -> Parts:
+    return Parts(
+        states=said.each("states", _arrow, MOST_PARTS),
+        commands=said.each("commands", _arrow, MOST_PARTS),
+        lost=said.texts("lost", MOST_PARTS),
+    )
+
+
+def _arrow(said: Values) -> Arrow:
+    return Arrow(
+        begin=said.text("from"), end=said.text("to"), weight=said.number("weight", -1.0, 1.0)
+    )
+
+
+def _map(folder: Path, said: Values) -> Path | None:
+    name = said.text("map")
+    if not MAP.fullmatch(name):
+        raise said.refused(f"its map is {name!r}, not a file such as maps/01_body_map.npz")
+    return inside(folder, name)
+
+
+def _hashes(made: Values) -> dict[str, str]:
+    return made.texts_by_name("inputs") if made.has("inputs") else {}
+
+
+def _asked(command: str, what: str) -> tuple[str | None, ...]:
+    """Return what the bodies were asked for by, out of the command; None for a recording."""
+    try:
+        words = shlex.split(command)
+    except ValueError:
+        return ()
+    if words[:2] != ["morph", what]:
+        return ()
+    if what == "align":
+        bodies: list[str | None] = [*_until_option(words[2:])]
+        bodies[:0] = [None] if "--source" in words else []
+        return (*bodies, None) if "--target" in words else tuple(bodies)
+    return _until_option(words[words.index("--chain") + 1 :]) if "--chain" in words else ()
+
+
+def _until_option(words: list[str]) -> tuple[str, ...]:
+    end = next((at for at, word in enumerate(words) if word.startswith("--")), len(words))
+    return tuple(words[:end])

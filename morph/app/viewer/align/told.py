@@ -1,0 +1,143 @@
+"""Tables and sentences about a hop, in the words of the reports."""
+
+from __future__ import annotations
+
+import math
+
+from morph.app.report.align.words import VERDICTS, lost_said, quality_rows, sure
+from morph.app.report.transfer.words import CONTROLS, NAMED, ORDER, credit, saved
+from morph.app.viewer.align.lines import COMMANDS, STATES, arrows
+from morph.app.viewer.align.story import Story, Told
+from morph.app.viewer.content import Table
+from morph.transfer.record import Guard
+
+WORDS = {"safe": "safe", "unsafe": "unsafe", "unsure": "cannot tell"}
+"""The guard's verdicts, for those who have not read its page."""
+
+MOST_ROWS = 40
+"""Rows of a table of parts; the report has them all."""
+
+SAME, TURNED = "the same way", "turned round"
+"""Which way parts move."""
+
+
+def verdict(told: Told) -> str:
+    """Return the guard's verdict on a hop in a sentence, with its reason if one is told."""
+    guard = told.guard
+    words = f"{WORDS[guard.verdict].capitalize()}: {VERDICTS[guard.verdict]}, {_sure(guard)}."
+    return f"{words} {told.why[:1].upper()}{told.why[1:].rstrip('.')}." if told.why else words
+
+
+def _sure(guard: Guard) -> str:
+    return sure(guard)
+
+
+def chain_table(story: Story) -> Table:
+    """Return the hops of a chain in a row each: what each took, its scores, and the verdict."""
+    rows = tuple(
+        (
+            f"{number} {hop.target}",
+            str(hop.samples),
+            *(score(hop, name) for name in ("zero_shot", "final", "no_source")),
+            WORDS[hop.guard.verdict],
+        )
+        for number, hop in enumerate(story.hops, 1)
+    )
+    head = ("hop to", "transitions", "map alone", "made anew", "no source", "guard")
+    return Table(title=f"The chain from {story.chain[0]}", head=head, rows=rows)
+
+
+def hop_tables(told: Told) -> tuple[Table, ...]:
+    """Return the tables of a hop: its parts, what the guard says, its scores, its map."""
+    found = [
+        _parts(told, STATES, f"{told.target} is seen as {told.source}"),
+        _parts(told, COMMANDS, f"{told.target} is told for {told.source}"),
+        _guard(told),
+        _scores(told),
+        _map(told),
+    ]
+    return tuple(each for each in found if each.rows)
+
+
+def hop_notes(told: Told) -> tuple[str, ...]:
+    """Return what is to be known of a hop."""
+    found = [lost_said(told.parts, told.target)]
+    if told.crossing is not None:
+        found += [credit(told.crossing), saved(told.crossing)]
+    return tuple(each for each in (*found, *told.notes) if each)
+
+
+def score(told: Told, name: str) -> str:
+    """Return a score as a share of what the oracle gains, or what is known instead."""
+    value = told.scores.get(name)
+    return "–" if value is None else f"{value:.2f}"
+
+
+def worth(told: Told) -> str:
+    """Return in a word what the source was worth at a hop, by the report's own judgement."""
+    hop = told.crossing
+    if hop is None or not any(name in hop.measured for name in CONTROLS):
+        return "not measured"
+    return "no gain" if credit(hop) else "a gain"
+
+
+def _parts(told: Told, sort: str, title: str) -> Table:
+    found = arrows(told, sort)
+    rows = [
+        (
+            arrow.begin,
+            arrow.end,
+            SAME if arrow.weight > 0.0 else TURNED,
+            f"{100.0 * abs(arrow.weight):.0f} %",
+        )
+        for arrow in found[:MOST_ROWS]
+    ]
+    if len(found) > MOST_ROWS:
+        rows.append((f"and {len(found) - MOST_ROWS} more", "", "", ""))
+    head = (f"of {told.source}", f"of {told.target}", "way", "share")
+    return Table(title=title, head=head, rows=tuple(rows))
+
+
+def _guard(told: Told) -> Table:
+    guard = told.guard
+    rows = [("verdict", WORDS[guard.verdict]), ("means", VERDICTS[guard.verdict])]
+    rows.append(("sure that it does no harm", _share(guard.probability)))
+    return Table(title="The guard, before a trial", head=("", ""), rows=tuple(rows))
+
+
+def _scores(told: Told) -> Table:
+    if not told.scores:
+        return Table(title="", head=(), rows=())
+    hop = told.crossing
+    rows: list[tuple[str, ...]] = []
+    for name in ORDER:
+        there = hop is not None and name in hop.measured
+        if name not in told.scores and not there:
+            continue
+        measured = "–" if hop is None or not there else _number(hop.measured[name])
+        if name not in told.scores and hop is not None and there:
+            share = float(hop.relative(hop.measured[name]))
+            rows.append((NAMED[name], f"{share:.2f}" if math.isfinite(share) else "–", measured))
+        else:
+            rows.append((NAMED[name], score(told, name), measured))
+    rows.append(("what the source was worth", worth(told), ""))
+    head = ("policy", "share of oracle", "task's score")
+    return Table(title=f"Scores on {told.target}", head=head, rows=tuple(rows))
+
+
+def _map(told: Told) -> Table:
+    rows = [("sort of map", told.mapper), ("transitions of the target", str(told.samples))]
+    rows += quality_rows(told.quality)
+    return Table(title="The map, on what it was not learned from", head=("", ""), rows=tuple(rows))
+
+
+def _share(value: float | None) -> str:
+    if value is None:
+        return "no probability"
+    from morph.app.report.words import percent
+
+    return percent(value)
+
+
+def _number(value: float) -> str:
+    return f"{value:.3f}" if math.isfinite(value) else "–"
