@@ -90,7 +90,8 @@ def test_a_scrubbed_clock_shows_the_pose_of_that_time(
 
     box = handle.bounding_box()
     across = person.page.locator(".mantine-Slider-track").first.bounding_box()
-    assert box is not None and across is not None
+    assert box is not None
+    assert across is not None
     y = box["y"] + 0.5 * box["height"]
     person.page.mouse.move(box["x"] + 0.5 * box["width"], y)
     person.page.mouse.down()

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import re
+import sys
 from collections.abc import Callable
 from html import escape
 from pathlib import Path
@@ -25,7 +26,7 @@ def test_the_canvas_is_drawn_by_webgl_and_an_empty_page_is_not_taken_for_one(
     person = look(served("cartpole", "pendulum").address)
     (said,) = [each for each in person.said if "WebGL support" in each]
     (renderer,) = re.findall(r"renderer: (.+), vendor:", said)
-    print("WebGL renderer:", renderer)
+    sys.stdout.write(f"WebGL renderer: {renderer}\n")
     assert renderer.strip()
     assert "WebGL support: true" in said
     # The ground alone has hundreds of colours, since it fades; a page without anything has one.

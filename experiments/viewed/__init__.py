@@ -1,0 +1,1 @@
+"""What the viewer costs: time, memory, and what it sends."""
