@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from morph.app.viewer.content import Content
@@ -32,7 +31,11 @@ class View(ABC):
     def complete(self) -> None:
         """Wait until nothing that is still being computed is missing from `content`.
 
-        What is exported or pictured waits for it; a page never does.
+        What is exported or pictured waits for it, without a page; a page never does. What can
+        be shown without what failed is shown.
+
+        Raises:
+            MorphError: Nothing of it can be shown.
         """
 
     def panel(self, gui: Any, session: Session) -> None:
@@ -45,19 +48,6 @@ class View(ABC):
 
     def picture(self, time: float) -> None:
         """Be told that the clock's picture at a time, s, is shown, some times a second."""
-
-    def finish(self, told: Callable[[str], None]) -> None:
-        """Wait for all that is computed late, so that `content` then lacks nothing.
-
-        Called without a page, by what writes one: a view that shows "still computing" at first
-        must wait here for its futures. Whatever can be shown without what failed is.
-
-        Args:
-            told: Is told what is waited for, in words, for whoever waits.
-
-        Raises:
-            MorphError: Nothing of it can be shown.
-        """
 
     def state(self) -> JSON:
         """Return what is chosen, as JSON: enough to show the same again by `restore`."""
