@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import logging
 import threading
 from collections.abc import Iterator
@@ -69,6 +70,9 @@ def open_door(host: str, port: int, label: str) -> Door:
         place.socket.close()
         raise
     quiet(server)
+    # Where nothing closes it, it ends with the program and without a word on the output.
+    atexit.unregister(server.stop)
+    atexit.unregister(server._websock_server.stop)
     address, notes = f"http://{place.shown}", place.notes
     if token is not None:
         address = f"{address}/?token={token}"

@@ -71,12 +71,12 @@ class Viewer:
         Args:
             go_on: Is asked some times a second; False is an end, too.
         """
-        for note in self.door.notes:
-            sys.stderr.write(f"{note}\n")
-        sys.stderr.write(f"see {self.address} (end with Ctrl-C)\n")
-        sys.stderr.flush()
         try:
-            with _ends_as_interrupted(), _told():
+            with _ends_as_interrupted(), _faults_told():
+                for note in self.door.notes:
+                    sys.stderr.write(f"{note}\n")
+                sys.stderr.write(f"see {self.address} (end with Ctrl-C)\n")
+                sys.stderr.flush()
                 while go_on():
                     time.sleep(0.1)
         except KeyboardInterrupt:
@@ -146,7 +146,7 @@ def _ends_as_interrupted() -> Iterator[None]:
 
 
 @contextmanager
-def _told() -> Iterator[None]:
+def _faults_told() -> Iterator[None]:
     """Tell the terminal what goes wrong in the viewer itself; nobody else listens there."""
     log, terminal = logging.getLogger("morph.app.viewer"), logging.StreamHandler(sys.stderr)
     log.addHandler(terminal)
