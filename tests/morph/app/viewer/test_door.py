@@ -16,6 +16,19 @@ from morph.errors import OutputError
 Asks = Callable[..., tuple[int, dict[str, str], bytes]]
 People = Callable[..., Any]
 
+CAMERA = {
+    "type": "ViewerCameraMessage",
+    "wxyz": (1.0, 0.0, 0.0, 0.0),
+    "position": (1.0, 1.0, 1.0),
+    "fov": 0.5,
+    "near": 0.1,
+    "far": 10.0,
+    "image_width": 9,
+    "look_at": (0.0, 0.0, 0.0),
+    "up_direction": (0.0, 0.0, 1.0),
+}
+"""What a page says of its camera, but for its picture's height."""
+
 
 @pytest.fixture
 def door() -> Iterator[Door]:
@@ -126,26 +139,12 @@ def test_no_page_has_the_server_opened_to_the_world_or_sends_it_files(
         type="FileTransferStartUpload", source_component_uuid="1", transfer_uuid="2", **whole
     )
     # Messages are answered in their order: when this camera is here, those before were seen.
-    person.says(**{**_camera(viewer), "fov": 0.5})
+    person.says(**CAMERA, image_height=77)
     client = next(iter(viewer.door.server.get_clients().values()))
-    waits(lambda: client.camera.fov == 0.5)
+    waits(lambda: client.camera.image_height == 77)
     assert opened == []
     for gui in (viewer.door.server.gui, client.gui):
         assert not gui._current_file_upload_states
-
-
-def _camera(viewer: Viewer) -> dict[str, Any]:
-    return {
-        "type": "ViewerCameraMessage",
-        "wxyz": (1.0, 0.0, 0.0, 0.0),
-        "position": (1.0, 1.0, 1.0),
-        "near": 0.1,
-        "far": 10.0,
-        "image_height": 9,
-        "image_width": 9,
-        "look_at": (0.0, 0.0, 0.0),
-        "up_direction": (0.0, 0.0, 1.0),
-    }
 
 
 def test_open_to_the_network_it_asks_for_its_token(open_to_all: Viewer, asks: Asks) -> None:
