@@ -2,33 +2,286 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import ClassVar
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
 
 from morph.app.viewer.content import Actor, Content
-from morph.app.viewer.figure import figure
+from morph.app.viewer.design.bench import Bench, Built, Plan
+from morph.app.viewer.design.figures import figures, headline, limits_note, motors
+from morph.app.viewer.design.latest import Latest
+from morph.app.viewer.design.panel import Panel
+from morph.app.viewer.design.posture import Posture
 from morph.app.viewer.given import Given
-from morph.app.viewer.motion import posed
+from morph.app.viewer.motion import Motion, posed
 from morph.app.viewer.view import View
-from morph.body.robot import Robot
+from morph.arrays import JSON
+
+if TYPE_CHECKING:
+    from morph.app.viewer.session import Session
+
+GHOST = (120, 130, 145)
+"""Colour of the body as described, where it is shown beside the design."""
+
+SHAPING = ("scale", "lock")
+"""Operations that change what a body looks like."""
 
 
 class Design(View):
-    """One body whose joints and parameters are moved by sliders."""
+    """One body at a time whose joints and parameters are moved by sliders.
+
+    Args:
+        plans: The bodies that may be designed, shared by all persons.
+        seed: Of random poses.
+    """
 
     name: ClassVar[str] = "design"
     title: ClassVar[str] = "Design"
 
-    def __init__(self, robot: Robot) -> None:
-        """Show a robot as it stands."""
-        self._figure = figure(robot)
+    def __init__(self, plans: Sequence[Plan], seed: int = 0) -> None:
+        """Begin with the first body as it is described."""
+        self.plans, self.at, self.ghost = tuple(plans), 0, True
+        self._benches: dict[int, Bench] = {}
+        self._rng = np.random.default_rng(seed)
+        self._session: Session | None = None
+        self._panel: Panel | None = None
+        self._building, self._measuring = Latest(), Latest()
+        self._pose()
+
+    @property
+    def bench(self) -> Bench:
+        """The design of the chosen body."""
+        if self.at not in self._benches:
+            self._benches[self.at] = Bench(self.plans[self.at])
+        return self._benches[self.at]
 
     def content(self) -> Content:
-        """Return the body in the pose of the sliders."""
-        model = self._figure.model
-        return Content(actors=(Actor(figure=self._figure, motion=posed(model, model.qpos0[None])),))
+        """Return the body in the pose of the sliders, and its figures."""
+        bench = self.bench
+        actors = [Actor(figure=bench.built.figure, motion=self._motion, lane=0)]
+        if self._ghostly:
+            drawn = bench.plan.original.figure
+            actors.append(
+                Actor(
+                    figure=drawn,
+                    motion=self._shadow,
+                    lane=0,
+                    ghost=True,
+                    colour=GHOST,
+                    title="",
+                )
+            )
+        measures, original = self._measures(bench.built), self._measures(bench.plan.original)
+        return Content(
+            actors=tuple(actors),
+            tables=(figures(bench, measures, original), motors(bench, measures)),
+            notes=self._notes(),
+            title=f"design of {bench.built.figure.name}",
+        )
+
+    def panel(self, gui: Any, session: Session) -> None:
+        """Add sliders, buttons and keys."""
+        first = self._session is None
+        self._session = session
+        self._panel = Panel(gui, session, self)
+        if first:
+            self._panel.keys()
+        self._panel.show()
+        self._settle()
+
+    def state(self) -> JSON:
+        """Return the chosen body, and each body's parameters and pose."""
+        designs = {str(at): bench.state() for at, bench in sorted(self._benches.items())}
+        return {"body": self.at, "show_original": self.ghost, "designs": designs}
+
+    def restore(self, state: JSON) -> None:
+        """Choose what an earlier state said.
+
+        Raises:
+            ViewError: The state is of other bodies or parameters.
+        """
+        from morph.app.viewer.design.restore import restored
+
+        self.at, self.ghost, choices = restored(self.plans, state)
+        for at, choice in choices.items():
+            self._benches[at] = Bench(self.plans[at])
+            bench = self._benches[at]
+            bench.history.now = choice
+            bench.take(bench.plan.built(choice.values))
+        self._pose()
+
+    def headline(self) -> str:
+        """Return mass, reach and margin in one line."""
+        bench = self.bench
+        return headline(bench, self._measures(bench.built), self._measures(bench.plan.original))
+
+    def choose(self, at: int) -> None:
+        """Design another of the bodies."""
+        self.at = at
+        self._shown_anew(aim=True)
+        self._settle()
+
+    def turn(self, joint: str, value: float) -> None:
+        """Bring a joint to a position, rad or m."""
+        arrived = self.bench.turn(joint, value, time.monotonic())
+        self._posed(held=joint if arrived else None)
+
+    def set(self, name: str, value: float | None) -> None:
+        """Set a parameter, or with None leave it as described."""
+        self.bench.set(name, value, time.monotonic())
+        if self._panel is not None:
+            self._panel.tell(held=name)
+        self._settle()
+
+    def plain(self) -> None:
+        """Leave all parameters as described."""
+        self.bench.plain(time.monotonic())
+        self._settle()
+
+    def rest(self) -> None:
+        """Bring all joints to rest."""
+        self.bench.rest(time.monotonic())
+        self._posed()
+
+    def random(self) -> None:
+        """Bring all joints anywhere in their ranges."""
+        self.bench.random(self._rng, time.monotonic())
+        self._posed()
+
+    def undo(self) -> None:
+        """Go back one step."""
+        self._stepped(self.bench.history.undo(), "there is nothing to undo")
+
+    def redo(self) -> None:
+        """Go forward one step that was undone."""
+        self._stepped(self.bench.history.redo(), "there is nothing to do again")
+
+    def show_original(self, shown: bool) -> None:
+        """Show the body as described too, or not."""
+        self.ghost = shown
+        self._shown_anew()
+
+    def highlight(self, link: str | None) -> None:
+        """Highlight a link, or with None nothing any more."""
+        if self._session is not None:
+            self._session.stage.choose(0, self.bench.seen(link))
+
+    def save(self, name: str) -> None:
+        """Save the design as a new body on the user's shelf; what comes of it is told."""
+        from morph.app.viewer.design.save import save
+
+        session, bench = self._session, self.bench
+        if session is None:
+            return
+        plan, values = bench.plan, dict(bench.choice.values)
+
+        def work() -> str:
+            return save(plan, plan.built(values), name).name
+
+        session.later(work, lambda saved: session.say(f"saved; see it by: morph view {saved}"))
+
+    @property
+    def _ghostly(self) -> bool:
+        changed = self.bench.built.values
+        by = {parameter.name: parameter.operation for parameter in self.bench.plan.parameters}
+        return self.ghost and any(by[name] in SHAPING for name in changed)
+
+    def _stepped(self, was: bool, otherwise: str) -> None:
+        if not was:
+            if self._session is not None:
+                self._session.say(otherwise)
+            return
+        if self.bench.stale:
+            self._settle()
+        else:
+            self.bench.adopt()
+            self._posed()
+
+    def _pose(self) -> None:
+        """Make the motions anew; they are this person's own, and written to in place."""
+        bench = self.bench
+        self._motion: Motion = posed(bench.posture.model, bench.pose[None])
+        original = bench.plan.original.figure.model
+        self._ghost_posture = Posture(original)
+        self._shadow: Motion = posed(original, self._ghost_pose()[None])
+
+    def _ghost_pose(self) -> Any:
+        posture, pose = self._ghost_posture, self.bench.choice.pose
+        goal = [pose.get(handle.joint, handle.rest) for handle in posture.handles]
+        return posture.towards(posture.rest, np.array(goal))[0]
+
+    def _posed(self, held: str | None = None) -> None:
+        """Show the pose that the joints have now; the scene stays, its links move."""
+        bench, session = self.bench, self._session
+        _write(self._motion, posed(bench.posture.model, bench.pose[None]))
+        if self._ghostly:
+            original = bench.plan.original.figure.model
+            _write(self._shadow, posed(original, self._ghost_pose()[None]))
+        if self._panel is not None:
+            self._panel.tell(held)
+        self._tables(session)
+
+    def _tables(self, session: Session | None) -> None:
+        if session is not None and session.view is self:
+            session.content = replace(session.content, tables=self.content().tables)
+
+    def _shown_anew(self, *, aim: bool = False) -> None:
+        self._pose()
+        session, panel = self._session, self._panel
+        if panel is not None:
+            panel.show()
+        if session is not None and session.view is self:
+            session.show(self.content())
+            if aim:
+                session.stage.aim(session.client.camera)
+
+    def _settle(self) -> None:
+        """Build what is chosen if it is not built, then measure what is not measured."""
+        session, bench = self._session, self.bench
+        if session is None:
+            return
+        if bench.stale:
+            plan, values = bench.plan, dict(bench.choice.values)
+            self._building.ask(
+                session, lambda: plan.built(values), lambda built: self._built(bench, built)
+            )
+        elif not self._known(bench.built) or not self._known(bench.plan.original):
+            built, original = bench.built, bench.plan.original
+            self._measuring.ask(
+                session, lambda: (original.measures, built.measures), lambda _: self._measured()
+            )
+
+    def _built(self, bench: Bench, built: Built) -> None:
+        bench.take(built)
+        if bench is self.bench:
+            self._shown_anew()
+            self._settle()
+
+    def _measured(self) -> None:
+        if self._panel is not None:
+            self._panel.tell()
+        self._tables(self._session)
+        self._settle()
+
+    def _measures(self, built: Built) -> Any:
+        """Return a body's figures if they are known; nobody waits for them here."""
+        return built.measures if self._known(built) else None
+
+    def _known(self, built: Built) -> bool:
+        return "measures" in vars(built)
+
+    def _notes(self) -> tuple[str, ...]:
+        return (*self.bench.plan.original.figure.notes, limits_note(self.bench.limits))
+
+
+def _write(motion: Motion, found: Motion) -> None:
+    motion.position[:], motion.turn[:] = found.position, found.turn
 
 
 def maker(given: Given) -> Callable[[], View]:
     """Return what makes this view for a person who opens the page."""
-    return lambda: Design(given.robots[0])
+    plans = tuple(Plan(robot) for robot in given.robots)
+    return lambda: Design(plans, given.seed)

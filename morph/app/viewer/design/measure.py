@@ -1,0 +1,112 @@
+"""The figures of a body under design: mass, size, reach, and what its motors have left."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from morph.app.picture.shapes import Shape
+from morph.app.viewer.design.holding import Holding, Motor, margins
+from morph.app.viewer.design.posture import Posture
+from morph.app.viewer.design.reach import Reach
+from morph.arrays import Array
+from morph.body.robot import Robot
+
+POSES = 200
+"""Poses that are drawn, beside the one at rest."""
+
+SEED = 0
+"""Of that draw: the same poses for every variation, so that figures differ by the body alone."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Measures:
+    """Figures of a body over the poses that it can take."""
+
+    mass: float
+    """Of all links, kg."""
+    size: tuple[float, float, float]
+    """Of the upright box around it at rest, m."""
+    reach: float
+    """The farthest that any point gets from its base, m."""
+    joints: int
+    """Joints that move by themselves."""
+    freedoms: int
+    """Degrees of freedom, loops closed."""
+    motors: tuple[Motor, ...]
+    """Every motor of a hinge or slide."""
+    limits: Array
+    """Their limits, N m or N, NaN where none is known, shape (motors,)."""
+    efforts: Array
+    """The greatest effort that each holds in any pose, shape (motors,)."""
+    poses: int
+    """How many poses that is."""
+
+    @property
+    def margin(self) -> float | None:
+        """The least share of a limit that is left in any pose; None without limits."""
+        return least(self.efforts, self.limits)[0]
+
+
+def least(efforts: Array, limits: Array) -> tuple[float | None, int | None]:
+    """Return the least margin and whose it is; None where no motor has a limit."""
+    left = margins(efforts, limits)
+    if not np.isfinite(left).any():
+        return None, None
+    worst = int(np.nanargmin(left))
+    return float(left[worst]), worst
+
+
+def measured(robot: Robot, posture: Posture, shapes: Sequence[Shape]) -> Measures:
+    """Return the figures of a robot."""
+    poses = drawn(posture)
+    holding, reach = Holding(robot, posture), Reach(posture, shapes)
+    efforts = np.array([np.abs(holding.at(pose)) for pose in poses])
+    return Measures(
+        mass=robot.mass,
+        size=_size(posture, shapes),
+        reach=reach.most(poses),
+        joints=len(posture.handles),
+        freedoms=int(posture.model.nv) - len(posture.tied),
+        motors=holding.motors,
+        limits=holding.limits,
+        efforts=efforts.max(axis=0) if len(holding.motors) else np.zeros(0),
+        poses=len(poses),
+    )
+
+
+def drawn(posture: Posture) -> list[Array]:
+    """Return the pose at rest and `POSES` others, each handle anywhere in its range.
+
+    One that closed loops keep from its goal counts where it was stopped.
+    """
+    rng = np.random.default_rng(SEED)
+    low = np.array([each.low if each.ranged else each.rest for each in posture.handles])
+    high = np.array([each.high if each.ranged else each.rest for each in posture.handles])
+    if not len(low):
+        return [posture.rest]
+    goals = rng.uniform(low, high, size=(POSES, len(low)))
+    poses, pose = [posture.rest], posture.rest
+    for goal in goals:
+        pose, _ = posture.towards(posture.rest, goal)
+        poses.append(pose)
+    return poses
+
+
+def _size(posture: Posture, shapes: Sequence[Shape]) -> tuple[float, float, float]:
+    data = posture.data
+    data.qpos[:] = posture.rest
+    mujoco.mj_kinematics(posture.model, data)
+    corners = [
+        data.xpos[shape.body] + shape.vertices @ data.xmat[shape.body].reshape(3, 3).T
+        for shape in shapes
+        if shape.body > 0
+    ]
+    if not corners:
+        return 0.0, 0.0, 0.0
+    points = np.concatenate(corners)
+    x, y, z = (points.max(axis=0) - points.min(axis=0)).tolist()
+    return x, y, z

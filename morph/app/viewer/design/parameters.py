@@ -1,0 +1,99 @@
+"""What a designer may change of a body: its card's parameters, or general ones of a link."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from morph.body.card import SCHEMA, Card, Parameter
+from morph.body.robot import Robot
+from morph.body.vary import Lock, Stiffen, with_parameters
+from morph.errors import RobotError
+
+WHOLE = "*"
+"""What stands for all links."""
+
+FACTORS = (0.5, 2.0)
+"""Range of the general parameters: half to double."""
+
+UNITS = {"scale": "x size", "heavier": "x mass", "stiffen": "N m/rad", "lock": "rad"}
+"""What an operation's amount is told in."""
+
+
+def general(robot: Robot) -> tuple[Parameter, ...]:
+    """Return parameters that every body has: size and mass of the whole and of each link."""
+    weighed = [link.name for link in robot.links if link.mass > 0.0]
+    return tuple(
+        Parameter(
+            name=f"{'whole body' if link == WHOLE else link}: {what}",
+            operation=operation,
+            link=link,
+            low=FACTORS[0],
+            high=FACTORS[1],
+        )
+        for link in (WHOLE, *weighed)
+        for what, operation in (("size", "scale"), ("mass", "heavier"))
+    )
+
+
+def neutral(parameter: Parameter) -> float:
+    """Return the amount at which a parameter changes nothing; of a lock, where it is offered."""
+    if parameter.operation == Stiffen.name:
+        plain = 0.0
+    elif parameter.operation == Lock.name:
+        plain = min(max(0.0, parameter.low), parameter.high)
+    else:
+        plain = 1.0
+    return min(max(plain, parameter.low), parameter.high)
+
+
+def changes(parameter: Parameter, value: float) -> bool:
+    """Return whether a value of a parameter changes anything."""
+    return parameter.operation == Lock.name or value != neutral(parameter)
+
+
+def designed(robot: Robot, parameters: Sequence[Parameter], values: Mapping[str, float]) -> Robot:
+    """Return a robot with parameters set; its card stays its own.
+
+    Args:
+        robot: The robot as described.
+        parameters: Those that it may be changed by, of its card or not.
+        values: By a parameter's name its value.
+
+    Raises:
+        RobotError: A value is out of bounds, or an operation cannot be done.
+    """
+    if not values:
+        return robot
+    card = robot.card or _stand_in(robot)
+    asked = replace(robot, card=replace(card, parameter=tuple(parameters)))
+    found = with_parameters(asked, values)
+    if robot.card is None or found.card is None:
+        return replace(found, card=None)
+    parts = {link.name for link in found.links} | {joint.name for joint in found.joints}
+    kept = tuple(each for each in robot.card.parameter if each.link in {WHOLE, *parts})
+    return replace(found, card=replace(found.card, parameter=kept))
+
+
+def usable(robot: Robot, parameters: Sequence[Parameter]) -> tuple[Parameter, ...]:
+    """Return the parameters that can be set on a robot: their joint or link is there."""
+    kept = []
+    for parameter in parameters:
+        try:
+            designed(robot, parameters, {parameter.name: neutral(parameter)})
+        except RobotError:
+            continue
+        kept.append(parameter)
+    return tuple(kept)
+
+
+def _stand_in(robot: Robot) -> Card:
+    return Card(
+        schema=SCHEMA,
+        name=robot.name,
+        title=robot.name,
+        description="",
+        base="fixed",
+        source=(),
+        licence="",
+    )
