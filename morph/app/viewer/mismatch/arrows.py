@@ -29,16 +29,20 @@ class Scale:
     size: float
     """The body's size, m."""
 
-    @property
-    def note(self) -> str:
-        """What the arrows are, in words."""
+    def note(self, both: bool) -> str:
+        """Return what the arrows are, in words.
+
+        Args:
+            both: Whether those of the corrected model are drawn too.
+        """
         told = " and ".join(
             f"{0.1 * self.size:.2g} m of arrow is {0.1 * self.size / each:.2g} {unit}"
             for unit, each in self.metres.items()
         )
+        which = " (red as described, green corrected)" if both else ""
         return (
-            "Arrows along the joints' axes are the torque or force that is missing there, by the "
-            f"right-hand rule: {told}."
+            f"Arrows along the joints' axes are the torque or force that is missing there{which}, "
+            f"by the right-hand rule: {told}."
         )
 
 

@@ -12,7 +12,7 @@ from morph.app.viewer.figure import Figure
 from morph.app.viewer.mismatch.arrows import axes, scale_of, wrenches
 from morph.app.viewer.mismatch.case import Case
 from morph.app.viewer.mismatch.heat import Heat, by_error, by_force
-from morph.app.viewer.mismatch.take import DESCRIBED, Model, Take, Trace
+from morph.app.viewer.mismatch.take import CORRECTED, DESCRIBED, Model, Take, Trace
 from morph.app.viewer.motion import RATE, posed
 from morph.arrays import Array
 
@@ -20,8 +20,8 @@ MOST_CHARTED = 6
 """Channels that are charted, the worst ones."""
 MEASURED = "#333333"
 """Colour of what was measured."""
-COLOURS = {"described": "blue", "corrected": "green"}
-"""What the ghosts' colours are called."""
+ARROWS = {DESCRIBED: "wrench", CORRECTED: "remaining"}
+"""The kind of arrow that shows what each model lacks."""
 BY_ERROR, BY_FORCE, PLAIN = "position error", "missing force", "nothing"
 COLOURINGS = (BY_ERROR, BY_FORCE, PLAIN)
 """What links may be coloured by."""
@@ -43,12 +43,12 @@ def drawn(case: Case, take: Take, shown: Sequence[str], colouring: str) -> Conte
         actors=_actors(case.figure, take, models, heat),
         charts=tuple(chart for trace in traces[:MOST_CHARTED] for chart in _charts(trace, models))
         + _force_charts(case.figure, take, models),
-        tables=(_errors(take, models),),
+        tables=(_errors(take, models), *_lacks(case.figure, take, models)),
         moments=tuple(
             Moment(time=begin, title=_moment(take, begin, end, place))
             for place, (begin, end) in enumerate(take.worst, start=1)
         ),
-        notes=(*_legend(take, models), *_notes(case, take, heat), *take.notes),
+        notes=(*_notes(case, take, models, heat), *take.notes),
         title=f"{case.robot.name}: {take.name}",
     )
 
@@ -66,21 +66,32 @@ def _actors(
 ) -> tuple[Actor, ...]:
     recorded = replace(
         posed(figure.model, take.measured),
+        arrows=_arrows(figure, take, models),
         heat=None if heat is None else heat.share,
         marks=_marks(figure, take),
     )
-    solid = Actor(figure=figure, motion=recorded, lane=0, title=f"{take.name}: recorded")
-    scale = scale_of(figure, take)
-    ghosts = []
-    for place, model in enumerate(models):
-        moved = posed(figure.model, take.simulated[model.name])
-        if scale is not None:
-            arrows = wrenches(figure, take, model.name, scale, aside=float(place))
-            moved = replace(moved, arrows={"wrench": arrows})
-        ghosts.append(
-            Actor(figure=figure, motion=moved, lane=0, ghost=True, colour=model.colour, title="")
+    ghosts = (
+        Actor(
+            figure=figure,
+            motion=posed(figure.model, take.simulated[model.name]),
+            lane=0,
+            ghost=True,
+            colour=model.colour,
+            title="",
         )
-    return solid, *ghosts
+        for model in models
+    )
+    return Actor(figure=figure, motion=recorded, lane=0, title=take.name), *ghosts
+
+
+def _arrows(figure: Figure, take: Take, models: Sequence[Model]) -> dict[str, Array]:
+    scale = scale_of(figure, take)
+    if scale is None:
+        return {}
+    return {
+        ARROWS[model.name]: wrenches(figure, take, model.name, scale, aside=float(place))
+        for place, model in enumerate(models)
+    }
 
 
 def _marks(figure: Figure, take: Take) -> Array | None:
@@ -173,26 +184,36 @@ def _errors(take: Take, models: Sequence[Model]) -> Table:
     )
 
 
-def _legend(take: Take, models: Sequence[Model]) -> tuple[str, ...]:
-    ghosts = " and ".join(f"{model.title} ({COLOURS[model.name]})" for model in models)
+def _lacks(figure: Figure, take: Take, models: Sequence[Model]) -> tuple[Table, ...]:
+    """Return the table of the forces that are missing, if they are known."""
+    if not take.missing:
+        return ()
+    sizes = {name: np.sqrt(np.mean(each.force**2, axis=0)) for name, each in take.missing.items()}
+    return (
+        Table(
+            title="Missing force (RMS)",
+            head=("joint", *(model.title for model in models), "unit"),
+            rows=tuple(
+                (joint.name, *(f"{sizes[m.name][at]:.3g}" for m in models), joint.effort_unit)
+                for at, joint in enumerate(figure.robot.joints)
+            ),
+        ),
+    )
+
+
+def _notes(case: Case, take: Take, models: Sequence[Model], heat: Heat | None) -> tuple[str, ...]:
+    scale = scale_of(case.figure, take)
     how = (
         "starts where the recording does"
         if take.horizon is None
         else f"is put back to the recording every {take.horizon:g} s"
     )
-    return (
-        f"Solid: as recorded. Ghost: the simulation {ghosts}, which gets the recorded commands "
-        f"and {how}.",
-    )
-
-
-def _notes(case: Case, take: Take, heat: Heat | None) -> tuple[str, ...]:
-    scale = scale_of(case.figure, take)
     return tuple(
         note
         for note in (
+            f"The simulation gets the recorded commands, and {how}.",
             "" if heat is None else heat.note,
-            "" if scale is None else scale.note,
+            "" if scale is None else scale.note(len(models) > 1),
             "A red ball marks the worst joint in the worst stretches." if take.worst else "",
             *case.notes,
         )

@@ -49,8 +49,8 @@ def by_error(figure: Figure, take: Take, model: str) -> Heat | None:
     return Heat(
         share=on_links(figure, parts, pictures),
         note=(
-            f"Links are coloured by the error of their joint in units of its noise: full red is "
-            f"{scale:.2g} times, for {worst.channel} {scale * worst.noise:.2g} {worst.unit}."
+            f"Links are coloured by the error of their joint: full red is {_plain(scale)} times "
+            f"its noise, {scale * worst.noise:.2g} {worst.unit} for {worst.channel}."
         ),
     )
 
@@ -127,6 +127,11 @@ def _error(trace: Trace, model: str, pictures: int) -> Array:
 def _smooth(values: Array) -> Array:
     when = np.arange(len(values)) / RATE
     return np.abs(low_pass(values, when, SMOOTHED)) if len(values) > 1 else values
+
+
+def _plain(value: float) -> str:
+    """Return two figures without an exponent."""
+    return f"{float(f'{value:.2g}'):g}"
 
 
 def _high(values: Array) -> float:

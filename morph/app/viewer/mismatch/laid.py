@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from morph.arrays import Array
-from morph.body.robot import Actuator, Robot
+from morph.body.robot import Robot
 from morph.model.episodes import Episode
 from morph.record.recording import Channel, Recording
 
@@ -48,27 +48,24 @@ def part_of(episode: Episode, begin: float, end: float) -> Episode:
 def with_commands(recording: Recording, robot: Robot) -> tuple[Recording, tuple[str, ...]]:
     """Return a recording that tells every actuator something, and what was put in for it.
 
-    A motor that has no command but a measured effort at its joint is told that effort; any
-    other is told nothing, which is 0, or where the joint is, for a servo.
+    A motor that has no command but a measured effort at its joint is told that effort; all
+    others are told 0, as `morph simulate` does where nothing is said.
     """
-    channels, notes = dict(recording.channels), []
+    channels, notes, idle = dict(recording.channels), [], []
     for actuator in robot.actuators:
-        name = f"{actuator.name}.command"
+        name, effort = f"{actuator.name}.command", f"{actuator.joint}.effort"
         if name in channels:
             continue
-        channel, why = _instead(recording, actuator)
-        channels[name] = channel
-        notes.append(f"{actuator.name} has no recorded command: {why}.")
+        if actuator.kind == "motor" and effort in channels:
+            channels[name] = replace(channels[effort], hold=True)
+            notes.append(
+                f"{actuator.name} has no recorded command: its joint's measured effort is taken "
+                "for it."
+            )
+        else:
+            span: Array = np.array([recording.start, recording.end])
+            channels[name] = Channel(time=span, value=np.zeros(2), hold=True)
+            idle.append(actuator.name)
+    if idle:
+        notes.append(f"No command was recorded of {', '.join(idle)}: the simulation is told 0.")
     return replace(recording, channels=channels), tuple(notes)
-
-
-def _instead(recording: Recording, actuator: Actuator) -> tuple[Channel, str]:
-    of_joint = {
-        "motor": (f"{actuator.joint}.effort", "its joint's measured effort is taken for it"),
-        "position": (f"{actuator.joint}.position", "its joint's measured position is taken for it"),
-    }
-    name, why = of_joint.get(actuator.kind, ("", ""))
-    if name in recording.channels:
-        return replace(recording.channels[name], hold=True), why
-    time: Array = np.array([recording.start, recording.end])
-    return Channel(time=time, value=np.zeros(2), hold=True), "the simulation holds it at 0"

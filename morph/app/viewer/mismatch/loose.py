@@ -50,7 +50,7 @@ def simulated(
             moved = simulator.trajectory(
                 seconds=(last - first) / RATE,
                 command=_commands(model.robot, recording, begin + first / RATE),
-                **_start(model.robot, simulator.model, measured, first),
+                **_start(model.robot, simulator.model, recording, measured, first, begin),
             )
         except SimulationFailed as error:
             why = f"{first / RATE:.3g} s into the window: {error.what}"
@@ -108,8 +108,13 @@ def _commands(robot: Robot, recording: Recording, begin: float) -> dict[str, Any
     }
 
 
-def _start(robot: Robot, model: Any, measured: Array, picture: int) -> dict[str, Any]:
-    """Return what `Simulator.trajectory` is told of a start: joints and bodies by their names."""
+def _start(
+    robot: Robot, model: Any, recording: Recording, measured: Array, picture: int, begin: float
+) -> dict[str, Any]:
+    """Return what `Simulator.trajectory` is told of a start: joints and bodies by their names.
+
+    Speeds that were not recorded are read off the poses about it.
+    """
     position, velocity = measured[picture], speeds(model, measured, picture)
     start: dict[str, float] = {}
     speed: dict[str, float] = {}
@@ -121,6 +126,10 @@ def _start(robot: Robot, model: Any, measured: Array, picture: int) -> dict[str,
         elif joint.kind == "free":
             start |= _named(joint.link, PLACES, position[q : q + 7])
             speed |= _named(joint.link, SPEEDS, velocity[v : v + 6])
+    for name in speed:
+        channel = recording.channels.get(name, recording.channels.get(f"{name}.velocity"))
+        if channel is not None:
+            speed[name] = float(channel.at(np.array(begin + picture / RATE)))
     return {"start": start, "speed": speed}
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from html import escape
 from typing import TYPE_CHECKING, Any
@@ -11,6 +11,7 @@ from morph.app.viewer.mismatch.choices import BOTH, Choices
 from morph.app.viewer.mismatch.diagnosed import Found
 from morph.app.viewer.mismatch.drawn import COLOURINGS
 from morph.app.viewer.mismatch.missing import link_of
+from morph.app.viewer.mismatch.take import Model
 
 if TYPE_CHECKING:
     from morph.app.viewer.session import Session
@@ -32,6 +33,7 @@ class Panel:
     def __init__(self, view: Mismatch, gui: Any, session: Session) -> None:
         """Add them."""
         self._view, self._session = view, session
+        gui.add_html(_legend(view.case.models))
         case, chosen = view.case, view.chosen
         self._recordings = _distinct(
             [
@@ -43,7 +45,7 @@ class Panel:
             gui, "recording", self._recordings, chosen.ask.episode, self._to_recording
         )
         self._window = self._list(
-            gui, "seconds", self._windows(), chosen.ask.window, self._to_window
+            gui, "window", self._windows(), chosen.ask.window, self._to_window
         )
         self._window.visible = len(self._windows()) > 1
         self._ways: dict[str, float | None] = {
@@ -61,8 +63,12 @@ class Panel:
             self._model = self._list(gui, "models", list(self._models), at, self._to_models)
         at = COLOURINGS.index(chosen.colouring)
         self._colouring = self._list(gui, "links by", list(COLOURINGS), at, self._to_colouring)
-        for found in () if case.diagnosed is None else case.diagnosed.findings:
-            self._finding(gui, found)
+        self._found = () if case.diagnosed is None else case.diagnosed.findings
+        if self._found:
+            gui.add_html(_findings(self._found))
+            numbers = tuple(str(number + 1) for number in range(len(self._found)))
+            jump = gui.add_button_group("show finding", numbers)
+            self._on(jump.on_click, lambda: self._show(self._found[int(jump.value) - 1]))
 
     def _list(
         self, gui: Any, label: str, options: list[str], at: int, then: Callable[[], None]
@@ -79,16 +85,6 @@ class Panel:
                 self._session.do(what)
 
         event(happened)
-
-    def _finding(self, gui: Any, found: Found) -> None:
-        sure = f"{100.0 * found.probability:.0f} % sure"
-        figures = "; ".join(found.figures)
-        gui.add_html(
-            f'<p class="morph"><b>{escape(found.statement)}</b><br>'
-            f"{escape(figures)} ({escape(sure)})</p>"
-        )
-        button = gui.add_button(f"show {found.effect.label}")
-        self._on(button.on_click, lambda: self._show(found))
 
     def _show(self, found: Found) -> None:
         """Go to where a finding shows most, and point at its link."""
@@ -145,3 +141,22 @@ def _distinct(names: list[str]) -> list[str]:
     return [
         name if names.index(name) == at else f"{name} ({at + 1})" for at, name in enumerate(names)
     ]
+
+
+def _legend(models: Sequence[Model]) -> str:
+    """Return what is drawn how, in a line of HTML."""
+    solid = '<b style="color:#888">&#9632;</b> recorded (solid)'
+    ghosts = "".join(
+        f' &nbsp; <b style="color:{each.css}">&#9632;</b> {escape(each.title)}' for each in models
+    )
+    return f'<p class="morph">{solid}{ghosts}</p>'
+
+
+def _findings(findings: Sequence[Found]) -> str:
+    """Return findings as a numbered list of HTML."""
+    items = "".join(
+        f"<li>{escape(each.statement)} {escape('; '.join(each.figures))} "
+        f"({100.0 * each.probability:.0f} % sure)</li>"
+        for each in findings
+    )
+    return f'<ol class="morph" style="padding-left:1.4em">{items}</ol>'

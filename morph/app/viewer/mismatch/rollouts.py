@@ -15,7 +15,7 @@ from morph.model.hypothesis import Hypothesis
 from morph.model.score import by_segment, rmse, rollouts, traces
 from morph.model.segments import Segments, scored_segments
 
-WORST = 5
+WORST = 3
 """Stretches that are marked."""
 STRETCH = 1.0
 """Seconds of a stretch, where no diagnosis says how long they are."""
