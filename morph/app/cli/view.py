@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import sys
-import time
 from pathlib import Path
 
 from morph.app.cli.view_arguments import View
@@ -50,14 +48,5 @@ def run_view(asked: View) -> int:
     viewer = Viewer(
         lambda: [make() for make in found], first=first, host=asked.host, port=asked.port
     )
-    sys.stderr.write(f"see {viewer.address} (end with Ctrl-C)\n")
-    sys.stderr.flush()
-    try:
-        while True:
-            time.sleep(0.2)
-    except KeyboardInterrupt:
-        # Looking ends by an interrupt; nothing is lost by it.
-        sys.stderr.write("\n")
-    finally:
-        viewer.close()
+    viewer.wait()
     return DONE
