@@ -23,6 +23,7 @@ def driven(
     start: Mapping[str, float] | None = None,
     speed: Mapping[str, float] | None = None,
     command: Mapping[str, float] | None = None,
+    state: tuple[Array, Array] | None = None,
 ) -> tuple[Trajectory, SimulationFailed | None]:
     """Return a run under a policy that observes, and why it ended early if it did.
 
@@ -35,6 +36,7 @@ def driven(
         start: Where it starts, as `Simulator.run` takes it.
         speed: How fast.
         command: What single actuators are told all along, whatever the policy says.
+        state: MuJoCo's `qpos` and `qvel` at the start, instead of `start` and `speed`.
 
     Raises:
         RobotError: A name is not the robot's.
@@ -42,7 +44,7 @@ def driven(
         PolicyError: The body lacks what the policy observes.
     """
     robot, model = simulator.robot, simulator.model
-    position, velocity = started(robot, model, start, speed)
+    position, velocity = started(robot, model, start, speed) if state is None else state
     steps = simulator.steps(seconds)
     fixed = {
         [each.name for each in robot.actuators].index(robot.actuator(name).name): value

@@ -47,12 +47,12 @@ def passive(model: mujoco.MjModel, data: mujoco.MjData) -> None:
         jacobian, rate = jacobian_of(model, data, int(body), numbers[POINT])
         added = numbers[SCALE] * tensor(numbers[ADDED])
         inertia += jacobian.T @ added @ jacobian
-        moving, slope = _through_fluid(data, int(body), jacobian, rate, numbers[CURRENT])
-        load = -added @ slope - _gyroscopic(moving, added @ moving)
+        moving, slope = through_fluid(data, int(body), jacobian, rate, numbers[CURRENT])
+        load = -added @ slope - gyroscopic(moving, added @ moving)
         load -= numbers[SCALE] * (numbers[LINEAR] + numbers[QUADRATIC] * abs(moving)) * moving
         data.qfrc_passive[:] += jacobian.T @ load
         data.qfrc_passive[:] += _buoyancy(model, data, int(body), numbers)
-        data.qfrc_passive[:] += _thrust(model, data, int(body), numbers)
+        data.qfrc_passive[:] += _thrust(model, data, int(body))
     if data.crb[0, 0] != WETTED:
         _add_to_inertia(model, data, inertia)
 
@@ -72,7 +72,7 @@ def tensor(upper: Array) -> Array:
     return np.asarray(whole + np.triu(whole, 1).T)
 
 
-def _through_fluid(
+def through_fluid(
     data: mujoco.MjData, body: int, jacobian: Array, rate: Array, current: Array
 ) -> tuple[Array, Array]:
     """Return velocity and joint-free acceleration through a fluid that itself moves, (6,) each."""
@@ -84,7 +84,8 @@ def _through_fluid(
     return moving, slope
 
 
-def _gyroscopic(moving: Array, momentum: Array) -> Array:
+def gyroscopic(moving: Array, momentum: Array) -> Array:
+    """Return [w x p; w x h + v x p] of a velocity (v, w) and a momentum (p, h), (6,)."""
     linear, angular = np.split(moving, 2)
     push, spin = np.split(momentum, 2)
     return np.concatenate(
@@ -101,9 +102,18 @@ def _buoyancy(model: mujoco.MjModel, data: mujoco.MjData, body: int, numbers: Ar
     return np.asarray(jacobian.T @ lift)
 
 
-def _thrust(model: mujoco.MjModel, data: mujoco.MjData, body: int, numbers: Array) -> Array:
-    """Return what leaves at the trailing edge, (nv,): Lighthill 1971, as `thrust.tail_force`."""
-    turned = data.xmat[body].reshape(3, 3)
+def _thrust(model: mujoco.MjModel, data: mujoco.MjData, body: int) -> Array:
+    """Return what leaves at the trailing edge as a generalized force, (nv,)."""
+    jacobian, load = shed(model, data, body)
+    return np.asarray(jacobian.T @ load)
+
+
+def shed(model: mujoco.MjModel, data: mujoco.MjData, body: int) -> tuple[Array, Array]:
+    """Return the Jacobian (3, nv) of a body's trailing edge and the force there, N, shape (3,).
+
+    Source: Lighthill 1971, as `thrust.tail_force`.
+    """
+    numbers, turned = model.body_user[body], data.xmat[body].reshape(3, 3)
     jacobian = np.zeros((3, model.nv))
     mujoco.mj_jac(model, data, jacobian, None, data.xpos[body] + turned @ numbers[EDGE], body)
     velocity = jacobian @ data.qvel - numbers[CURRENT]
@@ -111,7 +121,7 @@ def _thrust(model: mujoco.MjModel, data: mujoco.MjData, body: int, numbers: Arra
     along, across = velocity @ chord, velocity @ normal
     mass = float(numbers[SCALE][0] * numbers[SHED][0])
     load = mass * across * (0.5 * across * chord - max(along, 0.0) * normal)
-    return np.asarray(jacobian.T @ load)
+    return jacobian, np.asarray(load)
 
 
 def _add_to_inertia(model: mujoco.MjModel, data: mujoco.MjData, inertia: Array) -> None:

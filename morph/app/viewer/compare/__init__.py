@@ -1,0 +1,1 @@
+"""What the view that compares bodies is made of."""

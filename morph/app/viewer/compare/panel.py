@@ -1,0 +1,100 @@
+"""The knobs of the comparison: which task, which arrows, and who is commanded by what."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from html import escape
+from typing import Any
+
+from morph.app.viewer.compare.arrows import KINDS
+from morph.app.viewer.compare.show import Show
+from morph.app.viewer.compare.work import Work
+from morph.app.viewer.stage import ARROWS
+
+SWEEP = "none: joints through their ranges"
+"""What the choice of tasks calls no task."""
+
+
+class Panel:
+    """What the view adds to a person's page.
+
+    Args:
+        gui: The `viser.GuiApi`, inside the view's folder.
+        tasks: Names of the tasks to choose from.
+        task: The one that is chosen.
+        kinds: The kinds of arrows that are shown.
+        on_task: Is told which task a person chooses; None for none.
+        on_arrows: Is told which kinds of arrows a person wants.
+    """
+
+    def __init__(
+        self,
+        gui: Any,
+        tasks: Sequence[str],
+        task: str | None,
+        kinds: set[str],
+        *,
+        on_task: Callable[[str | None], None],
+        on_arrows: Callable[[set[str]], None],
+    ) -> None:
+        """Add it."""
+        self._said = gui.add_html("")
+        if tasks:
+            chosen = gui.add_dropdown("task", (SWEEP, *tasks), initial_value=task or SWEEP)
+            self._on(
+                chosen,
+                lambda: on_task(None if chosen.value == SWEEP else str(chosen.value)),
+            )
+        self._boxes = {kind: gui.add_checkbox(f"{kind} arrows", kind in kinds) for kind in KINDS}
+        for box in self._boxes.values():
+            self._on(
+                box, lambda: on_arrows({kind for kind, box in self._boxes.items() if box.value})
+            )
+        self._legend = gui.add_html("")
+
+    def tell(
+        self, names: Sequence[str], works: Sequence[Work[Show]], lengths: Mapping[str, str]
+    ) -> None:
+        """Tell how each body stands, and what the arrows mean that there are.
+
+        Args:
+            names: What the bodies are called.
+            works: What comes of each.
+            lengths: What the length of each kind of arrow means.
+        """
+        for kind, box in self._boxes.items():
+            box.visible = kind in lengths
+        self._said.content = states_html(names, works)
+        self._legend.content = legend_html(lengths)
+
+    def _on(self, handle: Any, what: Callable[[], None]) -> None:
+        def changed(event: Any) -> None:
+            if event.client_id is not None:
+                what()
+
+        handle.on_update(changed)
+
+
+def states_html(names: Sequence[str], works: Sequence[Work[Show]]) -> str:
+    """Return what commands each body, or what it waits for."""
+    rows = []
+    for name, work in zip(names, works, strict=True):
+        if work.error is not None:
+            state = "cannot be shown moving: see the notes"
+        elif work.found is not None:
+            state = work.found.policy
+        else:
+            state = f"{work.told or 'getting ready'} \N{HORIZONTAL ELLIPSIS}"
+        if state:
+            rows.append(f"<li>{escape(name)}: {escape(state)}</li>")
+    return f'<ul class="morph">{"".join(rows)}</ul>' if rows else ""
+
+
+def legend_html(lengths: Mapping[str, str]) -> str:
+    """Return the colour of each kind of arrow, and what its length means."""
+    rows = "".join(
+        f'<li><span style="color:rgb{ARROWS[kind]}">\N{RIGHTWARDS ARROW}</span> '
+        f"{escape(kind)}: {escape(length)}</li>"
+        for kind, length in lengths.items()
+    )
+    return f'<ul class="morph">{rows}</ul>' if rows else ""

@@ -1,0 +1,118 @@
+"""What is shown of one body: how it moves, what acts on it, and what is told of it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from morph.app.viewer.compare.arrows import size_of
+from morph.app.viewer.compare.figures import MARGIN, Verdict, margin, series, verdict
+from morph.app.viewer.compare.forces import Forces, forces
+from morph.app.viewer.compare.run import ran
+from morph.app.viewer.compare.sweep import SECONDS, swept
+from morph.app.viewer.design.holding import Holding
+from morph.app.viewer.design.posture import Posture
+from morph.app.viewer.figure import Figure, figure
+from morph.app.viewer.motion import Motion, motion, posed
+from morph.body.robot import Robot
+from morph.physics.worlds import world
+from morph.policy.policy import Policy
+from morph.task.task import Task
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Show:
+    """One body, ready to be shown."""
+
+    figure: Figure
+    """What it looks like."""
+    motion: Motion
+    """How it moves, but for arrows."""
+    size: float
+    """How large it is, m."""
+    forces: Forces | None = None
+    """What acted on it, if it was simulated."""
+    policy: str = ""
+    """What commands it, in words."""
+    verdict: Verdict | None = None
+    """Whether it did its task, if that can be said."""
+    notes: tuple[str, ...] = ()
+    """What is to be known of it."""
+
+
+def at_rest(robot: Robot, name: str) -> Show:
+    """Return a body as it is described."""
+    drawn = figure(robot, name=name)
+    still = posed(drawn.model, drawn.model.qpos0[None])
+    return Show(figure=drawn, motion=still, size=size_of(drawn, still))
+
+
+def sweeps(robot: Robot, name: str, *, surroundings: str | None, seconds: float | None) -> Show:
+    """Return a body whose joints go through their ranges, by no physics.
+
+    Args:
+        robot: The body.
+        name: What to call it.
+        surroundings: Name of the world that it is in; None for none.
+        seconds: How long it takes; None for some seconds.
+
+    Raises:
+        EffectError: There is no such world.
+        RobotError: The body has no shapes that the world could act on.
+    """
+    around = None if surroundings is None else world(surroundings, robot)
+    drawn = figure(robot, () if around is None else around.effects, name=name)
+    posture = Posture(drawn.model)
+    poses, whole = swept(posture, SECONDS if seconds is None else seconds)
+    held = Holding(robot, posture)
+    left = margin(np.array([held.at(pose) for pose in poses]), held.limits)
+    moved = replace(posed(drawn.model, poses), series={MARGIN: 100.0 * left})
+    notes = () if around is None else around.notes
+    if not whole:
+        notes += ("its closed chains stop some joints before their limits",)
+    if not posture.sound:
+        notes += ("its closed chains do not close as it is described",)
+    return Show(figure=drawn, motion=moved, size=size_of(drawn, moved), notes=_named(name, notes))
+
+
+def performs(
+    task: Task, policy: Policy | None, name: str, *, said: str, seed: int, seconds: float | None
+) -> Show:
+    """Return a body at its task.
+
+    Args:
+        task: The task, in its world.
+        policy: What commands it; None for nothing.
+        name: What to call the body.
+        said: What commands it, in words.
+        seed: Of its start.
+        seconds: How long; None for as long as the task.
+
+    Raises:
+        MorphError: The body cannot be simulated, or its policy does not fit its simulation.
+    """
+    run = ran(task, policy, seed=seed, seconds=seconds)
+    acted = forces(run)
+    drawn = figure(task.robot, task.effects, name=name)
+    moved = replace(motion(run.model, run.time, run.position), series=series(task, run, acted))
+    judged = verdict(task, run)
+    notes = []
+    if run.why:
+        notes.append(f"{run.why}; it is shown as far as it was stable")
+    if judged is not None and judged.missed:
+        notes.append(f"missed {len(judged.missed)} goals: {', '.join(judged.missed)}")
+    return Show(
+        figure=drawn,
+        motion=moved,
+        size=size_of(drawn, moved),
+        forces=acted,
+        policy=said,
+        verdict=judged,
+        notes=_named(name, notes),
+    )
+
+
+def _named(name: str, notes: Sequence[str]) -> tuple[str, ...]:
+    return tuple(f"{name}: {note}" for note in notes)

@@ -1,0 +1,60 @@
+"""Each joint in turn through its range: how a body can move, before anything drives it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from morph.app.viewer.design.posture import Posture
+from morph.app.viewer.motion import RATE
+from morph.arrays import Array
+
+SECONDS = 5.0
+"""How long all joints take together, if nothing else is said."""
+
+LEAST = 1.25
+"""How long one joint takes at least, s, if there is so much time: joints then overlap."""
+
+
+def swept(posture: Posture, seconds: float = SECONDS) -> tuple[Array, bool]:
+    """Return poses in which each joint goes to its one end, to the other and back.
+
+    Args:
+        posture: The poses that the body can take: what follows another joint or closes a loop
+            follows here, too.
+        seconds: How long it takes.
+
+    Returns:
+        `qpos` in each picture, shape (pictures, nq), and whether every joint went as far as its
+        limits; a loop may stop it before.
+    """
+    pictures = max(2, round(seconds * RATE) + 1)
+    goals = _goals(posture, np.arange(pictures) / (pictures - 1))
+    poses = np.empty((pictures, len(posture.rest)))
+    pose, whole = posture.rest, True
+    for at, goal in enumerate(goals):
+        pose, arrived = posture.towards(pose, goal)
+        poses[at] = pose
+        whole &= arrived
+    return poses, whole
+
+
+def _goals(posture: Posture, share: Array) -> Array:
+    """Return where each handle is when a share of the time has passed, (pictures, handles)."""
+    handles = posture.handles
+    goals = np.tile([handle.rest for handle in handles], (len(share), 1))
+    for at, handle in enumerate(handles):
+        # The later a joint is in the chain, the later it begins; with many joints they overlap.
+        wide = max(1.0 / len(handles), min(1.0, LEAST / SECONDS))
+        begins = (1.0 - wide) * at / max(1, len(handles) - 1)
+        part = np.clip((share - begins) / wide, 0.0, 1.0)
+        goals[:, at] = np.interp(
+            _eased(part), [0.0, 1.0, 2.0, 3.0], [handle.rest, handle.high, handle.low, handle.rest]
+        )
+    return goals
+
+
+def _eased(part: Array) -> Array:
+    """Return how far along its three ways a joint is, 0 to 3; it rests where it turns."""
+    way = np.minimum(np.floor(3.0 * part), 2.0)
+    within = 3.0 * part - way
+    return np.asarray(way + 0.5 - 0.5 * np.cos(np.pi * within))

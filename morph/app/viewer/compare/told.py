@@ -1,0 +1,158 @@
+"""The content of the comparison: actors, table, charts and notes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from morph.app.viewer.compare.arrows import arrows, said, scales
+from morph.app.viewer.compare.figures import COST, ENERGY, MARGIN
+from morph.app.viewer.compare.forces import Forces
+from morph.app.viewer.compare.show import Show
+from morph.app.viewer.compare.work import Work
+from morph.app.viewer.content import Actor, Chart, Content, Line, Live, Table
+from morph.app.viewer.motion import RATE
+from morph.body.robot import Robot
+
+COLOURS = (
+    "#0072b2",
+    "#d55e00",
+    "#009e73",
+    "#cc79a7",
+    "#e69f00",
+    "#56b4e9",
+    "#7b3294",
+    "#7f7f7f",
+)
+"""Of the bodies' lines, told apart by the colour-blind too; after Okabe and Ito 2008."""
+
+MOST_POINTS = 400
+"""Points of a line in a chart: more are finer than a screen."""
+
+NO_PHYSICS = (
+    "No physics: each joint goes through its range. The holding margin is what is left of the "
+    "limit of the motor that is nearest to it, had the body to stand still in the poses so far, "
+    "its base held."
+)
+
+SIMULATED = (
+    "Simulated. Torque margin: the least that was left so far of the limit of a motor. Energy: "
+    "the work of all motors so far, |torque x way|, braking counted like driving."
+)
+
+
+def told(
+    task: str | None,
+    rest: Sequence[Show],
+    works: Sequence[Work[Show]],
+) -> Content:
+    """Return what is shown of bodies of which some are ready.
+
+    Args:
+        task: Name of the task; None where joints go through their ranges.
+        rest: Each body at rest, shown until it is ready, or if it fails.
+        works: What comes of each.
+    """
+    ready = [work.found for work in works]
+    shows = [found or still for found, still in zip(ready, rest, strict=True)]
+    newtons = scales(_acted(shows))
+    actors = tuple(_actor(show, newtons) for show in shows)
+    return Content(
+        actors=actors,
+        tables=(_table(task, shows, works),),
+        charts=_charts(shows) if task is not None else (),
+        notes=(
+            *_failures(rest, works),
+            *(note for show in shows for note in show.notes),
+            NO_PHYSICS if task is None else SIMULATED,
+            *(f"Arrows of {kind}: {length}." for kind, length in lengths(works).items()),
+        ),
+        title=f"{task or 'compare'}: {', '.join(show.figure.name for show in shows)}",
+    )
+
+
+def lengths(works: Sequence[Work[Show]]) -> Mapping[str, str]:
+    """Return what the length of each kind of arrow means, in words, of the kinds that there are."""
+    acted = _acted([work.found for work in works if work.found is not None])
+    return said(scales(acted), driven=any(forces.drives for forces, _ in acted))
+
+
+def _acted(shows: Sequence[Show]) -> list[tuple[Forces, float]]:
+    return [(show.forces, show.size) for show in shows if show.forces is not None]
+
+
+def _actor(show: Show, newtons: Mapping[str, float]) -> Actor:
+    moved = show.motion
+    if show.forces is not None:
+        moved = replace(moved, arrows=arrows(show.forces, show.size, newtons))
+    return Actor(figure=show.figure, motion=moved)
+
+
+def joints_said(robot: Robot) -> str:
+    """Return how many joints move on their own, and how many of them are driven."""
+    moving = [joint for joint in robot.joints if joint.kind != "free" and joint.mimic is None]
+    driven = {each.joint for each in robot.actuators}
+    return f"{len(moving)} ({len(driven)})"
+
+
+def _table(task: str | None, shows: Sequence[Show], works: Sequence[Work[Show]]) -> Table:
+    head = ["body", "mass (kg)", "joints (driven)"]
+    live = [(MARGIN, 3)] if task is None else [(MARGIN, 3), (ENERGY, 3), (COST, 4)]
+    head += ["holding margin (%)"] if task is None else [name for name, _ in live]
+    head += [] if task is None else ["goals at the end"]
+    rows = []
+    for at, (show, work) in enumerate(zip(shows, works, strict=True)):
+        row: list[str | Live] = [
+            show.figure.name,
+            f"{show.figure.robot.mass:.4g}",
+            joints_said(show.figure.robot),
+        ]
+        for name, digits in live:
+            there = name in show.motion.series
+            row.append(Live(actor=at, series=name, digits=digits) if there else _waiting(work))
+        if task is not None:
+            row.append(_goals(show) if work.done else _waiting(work))
+        rows.append(tuple(row))
+    return Table(title=task or "Joints through their ranges", head=tuple(head), rows=tuple(rows))
+
+
+def _waiting(work: Work[Show]) -> str:
+    return "\N{EN DASH}" if work.done else "\N{HORIZONTAL ELLIPSIS}"
+
+
+def _goals(show: Show) -> str:
+    if show.verdict is None:
+        return "\N{EN DASH}"
+    reached, missed = len(show.verdict.reached), len(show.verdict.missed)
+    return f"{reached} of {reached + missed}"
+
+
+def _charts(shows: Sequence[Show]) -> tuple[Chart, ...]:
+    found = []
+    for name, title, unit in ((COST, "Cost so far", ""), (ENERGY, "Energy so far", "J")):
+        lines = []
+        for at, show in enumerate(shows):
+            if name in show.motion.series:
+                value = np.asarray(show.motion.series[name])
+                some = np.unique(np.linspace(0, len(value) - 1, MOST_POINTS).round().astype(int))
+                lines.append(
+                    Line(
+                        name=show.figure.name,
+                        time=some / RATE,
+                        value=value[some],
+                        colour=COLOURS[at % len(COLOURS)],
+                    )
+                )
+        if lines:
+            found.append(Chart(title=title, unit=unit, lines=tuple(lines)))
+    return tuple(found)
+
+
+def _failures(rest: Sequence[Show], works: Sequence[Work[Show]]) -> tuple[str, ...]:
+    return tuple(
+        f"{still.figure.name} stands still: {work.error.what}; {work.error.fix}"
+        for still, work in zip(rest, works, strict=True)
+        if work.error is not None
+    )

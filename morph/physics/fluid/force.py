@@ -1,0 +1,55 @@
+"""The force of the water on each link: what the kernel gives to MuJoCo, told link by link."""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+
+from morph.arrays import Array
+from morph.physics.body_motion import jacobian_of
+from morph.physics.fluid.numbers import (
+    ADDED,
+    CENTRE,
+    CURRENT,
+    DISPLACED,
+    LINEAR,
+    POINT,
+    QUADRATIC,
+    SCALE,
+)
+from morph.physics.fluid.reference import gyroscopic, shed, tensor, through_fluid, wet_bodies
+
+
+def water_forces(model: mujoco.MjModel, data: mujoco.MjData) -> Array:
+    """Return where water presses on each wet link and how, world axes, m and N.
+
+    Shape (2, wet links, 2, 3): first drag, thrust and the resistance of the water that the link
+    carries along, at the link's centre of mass; then buoyancy, at its centre of buoyancy. With
+    `reference.passive`'s symbols the first is f - K (J a + dJ/dt v) - w x p, its linear part.
+
+    Args:
+        model: The compiled model.
+        data: A state passed forward, accelerations included.
+    """
+    wet = wet_bodies(model)
+    found = np.zeros((2, len(wet), 2, 3))
+    on = not model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_GRAVITY
+    for row, body in enumerate(wet.tolist()):
+        numbers = model.body_user[body]
+        scale, turned = float(numbers[SCALE][0]), data.xmat[body].reshape(3, 3)
+        found[0, row] = data.xipos[body], _moving(model, data, body)
+        found[1, row, 0] = data.xpos[body] + turned @ numbers[CENTRE]
+        found[1, row, 1] = -float(on) * scale * float(numbers[DISPLACED][0]) * model.opt.gravity
+    return found
+
+
+def _moving(model: mujoco.MjModel, data: mujoco.MjData, body: int) -> Array:
+    """Return the force, N, shape (3,), that would vanish if link and water were at rest."""
+    numbers = model.body_user[body]
+    scale, turned = float(numbers[SCALE][0]), data.xmat[body].reshape(3, 3)
+    jacobian, rate = jacobian_of(model, data, body, numbers[POINT])
+    added = scale * tensor(numbers[ADDED])
+    moving, slope = through_fluid(data, body, jacobian, rate, numbers[CURRENT])
+    load = -added @ (jacobian @ data.qacc + slope) - gyroscopic(moving, added @ moving)
+    load -= scale * (numbers[LINEAR] + numbers[QUADRATIC] * abs(moving)) * moving
+    return np.asarray(turned @ load[:3] + shed(model, data, body)[1])
