@@ -8,12 +8,22 @@ from typing import Any
 
 from morph.app.picture.scene import is_wet
 from morph.app.picture.shapes import Shape, shapes
-from morph.app.viewer.web_shapes import web_shape
+from morph.app.viewer.web_shapes import web_shapes
 from morph.body.robot import Robot
 from morph.body.spec import spec_of
 from morph.errors import SimulationFailed
 from morph.physics.apply import apply
 from morph.physics.effect import Effect
+
+UNSEEN = {
+    "mesh-missing",
+    "mesh-outside",
+    "mesh-lfs-stub",
+    "mesh-unreadable",
+    "mesh-empty",
+    "mesh-too-large",
+}
+"""What was found of meshes that are not drawn, or not as described."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -64,11 +74,11 @@ def figure(robot: Robot, effects: Sequence[Effect] = (), *, name: str | None = N
         robot=robot,
         name=robot.name if name is None else name,
         model=model,
-        shapes=tuple(web_shape(shape) for shape in shapes(model)),
+        shapes=web_shapes(shapes(model)),
         wet=is_wet(effects),
         notes=tuple(
             f"{finding.where}: {finding.what}"
             for finding in robot.findings
-            if finding.code.startswith("mesh")
+            if finding.code in UNSEEN
         ),
     )

@@ -2,27 +2,44 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import product
 
 import mujoco
 import numpy as np
 
 from morph.app.viewer.content import Actor
 from morph.app.viewer.figure import Figure
+from morph.app.viewer.framing import FIELD, framed
+from morph.app.viewer.room import Room, looked_at, room
+from morph.app.viewer.rows import in_file, in_rows
 from morph.arrays import Array
-
-LOOKED_AT = 60
-"""Pictures of a motion from which the room that it takes is measured."""
-
-GAP = 0.35
-"""Room between two lanes, by the size of the larger body."""
 
 ELONGATED = 3.0
 """A body that reaches this many times its own size along x moves past its neighbours."""
 
-DEEP = 0.25
+STRAYS = 0.6
+"""What leaves its first box by more than this, by its size, may leave the picture."""
+
+DEEP = 0.35
 """How far above the ground a swimmer is, by its size."""
+
+FRONT = np.array([0.42, -1.0, 0.42])
+"""From a row of bodies to the camera: most swing in the plane that it looks at."""
+
+BESIDE = np.array([0.95, -0.8, 0.6])
+"""From bodies that stand or go side by side to the camera, ahead of them."""
+
+HIDDEN = 1.35
+"""Bodies behind one another are worth this much more distance: they hide each other."""
+
+LETTER, LINE, PICTURE = 7.0, 24.0, 760.0
+"""Width of a letter and height of a label, and height of a picture, pixels."""
+
+MOST_LETTERS = 28
+"""A longer name is cut."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,45 +52,60 @@ class Layout:
     """Least corner of the room that each actor takes, m, shape (actors, 3)."""
     high: Array
     """Its greatest corner."""
-    middle: Array
-    """What a camera looks at, m, shape (3,)."""
-    radius: float
-    """Of what it must see, m."""
+    sizes: Array
+    """How large each actor is, m, shape (actors,)."""
+    labels: Array
+    """Where the name of each actor stands in the first picture, m, shape (actors, 3)."""
+    seen: Array
+    """What a camera must see while it goes with the bodies, m, shape (points, 3)."""
     towards: Array
     """From there to the camera, a unit vector, shape (3,)."""
 
+    @property
+    def middle(self) -> Array:
+        """The middle of what must be seen, m, shape (3,)."""
+        return 0.5 * (self.seen.min(axis=0) + self.seen.max(axis=0))
+
+    @property
+    def radius(self) -> float:
+        """Of what must be seen, m."""
+        return max(0.5 * float(np.linalg.norm(np.ptp(self.seen, axis=0))), 1e-3)
+
 
 def laid_out(actors: Sequence[Actor]) -> Layout:
-    """Return where actors stand; those of one lane begin at one place."""
+    """Return where actors stand; those of one lane begin at one place.
+
+    Bodies that go past their neighbours stand side by side across their way. Others stand in
+    the rows, or the file (0 rows), that lets the camera come nearest.
+    """
+    if not actors:
+        nothing = np.zeros((0, 3))
+        corners = np.array([[-0.5, -0.5, 0.0], [0.5, 0.5, 0.5]])
+        return Layout(
+            places=nothing,
+            low=nothing,
+            high=nothing,
+            sizes=np.zeros(0),
+            labels=nothing,
+            seen=corners,
+            towards=_unit(FRONT),
+        )
+    pictures = looked_at(actors)
+    rooms = [room(actor, pictures) for actor in actors]
     lanes = lanes_of(actors)
-    boxes = [room(actor) for actor in actors]
-    low = np.array([box[0].min(axis=0) for box in boxes])
-    high = np.array([box[1].max(axis=0) for box in boxes])
-    size = np.array([np.linalg.norm(box[1][0] - box[0][0]) for box in boxes])
-    across = 1 if ((high - low)[:, 0] > ELONGATED * size).any() else 0
-    places = np.zeros((len(actors), 3))
-    edge = 0.0
-    for lane in sorted(set(lanes)):
-        its = [at for at, each in enumerate(lanes) if each == lane]
-        least, most = low[its].min(axis=0), high[its].max(axis=0)
-        gap = GAP * float(size[its].max())
-        place = np.zeros(3)
-        place[across] = edge + gap - least[across]
-        place[2] = _lift(actors[its[0]].figure, least[2], float(size[its].max()))
-        places[its] = place
-        edge = float(place[across] + most[across] + gap)
-    low, high = low + places, high + places
-    start = np.array([[b[0][0], b[1][0]] for b in boxes]) + places[:, None]
-    least, most = start[:, 0].min(axis=0), start[:, 1].max(axis=0)
-    towards = np.array([0.75, -0.85, 0.55]) if across else np.array([0.25, -1.0, 0.4])
-    return Layout(
-        places=places,
-        low=low,
-        high=high,
-        middle=0.5 * (least + most),
-        radius=max(0.5 * float(np.linalg.norm(most - least)), 1e-3),
-        towards=towards / np.linalg.norm(towards),
-    )
+    several = len(set(lanes)) > 1
+    if several and any(each.travels(ELONGATED) for each in rooms):
+        return _named(actors, rooms, lanes, 0)
+    best, least = _named(actors, rooms, lanes, 1), math.inf
+    for rows in range(len(set(lanes)) if several else 0):
+        found = best if rows == 1 else _named(actors, rooms, lanes, rows)
+        # How small the farthest body is seen says how much is told of all of them.
+        place = framed(found.seen, found.towards).position
+        far = np.linalg.norm(0.5 * (found.low + found.high) - place, axis=1).max()
+        cost = float(far) * (1.0 if rows == 1 else HIDDEN)
+        if cost < least:
+            best, least = found, cost
+    return best
 
 
 def lanes_of(actors: Sequence[Actor]) -> list[int]:
@@ -86,36 +118,80 @@ def lanes_of(actors: Sequence[Actor]) -> list[int]:
     return lanes
 
 
-def room(actor: Actor) -> tuple[Array, Array]:
-    """Return the corners of an actor's upright box in some pictures, (pictures, 3) each.
-
-    Shapes that are fixed to the world count, as a rail does; a floor has no end and does not.
-    """
-    motion = actor.motion
-    which = np.unique(np.linspace(0, motion.pictures - 1, LOOKED_AT).round().astype(int))
-    low = np.full((len(which), 3), np.inf)
-    high = np.full((len(which), 3), -np.inf)
-    for shape in actor.figure.shapes:
-        least, most = shape.vertices.min(axis=0), shape.vertices.max(axis=0)
-        turn = matrices(motion.turn[which, shape.body])
-        centre = motion.position[which, shape.body] + turn @ (0.5 * (least + most))
-        half = np.abs(turn) @ (0.5 * (most - least))
-        low, high = np.minimum(low, centre - half), np.maximum(high, centre + half)
-    if not actor.figure.shapes:
-        low = motion.position[which].min(axis=1) - 0.05
-        high = motion.position[which].max(axis=1) + 0.05
-    return low, high
+def title(actor: Actor) -> str:
+    """Return what stands above an actor, on one line that is not too long."""
+    text = " ".join((actor.figure.name if actor.title is None else actor.title).split())
+    return text if len(text) <= MOST_LETTERS else text[: MOST_LETTERS - 1] + "…"
 
 
-def matrices(turn: Array) -> Array:
-    """Return the rotation matrices of unit quaternions, w first: (..., 4) to (..., 3, 3)."""
-    w, x, y, z = np.moveaxis(turn, -1, 0)
-    rows = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-    ]
-    return np.moveaxis(np.array(rows), (0, 1), (-2, -1))
+def _named(actors: Sequence[Actor], rooms: Sequence[Room], lanes: list[int], rows: int) -> Layout:
+    """Return bodies in so many rows, 0 for a file, with room for their names."""
+    pixel = 0.0
+    # How many metres a pixel is follows from the frame, and the frame from how wide names are.
+    for _ in range(2):
+        found = _arranged(actors, rooms, lanes, rows, pixel)
+        distance = framed(found.seen, found.towards).distance
+        pixel = 2.0 * distance * math.tan(0.5 * FIELD) / PICTURE
+    return _arranged(actors, rooms, lanes, rows, pixel)
+
+
+def _arranged(
+    actors: Sequence[Actor], rooms: Sequence[Room], lanes: list[int], rows: int, pixel: float
+) -> Layout:
+    low = np.array([each.low.min(axis=0) for each in rooms])
+    high = np.array([each.high.max(axis=0) for each in rooms])
+    sizes = np.array([each.size for each in rooms])
+    groups = [[at for at, its in enumerate(lanes) if its == lane] for lane in sorted(set(lanes))]
+    least = np.array([low[group].min(axis=0) for group in groups])
+    most = np.array([high[group].max(axis=0) for group in groups])
+    size = np.array([sizes[group].max() for group in groups])
+    letters = [max(len(title(actors[at])) + 2 for at in group) for group in groups]
+    widths = pixel * LETTER * np.array(letters)
+    flat = in_rows(least, most, size, widths, rows) if rows else in_file(least, most, size, widths)
+    places = np.zeros((len(actors), 3))
+    for lane, group in enumerate(groups):
+        places[group, :2] = flat[lane]
+        places[group, 2] = _lift(actors[group[0]].figure, float(least[lane, 2]), float(size[lane]))
+    labels = _labels(actors, rooms, groups, pixel) + places
+    tops = labels + np.array([0.0, 0.0, LINE * pixel])
+    return Layout(
+        places=places,
+        low=low + places,
+        high=high + places,
+        sizes=sizes,
+        labels=labels,
+        seen=np.concatenate((_seen(rooms, places), tops)),
+        towards=_unit(FRONT if rows else BESIDE),
+    )
+
+
+def _labels(
+    actors: Sequence[Actor], rooms: Sequence[Room], groups: list[list[int]], pixel: float
+) -> Array:
+    """Return where names stand, over their bodies; those of a lane one over the other."""
+    labels = np.zeros((len(actors), 3))
+    for group in groups:
+        low = np.min([rooms[at].low[0] for at in group], axis=0)
+        high = np.max([rooms[at].high[0] for at in group], axis=0)
+        above = float(high[2]) + 0.3 * LINE * pixel
+        for at in group:
+            labels[at] = *(0.5 * (low + high))[:2], above
+            above += LINE * pixel if title(actors[at]) else 0.0
+    return labels
+
+
+def _seen(rooms: Sequence[Room], places: Array) -> Array:
+    """Return corners of what bodies take up while a camera goes with their mean way."""
+    mean = np.mean([each.gone for each in rooms], axis=0)
+    mean = np.concatenate((mean, np.zeros((len(mean), 1))), axis=1)
+    corners = []
+    for each, place in zip(rooms, places, strict=True):
+        stray = STRAYS * each.size
+        corners.append(np.maximum((each.low - mean).min(axis=0), each.low[0] - stray) + place)
+        corners.append(np.minimum((each.high - mean).max(axis=0), each.high[0] + stray) + place)
+    pairs = np.array(corners).reshape(-1, 2, 3)
+    which = np.array(list(product((0, 1), repeat=3)))
+    return np.asarray(pairs[:, which, np.arange(3)].reshape(-1, 3))
 
 
 def _lift(figure: Figure, lowest: float, size: float) -> float:
@@ -132,3 +208,7 @@ def _lift(figure: Figure, lowest: float, size: float) -> float:
     if near and not figure.wet:
         return -max(near)
     return -lowest + (DEEP * size if figure.wet else 0.0)
+
+
+def _unit(vector: Array) -> Array:
+    return np.asarray(vector / np.linalg.norm(vector))
