@@ -64,7 +64,7 @@ class Layout:
     @property
     def middle(self) -> Array:
         """The middle of what must be seen, m, shape (3,)."""
-        return 0.5 * (self.seen.min(axis=0) + self.seen.max(axis=0))
+        return np.asarray(0.5 * (self.seen.min(axis=0) + self.seen.max(axis=0)))
 
     @property
     def radius(self) -> float:

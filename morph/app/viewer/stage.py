@@ -11,7 +11,8 @@ import numpy as np
 from morph.app.viewer.content import Content
 from morph.app.viewer.framing import ASPECT, FIELD, Frame, framed
 from morph.app.viewer.layout import Layout, laid_out
-from morph.app.viewer.player import ARROWS, Player
+from morph.app.viewer.player import ARROWS as ARROWS
+from morph.app.viewer.player import Player
 from morph.app.viewer.surroundings import add_ground, add_ruler, add_water, ruler
 from morph.app.viewer.ties import Ties
 from morph.arrays import Array
@@ -46,6 +47,11 @@ class Stage:
         if self._layout is None:
             raise RuntimeError("nothing is shown yet")
         return self._layout
+
+    @property
+    def hidden_arrows(self) -> frozenset[str]:
+        """The kinds of arrows that are not drawn."""
+        return frozenset(ARROWS) - self.shown_arrows
 
     def show(self, content: Content) -> None:
         """Replace all that is shown; `pose` must follow."""
