@@ -103,6 +103,8 @@ class Session:
     def turn_to(self, view: View) -> None:
         """Show another view, with its controls."""
         self.view, self._aimed = view, False
+        # A view that wants to know what is clicked says so in its panel.
+        self.stage.picked = None
         self._controls.open_view()
         self.clock.seek(0.0)
         self.show()
@@ -129,20 +131,22 @@ class Session:
             self._answer()
             if not self._safely(partial(self._picture, now)):
                 # Whoever looks decides whether to try again; it must not fail 60 times a second.
-                self.clock.playing = False
+                self.clock.playing = self._controls.stale = False
             time.sleep(max(0.0, 1.0 / RATE - (time.monotonic() - now)))
 
     def _picture(self, now: float) -> None:
         """Show where the clock is, unless it is shown already."""
+        self.stage.refit(self.client.camera)
         picture = int(self.clock.time * RATE + 1e-6)
         # A change of content, a switch or a hand on the slider shows the same picture anew.
         if picture == self._shown and not self._controls.stale:
             return
-        self._shown, self._controls.stale = picture, False
+        self._shown = picture
         with self.client.atomic():
             self.stage.pose(self.clock.time)
         if now - self._told >= SLOW or not self.clock.playing:
-            self._told = now
+            # Not before: what changed since the last telling would never be told.
+            self._told, self._controls.stale = now, False
             self._controls.tell()
             self.view.picture(self.clock.time)
 

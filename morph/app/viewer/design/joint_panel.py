@@ -108,7 +108,7 @@ class JointPanel:
         low, high = _shown(handle, handle.low), _shown(handle, handle.high)
         high = max(high, low + 1e-6)
         unit = "degrees" if handle.kind == "hinge" else "m"
-        step = 0.1 if handle.kind == "hinge" else 10.0 ** math.floor(math.log10(high - low) - 3)
+        step = 0.1 if handle.kind == "hinge" else 1e-4
         without = "" if handle.limited else ", without limits"
         slider = self._gui.add_slider(
             handle.joint,
@@ -129,5 +129,5 @@ class JointPanel:
 
 
 def _shown(handle: Handle, position: float) -> float:
-    """Return a joint's position as the page tells it: degrees or m."""
-    return round(position * (DEGREES if handle.kind == "hinge" else 1.0), 6)
+    """Return a joint's position as the page tells it: tenths of degrees, or tenths of mm."""
+    return round(position * DEGREES, 1) if handle.kind == "hinge" else round(position, 4)

@@ -22,17 +22,30 @@ class Latest:
         self.done = 0
         """How many works were done."""
         self._busy = False
-        self._next: tuple[Callable[[], Any], Callable[[Any], None]] | None = None
+        self._next: tuple[Any, ...] | None = None
 
     @property
     def busy(self) -> bool:
         """Whether something is being done."""
         return self._busy
 
-    def ask(self, session: Session, work: Callable[[], Any], then: Callable[[Any], None]) -> None:
-        """Have work done, and what comes of it, in the session's thread; an error is told."""
+    def ask(
+        self,
+        session: Session,
+        work: Callable[[], Any],
+        then: Callable[[Any], None],
+        otherwise: Callable[[], None] = lambda: None,
+    ) -> None:
+        """Have work done, and then in the session's thread what follows from it.
+
+        Args:
+            session: The page.
+            work: What is done, in another thread.
+            then: Given what it returned.
+            otherwise: Done instead if it raised an error of ours, which is told.
+        """
         if self._busy:
-            self._next = (work, then)
+            self._next = (work, then, otherwise)
             return
         self._busy = True
 
@@ -47,6 +60,7 @@ class Latest:
             self.done += 1
             if isinstance(found, MorphError):
                 session.say(f"{found.where}: {found.what}. {found.fix}", bad=True)
+                otherwise()
             else:
                 then(found)
             if self._next is not None and not self._busy:

@@ -37,19 +37,17 @@ def general(robot: Robot) -> tuple[Parameter, ...]:
 
 
 def neutral(parameter: Parameter) -> float:
-    """Return the amount at which a parameter changes nothing; of a lock, where it is offered."""
-    if parameter.operation == Stiffen.name:
-        plain = 0.0
-    elif parameter.operation == Lock.name:
-        plain = min(max(0.0, parameter.low), parameter.high)
-    else:
-        plain = 1.0
-    return min(max(plain, parameter.low), parameter.high)
+    """Return the amount nearest to where a parameter changes nothing; of a lock, to zero."""
+    return min(max(_plain(parameter), parameter.low), parameter.high)
+
+
+def _plain(parameter: Parameter) -> float:
+    return 0.0 if parameter.operation in (Stiffen.name, Lock.name) else 1.0
 
 
 def changes(parameter: Parameter, value: float) -> bool:
     """Return whether a value of a parameter changes anything."""
-    return parameter.operation == Lock.name or value != neutral(parameter)
+    return parameter.operation == Lock.name or value != _plain(parameter)
 
 
 def designed(robot: Robot, parameters: Sequence[Parameter], values: Mapping[str, float]) -> Robot:
@@ -63,6 +61,7 @@ def designed(robot: Robot, parameters: Sequence[Parameter], values: Mapping[str,
     Raises:
         RobotError: A value is out of bounds, or an operation cannot be done.
     """
+    values = effective(parameters, values)
     if not values:
         return robot
     card = robot.card or _stand_in(robot)
@@ -73,6 +72,17 @@ def designed(robot: Robot, parameters: Sequence[Parameter], values: Mapping[str,
     parts = {link.name for link in found.links} | {joint.name for joint in found.joints}
     kept = tuple(each for each in robot.card.parameter if each.link in {WHOLE, *parts})
     return replace(found, card=replace(found.card, parameter=kept))
+
+
+def effective(parameters: Sequence[Parameter], values: Mapping[str, float]) -> dict[str, float]:
+    """Return values without those that act on a joint which another of them takes away."""
+    by = {parameter.name: parameter for parameter in parameters}
+    locked = {by[name].link for name in values if name in by and by[name].operation == Lock.name}
+    return {
+        name: value
+        for name, value in values.items()
+        if not (name in by and by[name].operation == Stiffen.name and by[name].link in locked)
+    }
 
 
 def usable(robot: Robot, parameters: Sequence[Parameter]) -> tuple[Parameter, ...]:

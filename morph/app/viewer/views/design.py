@@ -246,7 +246,10 @@ class Design(View):
         if bench.stale:
             plan, values = bench.plan, dict(bench.choice.values)
             self._building.ask(
-                session, lambda: plan.built(values), lambda built: self._built(bench, built)
+                session,
+                lambda: plan.built(values),
+                lambda built: self._built(bench, built),
+                lambda: self._refused(bench),
             )
         elif not self._known(bench.built) or not self._known(bench.plan.original):
             built, original = bench.built, bench.plan.original
@@ -259,6 +262,12 @@ class Design(View):
         if bench is self.bench:
             self._shown_anew()
             self._settle()
+
+    def _refused(self, bench: Bench) -> None:
+        """Go back to what is built: what was chosen cannot be."""
+        bench.history.now = replace(bench.choice, values=dict(bench.built.values))
+        if self._panel is not None and bench is self.bench:
+            self._panel.tell()
 
     def _measured(self) -> None:
         if self._panel is not None:
