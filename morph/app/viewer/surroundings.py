@@ -82,7 +82,13 @@ def add_ruler(scene: Any, layout: Layout) -> None:
     along = (last - first) / np.linalg.norm(last - first)
     tick = 0.02 * layout.radius * np.array([-along[1], along[0], 0.0])
     bars = [(first, last), *((end - tick, end + tick) for end in (first, last))]
-    scene.add_line_segments("/world/ruler", np.array(bars, dtype=np.float32), INK, line_width=3.0)
+    scene.add_line_segments(
+        "/world/ruler",
+        np.array(bars, dtype=np.float32),
+        INK,
+        thickness=3.0,
+        thickness_units="screen",
+    )
     long = float(np.linalg.norm(last - first))
     scene.add_label(
         "/world/ruler/length",

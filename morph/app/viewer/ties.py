@@ -47,7 +47,8 @@ class Ties:
                 f"/world/ties_{width}",
                 np.zeros((len(which), 2, 3), dtype=np.float32),
                 np.repeat(colours[:, None], 2, axis=1),
-                line_width=float(width),
+                thickness=float(width),
+                thickness_units="screen",
             )
             self._lines.append((which, lines))
 
