@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from itertools import product
 
 from morph.app.viewer.align.cast import Player
-from morph.app.viewer.align.links import middle, parts_of
+from morph.app.viewer.align.links import middle, parts_of, spoken
 from morph.app.viewer.align.story import Told
 from morph.app.viewer.content import Colour, Tie
 from morph.transfer.parts import Arrow
@@ -43,11 +44,29 @@ def arrows(told: Told, sort: str) -> tuple[Arrow, ...]:
 
 
 def links(player: Player, sort: str) -> Mapping[str, tuple[str, ...]]:
-    """Return which links the numbers of a body are about, by their names."""
+    """Return which links the numbers of a body are about, by what they are called."""
     if player.body is None or player.figure is None:
         return {}
-    found = parts_of(player.body)
-    return found.commands if sort == COMMANDS else found.states
+    found, called = parts_of(player.body), spoken(player.body)
+    which = found.commands if sort == COMMANDS else found.states
+    return {called.get(name, name): links for name, links in which.items()}
+
+
+def called(told: Told, source: Player, target: Player) -> Told:
+    """Return a hop whose groups and readings are called with the links that they are about."""
+    here, there = ({} if each.body is None else spoken(each.body) for each in (source, target))
+
+    def arrow(each: Arrow, begins: Mapping[str, str], ends: Mapping[str, str]) -> Arrow:
+        begin, end = begins.get(each.begin, each.begin), ends.get(each.end, each.end)
+        return replace(each, begin=begin, end=end)
+
+    parts = replace(
+        told.parts,
+        states=tuple(arrow(each, there, here) for each in told.parts.states),
+        commands=tuple(arrow(each, here, there) for each in told.parts.commands),
+        lost=tuple(there.get(name, name) for name in told.parts.lost),
+    )
+    return replace(told, parts=parts)
 
 
 def ties(

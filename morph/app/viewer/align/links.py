@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import mujoco
@@ -15,6 +15,10 @@ from morph.transfer.parts import names_of
 
 STRONG = 0.5
 """Share of a reading's greatest coefficient from which a joint counts to it."""
+
+
+FEW = 2
+"""Links of a group that are named."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,6 +48,24 @@ def parts_of(body: Body) -> Parts:
         for name, column in zip(names.command, told.T, strict=True)
     }
     return Parts(states=states, commands=commands)
+
+
+def spoken(body: Body) -> dict[str, str]:
+    """Return what numbers of a body are called that no joint has by itself: with their links."""
+    found = parts_of(body)
+    numbers = {} if body.sight is None else dict(found.states)
+    groups = {} if body.together is None else dict(found.commands)
+    joints = {joint.name for joint in body.task.robot.joints}
+    return {
+        name: f"{name} ({_few(links)})"
+        for name, links in (numbers | groups).items()
+        if links and name not in joints
+    }
+
+
+def _few(links: Sequence[str]) -> str:
+    more = len(links) - FEW
+    return ", ".join(links[:FEW]) + (f" and {more} more" if more > 0 else "")
 
 
 def middle(figure: Figure, link: str) -> tuple[float, float, float]:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
 from morph.app.viewer.align.cast import Player
 from morph.app.viewer.align.laws import law
+from morph.app.viewer.align.lines import called
 from morph.app.viewer.align.maps import maps_of
 from morph.app.viewer.align.story import Story
 from morph.app.viewer.content import Moment
@@ -60,7 +62,9 @@ class Performance:
 
     def __init__(self, story: Story, players: Sequence[Player], seed: int = 0) -> None:
         """Read the maps."""
-        self.story, self.players, self._seed = story, tuple(players), seed
+        hops = zip(story.hops, pairwise(players), strict=True)
+        self.story = replace(story, hops=tuple(called(hop, *pair) for hop, pair in hops))
+        self.players, self._seed = tuple(players), seed
         self.maps = maps_of(story, players)
         self._made: dict[tuple[int, int, str, bool], Scene] = {}
         self._lock = threading.Lock()

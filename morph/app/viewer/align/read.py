@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import math
 import re
@@ -159,7 +160,7 @@ def _aligned(folder: Path, said: Values) -> Story:
 
 def _transfer(folder: Path, said: Values) -> Story:
     hops = said.each("hops", lambda each: _hop(folder, each), MOST_HOPS)
-    broken = any(a.target != b.source for a, b in zip(hops, hops[1:], strict=False))
+    broken = any(a.target != b.source for a, b in itertools.pairwise(hops))
     if not hops or broken:
         raise said.refused("its hops make no chain: each must begin where the one before ended")
     made = said.inside("provenance")
@@ -181,7 +182,7 @@ def _hop(folder: Path, said: Values) -> Told:
     parts = NO_PARTS if relay is None else _parts(relay.inside("parts"))
     guard = _guard(said.inside("guard"))
     quality = said.numbers("quality") if relay is not None else {}
-    told = Told(
+    return Told(
         source=said.text("source"),
         target=said.text("target"),
         map=None if relay is None else _map(folder, said),
@@ -197,7 +198,6 @@ def _hop(folder: Path, said: Values) -> Told:
         crossing=None if relay is None else _crossing(said, relay, parts, guard, quality),
         notes=() if relay is None else relay.texts("notes", MOST_NOTES, SENTENCE),
     )
-    return told
 
 
 def _crossing(

@@ -6,9 +6,11 @@ import math
 
 from morph.app.report.align.words import VERDICTS, lost_said, quality_rows, sure
 from morph.app.report.transfer.words import CONTROLS, NAMED, ORDER, credit, saved
-from morph.app.viewer.align.lines import COMMANDS, STATES, arrows
+from morph.app.report.words import percent
+from morph.app.viewer.align.lines import COMMANDS, SAME, STATES, TURNED, arrows
 from morph.app.viewer.align.story import Story, Told
-from morph.app.viewer.content import Table
+from morph.app.viewer.content import Colour, Marked, Table
+from morph.transfer.parts import Arrow
 from morph.transfer.record import Guard
 
 WORDS = {"safe": "safe", "unsafe": "unsafe", "unsure": "cannot tell"}
@@ -17,19 +19,19 @@ WORDS = {"safe": "safe", "unsafe": "unsafe", "unsure": "cannot tell"}
 MOST_ROWS = 40
 """Rows of a table of parts; the report has them all."""
 
-SAME, TURNED = "the same way", "turned round"
-"""Which way parts move."""
+BADGES: dict[str, Colour] = {
+    "safe": (0, 130, 90),
+    "unsafe": (200, 40, 30),
+    "unsure": (200, 140, 0),
+}
+"""Colours of the verdicts; the word stands beside."""
 
 
 def verdict(told: Told) -> str:
     """Return the guard's verdict on a hop in a sentence, with its reason if one is told."""
     guard = told.guard
-    words = f"{WORDS[guard.verdict].capitalize()}: {VERDICTS[guard.verdict]}, {_sure(guard)}."
+    words = f"{WORDS[guard.verdict].capitalize()}: {VERDICTS[guard.verdict]}, {sure(guard)}."
     return f"{words} {told.why[:1].upper()}{told.why[1:].rstrip('.')}." if told.why else words
-
-
-def _sure(guard: Guard) -> str:
-    return sure(guard)
 
 
 def chain_table(story: Story) -> Table:
@@ -39,7 +41,7 @@ def chain_table(story: Story) -> Table:
             f"{number} {hop.target}",
             str(hop.samples),
             *(score(hop, name) for name in ("zero_shot", "final", "no_source")),
-            WORDS[hop.guard.verdict],
+            _badge(hop.guard),
         )
         for number, hop in enumerate(story.hops, 1)
     )
@@ -50,9 +52,9 @@ def chain_table(story: Story) -> Table:
 def hop_tables(told: Told) -> tuple[Table, ...]:
     """Return the tables of a hop: its parts, what the guard says, its scores, its map."""
     found = [
+        _guard(told),
         _parts(told, STATES, f"{told.target} is seen as {told.source}"),
         _parts(told, COMMANDS, f"{told.target} is told for {told.source}"),
-        _guard(told),
         _scores(told),
         _map(told),
     ]
@@ -83,11 +85,11 @@ def worth(told: Told) -> str:
 
 def _parts(told: Told, sort: str, title: str) -> Table:
     found = arrows(told, sort)
-    rows = [
+    rows: list[tuple[str | Marked, ...]] = [
         (
             arrow.begin,
             arrow.end,
-            SAME if arrow.weight > 0.0 else TURNED,
+            _way(arrow),
             f"{100.0 * abs(arrow.weight):.0f} %",
         )
         for arrow in found[:MOST_ROWS]
@@ -100,9 +102,21 @@ def _parts(told: Told, sort: str, title: str) -> Table:
 
 def _guard(told: Told) -> Table:
     guard = told.guard
-    rows = [("verdict", WORDS[guard.verdict]), ("means", VERDICTS[guard.verdict])]
-    rows.append(("sure that it does no harm", _share(guard.probability)))
-    return Table(title="The guard, before a trial", head=("", ""), rows=tuple(rows))
+    rows = (
+        ("before a trial", _badge(guard)),
+        ("sure that it does no harm", _share(guard.probability)),
+    )
+    return Table(title=f"The guard on {told.target}", head=("", ""), rows=rows)
+
+
+def _badge(guard: Guard) -> Marked:
+    return Marked(text=WORDS[guard.verdict], colour=BADGES[guard.verdict])
+
+
+def _way(arrow: Arrow) -> Marked:
+    if arrow.weight > 0.0:
+        return Marked(text="the same way", colour=SAME)
+    return Marked(text="turned round", colour=TURNED)
 
 
 def _scores(told: Told) -> Table:
@@ -134,8 +148,6 @@ def _map(told: Told) -> Table:
 def _share(value: float | None) -> str:
     if value is None:
         return "no probability"
-    from morph.app.report.words import percent
-
     return percent(value)
 
 

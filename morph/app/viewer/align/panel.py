@@ -1,0 +1,118 @@
+"""The knobs of the view: which hop, which lines, which part, and what moves."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from morph.app.viewer.align.choices import SORTS
+
+if TYPE_CHECKING:
+    from morph.app.viewer.align.choices import Choices
+    from morph.app.viewer.session import Session
+    from morph.app.viewer.views.align import Align
+
+WHOLE, ALL, NONE = "the whole chain", "all", "nothing"
+"""What is chosen where no single hop, part or motion is."""
+
+
+class Panel:
+    """The knobs of one person's page; what they do, they do in the session's thread.
+
+    Args:
+        view: What they choose for.
+        gui: The page's `viser.GuiApi`.
+        session: The page.
+    """
+
+    def __init__(self, view: Align, gui: Any, session: Session) -> None:
+        """Add them."""
+        self._view, self._session = view, session
+        self._hops = [WHOLE, *view.hops]
+        self._hop: Any = None
+        if len(view.hops) > 1:
+            self._hop = self._list(gui, "hop", self._hops, view.chosen.hop, self._to_hop)
+        at = SORTS.index(view.chosen.sort)
+        self._sort = self._list(gui, "lines", SORTS, at, self._to_sort)
+        self._part = self._list(gui, "part", self._parts(), 0, self._to_part)
+        self._way = self._list(gui, "motion", self._ways(), 0, self._to_way)
+        self._large = gui.add_checkbox("enlarge motion", view.chosen.large)
+        self._on(self._large.on_update, self._to_large)
+        self._refresh()
+
+    def point(self, part: str) -> None:
+        """Point at a part, or at none by an empty text, as if it were chosen from the list."""
+        self._to(replace(self._view.chosen, part=part))
+
+    def _list(
+        self, gui: Any, label: str, options: Sequence[str], at: int, then: Callable[[], None]
+    ) -> Any:
+        handle = gui.add_dropdown(label, tuple(options), initial_value=options[at])
+        self._on(handle.on_update, then)
+        return handle
+
+    def _on(self, event: Any, what: Callable[[], None]) -> None:
+        """Have something done when a person does something; what the program sets is no event."""
+
+        def happened(event: Any) -> None:
+            if event.client_id is not None:
+                self._session.do(what)
+
+        event(happened)
+
+    def _parts(self) -> list[str]:
+        return [ALL, *self._view.labels]
+
+    def _ways(self) -> list[str]:
+        return [*self._view.ways, NONE]
+
+    def _to(self, chosen: Choices) -> None:
+        """Choose, compute the motion beside the page, and show it when it is there."""
+        self._view.chosen = chosen
+        self._refresh()
+        self._session.later(self._view.complete, lambda _: self._shown(chosen))
+
+    def _shown(self, chosen: Choices) -> None:
+        # Whoever chose something else meanwhile, or went to another view, does not want this.
+        if self._view.chosen == chosen and self._session.view is self._view:
+            self._session.show()
+
+    def _refresh(self) -> None:
+        """Let every list hold what there is now, and show what is chosen of it."""
+        chosen = self._view.chosen
+        for handle, options, value in (
+            (self._part, self._parts(), chosen.part or ALL),
+            (self._way, self._ways(), chosen.way or NONE),
+        ):
+            if handle.options != tuple(options):
+                handle.options = tuple(options)
+            if handle.value != value:
+                handle.value = value
+
+    def _to_hop(self) -> None:
+        self._to(self._view.at_hop(self._hops.index(self._hop.value)))
+        self._session.clock.seek(0.0)
+
+    def _to_sort(self) -> None:
+        self._to(replace(self._view.chosen, sort=self._sort.value, part=""))
+
+    def _to_part(self) -> None:
+        self.point("" if self._part.value == ALL else self._part.value)
+
+    def _to_way(self) -> None:
+        self._to(replace(self._view.chosen, way="" if self._way.value == NONE else self._way.value))
+        self._session.clock.seek(0.0)
+
+    def _to_large(self) -> None:
+        self._to(replace(self._view.chosen, large=bool(self._large.value)))
+
+
+def panel(view: Align, gui: Any, session: Session) -> None:
+    """Add the knobs, and let a click on a link point at its part."""
+    knobs = Panel(view, gui, session)
+
+    def picked(actor: int, link: str) -> None:
+        session.do(lambda: knobs.point(view.part_at(actor, link)))
+
+    session.stage.picked = picked
