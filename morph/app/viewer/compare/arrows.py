@@ -1,9 +1,10 @@
-"""Arrows of what acts on bodies: as long as the force is great, by one scale for each kind."""
+"""Arrows of what acts on bodies, told by what each can bear: its own weight, its motors' limits."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -14,14 +15,17 @@ from morph.app.viewer.motion import Motion
 from morph.app.viewer.room import matrices
 from morph.arrays import Array
 
-KINDS = ("contact", "fluid", "buoyancy", "torque")
-"""The kinds of arrows, as the stage names them."""
+FORCES = ("contact", "fluid", "buoyancy")
+"""The kinds of arrows that are forces, as the stage names them."""
+
+KINDS = (*FORCES, "torque")
+"""All kinds."""
 
 LONG = 0.5
-"""How long a strong force is drawn, by the size of the largest body that feels one."""
+"""How long a strong one is drawn, by the size of its body."""
 
 STRONG = 95.0
-"""Which force is strong: of a hundred, so many are weaker. A blow is stronger still."""
+"""Which one is strong: of a hundred, so many are weaker. A blow is stronger still."""
 
 LONGEST = 1.5
 """What would be longer is cut, by the size of its body."""
@@ -29,8 +33,34 @@ LONGEST = 1.5
 SHORTEST = 0.01
 """What would be shorter is left out, likewise."""
 
-FULL = 0.35
-"""How long a motor's limit is drawn, by the size of its body."""
+WIDEST = 3e-3
+"""Least share of a weight or a limit that is drawn long: what is less is nothing."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Felt:
+    """What acted on one body, and what it is measured by."""
+
+    forces: Forces
+    """What acted on it."""
+    weight: float
+    """Its weight, N."""
+    size: float
+    """How large it is, m."""
+
+    def shares(self, kind: str) -> Array:
+        """Return arrows as shares of weight or limit, (pictures, arrows, 3)."""
+        vectors = getattr(self.forces, kind)[..., 1, :]
+        if kind in FORCES:
+            return np.asarray(vectors / self.weight)
+        return np.asarray(vectors / self._efforts[:, None])
+
+    @property
+    def _efforts(self) -> Array:
+        """Each driven joint's limit; where it has none, the greatest effort that it gave."""
+        greatest = np.abs(self.forces.effort).max(axis=0, initial=1e-12)
+        drives = zip(self.forces.drives, greatest, strict=True)
+        return np.array([drive.limit or most for drive, most in drives], dtype=float)
 
 
 def size_of(figure: Figure, motion: Motion) -> float:
@@ -46,84 +76,67 @@ def size_of(figure: Figure, motion: Motion) -> float:
     return float(np.linalg.norm(np.ptp(points, axis=0))) or 0.1
 
 
-def scales(bodies: Sequence[tuple[Forces, float]]) -> Mapping[str, float]:
-    """Return how many newtons a metre is, for each kind of force that there is.
+def scales(bodies: Sequence[Felt]) -> Mapping[str, float]:
+    """Return which share of weight or limit is drawn `LONG`, for each kind that there is.
 
-    One scale for all bodies: a longer arrow is a greater force, whoever feels it.
-
-    Args:
-        bodies: What acted on each, and how large it is, m.
+    One scale for all bodies, by what each of them can bear: an arrow twice as long, by its
+    body's size, is twice as much of that body's weight. A small body's are so seen as well.
     """
     found = {}
-    for kind in KINDS[:3]:
-        felt = [(_strengths(getattr(forces, kind)), size) for forces, size in bodies]
-        felt = [(strengths, size) for strengths, size in felt if len(strengths)]
-        if felt:
-            strong = float(np.percentile(np.concatenate([each for each, _ in felt]), STRONG))
-            # A length is rounded down, so that the number of newtons is a round one.
-            found[kind] = 1.0 / rounded(LONG * max(size for _, size in felt) / strong)
+    for kind in KINDS:
+        strong = [_strengths(felt.shares(kind)) for felt in bodies]
+        every = np.concatenate([np.zeros(0), *strong])
+        if len(every):
+            share = max(WIDEST, float(np.percentile(every, STRONG)))
+            # 1 over a rounded number is a round one, too: 1, 2 or 5 times a power of ten.
+            found[kind] = 1.0 / rounded(1.0 / share)
     return found
 
 
-def arrows(forces: Forces, size: float, newtons: Mapping[str, float]) -> dict[str, Array]:
+def arrows(felt: Felt, full: Mapping[str, float]) -> dict[str, Array]:
     """Return the arrows of one body by their kind, as a `Motion` holds them.
 
     Args:
-        forces: What acted on it.
-        size: How large it is, m.
-        newtons: What `scales` gave.
+        felt: What acted on it.
+        full: What `scales` gave.
     """
-    found = {
-        kind: _drawn(getattr(forces, kind), 1.0 / per_metre, size)
-        for kind, per_metre in newtons.items()
-        if getattr(forces, kind).shape[1]
+    return {
+        kind: _drawn(
+            getattr(felt.forces, kind)[..., 0, :],
+            felt.shares(kind) * (LONG * felt.size / share),
+            felt.size,
+        )
+        for kind, share in full.items()
+        if getattr(felt.forces, kind).shape[1]
     }
-    if forces.drives:
-        found["torque"] = _drawn(forces.torque, FULL * size / full_efforts(forces), size)
-    return found
 
 
-def full_efforts(forces: Forces) -> Array:
-    """Return which effort of each driven joint is drawn in full length, shape (drives,).
-
-    Its limit; where it has none, the greatest that it gave.
-    """
-    greatest = np.abs(forces.effort).max(axis=0, initial=1e-12)
-    limits = [drive.limit or most for drive, most in zip(forces.drives, greatest, strict=True)]
-    return np.array(limits, dtype=float)
-
-
-def said(newtons: Mapping[str, float], *, driven: bool) -> dict[str, str]:
+def said(full: Mapping[str, float]) -> dict[str, str]:
     """Return what the length of each kind of arrow means, in words."""
-    words = {kind: f"{_round_length(per_metre)}" for kind, per_metre in newtons.items()}
-    if driven:
-        words["torque"] = f"along the joint's axis; the limit is {FULL:.0%} of the body's size"
-    return words
+    return {
+        kind: f"half the body's size is {_share(share)}"
+        + ("the body's weight" if kind in FORCES else "the motor's limit")
+        for kind, share in full.items()
+    }
 
 
-def _round_length(per_metre: float) -> str:
-    """Return what a length of 1, 10 or 100 cm is."""
-    power = math.floor(math.log10(per_metre))
-    if power >= 2:
-        return f"1 cm is {per_metre / 100.0:.3g} N"
-    if power >= 0:
-        return f"10 cm is {per_metre / 10.0:.3g} N"
-    return f"1 m is {per_metre:.3g} N"
+def _share(share: float) -> str:
+    if math.isclose(share, 1.0):
+        return ""
+    return f"{100.0 * share:.3g} % of " if share < 1.0 else f"{share:.3g} times "
 
 
-def _strengths(forces: Array) -> Array:
-    """Return how great forces are that are there and not nothing, N, shape (forces,)."""
-    strengths = np.linalg.norm(forces[..., 1, :], axis=-1).ravel()
-    most = np.nanmax(strengths, initial=0.0) if np.isfinite(strengths).any() else 0.0
-    return strengths[np.isfinite(strengths) & (strengths > max(1e-3 * most, 1e-9))]
+def _strengths(shares: Array) -> Array:
+    """Return how great arrows are that are there and not nothing, shape (arrows,)."""
+    strengths = np.linalg.norm(shares, axis=-1).ravel()
+    strengths = strengths[np.isfinite(strengths)]
+    return np.asarray(strengths[strengths > max(1e-3 * strengths.max(initial=0.0), 1e-9)])
 
 
-def _drawn(forces: Array, metres: Array | float, size: float) -> Array:
-    """Return where arrows begin and end, m, of places and vectors (pictures, arrows, 2, 3)."""
-    way = forces[..., 1, :] * np.reshape(metres, (-1, 1))
+def _drawn(start: Array, way: Array, size: float) -> Array:
+    """Return where arrows begin and end, m, shape (pictures, arrows, 2, 3)."""
     length = np.linalg.norm(way, axis=-1, keepdims=True)
     with np.errstate(invalid="ignore", divide="ignore"):
         way = way * np.minimum(1.0, LONGEST * size / length)
         way = np.where(length < SHORTEST * size, np.nan, way)
-    start = forces[..., 0, :]
     return np.stack([start, start + way], axis=-2).astype(np.float32)

@@ -38,13 +38,13 @@ class Panel:
         on_arrows: Callable[[set[str]], None],
     ) -> None:
         """Add it."""
-        self._said = gui.add_html("")
         if tasks:
             chosen = gui.add_dropdown("task", (SWEEP, *tasks), initial_value=task or SWEEP)
             self._on(
                 chosen,
                 lambda: on_task(None if chosen.value == SWEEP else str(chosen.value)),
             )
+        self._said = gui.add_html("")
         self._boxes = {kind: gui.add_checkbox(f"{kind} arrows", kind in kinds) for kind in KINDS}
         for box in self._boxes.values():
             self._on(

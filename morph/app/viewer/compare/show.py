@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from morph.app.viewer.compare.arrows import size_of
+from morph.app.viewer.compare.arrows import Felt, size_of
 from morph.app.viewer.compare.figures import MARGIN, Verdict, margin, series, verdict
-from morph.app.viewer.compare.forces import Forces, forces
-from morph.app.viewer.compare.run import ran
+from morph.app.viewer.compare.forces import forces
+from morph.app.viewer.compare.run import Run, ran
 from morph.app.viewer.compare.sweep import SECONDS, swept
 from morph.app.viewer.design.holding import Holding
 from morph.app.viewer.design.posture import Posture
@@ -30,9 +30,7 @@ class Show:
     """What it looks like."""
     motion: Motion
     """How it moves, but for arrows."""
-    size: float
-    """How large it is, m."""
-    forces: Forces | None = None
+    felt: Felt | None = None
     """What acted on it, if it was simulated."""
     policy: str = ""
     """What commands it, in words."""
@@ -46,7 +44,7 @@ def at_rest(robot: Robot, name: str) -> Show:
     """Return a body as it is described."""
     drawn = figure(robot, name=name)
     still = posed(drawn.model, drawn.model.qpos0[None])
-    return Show(figure=drawn, motion=still, size=size_of(drawn, still))
+    return Show(figure=drawn, motion=still)
 
 
 def sweeps(robot: Robot, name: str, *, surroundings: str | None, seconds: float | None) -> Show:
@@ -74,7 +72,7 @@ def sweeps(robot: Robot, name: str, *, surroundings: str | None, seconds: float 
         notes += ("its closed chains stop some joints before their limits",)
     if not posture.sound:
         notes += ("its closed chains do not close as it is described",)
-    return Show(figure=drawn, motion=moved, size=size_of(drawn, moved), notes=_named(name, notes))
+    return Show(figure=drawn, motion=moved, notes=_named(name, notes))
 
 
 def performs(
@@ -106,12 +104,17 @@ def performs(
     return Show(
         figure=drawn,
         motion=moved,
-        size=size_of(drawn, moved),
-        forces=acted,
+        felt=Felt(forces=acted, weight=_weight(run), size=size_of(drawn, moved)),
         policy=said,
         verdict=judged,
         notes=_named(name, notes),
     )
+
+
+def _weight(run: Run) -> float:
+    """Return what a body weighs, N; where there is no gravity, what it would on the ground."""
+    gravity = float(np.linalg.norm(run.model.opt.gravity)) or 9.81
+    return float(run.model.body_mass.sum()) * gravity
 
 
 def _named(name: str, notes: Sequence[str]) -> tuple[str, ...]:

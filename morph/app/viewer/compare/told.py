@@ -9,12 +9,10 @@ import numpy as np
 
 from morph.app.viewer.compare.arrows import arrows, said, scales
 from morph.app.viewer.compare.figures import COST, ENERGY, MARGIN
-from morph.app.viewer.compare.forces import Forces
 from morph.app.viewer.compare.show import Show
 from morph.app.viewer.compare.work import Work
 from morph.app.viewer.content import Actor, Chart, Content, Line, Live, Table
 from morph.app.viewer.motion import RATE
-from morph.body.robot import Robot
 
 COLOURS = (
     "#0072b2",
@@ -27,6 +25,12 @@ COLOURS = (
     "#7f7f7f",
 )
 """Of the bodies' lines, told apart by the colour-blind too; after Okabe and Ito 2008."""
+
+HOLDING = "holding margin (%)"
+"""What the margin is called where nothing moves by physics."""
+
+LIVE = {"torque margin (%)": (MARGIN, 3), "energy (J)": (ENERGY, 3), "cost": (COST, 4)}
+"""The columns of what is done, each with its series and its figures."""
 
 MOST_POINTS = 400
 """Points of a line in a chart: more are finer than a screen."""
@@ -57,11 +61,11 @@ def told(
     """
     ready = [work.found for work in works]
     shows = [found or still for found, still in zip(ready, rest, strict=True)]
-    newtons = scales(_acted(shows))
-    actors = tuple(_actor(show, newtons) for show in shows)
+    full = scales([show.felt for show in shows if show.felt is not None])
+    actors = tuple(_actor(show, full) for show in shows)
     return Content(
         actors=actors,
-        tables=(_table(task, shows, works),),
+        tables=(_bodies(shows), _figures(task, shows, works)),
         charts=_charts(shows) if task is not None else (),
         notes=(
             *_failures(rest, works),
@@ -75,47 +79,42 @@ def told(
 
 def lengths(works: Sequence[Work[Show]]) -> Mapping[str, str]:
     """Return what the length of each kind of arrow means, in words, of the kinds that there are."""
-    acted = _acted([work.found for work in works if work.found is not None])
-    return said(scales(acted), driven=any(forces.drives for forces, _ in acted))
+    shows = [work.found for work in works if work.found is not None]
+    return said(scales([show.felt for show in shows if show.felt is not None]))
 
 
-def _acted(shows: Sequence[Show]) -> list[tuple[Forces, float]]:
-    return [(show.forces, show.size) for show in shows if show.forces is not None]
-
-
-def _actor(show: Show, newtons: Mapping[str, float]) -> Actor:
+def _actor(show: Show, full: Mapping[str, float]) -> Actor:
     moved = show.motion
-    if show.forces is not None:
-        moved = replace(moved, arrows=arrows(show.forces, show.size, newtons))
+    if show.felt is not None:
+        moved = replace(moved, arrows=arrows(show.felt, full))
     return Actor(figure=show.figure, motion=moved)
 
 
-def joints_said(robot: Robot) -> str:
-    """Return how many joints move on their own, and how many of them are driven."""
-    moving = [joint for joint in robot.joints if joint.kind != "free" and joint.mimic is None]
-    driven = {each.joint for each in robot.actuators}
-    return f"{len(moving)} ({len(driven)})"
+def _bodies(shows: Sequence[Show]) -> Table:
+    """Return what the bodies are, whatever they do."""
+    rows = []
+    for show in shows:
+        robot = show.figure.robot
+        moving = [joint for joint in robot.joints if joint.kind != "free" and joint.mimic is None]
+        driven = {each.joint for each in robot.actuators}
+        rows.append((show.figure.name, f"{robot.mass:.4g}", str(len(moving)), str(len(driven))))
+    return Table(title="Bodies", head=("body", "mass (kg)", "joints", "driven"), rows=tuple(rows))
 
 
-def _table(task: str | None, shows: Sequence[Show], works: Sequence[Work[Show]]) -> Table:
-    head = ["body", "mass (kg)", "joints (driven)"]
-    live = [(MARGIN, 3)] if task is None else [(MARGIN, 3), (ENERGY, 3), (COST, 4)]
-    head += ["holding margin (%)"] if task is None else [name for name, _ in live]
-    head += [] if task is None else ["goals at the end"]
+def _figures(task: str | None, shows: Sequence[Show], works: Sequence[Work[Show]]) -> Table:
+    """Return what the bodies do, where the clock is."""
+    live = {HOLDING: (MARGIN, 3)} if task is None else LIVE
     rows = []
     for at, (show, work) in enumerate(zip(shows, works, strict=True)):
-        row: list[str | Live] = [
-            show.figure.name,
-            f"{show.figure.robot.mass:.4g}",
-            joints_said(show.figure.robot),
-        ]
-        for name, digits in live:
+        row: list[str | Live] = [show.figure.name]
+        for name, digits in live.values():
             there = name in show.motion.series
             row.append(Live(actor=at, series=name, digits=digits) if there else _waiting(work))
         if task is not None:
             row.append(_goals(show) if work.done else _waiting(work))
         rows.append(tuple(row))
-    return Table(title=task or "Joints through their ranges", head=tuple(head), rows=tuple(rows))
+    head = ("body", *live) if task is None else ("body", *live, "goals at the end")
+    return Table(title=task or "Joints through their ranges", head=head, rows=tuple(rows))
 
 
 def _waiting(work: Work[Show]) -> str:
