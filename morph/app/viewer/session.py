@@ -14,6 +14,7 @@ from morph.app.viewer.clock import Clock
 from morph.app.viewer.content import Content
 from morph.app.viewer.controls import Controls
 from morph.app.viewer.motion import RATE
+from morph.app.viewer.opening import Opening
 from morph.app.viewer.stage import Stage
 from morph.app.viewer.view import View
 from morph.errors import MorphError
@@ -36,11 +37,19 @@ class Session:
         client: The `viser.ClientHandle`.
         views: This person's views.
         first: Which of them is shown first.
+        opening: With what it begins.
     """
 
-    def __init__(self, client: Any, views: Sequence[View], first: int = 0) -> None:
+    def __init__(
+        self,
+        client: Any,
+        views: Sequence[View],
+        first: int = 0,
+        opening: Opening | None = None,
+    ) -> None:
         """Prepare; `start` begins."""
         self.client, self.views = client, tuple(views)
+        self.opening = opening or Opening()
         self.clock, self.stage = Clock(), Stage(client.scene)
         self.view, self.content = self.views[first], Content(actors=())
         self._asked: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
@@ -88,11 +97,16 @@ class Session:
 
         threading.Thread(target=run, name="morph-work", daemon=True).start()
 
-    def show(self, content: Content | None = None) -> None:
-        """Show something else, by default what the view has now; the clock goes on."""
+    def show(self, content: Content | None = None, *, still: bool = False) -> None:
+        """Show something else, by default what the view has now; the clock goes on.
+
+        Args:
+            content: What is shown.
+            still: Whether the first actor stays where it stands.
+        """
         self.content = self.view.content() if content is None else content
         with self.client.atomic():
-            self.stage.show(self.content)
+            self.stage.show(self.content, still=still)
             self.clock.lasts(self.content.seconds)
             self.stage.pose(self.clock.time)
             self._controls.show()
@@ -120,9 +134,31 @@ class Session:
             "That did not work" if bad else "morph", text, color="red" if bad else "blue"
         )
 
+    def _restore(self) -> None:
+        """Have each view choose what was saved."""
+        saved = self.opening.saved
+        for view in self.views:
+            if saved is not None and view.name in saved.views:
+                view.restore(saved.views[view.name])
+
+    def _resume(self) -> None:
+        """Go on from where somebody was."""
+        saved, clock = self.opening.saved, self.clock
+        if saved is None:
+            return
+        clock.looping, clock.speed, clock.playing = saved.repeat, saved.speed, saved.playing
+        clock.seek(saved.time)
+        self.stage.following = saved.follow
+        self.stage.shown_arrows -= set(saved.hidden)
+        if saved.camera is not None:
+            saved.camera.turn(self.client.camera)
+        self._controls.resume()
+
     def _run(self) -> None:
         self._safely(self._controls.build)
+        self._safely(self._restore)
         self._safely(partial(self.turn_to, self.view))
+        self._safely(self._resume)
         before = time.monotonic()
         while not self._over.is_set():
             now = time.monotonic()

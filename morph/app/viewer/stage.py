@@ -32,6 +32,7 @@ class Stage:
         self._layout: Layout | None = None
         self._players: list[Player] = []
         self._ties: Ties | None = None
+        self._held = np.zeros(3)
         self._aimed: tuple[float, Frame] | None = None
         self.shown_arrows: set[str] = set(ARROWS)
         """The kinds of arrows that are drawn."""
@@ -53,12 +54,19 @@ class Stage:
         """The kinds of arrows that are not drawn."""
         return frozenset(ARROWS) - self.shown_arrows
 
-    def show(self, content: Content) -> None:
-        """Replace all that is shown; `pose` must follow."""
+    def show(self, content: Content, *, still: bool = False) -> None:
+        """Replace all that is shown; `pose` must follow.
+
+        Args:
+            content: What is shown.
+            still: Whether the first actor stays where it stands, such as a body whose size
+                changes under a designer's eyes.
+        """
         scene = self._scene
         if self._content is not None:
             scene.remove_by_name("/world")
         layout = laid_out(content.actors)
+        self._held = self._shift(layout) if still else np.zeros(3)
         self._content, self._layout = content, layout
         self._world = scene.add_frame("/world", show_axes=False)
         add_ground(scene, layout)
@@ -83,7 +91,7 @@ class Stage:
             player.pose(picture, self.shown_arrows)
         if self._ties is not None:
             self._ties.pose(pictures)
-        self._world.position = -self._gone(pictures)
+        self._world.position = self._held - self._gone(pictures)
 
     def choose(self, actor: int, link: str | None) -> None:
         """Highlight a link of an actor by name, or with None nothing any more.
@@ -101,6 +109,7 @@ class Stage:
             aspect: Width of its picture by its height; by default as a client's camera tells.
         """
         layout = self.layout
+        self._held = np.zeros(3)
         if aspect is None:
             aspect = float(getattr(camera, "aspect", ASPECT))
         points = np.concatenate((layout.seen, ruler(layout)))
@@ -124,6 +133,14 @@ class Stage:
             return
         if np.linalg.norm(camera.position - frame.position) < 1e-3 * frame.distance:
             self.aim(camera)
+
+    def _shift(self, layout: Layout) -> Array:
+        """Return how the ground must move so that the first actor seems to stay, m, shape (3,)."""
+        before = self._layout
+        if before is None or not len(before.places) or not len(layout.places):
+            return np.zeros(3)
+        moved = self._held + before.places[0] - layout.places[0]
+        return np.array([moved[0], moved[1], 0.0])
 
     def _gone(self, pictures: list[int]) -> Array:
         """Return how far the bodies have gone along the ground on the whole, m, shape (3,)."""

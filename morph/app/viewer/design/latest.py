@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from morph.errors import MorphError
-
 if TYPE_CHECKING:
     from morph.app.viewer.session import Session
 
@@ -42,7 +40,7 @@ class Latest:
             session: The page.
             work: What is done, in another thread.
             then: Given what it returned.
-            otherwise: Done instead if it raised an error of ours, which is told.
+            otherwise: Done instead if it failed, which is told on the page.
         """
         if self._busy:
             self._next = (work, then, otherwise)
@@ -52,19 +50,19 @@ class Latest:
         def tried() -> Any:
             try:
                 return work()
-            except MorphError as error:
+            except Exception as error:
+                # Told in the session's thread, where this is no longer busy.
                 return error
 
         def over(found: Any) -> None:
             self._busy = False
             self.done += 1
-            if isinstance(found, MorphError):
-                session.say(f"{found.where}: {found.what}. {found.fix}", bad=True)
-                otherwise()
-            else:
-                then(found)
-            if self._next is not None and not self._busy:
-                waiting, self._next = self._next, None
+            waiting, self._next = self._next, None
+            if waiting is not None:
                 self.ask(session, *waiting)
+            if isinstance(found, Exception):
+                otherwise()
+                raise found
+            then(found)
 
         session.later(tried, over)

@@ -234,7 +234,7 @@ class Design(View):
         if panel is not None:
             panel.show()
         if session is not None and session.view is self:
-            session.show(self.content())
+            session.show(self.content(), still=not aim)
             if aim:
                 session.stage.aim(session.client.camera)
 
@@ -265,6 +265,8 @@ class Design(View):
 
     def _refused(self, bench: Bench) -> None:
         """Go back to what is built: what was chosen cannot be."""
+        if self._building.busy:
+            return
         bench.history.now = replace(bench.choice, values=dict(bench.built.values))
         if self._panel is not None and bench is self.bench:
             self._panel.tell()
