@@ -154,6 +154,8 @@ def people() -> Iterator[Callable[..., Person]]:
         came.append(Person(port, headers, **how))
         return came[-1]
 
+    # Those who left may be forgotten, where it is counted what is left of them.
+    person.forget = came.clear  # type: ignore[attr-defined]
     yield person
     for each in came:
         each.leaves()
