@@ -34,7 +34,9 @@ PAIRS = (
 )
 """Two bodies at once: of very different sizes, with meshes, and the two with most shapes."""
 
-ALL = "cartpole rider_rigid_driven hopper biped humanoid quadruped_printed hexapod_swimmer sea_snake"
+ALL = (
+    "cartpole rider_rigid_driven hopper biped humanoid quadruped_printed hexapod_swimmer sea_snake"
+)
 """As many as there is room for."""
 
 SENT, FRAME, MEMORY = 5.0, 15.0, 300.0
@@ -118,8 +120,7 @@ def _memory(quick: bool) -> Part:
         for each in found
     ]
     control = (
-        f"{nothing['server_mb']:.0f} ({nothing['server_peak_mb']:.0f}), "
-        f"{nothing['page_mb']:.0f} MB"
+        f"{nothing['server_mb']:.0f} ({nothing['server_peak_mb']:.0f}), {nothing['page_mb']:.0f} MB"
     )
     rows.append(Row(what="control: viser alone, nothing to show", figure=control))
     return Part(rows=tuple(rows), found=[*found, nothing])

@@ -9,6 +9,7 @@ import shutil
 import socket
 import time
 from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -28,7 +29,9 @@ FLAGS = ("--no-sandbox", "--use-angle=gl-egl", "--ignore-gpu-blocklist")
 PATIENCE = 40.0
 """s; a picture takes seconds where the processor draws it, and two tests may share it."""
 
-HARMLESS = re.compile(r"THREE\.Clock|\[Performance\]|GPU stall due to ReadPixels")
+HARMLESS = re.compile(
+    r"THREE\.Clock|\[Performance\]|GPU stall due to ReadPixels|\(OK\) Tried to remove"
+)
 """What viser's client and the browser say of themselves."""
 
 
@@ -42,8 +45,10 @@ def differs(one: np.ndarray, other: np.ndarray) -> bool:
 class Look:
     """One person at one page."""
 
-    def __init__(self, page: Any) -> None:
+    def __init__(self, page: Any, last: Path) -> None:
         self.page = page
+        self.last = last
+        """Where the last picture is left when something does not come."""
         self.said: list[str] = []
         """All that the console said."""
         self.wrong: list[str] = []
@@ -60,7 +65,10 @@ class Look:
         end = time.monotonic() + PATIENCE
         while not (found := holds()):
             if time.monotonic() > end:
-                pytest.fail(f"after {PATIENCE:.0f} s still not: {what}; wrong: {self.wrong}")
+                self.page.screenshot(path=self.last)
+                pytest.fail(
+                    f"after {PATIENCE:.0f} s still not: {what}; {self.wrong}; see {self.last}"
+                )
             self.page.wait_for_timeout(50)
         return found
 
@@ -89,7 +97,8 @@ class Look:
         end = time.monotonic() + PATIENCE
         while differs(last, now := self.picture()):
             if time.monotonic() > end:
-                pytest.fail("the picture never comes to rest")
+                self.page.screenshot(path=self.last)
+                pytest.fail(f"the picture never comes to rest; {self.wrong}; see {self.last}")
             last = now
         return now
 
@@ -136,7 +145,7 @@ def browser(chromium: str) -> Iterator[Any]:
 
 
 @pytest.fixture
-def blank(browser: Any) -> Iterator[Callable[..., Look]]:
+def blank(browser: Any, tmp_path: Path) -> Iterator[Callable[..., Look]]:
     """Makes a person with an empty page; what went wrong on a page fails the test."""
     people: list[tuple[Any, Look]] = []
 
@@ -146,7 +155,7 @@ def blank(browser: Any) -> Iterator[Callable[..., Look]]:
         )
         page = context.new_page()
         page.set_default_timeout(1e3 * PATIENCE)
-        people.append((context, Look(page)))
+        people.append((context, Look(page, tmp_path / f"last_{len(people)}.png")))
         return people[-1][1]
 
     yield made
@@ -181,7 +190,7 @@ def free_port() -> int:
 
 
 @pytest.fixture
-def served() -> Iterator[Callable[..., Viewer]]:
+def served(caplog: pytest.LogCaptureFixture) -> Iterator[Callable[..., Viewer]]:
     """Serves views: those given, or what `morph view` would show of bodies."""
     viewers: list[Viewer] = []
 
@@ -202,3 +211,6 @@ def served() -> Iterator[Callable[..., Viewer]]:
     yield opened
     for viewer in viewers:
         viewer.close()
+    # A session outlives its faults and only logs them.
+    records = caplog.get_records("call")
+    assert [each.exc_text or each.message for each in records if each.levelname == "ERROR"] == []
