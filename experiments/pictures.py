@@ -1,0 +1,165 @@
+"""Pictures of the viewer for the pages of the documentation, from the real viewer in a browser.
+
+Each shows what `morph view` shows of the words beside it; the commands that make what it reads
+run first. `python -m experiments.pictures --out docs/pictures` makes those of the README.
+"""
+
+from __future__ import annotations
+
+import argparse
+import io
+import shlex
+import subprocess
+import sys
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from experiments.viewed.browser import browsing, first_frame, page_of
+from experiments.viewed.served import serving
+from morph.errors import MorphError, OutputError
+from morph.files import write_whole
+
+EXAMPLE = """example:
+  python -m experiments.pictures --out docs/pictures
+  python -m experiments.pictures --out out/pictures --only compare"""
+
+MORPH = (sys.executable, "-c", "from morph.app.cli.main import entry; entry()")
+
+MOST_BYTES = 150_000
+"""Of one picture: a page with four of them still opens at once."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Picture:
+    """One view, and the moment at which it is taken."""
+
+    name: str
+    """Of its file."""
+    words: str
+    """What `morph view` is told; `{folder}` is where the commands before wrote."""
+    before: tuple[str, ...] = ()
+    """What `morph` is told before."""
+    wait: float = 6.0
+    """How long it plays before it is taken, s: policies are found and simulations made."""
+    press: tuple[str, ...] = ()
+    """Names of buttons that are pressed then."""
+
+
+PICTURES = (
+    Picture(
+        name="compare",
+        words="cartpole rider_rigid_driven cart_two_links --task balance --policy learned",
+        wait=40.0,
+    ),
+    Picture(name="design", words="quadruped_printed --first design"),
+    Picture(
+        name="align",
+        before=(
+            "transfer --from learned --chain cartpole rider_rigid_driven rider_three_links_driven "
+            "--out {folder}/chain --quiet",
+        ),
+        words="--transfer {folder}/chain",
+        wait=10.0,
+    ),
+    Picture(
+        name="mismatch",
+        before=(
+            "simulate double_pendulum --effect coulomb_friction@elbow:c=0.1 --start shoulder=1.0 "
+            "--seconds 10 --out {folder}/run.parquet",
+        ),
+        words="double_pendulum --recording {folder}/run.parquet",
+        wait=10.0,
+    ),
+)
+"""Every picture, in the order of the views."""
+
+
+def taken(browser: Any, picture: Picture, folder: Path) -> bytes:
+    """Return what the screen shows, as a PNG.
+
+    Raises:
+        MorphError: A command failed, or nothing is shown.
+    """
+    for words in picture.before:
+        _command(words.format(folder=folder))
+    words = shlex.split(picture.words.format(folder=folder))
+    with serving(*words) as served, page_of(browser) as page:
+        first_frame(page, served.address)
+        page.wait_for_timeout(1e3 * picture.wait)
+        for name in picture.press:
+            page.get_by_role("button", name=name, exact=True).first.click()
+            page.wait_for_timeout(1000)
+        # The driver's warning of software drawing goes by itself; a pause lets the last frame come.
+        page.get_by_role("button", name="Pause", exact=True).first.click()
+        page.wait_for_timeout(2500)
+        return page.screenshot()
+
+
+def _command(words: str) -> None:
+    ran = subprocess.run([*MORPH, *shlex.split(words)], capture_output=True, text=True, check=False)
+    # 3: it stopped short or found no gain, and wrote what there is.
+    if ran.returncode not in {0, 3}:
+        raise OutputError(
+            f"exit status {ran.returncode}: {ran.stderr.strip()}",
+            where=f"morph {words}",
+            fix="give the command by hand",
+        )
+
+
+def small(screen: bytes, most: int = MOST_BYTES) -> bytes:
+    """Return a PNG of at most so many bytes, with as many colours as that allows.
+
+    Raises:
+        OutputError: It does not fit even with 16 colours.
+    """
+    from PIL import Image
+
+    with Image.open(io.BytesIO(screen)) as opened:
+        whole = opened.convert("RGB")
+    for colours in (256, 128, 64, 32, 16):
+        packed = io.BytesIO()
+        whole.quantize(colours, dither=Image.Dither.NONE).save(packed, "PNG", optimize=True)
+        if len(packed.getvalue()) <= most:
+            return packed.getvalue()
+    raise OutputError(
+        f"a picture has more than {most} bytes",
+        where="experiments.pictures",
+        fix="show less in it",
+    )
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Take the pictures and return the exit status."""
+    parser = argparse.ArgumentParser(
+        prog="python -m experiments.pictures",
+        description=__doc__,
+        epilog=EXAMPLE,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="where to")
+    known = tuple(picture.name for picture in PICTURES)
+    parser.add_argument("--only", nargs="+", choices=known, help="these alone")
+    asked = parser.parse_args(arguments)
+    try:
+        with browsing() as browser:
+            for picture in PICTURES:
+                if picture.name not in (asked.only or known):
+                    continue
+                with tempfile.TemporaryDirectory() as folder:
+                    shot = small(taken(browser, picture, Path(folder)))
+                asked.out.mkdir(parents=True, exist_ok=True)
+                write_whole(asked.out / f"{picture.name}.png", shot)
+                print(f"{asked.out / picture.name}.png: {len(shot)} bytes; {picture.words}")
+    except MorphError as error:
+        print(error, file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        return 130
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
