@@ -145,6 +145,16 @@ class Content:
     title: str = "morph"
     """What the page is called."""
 
+    def __post_init__(self) -> None:
+        """Note which motions end early, so that no view can forget to say so."""
+        lost = (
+            f"{actor.title or actor.figure.name}: its motion is not a number from "
+            f"{actor.motion.lost:.3g} s on; it rests where it was last"
+            for actor in self.actors
+            if actor.motion.lost is not None
+        )
+        object.__setattr__(self, "notes", tuple(dict.fromkeys((*self.notes, *lost))))
+
     @property
     def seconds(self) -> float:
         """How long the shared clock runs, s: as long as the longest motion."""

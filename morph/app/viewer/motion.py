@@ -34,6 +34,24 @@ class Motion:
     marks: Array | None = None
     """A marker in each picture, m, shape (pictures, 3), NaN for none; None for none at all."""
 
+    lost: float | None = field(default=None, init=False)
+    """When its numbers ceased to be finite, s, as in a run that blew up; there it rests."""
+
+    def __post_init__(self) -> None:
+        """Hold the last pose that can be drawn."""
+        sound = np.isfinite(self.position).all(axis=(1, 2)) & np.isfinite(self.turn).all(
+            axis=(1, 2)
+        )
+        if sound.all():
+            return
+        kept = np.maximum.accumulate(np.where(sound, np.arange(self.pictures), -1))
+        position, turn = self.position[kept], self.turn[kept]
+        # Before the first sound picture there is none to hold.
+        position[kept < 0], turn[kept < 0] = 0.0, (1.0, 0.0, 0.0, 0.0)
+        object.__setattr__(self, "position", position)
+        object.__setattr__(self, "turn", turn)
+        object.__setattr__(self, "lost", float(np.argmin(sound)) / RATE)
+
     @property
     def pictures(self) -> int:
         """How many pictures there are."""

@@ -9,6 +9,7 @@ import numpy as np
 
 from morph.app.viewer.content import Actor, Colour
 from morph.app.viewer.layout import Layout, title
+from morph.app.viewer.mover import mover
 from morph.app.viewer.room import gone
 from morph.arrays import Array
 
@@ -54,6 +55,7 @@ class Player:
     def __init__(self, scene: Any, layout: Layout, at: int, actor: Actor) -> None:
         """Put it on the scene; `pose` must follow."""
         self._scene, self._actor = scene, actor
+        self._move = mover(scene)
         self._root = f"/world/{at}"
         self._size = float(layout.sizes[at])
         self.place: Array = layout.places[at]
@@ -150,10 +152,13 @@ class Player:
         moved = np.abs(position - self._position).max(axis=1) > STILL
         spun = np.abs(turn - self._turn).max(axis=1) > STILL
         for body, node in self._links.items():
-            if moved[body]:
-                node.position, self._position[body] = position[body], position[body]
-            if spun[body]:
-                node.wxyz, self._turn[body] = turn[body], turn[body]
+            if moved[body] or spun[body]:
+                self._move(
+                    node,
+                    position[body] if moved[body] else None,
+                    turn[body] if spun[body] else None,
+                )
+        self._position[moved], self._turn[spun] = position[moved], turn[spun]
 
     def _pose_arrows(self, picture: int, kinds: set[str]) -> None:
         for kind, handle in self._arrows.items():
