@@ -16,6 +16,9 @@ from morph.arrays import Array
 SHOWN = 6
 """Motors that are listed, those with the least left first."""
 
+NOTHING = 1e-9
+"""N m or N; less is what rounding leaves."""
+
 PENDING = "…"
 """Stands for a figure that is being computed."""
 
@@ -75,8 +78,8 @@ def motors(bench: Bench, measures: Measures | None) -> Table:
     rows = tuple(
         (
             bench.motors[at].name,
-            f"{abs(here[at]):.3g}",
-            PENDING if measures is None else f"{worst[at]:.3g}",
+            _effort(here[at]),
+            PENDING if measures is None else _effort(worst[at]),
             NONE if math.isnan(bench.limits[at]) else f"{bench.limits[at]:.3g}",
             NONE if math.isnan(left[at]) else _share(float(left[at])),
         )
@@ -102,6 +105,11 @@ def _change(now: float, was: float) -> str:
 def _against(now: float, was: float) -> str:
     change = _change(now, was)
     return "" if change == "=" else f" ({change})"
+
+
+def _effort(value: float) -> str:
+    # What rounding leaves of nothing is nothing.
+    return f"{abs(value):.3g}" if abs(value) > NOTHING else "0"
 
 
 def _share(left: float) -> str:
