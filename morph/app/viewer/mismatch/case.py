@@ -4,23 +4,20 @@ from __future__ import annotations
 
 import threading
 from dataclasses import replace
-from pathlib import Path
 
 from morph.app.viewer.figure import Figure, figure
-from morph.app.viewer.given import Given
 from morph.app.viewer.mismatch import loose, rollouts
-from morph.app.viewer.mismatch.diagnosed import Diagnosed, command_of, load_diagnosed
+from morph.app.viewer.mismatch.diagnosed import Diagnosed
 from morph.app.viewer.mismatch.laid import part_of, windows, with_commands
 from morph.app.viewer.mismatch.missing import missing
-from morph.app.viewer.mismatch.poses import channels_of, poses, span, untold
+from morph.app.viewer.mismatch.poses import poses, span, untold
 from morph.app.viewer.mismatch.take import CORRECTED, DESCRIBED, Ask, Missing, Model, Take
+from morph.app.viewer.mismatch.worst import STRETCH, worst_of, worst_stretches
 from morph.body.robot import Robot
-from morph.errors import MorphError, ViewError
+from morph.errors import MorphError
 from morph.model.episodes import Episode, episode, gaps, step_for
 from morph.model.split import split
 from morph.physics.effect import Effect
-from morph.physics.worlds import world
-from morph.record.load import check_distinct, load
 from morph.record.recording import Recording
 
 HORIZON = 1.0
@@ -168,15 +165,13 @@ class Case:
         for name, readings in predicted.items():
             simulated[name] = take.measured.copy()
             simulated[name][:, at] = rollouts.pictured(segments, readings, take.measured[:, at])
-        stretch = min(
-            rollouts.STRETCH if take.horizon is None else take.horizon, 0.5 * take.seconds
-        )
+        stretch = min(STRETCH if take.horizon is None else take.horizon, 0.5 * take.seconds)
         return replace(
             take,
             simulated=simulated,
             traces=rollouts.traced(self.robot, segments, predicted),
             missing=self._missing(laid),
-            worst=self._stretches(take) or rollouts.worst_stretches(self.models[0], laid, stretch),
+            worst=self._stretches(take) or worst_stretches(self.models[0], laid, stretch),
             notes=(*take.notes, *(f"There is {gap}." for gap in gaps(laid))),
         )
 
@@ -191,7 +186,7 @@ class Case:
         found = [
             (each.start + moved, each.end + moved)
             for each in self.diagnosed.stretches
-            if each.episode == take.name and each.end - each.start < 0.5 * take.seconds
+            if each.episode == take.name and 0.0 < each.end - each.start < 0.5 * take.seconds
         ]
         return tuple(each for each in found if each[0] >= 0.0 and each[1] <= take.seconds)
 
@@ -211,58 +206,13 @@ class Case:
             if stopped:
                 notes.append(f"The simulation {model.title} stopped {stopped}.")
         traces = loose.traced(self.robot, self.figure.model, recording, take.measured, simulated)
-        return replace(take, simulated=simulated, traces=traces, notes=(*take.notes, *notes))
-
-
-def load_case(given: Given) -> Case:
-    """Return what was given, checked.
-
-    Raises:
-        ViewError: There is no recording, or one that tells nothing of the robot, or the
-            diagnosis is of another robot.
-        MorphError: A recording or a diagnosis cannot be used.
-    """
-    robot = given.robots[0]
-    if not given.recordings:
-        raise _no_recordings(given.diagnosis)
-    recordings = tuple(
-        each for path in given.recordings for each in load(path, robot=robot, root=given.root)
-    )
-    check_distinct(recordings)
-    _check(recordings, robot)
-    diagnosed = None if given.diagnosis is None else load_diagnosed(given.diagnosis, robot)
-    around = () if given.world is None else world(given.world, robot).effects
-    return Case(robot, recordings, diagnosed, around)
-
-
-def _check(recordings: tuple[Recording, ...], robot: Robot) -> None:
-    names = [recording.name for recording in recordings]
-    twice = sorted({name for name in names if names.count(name) > 1})
-    if twice:
-        raise ViewError(
-            f"several recordings are called {', '.join(twice)}",
-            where="--recording",
-            fix="give each file or episode a name of its own",
+        return replace(
+            take,
+            simulated=simulated,
+            traces=traces,
+            worst=worst_of(traces, take.seconds),
+            notes=(*take.notes, *notes),
         )
-    for recording in recordings:
-        wanted = [name for joint in robot.joints for name in channels_of(joint)]
-        if len(untold(recording, robot)) == len(robot.joints):
-            raise ViewError(
-                f"it tells of no joint of {robot.name} where it is; its channels are "
-                f"{', '.join(sorted(recording.channels))}",
-                where=", ".join(map(str, recording.sources)) or f"recording {recording.name}",
-                fix=f"give a recording with {', '.join(wanted[:8]) or 'a joint that moves'}",
-            )
-
-
-def _no_recordings(diagnosis: Path | None) -> ViewError:
-    command = "" if diagnosis is None else command_of(diagnosis)
-    return ViewError(
-        "a diagnosis does not hold the recordings that it was made of"
-        + (f"; it was made by: {command}" if command else ""),
-        where=str(diagnosis),
-        fix="give them too, by --recording FILE (and --root DIR, if the diagnosis had one)",
-    )
 
 
 def _models(

@@ -146,10 +146,17 @@ def _found(said: Said, robot: Robot) -> Found:
             where=said.where,
             fix="name the robot that was diagnosed",
         )
+    probability = said.number("probability")
+    if not 0.0 <= probability <= 1.0:
+        raise ViewError(
+            f"a probability of {probability:g}",
+            where=said.where,
+            fix="give the file as `morph diagnose` wrote it",
+        )
     return Found(
         effect=effect,
         statement=said.text("statement"),
-        probability=said.number("probability"),
+        probability=probability,
         figures=tuple(
             f"{name} = {each.number('value'):.3g} "
             f"[{each.number('low90'):.3g}, {each.number('high90'):.3g}] {each.text('unit')}"

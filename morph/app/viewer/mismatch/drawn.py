@@ -7,19 +7,17 @@ from dataclasses import replace
 
 import numpy as np
 
-from morph.app.viewer.content import Actor, Chart, Content, Line, Moment, Table
+from morph.app.viewer.content import Actor, Content, Moment
 from morph.app.viewer.figure import Figure
 from morph.app.viewer.mismatch.arrows import axes, scale_of, wrenches
 from morph.app.viewer.mismatch.case import Case
 from morph.app.viewer.mismatch.heat import Heat, by_error, by_force
-from morph.app.viewer.mismatch.take import CORRECTED, DESCRIBED, Model, Take, Trace
+from morph.app.viewer.mismatch.take import CORRECTED, DESCRIBED, Model, Take
+from morph.app.viewer.mismatch.told import charts, notes, tables
+from morph.app.viewer.mismatch.worst import worst_trace
 from morph.app.viewer.motion import RATE, posed
 from morph.arrays import Array
 
-MOST_CHARTED = 6
-"""Channels that are charted, the worst ones."""
-MEASURED = "#333333"
-"""Colour of what was measured."""
 ARROWS = {DESCRIBED: "wrench", CORRECTED: "remaining"}
 """The kind of arrow that shows what each model lacks."""
 BY_ERROR, BY_FORCE, PLAIN = "position error", "missing force", "nothing"
@@ -38,17 +36,15 @@ def drawn(case: Case, take: Take, shown: Sequence[str], colouring: str) -> Conte
     """
     models = [model for model in case.models if model.name in shown] or list(case.models[:1])
     heat = _heat(case.figure, take, models, colouring)
-    traces = _worst_first(take)
     return Content(
         actors=_actors(case.figure, take, models, heat),
-        charts=tuple(chart for trace in traces[:MOST_CHARTED] for chart in _charts(trace, models))
-        + _force_charts(case.figure, take, models),
-        tables=(_errors(take, models), *_lacks(case.figure, take, models)),
+        charts=charts(case.figure, take, models),
+        tables=tables(case.figure, take, models),
         moments=tuple(
             Moment(time=begin, title=_moment(take, begin, end, place))
             for place, (begin, end) in enumerate(take.worst, start=1)
         ),
-        notes=(*_notes(case, take, models, heat), *take.notes),
+        notes=(*notes(case, take, models, heat), *take.notes),
         title=f"{case.robot.name}: {take.name}",
     )
 
@@ -108,114 +104,6 @@ def _marks(figure: Figure, take: Take) -> Array | None:
     return found
 
 
-def worst_trace(take: Take, begin: float, end: float) -> Trace:
-    """Return the channel that the description misses most in a stretch, in units of its noise."""
-
-    def lost(trace: Trace) -> float:
-        here = (trace.time >= begin) & (trace.time <= end)
-        error = (trace.measured - trace.simulated[DESCRIBED])[here] / trace.noise
-        return float(np.mean(error**2)) if len(error) else 0.0
-
-    return max(take.traces, key=lost)
-
-
 def _moment(take: Take, begin: float, end: float, place: int) -> str:
     channel = worst_trace(take, begin, end).channel
     return f"{place}. worst: {channel}, {take.start + begin:.2f} to {take.start + end:.2f} s"
-
-
-def _worst_first(take: Take) -> list[Trace]:
-    return sorted(take.traces, key=lambda each: -each.rmse[DESCRIBED] / each.noise)
-
-
-def _charts(trace: Trace, models: Sequence[Model]) -> tuple[Chart, Chart]:
-    lines = [
-        Line(name=model.title, time=trace.time, value=trace.simulated[model.name], colour=model.css)
-        for model in models
-    ]
-    measured = Line(
-        name="measured", time=trace.time, value=trace.measured, colour=MEASURED, leads=True
-    )
-    errors = tuple(replace(line, value=trace.measured - line.value) for line in lines)
-    return (
-        Chart(title=trace.channel, unit=trace.unit, lines=(measured, *lines)),
-        Chart(title=f"{trace.channel}: measured - simulated", unit=trace.unit, lines=errors),
-    )
-
-
-def _force_charts(figure: Figure, take: Take, models: Sequence[Model]) -> tuple[Chart, ...]:
-    if not take.missing:
-        return ()
-    worst = [trace.link for trace in _worst_first(take)][:MOST_CHARTED]
-    return tuple(
-        Chart(
-            title=f"{joint.name}: missing {'force' if joint.kind == 'slide' else 'torque'}",
-            unit=joint.effort_unit,
-            lines=tuple(
-                Line(
-                    name=model.title,
-                    time=take.missing[model.name].time,
-                    value=take.missing[model.name].force[:, at],
-                    colour=model.css,
-                )
-                for model in models
-            ),
-        )
-        for at, joint in enumerate(figure.robot.joints)
-        if joint.link in worst
-    )
-
-
-def _errors(take: Take, models: Sequence[Model]) -> Table:
-    how = "open loop" if take.horizon is None else f"restarted every {take.horizon:g} s"
-    until = take.start + take.seconds
-    return Table(
-        title=f"Error (RMS) in {take.name}, {take.start:g} to {until:.3g} s, {how}",
-        head=("channel", *(model.title for model in models), "noise", "unit"),
-        rows=tuple(
-            (
-                each.channel,
-                *(f"{each.rmse[model.name]:.3g}" for model in models),
-                f"{each.noise:.2g}",
-                each.unit,
-            )
-            for each in take.traces
-        ),
-    )
-
-
-def _lacks(figure: Figure, take: Take, models: Sequence[Model]) -> tuple[Table, ...]:
-    """Return the table of the forces that are missing, if they are known."""
-    if not take.missing:
-        return ()
-    sizes = {name: np.sqrt(np.mean(each.force**2, axis=0)) for name, each in take.missing.items()}
-    return (
-        Table(
-            title="Missing force (RMS)",
-            head=("joint", *(model.title for model in models), "unit"),
-            rows=tuple(
-                (joint.name, *(f"{sizes[m.name][at]:.3g}" for m in models), joint.effort_unit)
-                for at, joint in enumerate(figure.robot.joints)
-            ),
-        ),
-    )
-
-
-def _notes(case: Case, take: Take, models: Sequence[Model], heat: Heat | None) -> tuple[str, ...]:
-    scale = scale_of(case.figure, take)
-    how = (
-        "starts where the recording does"
-        if take.horizon is None
-        else f"is put back to the recording every {take.horizon:g} s"
-    )
-    return tuple(
-        note
-        for note in (
-            f"The simulation gets the recorded commands, and {how}.",
-            "" if heat is None else heat.note,
-            "" if scale is None else scale.note(len(models) > 1),
-            "A red ball marks the worst joint in the worst stretches." if take.worst else "",
-            *case.notes,
-        )
-        if note
-    )

@@ -56,8 +56,10 @@ def simulated(
             why = f"{first / RATE:.3g} s into the window: {error.what}"
             continue
         when = np.arange(last - first + 1) / RATE
-        nearest = np.clip(np.rint(when / STEP).astype(int), 0, len(moved.time) - 1)
-        found[first : last + 1] = moved.position[nearest]
+        # Between steps of 2 ms a quaternion turns too little for its length to change.
+        found[first : last + 1] = np.stack(
+            [np.interp(when, moved.time, column) for column in moved.position.T], axis=1
+        )
     return found, why
 
 

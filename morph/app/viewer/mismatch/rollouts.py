@@ -12,13 +12,8 @@ from morph.arrays import Array
 from morph.body.robot import Robot
 from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis
-from morph.model.score import by_segment, rmse, rollouts, traces
+from morph.model.score import rmse, rollouts, traces
 from morph.model.segments import Segments, scored_segments
-
-WORST = 3
-"""Stretches that are marked."""
-STRETCH = 1.0
-"""Seconds of a stretch, where no diagnosis says how long they are."""
 
 
 def hypothesis_of(model: Model, step: float) -> Hypothesis:
@@ -87,13 +82,3 @@ def pictured(segments: Segments, predicted: Array, measured: Array) -> Array:
             values = np.concatenate([[segments.start[row, joint]], predicted[row, inside, joint]])
             found[here, joint] = np.interp(when[here], times, values)
     return found
-
-
-def worst_stretches(
-    model: Model, episode: Episode, horizon: float
-) -> tuple[tuple[float, float], ...]:
-    """Return the stretches that a model misses most, each joint in units of its noise."""
-    segments, predicted = simulated([model], episode, horizon)
-    lost = by_segment(segments, predicted[model.name], segments.noise)
-    order = np.argsort(-lost)[:WORST]
-    return tuple(segments.seconds(int(row)) for row in order if lost[row] > 0.0)

@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from morph.app.viewer.content import Content
 from morph.app.viewer.given import Given
-from morph.app.viewer.mismatch.case import Case, load_case
+from morph.app.viewer.mismatch.case import Case
 from morph.app.viewer.mismatch.choices import Choices
 from morph.app.viewer.mismatch.diagnosed import Found
 from morph.app.viewer.mismatch.drawn import drawn
+from morph.app.viewer.mismatch.load_case import load_case
 from morph.app.viewer.mismatch.missing import clearest, joint_of
 from morph.app.viewer.mismatch.take import DESCRIBED, Take
 from morph.app.viewer.view import View

@@ -1,0 +1,131 @@
+"""What is told beside the picture: charts before and after the correction, errors, notes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from morph.app.viewer.content import Chart, Line, Table
+from morph.app.viewer.figure import Figure
+from morph.app.viewer.mismatch.arrows import scale_of
+from morph.app.viewer.mismatch.case import Case
+from morph.app.viewer.mismatch.heat import Heat
+from morph.app.viewer.mismatch.take import DESCRIBED, Model, Take, Trace
+
+MOST_CHARTED = 6
+"""Channels that are charted, the worst ones."""
+MEASURED = "#333333"
+"""Colour of what was measured."""
+
+
+def charts(figure: Figure, take: Take, models: Sequence[Model]) -> tuple[Chart, ...]:
+    """Return charts of the worst channels, of their errors, and of the forces that are missing."""
+    worst = _worst_first(take)[:MOST_CHARTED]
+    return tuple(chart for trace in worst for chart in _charts(trace, models)) + _force_charts(
+        figure, take, models
+    )
+
+
+def tables(figure: Figure, take: Take, models: Sequence[Model]) -> tuple[Table, ...]:
+    """Return the errors of each channel and the forces that are missing at each joint."""
+    return (_errors(take, models), *_lacks(figure, take, models))
+
+
+def _charts(trace: Trace, models: Sequence[Model]) -> tuple[Chart, Chart]:
+    lines = [
+        Line(name=model.title, time=trace.time, value=trace.simulated[model.name], colour=model.css)
+        for model in models
+    ]
+    measured = Line(
+        name="measured", time=trace.time, value=trace.measured, colour=MEASURED, leads=True
+    )
+    errors = tuple(replace(line, value=trace.measured - line.value) for line in lines)
+    return (
+        Chart(title=trace.channel, unit=trace.unit, lines=(measured, *lines)),
+        Chart(title=f"{trace.channel}: measured - simulated", unit=trace.unit, lines=errors),
+    )
+
+
+def _force_charts(figure: Figure, take: Take, models: Sequence[Model]) -> tuple[Chart, ...]:
+    if not take.missing:
+        return ()
+    worst = [trace.link for trace in _worst_first(take)][:MOST_CHARTED]
+    return tuple(
+        Chart(
+            title=f"{joint.name}: missing {'force' if joint.kind == 'slide' else 'torque'}",
+            unit=joint.effort_unit,
+            lines=tuple(
+                Line(
+                    name=model.title,
+                    time=take.missing[model.name].time,
+                    value=take.missing[model.name].force[:, at],
+                    colour=model.css,
+                )
+                for model in models
+            ),
+        )
+        for at, joint in enumerate(figure.robot.joints)
+        if joint.link in worst
+    )
+
+
+def _errors(take: Take, models: Sequence[Model]) -> Table:
+    how = "open loop" if take.horizon is None else f"restarted every {take.horizon:g} s"
+    until = take.start + take.seconds
+    return Table(
+        title=f"Error (RMS) in {take.name}, {take.start:g} to {until:.3g} s, {how}",
+        head=("channel", *(model.title for model in models), "noise", "unit"),
+        rows=tuple(
+            (
+                each.channel,
+                *(f"{each.rmse[model.name]:.3g}" for model in models),
+                f"{each.noise:.2g}",
+                each.unit,
+            )
+            for each in take.traces
+        ),
+    )
+
+
+def _lacks(figure: Figure, take: Take, models: Sequence[Model]) -> tuple[Table, ...]:
+    """Return the table of the forces that are missing, if they are known."""
+    if not take.missing:
+        return ()
+    sizes = {name: np.sqrt(np.mean(each.force**2, axis=0)) for name, each in take.missing.items()}
+    return (
+        Table(
+            title="Missing force (RMS)",
+            head=("joint", *(model.title for model in models), "unit"),
+            rows=tuple(
+                (joint.name, *(f"{sizes[m.name][at]:.3g}" for m in models), joint.effort_unit)
+                for at, joint in enumerate(figure.robot.joints)
+            ),
+        ),
+    )
+
+
+def notes(case: Case, take: Take, models: Sequence[Model], heat: Heat | None) -> tuple[str, ...]:
+    """Return what colours, arrows and marks mean, and what does not fit together."""
+    scale = scale_of(case.figure, take)
+    how = (
+        "starts where the recording does"
+        if take.horizon is None
+        else f"is put back to the recording every {take.horizon:g} s"
+    )
+    return tuple(
+        note
+        for note in (
+            f"The simulation gets the recorded commands, and {how}.",
+            "" if heat is None else heat.note,
+            "" if scale is None else scale.note(len(models) > 1),
+            "A red ball marks the worst joint in the worst stretches." if take.worst else "",
+            *case.notes,
+        )
+        if note
+    )
+
+
+def _worst_first(take: Take) -> list[Trace]:
+    return sorted(take.traces, key=lambda each: -each.rmse[DESCRIBED] / each.noise)
