@@ -27,7 +27,7 @@ VISER = "viser.infra._infra"
 """The module whose server is guarded."""
 
 LOG = logging.getLogger("morph.websockets")
-"""What strangers at the door get wrong is told here, to nobody unless somebody listens."""
+"""What pages get wrong is told here, to nobody unless somebody listens."""
 
 _ONE_AT_A_TIME = threading.Lock()
 
@@ -109,6 +109,7 @@ def quiet(speaker: Any) -> None:
 def _served(place: Bound, token: str | None, label: str) -> Any:
     import viser
 
+    LOG.addFilter(_matters)
     people = [0]
     guard = Guard(
         place,
@@ -159,3 +160,11 @@ def _guarded(place: Bound, guard: Guard, people: list[int]) -> Iterator[list[boo
             yield used
         finally:
             websockets.serve = serve  # type: ignore[misc]
+
+
+def _matters(record: logging.LogRecord) -> bool:
+    """Return whether a record is more than that somebody came and did not ask for a page.
+
+    Browsers open connections in advance, and networks are full of strangers.
+    """
+    return record.getMessage() != "opening handshake failed"
