@@ -33,10 +33,15 @@ class Shape:
     """Whether its faces are to be seen."""
 
 
-def shapes(model: Any) -> Iterator[Shape]:
-    """Yield all shapes of a `mujoco.MjModel` that have an end and are drawn."""
+def shapes(model: Any, groups: int = SHOWN_GROUPS) -> Iterator[Shape]:
+    """Yield all shapes of a `mujoco.MjModel` that have an end and are drawn.
+
+    Args:
+        model: The model.
+        groups: How many groups of geoms are drawn, 0 to 6.
+    """
     for geom in range(model.ngeom):
-        if model.geom_group[geom] >= SHOWN_GROUPS:
+        if model.geom_group[geom] >= groups:
             continue
         solid = _solid(model, geom)
         if solid is None:

@@ -6,8 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import mujoco
+
 from morph.app.picture.scene import is_wet
 from morph.app.picture.shapes import Shape, shapes
+from morph.app.viewer.placeholders import placeholders
 from morph.app.viewer.web_shapes import web_shapes
 from morph.body.robot import Robot
 from morph.body.spec import spec_of
@@ -70,15 +73,22 @@ def figure(robot: Robot, effects: Sequence[Effect] = (), *, name: str | None = N
             where=f"robot {robot.name}",
             fix="see what `morph inspect` says of it",
         ) from error
+    notes = tuple(
+        f"{finding.where}: {finding.what}" for finding in robot.findings if finding.code in UNSEEN
+    )
     return Figure(
         robot=robot,
         name=robot.name if name is None else name,
         model=model,
-        shapes=web_shapes(shapes(model)),
+        shapes=_drawn(model, complete=not notes),
         wet=is_wet(effects),
-        notes=tuple(
-            f"{finding.where}: {finding.what}"
-            for finding in robot.findings
-            if finding.code in UNSEEN
-        ),
+        notes=notes,
     )
+
+
+def _drawn(model: Any, *, complete: bool) -> tuple[Shape, ...]:
+    """Return the shapes; what has none to be seen is told by its contacts, or its inertia."""
+    found = web_shapes(shapes(model)) or web_shapes(shapes(model, groups=mujoco.mjNGROUP))
+    if found and complete:
+        return found
+    return (*found, *placeholders(model, {shape.body for shape in found}))
