@@ -23,6 +23,9 @@ ARROWS: dict[str, Colour] = {
 }
 """Colours of the kinds of arrows."""
 
+CONSTANT = "buoyancy"
+"""The kind that hardly ever changes and hides the rest: it is drawn only for who asks."""
+
 CHOSEN: Colour = (255, 196, 0)
 """What a link is coloured in while it is pointed at."""
 

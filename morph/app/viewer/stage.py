@@ -12,6 +12,7 @@ from morph.app.viewer.content import Content
 from morph.app.viewer.framing import ASPECT, FIELD, Frame, framed
 from morph.app.viewer.layout import Layout, laid_out
 from morph.app.viewer.player import ARROWS as ARROWS
+from morph.app.viewer.player import CONSTANT
 from morph.app.viewer.player import Player
 from morph.app.viewer.surroundings import add_ground, add_ruler, add_water, ruler
 from morph.app.viewer.ties import Ties
@@ -34,7 +35,7 @@ class Stage:
         self._ties: Ties | None = None
         self._held = np.zeros(3)
         self._aimed: tuple[float, Frame] | None = None
-        self.shown_arrows: set[str] = set(ARROWS)
+        self.shown_arrows: set[str] = set(ARROWS) - {CONSTANT}
         """The kinds of arrows that are drawn."""
         self.following = True
         """Whether the camera goes with what travels."""

@@ -24,8 +24,8 @@ KINDS = (*FORCES, "torque")
 LONG = 0.5
 """How long a strong one is drawn, by the size of its body."""
 
-STRONG = 95.0
-"""Which one is strong: of a hundred, so many are weaker. A blow is stronger still."""
+STRONG = 80.0
+"""Which one is strong: of a hundred, so many are weaker; a blow is much stronger."""
 
 LONGEST = 1.5
 """What would be longer is cut, by the size of its body."""

@@ -29,7 +29,7 @@ COLOURS = (
 HOLDING = "holding margin (%)"
 """What the margin is called where nothing moves by physics."""
 
-LIVE = {"torque margin (%)": (MARGIN, 3), "energy (J)": (ENERGY, 3), "cost": (COST, 4)}
+LIVE = {"torque margin (%)": (MARGIN, 3), "energy (J)": (ENERGY, 3), "cost": (COST, 3)}
 """The columns of what is done, each with its series and its figures."""
 
 MOST_POINTS = 400
@@ -43,7 +43,8 @@ NO_PHYSICS = (
 
 SIMULATED = (
     "Simulated. Torque margin: the least that was left so far of the limit of a motor. Energy: "
-    "the work of all motors so far, |torque x way|, braking counted like driving."
+    "the work of all motors so far, |torque x way|, braking counted like driving. "
+    "Goals: those reached at the end."
 )
 
 
@@ -113,7 +114,7 @@ def _figures(task: str | None, shows: Sequence[Show], works: Sequence[Work[Show]
         if task is not None:
             row.append(_goals(show) if work.done else _waiting(work))
         rows.append(tuple(row))
-    head = ("body", *live) if task is None else ("body", *live, "goals at the end")
+    head = ("body", *live) if task is None else ("body", *live, "goals")
     return Table(title=task or "Joints through their ranges", head=head, rows=tuple(rows))
 
 

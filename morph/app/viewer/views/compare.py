@@ -12,6 +12,7 @@ from morph.app.viewer.compare.told import lengths, told
 from morph.app.viewer.compare.troupe import Cast, Troupe
 from morph.app.viewer.content import Content
 from morph.app.viewer.given import Given
+from morph.app.viewer.player import CONSTANT
 from morph.app.viewer.view import View
 from morph.arrays import JSON
 from morph.errors import ViewError
@@ -19,8 +20,8 @@ from morph.errors import ViewError
 if TYPE_CHECKING:
     from morph.app.viewer.session import Session
 
-SHOWN = {"contact", "fluid", "torque"}
-"""The arrows that are shown at first: buoyancy never changes and hides the rest."""
+SHOWN = set(KINDS) - {CONSTANT}
+"""The arrows that are shown at first."""
 
 
 class Compare(View):
@@ -118,7 +119,9 @@ class Compare(View):
         if cast.done > self._shown:
             session.show()
             if cast.done == len(cast.shows):
+                # Now that all move they take other room, and begin together.
                 session.clock.seek(0.0)
+                session.stage.aim(session.client.camera)
 
 
 def maker(given: Given) -> Callable[[], View]:
