@@ -58,13 +58,15 @@ def _text(value: float, digits: int, *, short: bool) -> str:
     if value == 0.0:
         return "0"
     text = f"{value:.3g}" if short else f"{value:.{digits}f}"
-    return text.replace("-", "−")  # noqa: RUF001
+    return text.replace("-", "−")
 
 
 def _step(least: float) -> float:
     """Return the least of 1, 2 and 5 times a power of ten that is not below a number."""
     power = 10.0 ** math.floor(math.log10(least))
-    return next(each * power for each in (1.0, 2.0, 5.0, 10.0) if each * power >= least * (1 - 1e-9))
+    return next(
+        each * power for each in (1.0, 2.0, 5.0, 10.0) if each * power >= least * (1 - 1e-9)
+    )
 
 
 def _span(value: Array) -> tuple[float, float] | None:

@@ -154,5 +154,14 @@ def colours(count: int) -> Sequence[str]:
     Source: Okabe and Ito 2008, Color Universal Design; black and yellow are left out, which
     are lost on a dark or on a light page.
     """
-    chosen = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#8c6bb1", "#7a7a7a")
+    chosen = (
+        "#0072b2",
+        "#d55e00",
+        "#009e73",
+        "#cc79a7",
+        "#56b4e9",
+        "#e69f00",
+        "#8c6bb1",
+        "#7a7a7a",
+    )
     return tuple(chosen[at % len(chosen)] for at in range(count))

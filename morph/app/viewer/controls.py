@@ -1,4 +1,4 @@
-"""The knobs of a page: the clock's, the stage's, the choice of a view, and what is told."""
+"""The panel of a page: which view, its clock, its own knobs, what is told, what is kept."""
 
 from __future__ import annotations
 
@@ -6,59 +6,53 @@ from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from morph.app.viewer.clock import SPEEDS
 from morph.app.viewer.charts import chart_html, now_html
-from morph.app.viewer.fragments import notes_html, table_html
-from morph.app.viewer.motion import RATE
+from morph.app.viewer.fragments import keys_html, notes_html, table_html
+from morph.app.viewer.keeping import keep_page, keep_view
 from morph.app.viewer.style import style
+from morph.app.viewer.transport import KEYS, Transport
 
 if TYPE_CHECKING:
     from morph.app.viewer.session import Session
 
-STEPS = {"-1 s": -1.0, "-1": -1.0 / RATE, "+1": 1.0 / RATE, "+1 s": 1.0}
-"""The buttons that step, and by how much, s."""
-
-KEYS = {
-    "space": "play or pause",
-    "arrowleft": "one picture back",
-    "arrowright": "one picture on",
-    "home": "to the start",
-}
-"""What the keys do."""
+KEEP = (
+    "Turn the camera to all bodies; save one HTML file that opens without a network; or save a "
+    "JSON file that `morph view --state` shows again."
+)
+"""What the buttons of the page do."""
 
 
 class Controls:
-    """The knobs of one session; every method runs in the session's thread."""
+    """The panel of one session; every method runs in the session's thread."""
 
     def __init__(self, session: Session) -> None:
-        """Prepare; `build` adds them to the page."""
+        """Prepare; `build` adds it to the page."""
         self._session = session
         self.stale = False
         """Whether the picture must be shown anew though the clock stands."""
-        self._play: Any = None
-        self._slider: Any = None
+        self._transport: Any = None
         self._folder: Any = None
         self._told: Any = None
         self._now: Any = None
+        self._loop: Any = None
+        self._follow: Any = None
         self._tables: list[Any] = []
-        self._charts: list[Any] = []
+        self._others: list[Any] = []
 
     def build(self) -> None:
         """Add what every view has."""
         gui, session = self._session.client.gui, self._session
-        gui.configure_theme(show_logo=False, show_share_button=False, control_width="large")
+        self._look(dark=False)
         gui.main_panel.dock_right()
         gui.add_html(style())
         self._now = gui.add_html("")
         if len(session.views) > 1:
             names = tuple(view.title for view in session.views)
             tabs = gui.add_button_group("view", names)
-            self._on(tabs.on_click, lambda: session.turn_to(session.views[names.index(tabs.value)]))
-        self._clock(gui)
-        self._told = gui.add_folder("shown")
-        for key, what in KEYS.items():
-            command = gui.add_command(what, hotkey=key)
-            self._on(command.on_trigger, partial(self._pressed, key))
+            self._on(tabs.on_click, lambda: self._turn(names.index(tabs.value)))
+        self._transport = Transport(session, self._on)
+        self._told = gui.add_folder("Shown")
+        self._page(gui)
 
     def open_view(self) -> None:
         """Replace the last view's own controls by this one's."""
@@ -73,54 +67,79 @@ class Controls:
         """Show what belongs to the content: tables, charts, notes, the length of the clock."""
         session = self._session
         content, clock = session.content, session.clock
-        self._slider.max = max(clock.seconds, 1.0 / RATE)
-        for handle in (*self._tables, *self._charts):
+        self._transport.show(content)
+        for handle in (*self._tables, *self._others):
             handle.remove()
-        self._tables, self._charts = [], []
-        gui = session.client.gui
+        self._tables, self._others = [], []
+        gui, notes = session.client.gui, (*session.opening.notes, *content.notes)
         with self._told:
             for table in content.tables:
                 self._tables.append(gui.add_html(table_html(table, content.actors, clock.time)))
             for chart in content.charts:
-                self._charts.append(gui.add_html(chart_html(chart, clock.seconds)))
-            if content.notes:
-                self._charts.append(gui.add_html(notes_html(content.notes)))
+                self._others.append(gui.add_html(chart_html(chart, clock.seconds)))
+            if notes:
+                self._others.append(gui.add_html(notes_html(notes)))
+        self._told.visible = bool(self._tables or self._others)
         self.stale = True
 
     def tell(self) -> None:
         """Tell where the clock is."""
         session = self._session
         clock, content = session.clock, session.content
-        self._slider.value = round(clock.time, 4)
-        self._play.label = "Pause" if clock.playing else "Play"
+        self._transport.tell()
         self._now.content = now_html(clock.time, clock.seconds)
         for handle, table in zip(self._tables, content.tables, strict=True):
-            handle.content = table_html(table, content.actors, clock.time)
+            html = table_html(table, content.actors, clock.time)
+            if handle.content != html:
+                handle.content = html
 
-    def _clock(self, gui: Any) -> None:
-        session, clock = self._session, self._session.clock
-        self._play = gui.add_button("Pause")
-        self._on(self._play.on_click, lambda: self._pressed("space"))
-        steps = gui.add_button_group("step", tuple(STEPS))
-        self._on(steps.on_click, lambda: clock.step(STEPS[steps.value]))
-        self._slider = gui.add_slider("time (s)", 0.0, 1.0, 1e-3, 0.0)
-        self._on(self._slider.on_update, lambda: session.jump(float(self._slider.value)))
-        speed = gui.add_dropdown("speed", tuple(f"{each:g}" for each in SPEEDS), initial_value="1")
-        self._on(speed.on_update, lambda: setattr(clock, "speed", float(speed.value)))
-        loop = gui.add_checkbox("repeat", True)
-        self._on(loop.on_update, lambda: setattr(clock, "looping", loop.value))
-        follow = gui.add_checkbox("follow", True)
-        self._on(follow.on_update, lambda: setattr(session.stage, "following", follow.value))
+    def resume(self) -> None:
+        """Show what something else than a hand has set."""
+        self._transport.resume()
+        self._loop.value = self._session.clock.looping
+        self._follow.value = self._session.stage.following
 
-    def _pressed(self, key: str) -> None:
-        clock = self._session.clock
-        if key == "space":
-            clock.toggle()
-        elif key == "home":
-            clock.seek(0.0)
-        else:
-            clock.step(STEPS["+1" if key == "arrowright" else "-1"])
-        self.tell()
+    def _page(self, gui: Any) -> None:
+        """Add what belongs to the page rather than to a view; folded, for it is rarely used."""
+        session = self._session
+        with gui.add_folder("Page", expand_by_default=False):
+            does: dict[str, Callable[[], None]] = {
+                "See all": self._see,
+                "Save page": partial(keep_page, session),
+                "Save view": partial(keep_view, session),
+            }
+            buttons = gui.add_button_group("do", tuple(does), hint=KEEP)
+            self._on(buttons.on_click, lambda: does[str(buttons.value)]())
+            self._follow = gui.add_checkbox(
+                "follow", True, hint="Whether the camera goes with bodies that travel."
+            )
+            self._on(self._follow.on_update, self._following)
+            self._loop = gui.add_checkbox("repeat", True)
+            self._on(
+                self._loop.on_update, lambda: setattr(session.clock, "looping", self._loop.value)
+            )
+            dark = gui.add_checkbox("dark", False)
+            self._on(dark.on_update, lambda: self._look(dark=dark.value))
+            gui.add_html(keys_html([*KEYS.values(), ("f", None, "see all")]))
+        command = gui.add_command("see all", hotkey="F")
+        self._on(command.on_trigger, self._see)
+
+    def _turn(self, number: int) -> None:
+        """Show another view; the one that is shown already stays as it is."""
+        view = self._session.views[number]
+        if view is not self._session.view:
+            self._session.turn_to(view)
+
+    def _see(self) -> None:
+        self._session.stage.aim(self._session.client.camera)
+
+    def _following(self) -> None:
+        self._session.stage.following = self._follow.value
+
+    def _look(self, *, dark: bool) -> None:
+        self._session.client.gui.configure_theme(
+            show_logo=False, show_share_button=False, control_width="large", dark_mode=dark
+        )
 
     def _on(self, event: Any, what: Callable[[], None]) -> None:
         """Have something done in the session's thread when a person does something.

@@ -8,6 +8,9 @@ from html import escape
 
 from morph.app.viewer.content import Actor, Live, Marked, Table
 
+SIGNS = {"arrowleft": "←", "arrowright": "→", "arrowup": "↑", "arrowdown": "↓", "f": "F"}
+"""How keys are written."""
+
 
 def table_html(table: Table, actors: Sequence[Actor], time: float) -> str:
     """Return a table with the values where the clock is, s."""
@@ -30,6 +33,16 @@ def table_html(table: Table, actors: Sequence[Actor], time: float) -> str:
 def notes_html(notes: Sequence[str]) -> str:
     """Return sentences as a list."""
     return '<ul class="morph">' + "".join(f"<li>{escape(note)}</li>" for note in notes) + "</ul>"
+
+
+def keys_html(keys: Sequence[tuple[str, str | None, str]]) -> str:
+    """Return a list of keys: the key, what is held with it, and what it does."""
+    rows = "".join(
+        f"<dt>{''.join(f'<kbd>{SIGNS.get(part, part)}</kbd>' for part in (held, key) if part)}</dt>"
+        f"<dd>{escape(said)}</dd>"
+        for key, held, said in keys
+    )
+    return f'<dl class="morph keys">{rows}</dl>'
 
 
 def _cell(cell: str | Live | Marked, actors: Sequence[Actor], time: float) -> str:

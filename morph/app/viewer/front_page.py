@@ -78,12 +78,12 @@ def front_page() -> FrontPage:
         script = script.replace("</", "<\\/")
         text = text.replace("</head>", f"<script>{script}</script></head>")
     plain = text.encode()
-    return FrontPage(plain=plain, packed=gzip.compress(plain, 6), scripts=_allowed(text))
+    return FrontPage(plain=plain, packed=gzip.compress(plain, 6), scripts=allowed(text))
 
 
-def _allowed(text: str) -> tuple[str, ...]:
+def allowed(text: str) -> tuple[str, ...]:
     """Return the hashes of the page's scripts, and of the program that the first one unpacks."""
-    allowed = [_hash(body.encode()) for _, body in SCRIPT.findall(text)]
+    hashes = [script_hash(body.encode()) for _, body in SCRIPT.findall(text)]
     packed = PACKED.search(text)
     if packed is None:
         # Another viser than we know: it may run what it brings, as it does without us.
@@ -94,7 +94,7 @@ def _allowed(text: str) -> tuple[str, ...]:
     unpacked = zstandard.ZstdDecompressor().decompress(
         unpack(packed[1]), max_output_size=styles + code
     )
-    return (*allowed, _hash(unpacked[styles:]))
+    return (*hashes, script_hash(unpacked[styles:]))
 
 
 def unpack(text: str) -> bytes:
@@ -112,5 +112,6 @@ def unpack(text: str) -> bytes:
     return words.astype(">u4").tobytes() + last.to_bytes(8, "big")[8 - max(left - 1, 0) :]
 
 
-def _hash(script: bytes) -> str:
+def script_hash(script: bytes) -> str:
+    """Return a script's SHA-256 as CSP has it."""
     return f"'sha256-{base64.b64encode(hashlib.sha256(script).digest()).decode()}'"

@@ -34,3 +34,7 @@ class Given:
     """How long."""
     seed: int = 0
     """Of every draw."""
+    base: str | None = None
+    """How bodies stand in the world, where a description does not say."""
+    folder: Path | None = None
+    """Folder outside which nothing of a description is read."""

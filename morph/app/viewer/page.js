@@ -44,3 +44,11 @@
   document.addEventListener("focusin", at, { passive: true });
   document.documentElement.addEventListener("mouseleave", () => tell(""), { passive: true });
 })();
+
+// The arrows to the sides step the clock, and with shift the others set its speed. viser's camera would turn by them, too: it listens at
+// the document, which is reached after the element that its hotkeys listen at.
+document.documentElement.addEventListener("keydown", (event) => {
+  const sideways = event.key === "ArrowLeft" || event.key === "ArrowRight";
+  const upright = event.key === "ArrowUp" || event.key === "ArrowDown";
+  if (sideways || (upright && event.shiftKey)) event.stopPropagation();
+});

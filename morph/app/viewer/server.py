@@ -13,6 +13,7 @@ from html import escape
 from typing import Any
 
 from morph.app.viewer.door import HOST, PORT, Door, open_door, quiet
+from morph.app.viewer.opening import Opening
 from morph.app.viewer.session import Session
 from morph.app.viewer.view import View
 
@@ -30,6 +31,8 @@ class Viewer:
         first: Number of the view to begin with.
         host: Address to serve at; any but loopback's takes a token.
         port: Port to serve at; if it is taken, the next free one.
+        label: What the panel is called.
+        opening: With what every page begins.
 
     Raises:
         OutputError: The page cannot be served.
@@ -43,8 +46,10 @@ class Viewer:
         host: str = HOST,
         port: int = PORT,
         label: str = "morph",
+        opening: Opening | None = None,
     ) -> None:
         """Serve."""
+        self._opening = opening
         self._views, self._first = views, first
         self._sessions: dict[int, Session] = {}
         self._lock, self._closed = threading.Lock(), False
@@ -98,7 +103,7 @@ class Viewer:
     def _enters(self, client: Any) -> None:
         quiet(client)
         try:
-            session = Session(client, self._views(), self._first)
+            session = Session(client, self._views(), self._first, self._opening)
         except Exception as error:
             LOG.exception("no view could be made for a page")
             _only(client, f"The viewer itself failed ({type(error).__name__}: {error}).")

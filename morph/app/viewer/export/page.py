@@ -13,9 +13,10 @@ from jinja2.utils import htmlsafe_json_dumps
 from markupsafe import Markup
 
 import morph
+from morph.app.viewer.camera import Camera
 from morph.app.viewer.charts import chart_html
 from morph.app.viewer.content import Content, Live
-from morph.app.viewer.export.recorded import Camera, recorded
+from morph.app.viewer.export.recorded import recorded
 from morph.app.viewer.export.scripts import policy
 from morph.app.viewer.fragments import notes_html, table_html, told
 from morph.app.viewer.stage import ARROWS
@@ -26,6 +27,9 @@ FOLDER = Path(__file__).parent
 
 MOST_BYTES = 5_000_000
 """Of a page; beyond it fewer pictures a second are kept."""
+
+OTHER = (255, 196, 0)
+"""Colour of arrows of a kind that has none of its own."""
 
 STEP = 0.1
 """Cells that change do so every so many seconds: nobody reads faster."""
@@ -67,7 +71,7 @@ def exported_page(
         film=Markup(film.html.replace("&", "&amp;").replace('"', "&quot;")),
         script=Markup(script),
         moments=[(f"{moment.time:.2f} s", moment.time, moment.title) for moment in content.moments],
-        arrows=[(kind, "#{:02x}{:02x}{:02x}".format(*ARROWS[kind])) for kind in shown],
+        arrows=[(kind, "#{:02x}{:02x}{:02x}".format(*ARROWS.get(kind, OTHER))) for kind in shown],
         still=content.seconds == 0.0,
         bodies=_bodies(content),
         version=morph.__version__,

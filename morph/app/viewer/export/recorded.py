@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from morph.app.viewer.camera import Camera
 from morph.app.viewer.content import Actor, Content
 from morph.app.viewer.door import open_door
 from morph.app.viewer.stage import Stage
@@ -27,16 +28,6 @@ LOOKS = (
     '{darkMode:matchMedia("(prefers-color-scheme: dark)").matches};</script>'
 )
 """Has viser's client be dark where the page around it is."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Camera:
-    """From where somebody looks."""
-
-    position: tuple[float, float, float]
-    """Where the camera is, m."""
-    look_at: tuple[float, float, float]
-    """What it looks at, m."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -78,7 +69,9 @@ def recorded(
             stage.shown_arrows = set(arrows)
         stage.show(packed)
         stage.pose(0.0)
-        _aim(door.server.initial_camera, stage, camera)
+        stage.aim(door.server.initial_camera)
+        if camera is not None:
+            camera.turn(door.server.initial_camera)
         for rate in RATES:
             html = _played(door.server, stage, content.seconds, rate)
             if len(html) <= most or content.seconds == 0.0:
@@ -98,12 +91,6 @@ def _played(server: Any, stage: Stage, seconds: float, rate: int) -> str:
         kept.insert_sleep(REST)
     html: str = kept.as_html()
     return html
-
-
-def _aim(initial: Any, stage: Stage, camera: Camera | None) -> None:
-    stage.aim(initial)
-    if camera is not None:
-        initial.position, initial.look_at = camera.position, camera.look_at
 
 
 def _packed(actor: Actor) -> Actor:

@@ -1,0 +1,39 @@
+"""What a person takes home from a page: the page as a file, and what is shown as JSON."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from morph.app.viewer.camera import camera_of
+from morph.app.viewer.state import saved
+
+if TYPE_CHECKING:
+    from morph.app.viewer.session import Session
+
+
+def keep_view(session: Session) -> None:
+    """Have the browser save what is shown as JSON, which `morph view --state` shows again."""
+    text = saved(session).text()
+    session.client.send_file_download("morph-view.json", text.encode(), save_immediately=True)
+
+
+def keep_page(session: Session) -> None:
+    """Have the browser save one page that opens without a network; it takes some seconds."""
+    from morph.app.viewer.export.page import exported_page
+
+    content, stage = session.content, session.stage
+    arrows, following = set(stage.shown_arrows), stage.following
+    camera, command = camera_of(session.client.camera), session.opening.command
+    name = f"morph-{session.view.name}.html"
+
+    def work() -> str:
+        return exported_page(
+            content, command=command, arrows=arrows, following=following, camera=camera
+        )
+
+    def done(page: str) -> None:
+        session.client.send_file_download(name, page.encode(), save_immediately=True)
+        session.say(f"{name} is saved: {len(page) / 1e6:.1f} MB, and opens without a network.")
+
+    session.say("The page is being made: it takes some seconds.")
+    session.later(work, done)
