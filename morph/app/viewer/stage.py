@@ -12,8 +12,7 @@ from morph.app.viewer.content import Content
 from morph.app.viewer.framing import ASPECT, FIELD, Frame, framed
 from morph.app.viewer.layout import Layout, laid_out
 from morph.app.viewer.player import ARROWS as ARROWS
-from morph.app.viewer.player import CONSTANT
-from morph.app.viewer.player import Player
+from morph.app.viewer.player import CONSTANT, Player
 from morph.app.viewer.surroundings import add_ground, add_ruler, add_water, ruler
 from morph.app.viewer.ties import Ties
 from morph.arrays import Array

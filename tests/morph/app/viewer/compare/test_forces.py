@@ -124,6 +124,7 @@ def test_all_that_is_drawn_together_accelerates_the_body(
     def momentum(at: int) -> np.ndarray:
         data.qpos[:], data.qvel[:] = run.position[at], run.velocity[at]
         mujoco.mj_fwdPosition(run.model, data)
+        mujoco.mj_comVel(run.model, data)
         mujoco.mj_subtreeVel(run.model, data)
         return np.array(mass.sum() * data.subtree_linvel[1])
 
