@@ -16,7 +16,7 @@ from morph.app.viewer.server import Viewer
 from morph.errors import ViewError
 
 LOOKS = 0.5
-"""How long each looks once the clock runs, s."""
+"""How long each looks once something is shown, s."""
 
 PATIENCE = 60.0
 """How long one waits for a page, or for its end, s."""
@@ -36,7 +36,7 @@ def opened_and_closed(viewer: Viewer, times: int, browser: Any = None) -> list[f
     found = []
     for _ in range(times):
         with _came(viewer, browser):
-            _until(lambda: any(each.clock.time > 0.0 for each in viewer.sessions), "nobody came in")
+            _until(lambda: any(each.content.actors for each in viewer.sessions), "nobody came in")
             time.sleep(LOOKS)
         _until(lambda: not viewer.sessions and not _working(), "somebody is not gone")
         # What only a collection frees is no leak.
