@@ -46,10 +46,13 @@ class Reach:
         every = [drawn.get(body, np.zeros((1, 3))) for body in range(1, model.nbody)]
         self._all = _Points.of(model, every)
         self._few = _Points.of(model, [_outer(points) for points in every])
-        self._hinged = {
+        lasts = {
             int(root): int(model.body_jntadr[root] + model.body_jntnum[root]) - 1
             for root in set(model.body_rootid[1:].tolist())
             if model.body_jntnum[root]
+        }
+        self._hinged = {
+            root: joint for root, joint in lasts.items() if model.jnt_type[joint] == HINGE
         }
 
     def at(self, data: Any) -> tuple[float, int]:
@@ -103,15 +106,18 @@ class Reach:
     def _best(self, data: Any, joint: int, far: int, span: tuple[float, float, float]) -> float:
         low, old, high = span
         model, axis = self._posture.model, data.xaxis[joint]
-        point = self._all.world(data)[far]
-        base = self._bases(data)[self._all.roots[far]]
+        body, root = int(self._all.bodies[far]), int(self._all.roots[far])
+        point = data.xpos[body] + data.xmat[body].reshape(3, 3) @ self._all.local[far]
+        base = self._base(data, root)
         if model.jnt_type[joint] != HINGE:
             along = float((point - base) @ axis)
             return max((low, high), key=lambda end: abs(along + end - old))
         arm = point - data.xanchor[joint]
         w = data.xanchor[joint] + axis * (axis @ arm) - base
         r = arm - axis * (axis @ arm)
-        cosine, sine = float(r @ w), float(np.cross(axis, r) @ w)
+        (a, b, c), (x, y, z) = axis.tolist(), r.tolist()
+        across = np.array([b * z - c * y, c * x - a * z, a * y - b * x])
+        cosine, sine = float(r @ w), float(across @ w)
         if math.hypot(cosine, sine) < 1e-12:
             return old
         angle = old + math.atan2(sine, cosine)
@@ -124,10 +130,13 @@ class Reach:
     def _bases(self, data: Any) -> Array:
         """Return each body's base if it is the root of a tree, m, shape (bodies, 3)."""
         found = data.xpos.copy()
-        for root, joint in self._hinged.items():
-            if self._posture.model.jnt_type[joint] == HINGE:
-                found[root] = data.xanchor[joint]
+        for root in self._hinged:
+            found[root] = self._base(data, root)
         return np.asarray(found)
+
+    def _base(self, data: Any, root: int) -> Array:
+        joint = self._hinged.get(root)
+        return np.array(data.xpos[root] if joint is None else data.xanchor[joint])
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -28,7 +28,8 @@ def test_a_follower_has_no_handle_and_goes_as_its_law_says(gripper: Robot) -> No
     pose, arrived = posture.towards(posture.rest, np.array([0.3, 0.0]))
     right = pose[posture.model.joint("right").qposadr[0]]
     # 0.1 - 2 * 0.3 = -0.5, closed to a millionth of a rad.
-    assert arrived and right == pytest.approx(-0.5, abs=1e-6)
+    assert arrived
+    assert right == pytest.approx(-0.5, abs=1e-6)
 
 
 def test_a_body_that_floats_is_left_where_it_is(gripper: Robot) -> None:
@@ -52,7 +53,9 @@ def test_a_hinge_without_limits_goes_half_a_turn_either_way(arm: Callable[..., R
 
 def test_a_slide_without_limits_has_no_range_of_its_own(gripper: Robot) -> None:
     rail = posture_of(gripper).handles[1]
-    assert rail.kind == "slide" and not rail.ranged and rail.low < 0.0 < rail.high
+    assert rail.kind == "slide"
+    assert not rail.ranged
+    assert rail.low < 0.0 < rail.high
 
 
 @pytest.mark.parametrize("turned", [-0.4, 0.3, 0.9, 2.5])
@@ -121,7 +124,7 @@ def test_loops_that_do_not_close_at_rest_leave_every_joint_free(
         '<geom type="capsule" fromto="0 0 0 0 0 0.1" size="0.01" mass="1"/></body>'
     )
     robot = body(
-        '<mujoco><worldbody>'
+        "<mujoco><worldbody>"
         + rod.format("one", 0)
         + rod.format("two", 5)
         + '</worldbody><equality><connect body1="one" site1="" body2="two" anchor="0 0 0.1"/>'
