@@ -11,9 +11,10 @@ from morph.app.viewer.figure import Figure, figure
 from morph.body import shelf
 from morph.body.load import load
 from morph.body.robot import Robot
-from morph.errors import MorphError
+from morph.errors import MorphError, TransferError
 from morph.files import sha256
 from morph.transfer.balancers import PUSHED, pushed, seen_with
+from morph.transfer.boarded import Board
 from morph.transfer.body import Body, body
 from morph.transfer.riders import FEET, PUSHES, RIDERS, riding
 
@@ -123,14 +124,24 @@ def _named(name: str, robots: Sequence[Robot], asked: str = "") -> Robot:
         if robot.name == name:
             return robot
     # Only a name of the shelf is looked up; anything else of a record could be any path.
-    on_shelf = [each for each in (asked, name) if each in shelf.names()]
-    return load(shelf.find(on_shelf[0] if on_shelf else name))
+    if asked in shelf.names():
+        found = load(shelf.find(asked))
+        if found.name == name:
+            return found
+    return load(shelf.find(name))
 
 
 def _moving(robot: Robot, feet: tuple[str, str] | None, board: str | None) -> Body:
     if feet is not None:
-        kind = next((each for each in PUSHES if each == board), "free")
-        return riding(robot, feet, kind)
+        kinds: tuple[Board, ...] = tuple(PUSHES)
+        for kind in kinds:
+            if kind == board:
+                return riding(robot, feet, kind)
+        raise TransferError(
+            f"no board is {board!r}; there are {', '.join(kinds)}",
+            where=f"body {robot.name}",
+            fix="see `morph transfer --help`",
+        )
     if robot.name in PUSHED:
         return pushed(robot, PUSHED[robot.name])
     from morph.task.tasks import task

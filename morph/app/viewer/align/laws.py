@@ -13,6 +13,7 @@ from align.maps.body_map import BodyMap
 from morph.app.viewer.align.cast import Player
 from morph.app.viewer.align.read import inside
 from morph.app.viewer.align.story import Story
+from morph.app.viewer.align.turns import moving
 from morph.arrays import Array
 from morph.errors import MorphError, ViewError
 from morph.policy.store import load_policy
@@ -36,18 +37,18 @@ def law(
         maps: The map of each hop.
         at: Number of the body, which must have a simulation.
     """
-    body, name = _body(players[at]), players[at].name
-    kept = _kept(story, body, at)
-    if kept is not None:
-        return linear_law(*kept), f"{name} moves by the policy that was made for it"
+    body, name = moving(players[at]), players[at].name
+    found = kept(story, body, at)
+    if found is not None:
+        return linear_law(*found), f"{name} moves by the policy that was made for it"
     if at == len(players) - 1 and story.policy is not None:
         try:
-            found = law_of(body, load_policy(story.policy, body.task.robot))
+            carried = law_of(body, load_policy(story.policy, body.task.robot))
         except MorphError:
             # Another body's, or spoilt; what moves it then is said.
             pass
         else:
-            return found, f"{name} moves by the policy that was made for it"
+            return carried, f"{name} moves by the policy that was made for it"
     before, body_map = (players[at - 1].body, maps[at - 1]) if at else (None, None)
     if before is not None and body_map is not None:
         gain = holding(before)
@@ -56,14 +57,12 @@ def law(
     return linear_law(holding(body)), f"{name} moves by the regulator of its own description"
 
 
-def _body(player: Player) -> Body:
-    if player.body is None:
-        raise RuntimeError(f"{player.name} cannot move")
-    return player.body
+def kept(story: Story, body: Body, at: int) -> tuple[Array, Array] | None:
+    """Return gain and shift that a hop kept for a body of the chain, None if there are none.
 
-
-def _kept(story: Story, body: Body, at: int) -> tuple[Array, Array] | None:
-    """Return gain and shift that a hop kept for this body, None if there are none for it."""
+    Raises:
+        ViewError: The file is spoilt.
+    """
     path = inside(story.folder, f"hops/{at:02d}/law.npz") if at else None
     if path is None:
         return None

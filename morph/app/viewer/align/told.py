@@ -30,23 +30,19 @@ BADGES: dict[str, Colour] = {
 def verdict(told: Told) -> str:
     """Return the guard's verdict on a hop in a sentence, with its reason if one is told."""
     guard = told.guard
-    words = f"{WORDS[guard.verdict].capitalize()}: {VERDICTS[guard.verdict]}, {sure(guard)}."
+    called = "cannot tell of" if guard.verdict == "unsure" else f"calls it {guard.verdict} on"
+    words = f"The guard {called} {told.target}: {VERDICTS[guard.verdict]}, {sure(guard)}."
     return f"{words} {told.why[:1].upper()}{told.why[1:].rstrip('.')}." if told.why else words
 
 
 def chain_table(story: Story) -> Table:
-    """Return the hops of a chain in a row each: what each took, its scores, and the verdict."""
-    rows = tuple(
-        (
-            f"{number} {hop.target}",
-            str(hop.samples),
-            *(score(hop, name) for name in ("zero_shot", "final", "no_source")),
-            _badge(hop.guard),
-        )
-        for number, hop in enumerate(story.hops, 1)
-    )
-    head = ("hop to", "transitions", "map alone", "made anew", "no source", "guard")
-    return Table(title=f"The chain from {story.chain[0]}", head=head, rows=rows)
+    """Return the hops of a chain in a row each: its scores, and the guard's verdict."""
+    rows: list[tuple[str | Marked, ...]] = []
+    for number, hop in enumerate(story.hops, 1):
+        scores = (score(hop, name) for name in ("zero_shot", "final", "no_source"))
+        rows.append((f"{number} {hop.target}", *scores, _badge(hop.guard)))
+    head = ("hop to", "map alone", "made anew", "no source", "guard")
+    return Table(title=f"The chain from {story.chain[0]}", head=head, rows=tuple(rows))
 
 
 def hop_tables(told: Told) -> tuple[Table, ...]:
@@ -90,13 +86,13 @@ def _parts(told: Told, sort: str, title: str) -> Table:
             arrow.begin,
             arrow.end,
             _way(arrow),
-            f"{100.0 * abs(arrow.weight):.0f} %",
+            f"{100.0 * abs(arrow.weight):.0f}\N{NO-BREAK SPACE}%",
         )
         for arrow in found[:MOST_ROWS]
     ]
     if len(found) > MOST_ROWS:
         rows.append((f"and {len(found) - MOST_ROWS} more", "", "", ""))
-    head = (f"of {told.source}", f"of {told.target}", "way", "share")
+    head = ("source", "target", "way", "share")
     return Table(title=title, head=head, rows=tuple(rows))
 
 

@@ -23,6 +23,11 @@ from morph.errors import ViewError
 if TYPE_CHECKING:
     from morph.app.viewer.session import Session
 
+TURNED_ROUND = (
+    "Turned round means that a joint counts the other way: where one angle grows the other falls"
+)
+"""What the colour of a line means, where it could be taken for what is seen."""
+
 HELD: Colour = (255, 196, 0)
 """Of the links that are pointed at."""
 
@@ -176,7 +181,7 @@ class Align(View):
 
     def _verdicts(self) -> Iterator[str]:
         for _, hop in self._hops():
-            yield f"The guard on {hop.target}: {verdict(hop)}"
+            yield verdict(hop)
 
     def _notes(self) -> Iterator[str]:
         first, last = self._stretch
@@ -187,6 +192,8 @@ class Align(View):
                 yield f"The bodies that are drawn have no {', no '.join(lost[:8])}"
         for player in self._shared.players[first : last + 1]:
             yield from player.notes
+        if any(each.weight < 0.0 for _, hop in self._hops() for each in hop.parts.states):
+            yield TURNED_ROUND
         yield from self._shared.story.notes
 
 
@@ -199,7 +206,10 @@ def maker(given: Given) -> Callable[[], View]:
     if given.transfer is None:
         raise ViewError("no folder is named", where="--transfer", fix="name one")
     told = story(given.transfer)
-    return partial(Align, Performance(told, cast(told, given.robots), given.seed))
+    shared = Performance(told, cast(told, given.robots), given.seed)
+    # What is shown first is there when the first person comes.
+    Align(shared).complete()
+    return partial(Align, shared)
 
 
 def _stretch(chosen: Choices, hops: int) -> tuple[int, int]:

@@ -1,0 +1,58 @@
+"""Folders that `morph align` and `morph transfer` really wrote, and copies to spoil."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from morph.app.cli.main import main
+from morph.app.viewer.given import Given
+from morph.app.viewer.views.align import Align, maker
+
+QUICK = ("--trials", "2", "--repeats", "0", "--scratch", "0", "--quiet")
+
+
+@pytest.fixture(scope="session")
+def wrote(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    """Folders by the command that wrote them."""
+    out = tmp_path_factory.mktemp("wrote")
+    bodies = ("cartpole", "rider_rigid_driven")
+    assert main(["align", *bodies, "--out", str(out / "align"), "--quiet"]) == 0
+    chain = ("--from", "learned", "--chain", *bodies, "rider_three_links_driven")
+    assert main(["transfer", *chain, "--out", str(out / "transfer"), *QUICK]) == 0
+    return {name: out / name for name in ("align", "transfer")}
+
+
+Change = Callable[[Any], Any]
+
+
+@pytest.fixture
+def copy(wrote: dict[str, Path], tmp_path: Path) -> Callable[..., Path]:
+    """Copies a folder, its record changed by a function."""
+
+    def copied(name: str, change: Change = lambda said: said) -> Path:
+        folder = tmp_path / name
+        shutil.copytree(wrote[name], folder)
+        record = folder / f"{name}.json"
+        said = json.loads(record.read_text())
+        record.write_text(json.dumps(change(said) or said))
+        return folder
+
+    return copied
+
+
+@pytest.fixture
+def shown() -> Callable[..., Align]:
+    """Makes the view of a folder."""
+
+    def view(folder: Path, robots: tuple[Any, ...] = ()) -> Align:
+        made = maker(Given(robots=robots, asked=(), transfer=folder))()
+        assert isinstance(made, Align)
+        return made
+
+    return view
