@@ -7,14 +7,14 @@ from dataclasses import replace
 
 from morph.app.viewer.figure import Figure, figure
 from morph.app.viewer.mismatch import loose, rollouts
-from morph.app.viewer.mismatch.diagnosed import Diagnosed
+from morph.app.viewer.mismatch.diagnosed import Diagnosed, Found
 from morph.app.viewer.mismatch.laid import part_of, windows, with_commands
-from morph.app.viewer.mismatch.missing import missing
+from morph.app.viewer.mismatch.missing import clearest, joint_of, missing
 from morph.app.viewer.mismatch.poses import poses, span, untold
 from morph.app.viewer.mismatch.take import CORRECTED, DESCRIBED, Ask, Missing, Model, Take
 from morph.app.viewer.mismatch.worst import STRETCH, worst_of, worst_stretches
 from morph.body.robot import Robot
-from morph.errors import MorphError
+from morph.errors import DiagnosisError, MorphError
 from morph.model.episodes import Episode, episode, gaps, step_for
 from morph.model.split import split
 from morph.physics.effect import Effect
@@ -78,9 +78,21 @@ class Case:
         return tuple(notes)
 
     @property
+    def found(self) -> tuple[Found, ...]:
+        """What the diagnosis found."""
+        return () if self.diagnosed is None else self.diagnosed.findings
+
+    @property
     def findings(self) -> tuple[Effect, ...]:
-        """The effects that the diagnosis found."""
-        return () if self.diagnosed is None else tuple(f.effect for f in self.diagnosed.findings)
+        """The effects that it found."""
+        return tuple(each.effect for each in self.found)
+
+    def moment_of(self, found: Found, take: Take) -> float | None:
+        """Return when a finding shows most in a take, s; None if it cannot be told."""
+        missed = take.missing.get(DESCRIBED)
+        if missed is None:
+            return None
+        return clearest(missed, found.effect.label, joint_of(found.effect, self.robot))
 
     @property
     def horizon(self) -> float:
@@ -112,6 +124,10 @@ class Case:
         Raises:
             MorphError: It cannot be simulated at all.
         """
+        found = self._takes.get(ask)
+        # Nobody waits for what another computes, unless it is the same.
+        if found is not None:
+            return found
         with self._lock:
             if ask not in self._takes:
                 while len(self._takes) >= KEPT:
@@ -154,9 +170,12 @@ class Case:
             notes=(*notes, *said, *(f"{note.where}: {note.what}" for note in recording.notes)),
         )
         laid, why = (None, "") if untold(recording, self.robot) else self.laid(ask.episode)
-        if laid is None:
-            return self._loosely(take, recording, zero + begin, why)
-        return self._scored(take, part_of(laid, begin, end))
+        if laid is not None:
+            try:
+                return self._scored(take, part_of(laid, begin, end))
+            except DiagnosisError as error:
+                why = error.what
+        return self._loosely(take, recording, zero + begin, why)
 
     def _scored(self, take: Take, laid: Episode) -> Take:
         segments, predicted = rollouts.simulated(self.models, laid, take.horizon)

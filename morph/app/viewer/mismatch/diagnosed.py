@@ -29,10 +29,8 @@ class Found:
     """What was left out, as fitted."""
     statement: str
     """In one sentence; from a file, so never to be trusted as HTML."""
-    probability: float
-    """How sure it is, 0 to 1."""
-    figures: tuple[str, ...]
-    """Its parameters with their intervals, in words."""
+    figures: str
+    """Its parameters with their intervals and how sure it is, in words."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -153,15 +151,15 @@ def _found(said: Said, robot: Robot) -> Found:
             where=said.where,
             fix="give the file as `morph diagnose` wrote it",
         )
+    told = (
+        f"{name} = {each.number('value'):.3g} "
+        f"[{each.number('low90'):.3g}, {each.number('high90'):.3g}] {each.text('unit')}"
+        for name, each in parameters.items()
+    )
     return Found(
         effect=effect,
         statement=said.text("statement"),
-        probability=probability,
-        figures=tuple(
-            f"{name} = {each.number('value'):.3g} "
-            f"[{each.number('low90'):.3g}, {each.number('high90'):.3g}] {each.text('unit')}"
-            for name, each in parameters.items()
-        ),
+        figures=", ".join((*told, f"{100.0 * probability:.0f} % sure")),
     )
 
 

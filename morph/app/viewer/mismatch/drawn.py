@@ -40,10 +40,7 @@ def drawn(case: Case, take: Take, shown: Sequence[str], colouring: str) -> Conte
         actors=_actors(case.figure, take, models, heat),
         charts=charts(case.figure, take, models),
         tables=tables(case.figure, take, models),
-        moments=tuple(
-            Moment(time=begin, title=_moment(take, begin, end, place))
-            for place, (begin, end) in enumerate(take.worst, start=1)
-        ),
+        moments=_moments(case, take),
         notes=(*notes(case, take, models, heat), *take.notes),
         title=f"{case.robot.name}: {take.name}",
     )
@@ -104,6 +101,22 @@ def _marks(figure: Figure, take: Take) -> Array | None:
     return found
 
 
-def _moment(take: Take, begin: float, end: float, place: int) -> str:
-    channel = worst_trace(take, begin, end).channel
-    return f"{place}. worst: {channel}, {take.start + begin:.2f} to {take.start + end:.2f} s"
+def _moments(case: Case, take: Take) -> tuple[Moment, ...]:
+    """Return the worst stretches, then where each finding shows most."""
+    worst = [
+        Moment(
+            time=begin,
+            title=f"worst {place}: {worst_trace(take, begin, end).channel}, "
+            f"{take.start + begin:.2f} to {take.start + end:.2f} s",
+        )
+        for place, (begin, end) in enumerate(take.worst, start=1)
+    ]
+    shown = ((each, case.moment_of(each, take)) for each in case.found)
+    return (
+        *worst,
+        *(
+            Moment(time=time, title=f"finding {number}: {each.effect.label}")
+            for number, (each, time) in enumerate(shown, start=1)
+            if time is not None
+        ),
+    )

@@ -69,7 +69,11 @@ def clearest(missed: Missing, label: str, joint: int | None) -> float | None:
         force = missed.force if joint is None else missed.force[:, [joint]]
         share = (force**2).sum(axis=1)
     mean = np.convolve(share, np.ones(width) / width, mode="same")
-    return float(missed.time[int(np.argmax(mean))]) if mean.max() > 0.0 else None
+    if mean.max() <= 0.0:
+        return None
+    first = max(0, int(np.argmax(mean)) - width // 2)
+    # Of that half second, the sample in which most of it is to be seen.
+    return float(missed.time[first + int(np.argmax(share[first : first + width]))])
 
 
 def joint_of(effect: Effect, robot: Robot) -> int | None:

@@ -63,7 +63,7 @@ class Panel:
             self._model = self._list(gui, "models", list(self._models), at, self._to_models)
         at = COLOURINGS.index(chosen.colouring)
         self._colouring = self._list(gui, "links by", list(COLOURINGS), at, self._to_colouring)
-        self._found = () if case.diagnosed is None else case.diagnosed.findings
+        self._found = case.found
         if self._found:
             gui.add_html(_findings(self._found))
             numbers = tuple(str(number + 1) for number in range(len(self._found)))
@@ -88,52 +88,56 @@ class Panel:
 
     def _show(self, found: Found) -> None:
         """Go to where a finding shows most, and point at its link."""
-        time = self._view.moment_of(found)
+        case, chosen = self._view.case, self._view.chosen
+        time = case.moment_of(found, case.take(chosen.ask))
         if time is None:
             self._session.say(
                 f"Where {found.effect.label} shows cannot be told from this recording.", bad=True
             )
             return
         self._session.jump(time)
-        self._session.stage.choose(0, link_of(found.effect, self._view.case.robot))
+        self._session.stage.choose(0, link_of(found.effect, case.robot))
 
     def _windows(self) -> list[str]:
         case, chosen = self._view.case, self._view.chosen
         return [f"{a:g} to {b:.4g} s" for a, b in case.windows(chosen.ask.episode)]
 
-    def _to(self, chosen: Choices, then: Callable[[], None] = lambda: None) -> None:
+    def _to(self, chosen: Choices) -> None:
+        """Have something else shown; from another stretch of time the clock begins anew."""
+        before = self._view.chosen.ask
         self._session.stage.choose(0, None)
-        self._view.choose(chosen, self._session, then)
+        self._view.choose(chosen, self._session, self._tell)
+        if (before.episode, before.window) != (chosen.ask.episode, chosen.ask.window):
+            self._session.clock.seek(0.0)
 
-    def _to_recording(self) -> None:
-        chosen = self._view.chosen
-        at = self._recordings.index(self._recording.value)
-        self._to(
-            replace(chosen, ask=replace(chosen.ask, episode=at, window=0)), self._new_recording
-        )
-        self._session.clock.seek(0.0)
-
-    def _new_recording(self) -> None:
-        windows = self._windows()
-        self._window.options = tuple(windows)
-        self._window.value = windows[self._view.chosen.ask.window]
+    def _tell(self) -> None:
+        """Show what is chosen."""
+        chosen, windows = self._view.chosen, self._windows()
+        self._recording.value = self._recordings[chosen.ask.episode]
+        if tuple(self._window.options) != tuple(windows):
+            self._window.options = tuple(windows)
+        self._window.value = windows[chosen.ask.window]
         self._window.visible = len(windows) > 1
 
+    def _to_recording(self) -> None:
+        at = self._recordings.index(self._recording.value)
+        self._ask(episode=at, window=0)
+
     def _to_window(self) -> None:
-        chosen = self._view.chosen
-        at = self._windows().index(self._window.value)
-        self._to(replace(chosen, ask=replace(chosen.ask, window=at)))
-        self._session.clock.seek(0.0)
+        self._ask(window=self._windows().index(self._window.value))
 
     def _to_way(self) -> None:
-        chosen = self._view.chosen
-        self._to(replace(chosen, ask=replace(chosen.ask, horizon=self._ways[self._way.value])))
+        self._ask(horizon=self._ways[self._way.value])
 
     def _to_models(self) -> None:
         self._to(replace(self._view.chosen, models=self._models[self._model.value]))
 
     def _to_colouring(self) -> None:
         self._to(replace(self._view.chosen, colouring=self._colouring.value))
+
+    def _ask(self, **changes: Any) -> None:
+        chosen = self._view.chosen
+        self._to(replace(chosen, ask=replace(chosen.ask, **changes)))
 
 
 def _distinct(names: list[str]) -> list[str]:
@@ -155,8 +159,7 @@ def _legend(models: Sequence[Model]) -> str:
 def _findings(findings: Sequence[Found]) -> str:
     """Return findings as a numbered list of HTML."""
     items = "".join(
-        f"<li>{escape(each.statement)} {escape('; '.join(each.figures))} "
-        f"({100.0 * each.probability:.0f} % sure)</li>"
+        f"<li>{escape(each.statement)}<br><small>{escape(each.figures)}</small></li>"
         for each in findings
     )
     return f'<ol class="morph" style="padding-left:1.4em">{items}</ol>'

@@ -12,10 +12,12 @@ from morph.app.viewer.figure import Figure
 from morph.app.viewer.mismatch.arrows import scale_of
 from morph.app.viewer.mismatch.case import Case
 from morph.app.viewer.mismatch.heat import Heat
-from morph.app.viewer.mismatch.take import DESCRIBED, Model, Take, Trace
+from morph.app.viewer.mismatch.take import CORRECTED, DESCRIBED, Model, Take, Trace
 
 MOST_CHARTED = 6
 """Channels that are charted, the worst ones."""
+COLOURS = {DESCRIBED: "blue", CORRECTED: "green"}
+"""What the ghosts' colours are called."""
 MEASURED = "#333333"
 """Colour of what was measured."""
 
@@ -75,14 +77,13 @@ def _errors(take: Take, models: Sequence[Model]) -> Table:
     how = "open loop" if take.horizon is None else f"restarted every {take.horizon:g} s"
     until = take.start + take.seconds
     return Table(
-        title=f"Error (RMS) in {take.name}, {take.start:g} to {until:.3g} s, {how}",
-        head=("channel", *(model.title for model in models), "noise", "unit"),
+        title=f"Position error (RMS), {take.start:g} to {until:.3g} s, {how}",
+        head=("", *(model.title for model in models), "noise"),
         rows=tuple(
             (
-                each.channel,
+                f"{each.channel.removesuffix('.position')} ({each.unit})",
                 *(f"{each.rmse[model.name]:.3g}" for model in models),
                 f"{each.noise:.2g}",
-                each.unit,
             )
             for each in take.traces
         ),
@@ -97,9 +98,12 @@ def _lacks(figure: Figure, take: Take, models: Sequence[Model]) -> tuple[Table, 
     return (
         Table(
             title="Missing force (RMS)",
-            head=("joint", *(model.title for model in models), "unit"),
+            head=("", *(model.title for model in models)),
             rows=tuple(
-                (joint.name, *(f"{sizes[m.name][at]:.3g}" for m in models), joint.effort_unit)
+                (
+                    f"{joint.name} ({joint.effort_unit})",
+                    *(f"{sizes[model.name][at]:.3g}" for model in models),
+                )
                 for at, joint in enumerate(figure.robot.joints)
             ),
         ),
@@ -109,6 +113,7 @@ def _lacks(figure: Figure, take: Take, models: Sequence[Model]) -> tuple[Table, 
 def notes(case: Case, take: Take, models: Sequence[Model], heat: Heat | None) -> tuple[str, ...]:
     """Return what colours, arrows and marks mean, and what does not fit together."""
     scale = scale_of(case.figure, take)
+    ghosts = " and ".join(f"{model.title} ({COLOURS[model.name]})" for model in models)
     how = (
         "starts where the recording does"
         if take.horizon is None
@@ -117,10 +122,15 @@ def notes(case: Case, take: Take, models: Sequence[Model], heat: Heat | None) ->
     return tuple(
         note
         for note in (
-            f"The simulation gets the recorded commands, and {how}.",
+            f"Solid: as recorded. Ghosts: the simulation {ghosts}; it gets the recorded commands "
+            f"and {how}.",
             "" if heat is None else heat.note,
             "" if scale is None else scale.note(len(models) > 1),
             "A red ball marks the worst joint in the worst stretches." if take.worst else "",
+            *(
+                f"Finding {number}: {each.statement} {each.figures}."
+                for number, each in enumerate(case.found, start=1)
+            ),
             *case.notes,
         )
         if note

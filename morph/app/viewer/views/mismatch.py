@@ -10,13 +10,12 @@ from morph.app.viewer.content import Content
 from morph.app.viewer.given import Given
 from morph.app.viewer.mismatch.case import Case
 from morph.app.viewer.mismatch.choices import Choices
-from morph.app.viewer.mismatch.diagnosed import Found
 from morph.app.viewer.mismatch.drawn import drawn
 from morph.app.viewer.mismatch.load_case import load_case
-from morph.app.viewer.mismatch.missing import clearest, joint_of
-from morph.app.viewer.mismatch.take import DESCRIBED, Take
+from morph.app.viewer.mismatch.take import Take
 from morph.app.viewer.view import View
 from morph.arrays import JSON
+from morph.errors import MorphError
 
 if TYPE_CHECKING:
     from morph.app.viewer.session import Session
@@ -66,29 +65,34 @@ class Mismatch(View):
         return self._chosen
 
     def choose(self, chosen: Choices, session: Session, then: Callable[[], None]) -> None:
-        """Show something else as soon as it is computed.
+        """Show something else as soon as it is computed; what cannot be is not chosen.
 
         Args:
             chosen: What is to be shown.
             session: Whose page.
-            then: Called in the session's thread when it is shown.
+            then: Called in the session's thread when the choice holds, or holds no more.
         """
-        self._chosen = chosen
+        before, self._chosen = self._chosen, chosen
 
-        def shown(take: Take) -> None:
+        def computed() -> None:
+            try:
+                self._case.take(chosen.ask)
+            except MorphError:
+                session.do(undone)
+                raise
+
+        def undone() -> None:
+            if self._chosen == chosen:
+                self._chosen = before
+            then()
+
+        def shown(nothing: None) -> None:
             # Whoever chose again in the meantime waits for that alone.
             if self._chosen == chosen:
                 session.show()
                 then()
 
-        session.later(lambda: self._case.take(chosen.ask), shown)
-
-    def moment_of(self, found: Found) -> float | None:
-        """Return when a finding shows most in the window, s; None if it cannot be told."""
-        missed = self._take().missing.get(DESCRIBED)
-        if missed is None:
-            return None
-        return clearest(missed, found.effect.label, joint_of(found.effect, self._case.robot))
+        session.later(computed, shown)
 
     def _take(self) -> Take:
         return self._case.take(self._chosen.ask)

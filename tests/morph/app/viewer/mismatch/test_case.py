@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -202,7 +203,7 @@ def test_windows_are_all_of_a_recording_and_none_is_a_sliver() -> None:
         found = windows(seconds)
         assert found[0][0] == 0.0
         assert found[-1][1] == seconds
-        assert all(one[1] == other[0] for one, other in zip(found[:-1], found[1:], strict=True))
+        assert all(one[1] == other[0] for one, other in itertools.pairwise(found))
         assert all(end - begin >= min(seconds, 5.0) for begin, end in found)
         assert all(end - begin <= 25.0 for begin, end in found)
 
