@@ -1,52 +1,148 @@
-"""`morph view`: bodies side by side in the browser."""
+"""`morph view`: bodies side by side in the browser, or on a page that needs no network."""
 
 from __future__ import annotations
 
+import json
+import os
+import sys
+import webbrowser
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
+from morph.app.cli import view_given
+from morph.app.cli.stages import stages
 from morph.app.cli.view_arguments import View
 from morph.errors import ViewError
 
+if TYPE_CHECKING:
+    from morph.app.viewer.opening import Opening
+    from morph.app.viewer.server import Viewer
+    from morph.app.viewer.state import Saved
+    from morph.app.viewer.view import View as Shown
+
 DONE = 0
 
-MOST_BODIES = 8
-"""Bodies on one ground."""
+SCHEMA = "morph.viewing/1"
+
+Makers = Sequence[Callable[[], "Shown"]]
+"""What makes each view for a person, in the order of the tabs."""
 
 
 def run_view(asked: View) -> int:
-    """Show what is asked for until interrupted, and return the exit status.
+    """Show what is asked for until interrupted, or write the page, and return the exit status.
 
     Raises:
         MorphError: An input cannot be used, or the page cannot be served or written.
     """
-    if len(asked.robots) > MOST_BODIES:
-        raise ViewError(
-            f"{len(asked.robots)} bodies are asked for, and the ground has room for {MOST_BODIES}",
-            where="morph view",
-            fix="leave some out, or open a second viewer at another --port",
-        )
-    from morph.app.viewer.given import Given
-    from morph.app.viewer.server import Viewer
+    view_given.check(asked)
+    saved = view_given.read(asked)
+    from morph.app.viewer.opening import Opening
     from morph.app.viewer.views.views import makers
-    from morph.body.load import load
 
-    robots = tuple(load(name, base=asked.base, folder=asked.folder) for name in asked.robots)
-    given = Given(
-        robots=robots,
-        asked=asked.robots,
-        task=asked.task,
-        policies=asked.policy,
-        recordings=tuple(map(Path, asked.recording)),
-        root=asked.root,
-        diagnosis=None if asked.diagnosis is None else Path(asked.diagnosis),
-        transfer=None if asked.transfer is None else Path(asked.transfer),
-        world=asked.world,
-        seconds=asked.seconds,
-        seed=asked.seed,
-    )
-    found, first = makers(given, asked.first)
-    viewer = Viewer(
-        lambda: [make() for make in found], first=first, host=asked.host, port=asked.port
-    )
-    viewer.wait()
+    with stages(asked.quiet) as told:
+        given, notes = view_given.given(asked, saved, told.now)
+        told.now("looking at what was given")
+        found, first = makers(given, asked.first or (saved.view if saved else None))
+        notes += _unfit(asked, saved, found)
+        for note in notes:
+            told.line(note)
+        opening = Opening(
+            given=given, saved=saved, notes=tuple(notes), command=view_given.command(asked)
+        )
+        if asked.html is not None:
+            return _write(asked, Path(asked.html), found[first](), opening, told.now)
+    _serve(asked, found, first, opening)
     return DONE
+
+
+def _unfit(asked: View, saved: Saved | None, found: Makers) -> list[str]:
+    """Return what of a saved view does not fit because the options say otherwise.
+
+    Raises:
+        ViewError: It does not fit although they do not.
+    """
+    unfit = []
+    for view in (make() for make in found) if saved is not None else ():
+        try:
+            if saved is not None and view.name in saved.views:
+                view.restore(saved.views[view.name])
+        except ViewError as error:
+            if not (asked.robots or asked.task or asked.recording or asked.transfer):
+                raise
+            unfit.append(f"The view {view.name} is not as it was saved: {error.what}.")
+    return unfit
+
+
+def _write(
+    asked: View, path: Path, view: Shown, opening: Opening, now: Callable[[str], None]
+) -> int:
+    """Write one page that opens without a network."""
+    from dataclasses import replace
+
+    from morph.app.viewer.export.page import exported_page
+    from morph.files import write_whole
+
+    saved = opening.saved
+    if saved is not None and view.name in saved.views:
+        view.restore(saved.views[view.name])
+    now(f"computing what the view {view.name} shows")
+    view.complete()
+    content = view.content()
+    now("making the page")
+    page = exported_page(
+        replace(content, notes=(*opening.notes, *content.notes)),
+        title=view.title,
+        command=opening.command,
+        arrows=view.arrows,
+        following=saved is None or saved.follow,
+        camera=None if saved is None else saved.camera,
+    ).encode()
+    write_whole(path, page)
+    if asked.json:
+        _say(view=view.name, views=[view.name], html=str(path), bytes=len(page))
+    elif not asked.quiet:
+        sys.stderr.write(f"{path} is written: {len(page) / 1e6:.1f} MB\n")
+    return DONE
+
+
+def _serve(asked: View, found: Makers, first: int, opening: Opening) -> None:
+    """Serve the page until interrupted."""
+    from morph.app.viewer.server import Viewer
+
+    viewer = Viewer(
+        lambda: [make() for make in found],
+        first=first,
+        host=asked.host,
+        port=asked.port,
+        opening=opening,
+    )
+    if asked.json:
+        names = [make().name for make in found]
+        _say(
+            view=names[first],
+            views=names,
+            address=viewer.address,
+            port=viewer.door.server.get_port(),
+            pid=os.getpid(),
+        )
+    if asked.browser:
+        _open(viewer)
+    viewer.wait()
+
+
+def _say(**what: object) -> None:
+    sys.stdout.write(json.dumps({"schema": SCHEMA, **what}) + "\n")
+    sys.stdout.flush()
+
+
+def _open(viewer: Viewer) -> None:
+    """Open a browser that has a window; one within the terminal shows no bodies."""
+    try:
+        browser = webbrowser.get()
+        windowed = type(browser) is not webbrowser.GenericBrowser
+        opened = windowed and browser.open(viewer.address)
+    except (webbrowser.Error, OSError):
+        opened = False
+    if not opened:
+        sys.stderr.write("no browser was found; open the address by hand\n")

@@ -39,7 +39,7 @@ class View:
     seconds: float | None = None
     """How long they move; by default as long as the task, or five seconds."""
     state: Annotated[str | None, tyro.conf.arg(metavar="FILE")] = None
-    """View that was saved before, as JSON; it names the bodies and all else."""
+    """View that was saved before, as JSON; other options come before what it says."""
     html: Annotated[str | None, tyro.conf.arg(metavar="FILE")] = None
     """Write one page that opens without a network, and end."""
     first: Literal["compare", "design", "align", "mismatch"] | None = None
@@ -54,8 +54,8 @@ class View:
     """How bodies stand in the world, where a description does not say."""
     folder: Path | None = None
     """Folder outside which nothing of a description is read; by default its own."""
-    seed: int = 0
-    """Of every draw."""
+    seed: int | None = None
+    """Of every draw; 0 unless a saved view says otherwise."""
     json: bool = False
     """Print where it is served as one line of JSON, by the schema morph.viewing/1."""
     quiet: bool = False

@@ -24,11 +24,11 @@ def keep_page(session: Session) -> None:
     content, stage = session.content, session.stage
     arrows, following = set(stage.shown_arrows), stage.following
     camera, command = camera_of(session.client.camera), session.opening.command
-    name = f"morph-{session.view.name}.html"
+    name, title = f"morph-{session.view.name}.html", session.view.title
 
     def work() -> str:
         return exported_page(
-            content, command=command, arrows=arrows, following=following, camera=camera
+            content, title=title, command=command, arrows=arrows, following=following, camera=camera
         )
 
     def done(page: str) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Collection
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from morph.app.viewer.content import Content
@@ -37,6 +38,11 @@ class View(ABC):
         Raises:
             MorphError: Nothing of it can be shown.
         """
+
+    @property
+    def arrows(self) -> Collection[str] | None:
+        """Kinds of arrows that are drawn; None for all that there are."""
+        return None
 
     def panel(self, gui: Any, session: Session) -> None:
         """Add its controls to the page; they act through `session.do` and `session.show`.

@@ -38,6 +38,7 @@ STEP = 0.1
 def exported_page(
     content: Content,
     *,
+    title: str = "",
     command: str = "",
     arrows: Collection[str] | None = None,
     following: bool = True,
@@ -50,6 +51,8 @@ def exported_page(
 
     Args:
         content: What is shown.
+        title: What the view is called; the bodies' names stand after it where the content has
+            no title of its own.
         command: What makes this page again.
         arrows: Kinds of arrows that are drawn; by default all.
         following: Whether what travels stays in the middle.
@@ -65,7 +68,7 @@ def exported_page(
     kinds = sorted({kind for actor in content.actors for kind in actor.motion.arrows})
     shown = [kind for kind in kinds if arrows is None or kind in arrows]
     return _environment().get_template("page.html.j2").render(
-        title=content.title,
+        title=_title(content, title),
         policy=policy(film.html, script),
         style=Markup(style() + _style()),
         film=Markup(film.html.replace("&", "&amp;").replace('"', "&quot;")),
@@ -113,6 +116,13 @@ def _texts(content: Content, cell: Live) -> list[str]:
     values = motion.series[cell.series]
     return [told(float(values[motion.at(min(time, content.seconds))]), cell.digits)
             for time in times.tolist()]  # fmt: skip
+
+
+def _title(content: Content, view: str) -> str:
+    if content.title != Content.title:
+        return content.title
+    names = ", ".join(dict.fromkeys(name for name, _ in _bodies(content)))
+    return ": ".join(filter(None, (view, names))) or content.title
 
 
 def _bodies(content: Content) -> list[tuple[str, str]]:

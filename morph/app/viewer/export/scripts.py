@@ -8,6 +8,7 @@ ANY = "'unsafe-inline'"
 """What stands for the hashes where viser's client is packed otherwise than is known here. A
 hash beside it would take it back."""
 
+
 def policy(viser_page: str, *ours: str) -> str:
     """Return the content security policy of a page that holds viser's page and scripts of ours.
 

@@ -62,6 +62,11 @@ class Compare(View):
         self._draw(session, self._arrows)
         self._listen(session)
 
+    @property
+    def arrows(self) -> set[str]:
+        """The kinds of arrows that are drawn."""
+        return set(self._arrows)
+
     def state(self) -> JSON:
         """Return the task and the arrows that are shown."""
         return {"task": self._task, "arrows": sorted(self._arrows)}

@@ -1,0 +1,177 @@
+"""What `morph view` was given: the options, and for what they leave open a saved view."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+import tempfile
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from morph.app.cli.view_arguments import View
+from morph.app.cli.words import harmless
+from morph.errors import OutputError, ViewError
+
+if TYPE_CHECKING:
+    from morph.app.viewer.given import Given
+    from morph.app.viewer.state import Saved, Sources
+
+MOST_BODIES = 8
+"""Bodies on one ground."""
+
+MOST_SECONDS = 120.0
+"""s; sixty pictures of each are kept."""
+
+LAST_PORT = 65535
+
+
+def check(asked: View) -> None:
+    """Check what can be checked before anything is loaded.
+
+    Raises:
+        ViewError: An option is out of its range, or there are too many bodies.
+        OutputError: The page cannot be written where it should be.
+    """
+    if asked.seconds is not None and not 0.0 < asked.seconds <= MOST_SECONDS:
+        raise ViewError(
+            f"it is {asked.seconds:g} s; more than 0 and at most {MOST_SECONDS:g} can be shown",
+            where="--seconds",
+            fix="leave it out, or give a time within that",
+        )
+    if not 0 <= asked.port <= LAST_PORT:
+        raise ViewError(
+            f"there is no port {asked.port}; they go from 0 to {LAST_PORT}",
+            where="--port",
+            fix="leave it out, or give 0 for any that is free",
+        )
+    if asked.seed is not None and asked.seed < 0:
+        raise ViewError(
+            f"it is {asked.seed}, and a seed is 0 or more",
+            where="--seed",
+            fix="give a whole number",
+        )
+    if asked.html is not None:
+        _check_page(Path(asked.html))
+
+
+def _check_page(path: Path) -> None:
+    if path.is_dir():
+        raise OutputError("it is a folder", where=f"--html {path}", fix="name a file in it")
+    above = path.absolute().parent
+    while not above.exists():
+        above = above.parent
+    try:
+        tempfile.TemporaryFile(dir=above).close()
+    except OSError as error:
+        raise OutputError(
+            f"nothing can be written there: {error.strerror or error}",
+            where=f"--html {path}",
+            fix="name a file in a folder that can be written to",
+        ) from error
+
+
+def given(asked: View, saved: Saved | None, now: Callable[[str], None]) -> tuple[Given, list[str]]:
+    """Return what is to be shown, and what is to be known of it, a sentence each.
+
+    Args:
+        asked: The options; they come before what was saved.
+        saved: What is to be shown again.
+        now: Is told what is being loaded.
+
+    Raises:
+        MorphError: A body cannot be loaded, or there are too many.
+    """
+    from morph.app.viewer.given import Given
+    from morph.body.load import load
+
+    of = _sources(asked, saved)
+    if len(of.bodies) > MOST_BODIES:
+        raise ViewError(
+            f"{len(of.bodies)} bodies are asked for, and the ground has room for {MOST_BODIES}",
+            where="morph view",
+            fix="leave some out, or open a second viewer at another --port",
+        )
+    robots, notes = [], []
+    for body in of.bodies:
+        now(f"loading {body.asked}")
+        robot = load(body.asked, base=of.base, folder=of.folder)
+        if body.sha256 and robot.sha256 != body.sha256:
+            notes.append(f"{robot.name} has changed since this view was saved.")
+        robots.append(robot)
+    return Given(
+        robots=tuple(robots),
+        asked=tuple(body.asked for body in of.bodies),
+        task=of.task,
+        policies=of.policies,
+        recordings=tuple(map(Path, of.recordings)),
+        root=None if of.root is None else Path(of.root),
+        diagnosis=None if of.diagnosis is None else Path(of.diagnosis),
+        transfer=None if of.transfer is None else Path(of.transfer),
+        world=of.world,
+        seconds=of.seconds,
+        seed=of.seed,
+        base=of.base,
+        folder=None if of.folder is None else Path(of.folder),
+    ), notes
+
+
+def read(asked: View) -> Saved | None:
+    """Return the view that was saved, if one is named, having told which files it names.
+
+    Raises:
+        ViewError: It cannot be read, or is no saved view.
+    """
+    if asked.state is None:
+        return None
+    from morph.app.viewer.reopen import read_state
+
+    saved = read_state(Path(asked.state))
+    # It may come from somebody else: whoever opens it is to know what it has us read.
+    for path in saved.given.files:
+        sys.stderr.write(f"{harmless(asked.state)} names {harmless(path)}\n")
+    sys.stderr.flush()
+    return saved
+
+
+def _sources(asked: View, saved: Saved | None) -> Sources:
+    """Return what is to be shown: the options, and what they leave open as it was saved."""
+    from morph.app.viewer.state import Body, Sources
+
+    told = {
+        "bodies": tuple(Body(asked=name, sha256="") for name in asked.robots),
+        "policies": asked.policy,
+        "recordings": asked.recording,
+        "task": asked.task,
+        "world": asked.world,
+        "seconds": asked.seconds,
+        "seed": asked.seed,
+        "base": asked.base,
+        "folder": None if asked.folder is None else str(asked.folder),
+        "root": None if asked.root is None else str(asked.root),
+        "diagnosis": asked.diagnosis,
+        "transfer": asked.transfer,
+    }
+    before = Sources() if saved is None else saved.given
+    # `replace` has no types for what it is handed by name.
+    return replace(
+        before, **{name: value for name, value in told.items() if value not in (None, ())}
+    )  # type: ignore[arg-type]
+
+
+def command(asked: View) -> str:
+    """Return the command that shows this again, wherever it was written to."""
+    parts = ["morph", "view", *asked.robots]
+    told: dict[str, object] = {
+        "--task": asked.task, "--root": asked.root, "--diagnosis": asked.diagnosis,
+        "--transfer": asked.transfer, "--world": asked.world, "--seconds": asked.seconds,
+        "--state": asked.state, "--first": asked.first, "--base": asked.base,
+        "--folder": asked.folder, "--seed": asked.seed,
+    }  # fmt: skip
+    for option, values in (("--policy", asked.policy), ("--recording", asked.recording)):
+        for value in values:
+            parts += [option, value]
+    for option, value in told.items():
+        parts += [] if value is None else [option, str(value)]
+    return shlex.join(parts)
