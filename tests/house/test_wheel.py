@@ -76,7 +76,7 @@ def test_the_wheel_holds_every_schema(wheel: Path) -> None:
     schemas = {path.relative_to(ROOT).as_posix() for path in ROOT.glob("morph/**/*.schema.json")}
     assert {Path(name).name.partition(".")[0] for name in schemas} == {
         *("align", "conversion", "diagnosis", "findings", "inspection", "learned", "simulation"),
-        "transfer",
+        *("transfer", "view", "viewing"),
     }
     assert schemas <= names
 
