@@ -1,0 +1,386 @@
+"""The view Design, seen by a person without a browser."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from morph.app.viewer.content import Content
+from morph.app.viewer.design.bench import Plan
+from morph.app.viewer.design.latest import Latest
+from morph.app.viewer.given import Given
+from morph.app.viewer.views.design import Design, maker
+from morph.body.load import load
+from morph.errors import RobotError
+
+HAND = SimpleNamespace(client_id=1)
+"""An event that a person caused."""
+
+
+class Knob:
+    """A control of the page."""
+
+    def __init__(self, kind: str, label: str, page: Page, **props: Any) -> None:
+        self.__dict__.update(props, kind=kind, label=label, page=page, visible=True)
+        self._impl = SimpleNamespace(uuid=f"number {len(page.knobs)}")
+        self._told: list[Callable[[Any], None]] = []
+
+    def on_update(self, what: Callable[[Any], None]) -> None:
+        self._told.append(what)
+
+    on_click = on_update
+    on_trigger = on_update
+
+    def move(self, value: Any = None) -> None:
+        """Be moved by a hand."""
+        if value is not None:
+            self.value = value
+        for told in self._told:
+            told(HAND)
+
+    def remove(self) -> None:
+        self.page.knobs = [
+            knob for knob in self.page.knobs if knob is not self and knob.inside is not self
+        ]
+
+    def __enter__(self) -> None:
+        self.before, self.page.inside = self.page.inside, self
+
+    def __exit__(self, *_: object) -> None:
+        self.page.inside = self.before
+
+
+class Page:
+    """A page and its session: what is done later is done when a test says so."""
+
+    def __init__(self, view: Design) -> None:
+        self.knobs: list[Any] = []
+        self.inside: Any = None
+        self.said: list[str] = []
+        self.jobs: list[tuple[Callable[[], Any], Callable[[Any], None]]] = []
+        self.chosen: list[tuple[int, str | None]] = []
+        self.shown = 0
+        self.view = view
+        self.content = Content(actors=())
+        self.client = SimpleNamespace(camera=None)
+        self.stage = SimpleNamespace(
+            choose=lambda *which: self.chosen.append(which), aim=lambda _: None, picked=None
+        )
+
+    def __getattr__(self, name: str) -> Any:
+        """Add any kind of control, as viser's `add_...` do."""
+
+        def add(label: Any = "", *values: Any, **props: Any) -> Knob:
+            props.pop("visible", None)
+            value = {"slider": -1, "text": 0, "checkbox": 0}.get(name.removeprefix("add_"))
+            given = values[value] if value is not None else props.get("initial_value", "")
+            if name == "add_slider":
+                props |= {"min": values[0], "max": values[1]}
+            knob = Knob(name.removeprefix("add_"), label, self, value=given, **props)
+            knob.inside = self.inside
+            self.knobs.append(knob)
+            return knob
+
+        if name.startswith("add_"):
+            return add
+        raise AttributeError(name)
+
+    def do(self, what: Callable[[], None]) -> None:
+        what()
+
+    def later(self, work: Callable[[], Any], then: Callable[[Any], None]) -> None:
+        self.jobs.append((work, then))
+
+    def show(self, content: Content, *, still: bool = False) -> None:
+        self.content, self.shown = content, self.shown + 1
+
+    def say(self, text: str, *, bad: bool = False) -> None:
+        self.said.append(text)
+
+    def work(self) -> None:
+        """Do all that was put off."""
+        while self.jobs:
+            work, then = self.jobs.pop(0)
+            then(work())
+
+    def knob(self, label: str, kind: str | None = None) -> Any:
+        found = [each for each in self.knobs if each.label == label and kind in (None, each.kind)]
+        assert len(found) == 1, (label, [each.label for each in self.knobs])
+        return found[0]
+
+    def press(self, label: str) -> None:
+        group = next(
+            each for each in self.knobs if each.kind == "button_group" and label in each.options
+        )
+        group.move(label)
+
+    def cell(self, row: str, column: int) -> str:
+        rows = {str(each[0]): each for each in self.content.tables[0].rows}
+        return str(rows[row][column])
+
+
+def opened(view: Design) -> Page:
+    page = Page(view)
+    # A button group's choices are given by position; everything else by name.
+    plain = page.__getattr__
+    page.add_button_group = lambda label, options: plain("add_button_group")(  # type: ignore[attr-defined]
+        label, options=options
+    )
+    page.add_dropdown = lambda label, options, initial_value=None: plain("add_dropdown")(  # type: ignore[attr-defined]
+        label, options=options, initial_value=initial_value or options[0]
+    )
+    view.panel(page, page)  # type: ignore[arg-type]
+    page.content = view.content()
+    return page
+
+
+@pytest.fixture(scope="module")
+def biped() -> Plan:
+    return Plan(load("biped"))
+
+
+@pytest.fixture(scope="module")
+def humanoid() -> Plan:
+    return Plan(load("humanoid"))
+
+
+def test_a_slider_moves_its_link_by_degrees_and_nothing_is_sent_anew(humanoid: Plan) -> None:
+    view = Design((humanoid,))
+    page = opened(view)
+    motion = page.content.actors[0].motion
+    before = motion.turn.copy()
+    page.knob("find").move("l_knee")
+    knee = page.knob("l_knee_y", "slider")
+    knee.move(knee.max / 2)
+    assert page.shown == 0
+    assert page.content.actors[0].motion is motion
+    moved = {humanoid.original.figure.links[at] for at in np.where(motion.turn != before)[1]}
+    link = humanoid.robot.joint("l_knee_y").link
+    assert link in moved
+    assert "head" not in moved
+    handle = next(each for each in view.bench.posture.handles if each.joint == "l_knee_y")
+    assert view.bench.position(handle) == pytest.approx(np.radians(knee.max / 2), abs=1e-9)
+
+
+def test_a_text_leaves_only_the_sliders_that_it_finds(humanoid: Plan) -> None:
+    page = opened(Design((humanoid,)))
+    folder = [each for each in page.knobs if each.kind == "slider"]
+    assert len(folder) == 25 + len(humanoid.own)
+    page.knob("find").move("hip_z")
+    sliders = [each.label for each in page.knobs if each.kind == "slider"]
+    assert [label for label in sliders if "_hip_" in label] == ["l_hip_z", "r_hip_z"]
+    page.knob("find").move("tentacle")
+    assert "no joint is found" in [each.label for each in page.knobs]
+
+
+def test_what_is_pointed_at_is_highlighted(humanoid: Plan) -> None:
+    page = opened(Design((humanoid,)))
+    number = page.knob("r_hip_x")._impl.uuid
+    page.knob("pointed at").move(number)
+    assert page.chosen[-1] == (0, humanoid.robot.joint("r_hip_x").link)
+    page.knob("pointed at").move("")
+    assert page.chosen[-1] == (0, None)
+    page.knob("pointed at").move("<script>")
+    assert page.chosen[-1] == (0, None)
+    # A parameter's slider highlights what it changes.
+    page.knob("pointed at").move(page.knob("head_mass")._impl.uuid)
+    assert page.chosen[-1] == (0, "head")
+
+
+def test_a_click_on_a_link_seeks_its_joint(humanoid: Plan) -> None:
+    page = opened(Design((humanoid,)))
+    joint = humanoid.robot.joint("l_elbow_y")
+    page.stage.picked(0, joint.link)
+    assert page.knob("find").value == "l_elbow_y"
+    assert page.chosen[-1] == (0, joint.link)
+
+
+def test_a_parameter_changes_mass_and_shows_the_original_as_a_ghost(biped: Plan) -> None:
+    view = Design((biped,))
+    page = opened(view)
+    page.work()
+    page.knob("left_foot_size").move(1.5)
+    page.work()
+    heavier = biped.robot.link("left_foot").mass * (1.5**3 - 1.0)
+    assert view.bench.built.robot.mass == pytest.approx(biped.robot.mass + heavier, abs=1e-9)
+    assert page.cell("mass (kg)", 1) == f"{biped.robot.mass + heavier:.4g}"
+    design, ghost = page.content.actors
+    assert ghost.ghost
+    assert ghost.lane == design.lane
+    assert ghost.figure is biped.original.figure
+    page.knob("show original").move(False)
+    assert len(page.content.actors) == 1
+
+
+def test_the_ghost_takes_the_same_pose(biped: Plan) -> None:
+    view = Design((biped,))
+    page = opened(view)
+    page.knob("left_foot_size").move(1.5)
+    page.work()
+    hip = next(h for h in view.bench.posture.handles if h.link == "left_thigh")
+    view.turn(hip.joint, 0.4 * hip.high)
+    design, ghost = page.content.actors
+    thigh = biped.original.figure.links.index("left_thigh")
+    assert ghost.motion.turn[0, thigh] == pytest.approx(design.motion.turn[0, thigh], abs=1e-12)
+
+
+def test_a_body_of_another_mass_alone_has_no_ghost(biped: Plan) -> None:
+    page = opened(Design((biped,)))
+    page.knob("torso_mass").move(1.5)
+    page.work()
+    assert len(page.content.actors) == 1
+
+
+def test_a_drag_builds_once_at_a_time_and_the_last_at_last(biped: Plan) -> None:
+    view = Design((biped,))
+    page = opened(view)
+    page.work()
+    for at in range(100):
+        page.knob("torso_mass").move(1.0 + 0.01 * at)
+    assert len(page.jobs) == 1
+    page.work()
+    assert view.bench.built.values == {"torso_mass": 1.99}
+    assert page.shown <= 3
+    page.press("Undo")
+    page.work()
+    assert view.bench.built is biped.original
+
+
+def test_a_lock_takes_its_slider_away_and_undo_brings_it_back(biped: Plan) -> None:
+    view = Design((biped,))
+    page = opened(view)
+    knee = next(h.joint for h in view.bench.posture.handles if h.link == "left_shank")
+    page.knob("left_knee_locked_at").move(True)
+    page.work()
+    assert knee not in [each.label for each in page.knobs]
+    page.press("Undo")
+    page.work()
+    assert knee in [each.label for each in page.knobs]
+    assert page.knob("left_knee_locked_at").value is False
+
+
+def test_undo_moves_the_slider_back(humanoid: Plan) -> None:
+    page = opened(Design((humanoid,)))
+    slider = page.knob("head_z")
+    slider.move(0.5 * slider.max)
+    page.press("Undo")
+    assert slider.value == 0.0
+    page.press("Redo")
+    assert slider.value == pytest.approx(0.5 * slider.max, abs=0.1)
+    page.press("Rest")
+    assert slider.value == 0.0
+    page.press("Random")
+    assert slider.value != 0.0
+
+
+def test_nothing_to_undo_is_told(humanoid: Plan) -> None:
+    page = opened(Design((humanoid,)))
+    page.press("Undo")
+    page.press("Redo")
+    assert page.said == ["there is nothing to undo", "there is nothing to do again"]
+
+
+def test_keys_act_only_while_the_view_is_shown(humanoid: Plan) -> None:
+    view = Design((humanoid,))
+    page = opened(view)
+    view.turn("head_z", 0.1)
+    page.view = None  # type: ignore[assignment]
+    page.knob("design: undo").move()
+    assert view.bench.choice.pose
+    page.view = view
+    page.knob("design: undo").move()
+    assert not view.bench.choice.pose
+
+
+def test_general_parameters_serve_a_body_without_its_own() -> None:
+    view = Design((Plan(load("so101")),))
+    page = opened(view)
+    page.knob("size").move(1.5)
+    page.work()
+    # By the cube of 1.5.
+    assert view.bench.built.robot.mass == pytest.approx(0.632006 * 3.375, rel=1e-9)
+    links = list(page.knob("change").options)
+    page.knob("change").move(links[1])
+    page.knob("mass").move(1.2)
+    page.work()
+    assert set(view.bench.built.values) == {"whole body: size", f"{links[1]}: mass"}
+
+
+def test_several_bodies_are_designed_one_at_a_time(biped: Plan, humanoid: Plan) -> None:
+    view = Design((biped, humanoid))
+    page = opened(view)
+    page.work()
+    view.set("torso_mass", 1.5)
+    page.work()
+    page.knob("body").move("2: humanoid")
+    page.work()
+    assert page.content.actors[0].figure.name == "humanoid"
+    assert page.cell("mass (kg)", 1) == "3"
+    page.knob("body").move("1: biped")
+    page.work()
+    assert view.bench.built.values == {"torso_mass": 1.5}
+
+
+def test_two_persons_have_designs_of_their_own(biped: Plan) -> None:
+    one, other = Design((biped,)), Design((biped,))
+    opened(one)
+    opened(other)
+    one.turn(one.bench.posture.handles[0].joint, 0.1)
+    assert one.bench.choice.pose
+    assert not other.bench.choice.pose
+    first, second = (view.content().actors[0].motion.position for view in (one, other))
+    assert (first != second).any()
+
+
+def test_a_design_is_saved_under_a_new_name(
+    biped: Plan, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("MORPH_SHELF", str(tmp_path))
+    view = Design((biped,))
+    page = opened(view)
+    view.set("torso_mass", 1.5)
+    page.work()
+    page.knob("name").move("heavy_biped")
+    page.knob("Save as a new body").move()
+    page.work()
+    assert page.said == ["saved; see it by: morph view heavy_biped"]
+    assert load("heavy_biped").mass == pytest.approx(view.bench.built.robot.mass, abs=1e-9)
+
+
+def test_the_view_is_made_of_what_is_given() -> None:
+    make = maker(Given(robots=(load("pendulum"),), asked=("pendulum",)))
+    one, other = make(), make()
+    assert isinstance(one, Design)
+    assert isinstance(other, Design)
+    assert one is not other
+    assert one.plans is not None
+    assert one.plans[0] is other.plans[0]
+
+
+def test_what_cannot_be_built_is_told_and_what_is_built_stays() -> None:
+    latest, page = Latest(), Page(None)  # type: ignore[arg-type]
+    undone: list[str] = []
+
+    def bad() -> None:
+        raise RobotError("it cannot be so", where="here", fix="choose less")
+
+    latest.ask(page, bad, lambda _: None, lambda: undone.append("back"))  # type: ignore[arg-type]
+    with pytest.raises(RobotError, match=r"it cannot be so"):
+        page.work()
+    assert undone == ["back"]
+    assert not latest.busy
+
+
+def test_of_what_is_asked_meanwhile_only_the_last_is_done() -> None:
+    latest, page = Latest(), Page(None)  # type: ignore[arg-type]
+    done: list[int] = []
+    for at in range(5):
+        latest.ask(page, lambda at=at: at, done.append)  # type: ignore[misc]
+    page.work()
+    assert done == [0, 4]
+    assert latest.done == 2
