@@ -11,6 +11,7 @@ from morph.app.viewer.fragments import keys_html, notes_html, table_html
 from morph.app.viewer.keeping import keep_page, keep_view
 from morph.app.viewer.style import style
 from morph.app.viewer.transport import KEYS, Transport
+from morph.app.viewer.view import View
 
 if TYPE_CHECKING:
     from morph.app.viewer.session import Session
@@ -62,6 +63,8 @@ class Controls:
         self._folder = gui.add_folder(self._session.view.title, order=self._told.order - 0.5)
         with self._folder:
             self._session.view.panel(gui, self._session)
+        # A view without controls of its own has no empty box for them.
+        self._folder.visible = type(self._session.view).panel is not View.panel
 
     def show(self) -> None:
         """Show what belongs to the content: tables, charts, notes, the length of the clock."""
