@@ -32,8 +32,8 @@ FRONT = np.array([0.42, -1.0, 0.42])
 BESIDE = np.array([0.95, -0.8, 0.6])
 """From bodies that stand or go side by side to the camera, ahead of them."""
 
-HIDDEN = 1.35
-"""Bodies behind one another are worth this much more distance: they hide each other."""
+HIDDEN = 0.9
+"""A body that is hidden by others is worth this much more distance, once more."""
 
 LETTER, LINE, PICTURE = 7.0, 24.0, 760.0
 """Width of a letter and height of a label, and height of a picture, pixels."""
@@ -76,7 +76,7 @@ def laid_out(actors: Sequence[Actor]) -> Layout:
     """Return where actors stand; those of one lane begin at one place.
 
     Bodies that go past their neighbours stand side by side across their way. Others stand in
-    the rows, or the file (0 rows), that lets the camera come nearest.
+    the rows, or the file (0 rows), that show them largest and hide least.
     """
     if not actors:
         nothing = np.zeros((0, 3))
@@ -96,16 +96,11 @@ def laid_out(actors: Sequence[Actor]) -> Layout:
     several = len(set(lanes)) > 1
     if several and any(each.travels(ELONGATED) for each in rooms):
         return _named(actors, rooms, lanes, 0)
-    best, least = _named(actors, rooms, lanes, 1), math.inf
-    for rows in range(len(set(lanes)) if several else 0):
-        found = best if rows == 1 else _named(actors, rooms, lanes, rows)
-        # How small the farthest body is seen says how much is told of all of them.
-        place = framed(found.seen, found.towards).position
-        far = np.linalg.norm(0.5 * (found.low + found.high) - place, axis=1).max()
-        cost = float(far) * (1.0 if rows == 1 else HIDDEN)
-        if cost < least:
-            best, least = found, cost
-    return best
+    ways = range(len(set(lanes))) if several else (1,)
+    return min(
+        (_named(actors, rooms, lanes, rows) for rows in ways),
+        key=lambda found: _cost(found, rooms, lanes),
+    )
 
 
 def lanes_of(actors: Sequence[Actor]) -> list[int]:
@@ -133,6 +128,35 @@ def _named(actors: Sequence[Actor], rooms: Sequence[Room], lanes: list[int], row
         distance = framed(found.seen, found.towards).distance
         pixel = 2.0 * distance * math.tan(0.5 * FIELD) / PICTURE
     return _arranged(actors, rooms, lanes, rows, pixel)
+
+
+def _cost(found: Layout, rooms: Sequence[Room], lanes: list[int]) -> float:
+    """Return how badly bodies are seen: by how far the farthest is, and what hides them, m."""
+    place = framed(found.seen, found.towards).position
+    low = np.array([each.low[0] for each in rooms]) + found.places
+    high = np.array([each.high[0] for each in rooms]) + found.places
+    far = np.linalg.norm(0.5 * (low + high) - place, axis=1)
+    least, most = (
+        np.array(each) for each in zip(*map(_pictured, low - place, high - place), strict=True)
+    )
+    hidden = np.zeros(len(lanes))
+    for at, lane in enumerate(lanes):
+        for other, its in enumerate(lanes):
+            if its != lane and far[other] < far[at]:
+                both = np.minimum(most[at], most[other]) - np.maximum(least[at], least[other])
+                own = float(np.prod(most[at] - least[at])) or 1.0
+                hidden[at] += float(np.prod(np.maximum(both, 0.0))) / own
+    return float(far.max() * (1.0 + HIDDEN * np.minimum(hidden, 1.0).mean()))
+
+
+def _pictured(low: Array, high: Array) -> tuple[Array, Array]:
+    """Return the corners, about, of a box as a camera at 0 pictures it: azimuth, elevation."""
+    x, y, z = np.stack((low, high))[np.array(list(product((0, 1), repeat=3))), np.arange(3)].T
+    middle = 0.5 * (low + high)
+    turn = np.arctan2(middle[1], middle[0])
+    across = x * np.cos(turn) + y * np.sin(turn), y * np.cos(turn) - x * np.sin(turn)
+    angles = np.stack((turn + np.arctan2(across[1], across[0]), np.arctan2(z, np.hypot(x, y))))
+    return angles.min(axis=1), angles.max(axis=1)
 
 
 def _arranged(

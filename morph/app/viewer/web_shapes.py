@@ -8,10 +8,10 @@ from dataclasses import replace
 import numpy as np
 
 from morph.app.picture.shapes import Shape
+from morph.app.viewer.coarse import coarse
 from morph.app.viewer.crease import creased
 from morph.arrays import Array, Integers
 from morph.body.mesh.solid import Mesh
-from morph.body.mesh.thin import thinned
 
 MOST_FACES = 3000
 """Faces of one shape; more cannot be told apart on a screen."""
@@ -78,9 +78,7 @@ def _can_be_drawn(shape: Shape) -> bool:
 
 
 def _light(shape: Shape, most: int) -> Shape:
-    mesh = Mesh(vertices=shape.vertices, faces=shape.faces)
-    if len(shape.faces) > most:
-        mesh = thinned(mesh, most)
+    mesh = coarse(Mesh(vertices=shape.vertices, faces=shape.faces), most)
     vertices, faces = creased(mesh.vertices, mesh.faces)
     return replace(shape, vertices=vertices, faces=faces, flat=False)
 
