@@ -87,7 +87,7 @@ def scales(bodies: Sequence[Felt]) -> Mapping[str, float]:
         strong = [_strengths(felt.shares(kind)) for felt in bodies]
         every = np.concatenate([np.zeros(0), *strong])
         if len(every):
-            share = max(WIDEST, float(np.percentile(every, STRONG)))
+            share = max(WIDEST, float(np.percentile(every, STRONG, method="lower")))
             # 1 over a rounded number is a round one, too: 1, 2 or 5 times a power of ten.
             found[kind] = 1.0 / rounded(1.0 / share)
     return found

@@ -1,0 +1,297 @@
+"""Bodies that are compared: who does what, and what is told of those who cannot."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from morph.app.viewer.clock import Clock
+from morph.app.viewer.compare.figures import COST, ENERGY, MARGIN
+from morph.app.viewer.compare.panel import SWEEP, legend_html, states_html
+from morph.app.viewer.compare.show import at_rest
+from morph.app.viewer.compare.told import told
+from morph.app.viewer.compare.troupe import Troupe, named
+from morph.app.viewer.compare.work import Work
+from morph.app.viewer.content import Content, Live
+from morph.app.viewer.given import Given
+from morph.app.viewer.player import ARROWS
+from morph.app.viewer.views.compare import Compare, maker
+from morph.body.load import load
+from morph.errors import EffectError, TaskError, ViewError
+from morph.policy.pattern import Swing, pattern
+from morph.policy.store import write_policy
+
+
+def given(*names: str, **how: Any) -> Given:
+    return Given(robots=tuple(map(load, names)), asked=names, **how)
+
+
+def shown(*names: str, **how: Any) -> Content:
+    """The content once all is computed."""
+    view = maker(given(*names, **how))()
+    view.complete()
+    return view.content()
+
+
+def column(content: Content, table: int, name: str) -> list[Any]:
+    """The cells of a column of a table."""
+    at = content.tables[table].head.index(name)
+    return [row[at] for row in content.tables[table].rows]
+
+
+def test_without_a_task_joints_go_through_their_ranges_by_no_physics() -> None:
+    content = shown("cartpole", "so101", seconds=2.0)
+    assert [actor.motion.pictures for actor in content.actors] == [121, 121]
+    assert any(note.startswith("No physics") for note in content.notes)
+    assert column(content, 0, "mass (kg)") == ["1", "0.632"]
+    assert column(content, 0, "joints") == ["2", "6"]
+    assert column(content, 0, "driven") == ["1", "6"]
+    live = column(content, 1, "holding margin (%)")
+    assert live == [Live(actor=at, series=MARGIN) for at in (0, 1)]
+    assert content.charts == ()
+
+
+def test_bodies_do_their_task_side_by_side_and_zero_commands_let_a_pole_fall() -> None:
+    content = shown("cartpole", "pendulum", task="balance")
+    assert [actor.figure.name for actor in content.actors] == ["cartpole", "pendulum"]
+    assert content.seconds == pytest.approx(5.0)
+    for actor in content.actors:
+        assert set(actor.motion.series) == {MARGIN, ENERGY, COST}
+        # Nothing is commanded: nothing is spent, and a fallen pole costs.
+        assert actor.motion.series[ENERGY].max() == 0.0
+        assert actor.motion.series[MARGIN].min() == 100.0
+        assert actor.motion.series[COST][-1] > 100.0
+    assert column(content, 1, "goals") == ["0 of 2", "0 of 1"]
+    assert "pendulum: missed 1 goals: upright at hinge" in content.notes
+    assert [chart.title for chart in content.charts] == ["Cost so far", "Energy so far"]
+    colours = [line.colour for line in content.charts[0].lines]
+    assert len(set(colours)) == 2
+    end = content.charts[0].lines[0]
+    assert end.time[-1] == pytest.approx(5.0)
+    assert end.value[-1] == content.actors[0].motion.series[COST][-1]
+
+
+def test_a_policy_of_a_folder_names_the_task_and_drives_its_body(tmp_path: Path) -> None:
+    robot = load("pendulum")
+    swings = {robot.actuators[0].name: Swing(offset=0.5)}
+    folder = write_policy(pattern(robot, swings), tmp_path / "push", robot, task="balance")
+    content = shown("pendulum", "pendulum", policies=(str(folder),))
+    assert [actor.figure.name for actor in content.actors] == ["pendulum (1)", "pendulum (2)"]
+    assert content.title.startswith("balance")
+    spent = [actor.motion.series[ENERGY][-1] for actor in content.actors]
+    assert spent[0] > 0.0
+    assert spent[1] == 0.0
+
+
+def test_a_body_that_cannot_do_the_task_stands_still_and_says_why() -> None:
+    content = shown("cartpole", "biped", task="walk", seconds=0.2)
+    assert [actor.motion.pictures for actor in content.actors] == [1, 13]
+    (note,) = [note for note in content.notes if note.startswith("cartpole stands still")]
+    assert "held to the world" in note
+    assert column(content, 1, "cost")[0] == "\N{EN DASH}"
+    # A run that is shorter than the task is not judged.
+    assert column(content, 1, "goals") == ["\N{EN DASH}", "\N{EN DASH}"]
+
+
+def test_a_task_that_no_body_can_do_is_refused_before_anything_is_served() -> None:
+    with pytest.raises(TaskError, match=r"walk of cartpole.*held to the world"):
+        maker(given("cartpole", "pendulum", task="walk"))
+
+
+def test_what_the_command_line_got_wrong_is_refused_before_anything_is_served() -> None:
+    with pytest.raises(TaskError, match=r"there is no task 'dance'"):
+        maker(given("cartpole", task="dance"))
+    with pytest.raises(EffectError, match=r"there is no world 'moon'"):
+        maker(given("cartpole", world="moon"))
+    with pytest.raises(ViewError, match=r"(?s)what is to be learned.*--task: balance, swing-up"):
+        maker(given("cartpole", policies=("learned",)))
+
+
+def test_a_world_takes_the_place_of_that_of_the_task() -> None:
+    content = shown("sea_snake", world="water", seconds=0.1)
+    assert content.actors[0].figure.wet
+    assert not shown("sea_snake", seconds=0.1).actors[0].figure.wet
+
+
+def test_bodies_that_share_a_name_are_numbered() -> None:
+    cart, pole = load("cartpole"), load("pendulum")
+    assert named((pole, cart, pole)) == ("pendulum (1)", "cartpole", "pendulum (2)")
+
+
+def test_until_a_body_is_ready_it_stands_and_its_figures_are_open() -> None:
+    rest = [at_rest(load("cartpole"), "cartpole")]
+    content = told("balance", rest, [Work()])
+    assert content.actors[0].motion.pictures == 1
+    assert content.seconds == 0.0
+    assert set(content.tables[1].rows[0][1:]) == {"\N{HORIZONTAL ELLIPSIS}"}
+
+
+def test_all_persons_share_what_is_computed_and_choose_for_themselves() -> None:
+    make = maker(given("cartpole", "pendulum", seconds=0.5))
+    one, other = make(), make()
+    one.restore({"task": "balance", "arrows": ["torque"]})
+    one.complete()
+    other.complete()
+    assert one.content().charts != ()
+    assert other.content().charts == ()
+    other.restore(one.state())
+    assert other.state() == {"task": "balance", "arrows": ["torque"]}
+    motions = [[actor.motion.position for actor in view.content().actors] for view in (one, other)]
+    assert all(a is b for a, b in zip(*motions, strict=True))
+
+
+@pytest.mark.parametrize(
+    ("state", "what"),
+    [
+        ({"task": "walk"}, r"a task 'walk' that these bodies do not share"),
+        ({"task": ["balance"]}, r"a task \['balance'\]"),
+        ({"arrows": ["wind"]}, r"arrows \['wind'\]"),
+        ({"arrows": 3}, r"arrows 3"),
+    ],
+)
+def test_a_state_of_other_bodies_is_refused(state: dict[str, Any], what: str) -> None:
+    view = maker(given("cartpole", seconds=0.2))()
+    with pytest.raises(ViewError, match=what):
+        view.restore(state)
+
+
+def test_names_and_reasons_are_never_html() -> None:
+    work: Work[Any] = Work()
+    work.told = "<b>looking</b>"
+    html = states_html(["<script>alert(1)</script>"], [work])
+    assert "<script>" not in html
+    assert "&lt;script&gt;" in html
+    assert "<b>" not in html
+    assert "rgb(213, 94, 0)" in legend_html({"contact": "a & b"})
+    assert "a &amp; b" in legend_html({"contact": "a & b"})
+
+
+class Handle:
+    """What a page's knob is to those who use it."""
+
+    def __init__(self, value: Any = None) -> None:
+        self.value, self.content, self.visible = value, "", True
+        self.changed: Callable[[Any], None] = lambda event: None
+
+    def on_update(self, what: Callable[[Any], None]) -> None:
+        self.changed = what
+
+    def set(self, value: Any, by: int | None = 7) -> None:
+        self.value = value
+        self.changed(SimpleNamespace(client_id=by))
+
+
+class Gui:
+    """A page that only remembers its knobs."""
+
+    def __init__(self) -> None:
+        self.knobs: dict[str, Handle] = {}
+
+    def add_html(self, content: str) -> Handle:
+        return self.knobs.setdefault(f"html {len(self.knobs)}", Handle())
+
+    def add_dropdown(self, name: str, options: tuple[str, ...], initial_value: str) -> Handle:
+        self.options = options
+        return self.knobs.setdefault(name, Handle(initial_value))
+
+    def add_checkbox(self, name: str, value: bool) -> Handle:
+        return self.knobs.setdefault(name, Handle(value))
+
+
+class Page:
+    """A session that does at once what it is asked."""
+
+    def __init__(self, view: Compare) -> None:
+        self.view, self.clock, self.shows = view, Clock(time=3.0, seconds=5.0), 0
+        self.stage = SimpleNamespace(shown_arrows=set(ARROWS), aim=lambda camera: None)
+        self.client = SimpleNamespace(camera=None)
+
+    def do(self, what: Callable[[], None]) -> None:
+        what()
+
+    def show(self) -> None:
+        self.shows += 1
+        self.content = self.view.content()
+
+
+@pytest.fixture
+def page() -> tuple[Page, Gui]:
+    view = Compare(Troupe(given("cartpole", "pendulum", seconds=0.5)))
+    view.complete()
+    page, gui = Page(view), Gui()
+    page.show()
+    view.panel(gui, page)  # type: ignore[arg-type]
+    return page, gui
+
+
+def test_a_person_may_turn_to_another_task_of_all_bodies(page: tuple[Page, Gui]) -> None:
+    session, gui = page
+    assert gui.options == (SWEEP, "balance", "swing-up")
+    gui.knobs["task"].set("balance")
+    assert session.clock.time == 0.0
+    session.view.complete()
+    assert session.view.state()["task"] == "balance"
+    session.show()
+    assert session.content.charts != ()
+    gui.knobs["task"].set(SWEEP)
+    assert session.view.state()["task"] is None
+    assert session.content.charts == ()
+
+
+def test_what_the_program_sets_by_itself_chooses_nothing(page: tuple[Page, Gui]) -> None:
+    session, gui = page
+    gui.knobs["task"].set("balance", by=None)
+    assert session.view.state()["task"] is None
+
+
+def test_the_boxes_say_which_arrows_are_drawn(page: tuple[Page, Gui]) -> None:
+    session, gui = page
+    assert "buoyancy" not in session.stage.shown_arrows
+    # Those of other views are left alone.
+    assert "wrench" in session.stage.shown_arrows
+    gui.knobs["torque arrows"].set(False)
+    gui.knobs["buoyancy arrows"].set(True)
+    assert session.view.state()["arrows"] == ["buoyancy", "contact", "fluid"]
+    assert {"torque", "buoyancy"} & session.stage.shown_arrows == {"buoyancy"}
+
+
+def test_only_arrows_that_there_are_have_a_box() -> None:
+    view = Compare(Troupe(given("pendulum", task="balance", seconds=0.5)))
+    view.complete()
+    page, gui = Page(view), Gui()
+    page.show()
+    view.panel(gui, page)  # type: ignore[arg-type]
+    # Without a policy the motor does nothing, and nothing touches anything.
+    boxes = {name: knob.visible for name, knob in gui.knobs.items() if name.endswith("arrows")}
+    assert not any(boxes.values())
+    assert len(boxes) == 4
+    assert "every command is zero" in "".join(knob.content for knob in gui.knobs.values())
+
+
+def test_a_body_that_becomes_ready_is_shown_and_the_clock_begins_anew(
+    page: tuple[Page, Gui], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    session, _ = page
+    late: Work[Any] = Work()
+    ready = session.view._troupe.cast(None)
+    monkeypatch.setattr(
+        session.view._troupe,
+        "cast",
+        lambda name: SimpleNamespace(
+            shows=(ready.shows[0], late), tasks=(), done=1 + int(late.done)
+        ),
+    )
+    session.show()
+    session.view._listen(session)  # type: ignore[arg-type]
+    assert session.content.actors[1].motion.pictures == 1
+    before, session.clock.time = session.shows, 0.4
+    late.end(ready.shows[1].found, None)
+    assert session.shows == before + 1
+    assert session.content.actors[1].motion.pictures == 31
+    assert session.clock.time == 0.0
+    assert np.isfinite(session.content.actors[1].motion.position).all()
