@@ -93,7 +93,8 @@ def motors(bench: Bench, measures: Measures | None) -> Table:
 def _row(name: str, both: Sequence[float | None]) -> tuple[str, str, str, str]:
     now, was = both
     change = "" if now is None or was is None else _change(now, was)
-    return (name, *(PENDING if each is None else f"{each:.3g}" for each in both), change)
+    told = [PENDING if each is None else f"{each:.3g}" for each in both]
+    return name, told[0], told[1], change
 
 
 def _change(now: float, was: float) -> str:

@@ -173,7 +173,7 @@ def _outer(points: Array) -> Array:
     """Return a few of many points, among them the outermost in each of 26 directions."""
     ways = np.array([way for way in itertools.product((-1.0, 0.0, 1.0), repeat=3) if any(way)])
     ways /= np.linalg.norm(ways, axis=1, keepdims=True)
-    return points[np.unique(np.argmax(points @ ways.T, axis=0))]
+    return np.asarray(points[np.unique(np.argmax(points @ ways.T, axis=0))])
 
 
 def corners(points: Array) -> Array:
@@ -183,7 +183,7 @@ def corners(points: Array) -> Array:
     if len(points) < 5:
         return points
     try:
-        return points[ConvexHull(points).vertices]
+        return np.asarray(points[ConvexHull(points).vertices])
     except QhullError:
         # All in one plane or on one line: all of them stay.
         return points

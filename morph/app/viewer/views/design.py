@@ -9,25 +9,18 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from morph.app.viewer.content import Actor, Content
+from morph.app.viewer.content import Content
 from morph.app.viewer.design.bench import Bench, Built, Plan
 from morph.app.viewer.design.figures import figures, headline, limits_note, motors
 from morph.app.viewer.design.latest import Latest
 from morph.app.viewer.design.panel import Panel
-from morph.app.viewer.design.posture import Posture
+from morph.app.viewer.design.shown import Shown
 from morph.app.viewer.given import Given
-from morph.app.viewer.motion import Motion, posed
 from morph.app.viewer.view import View
 from morph.arrays import JSON
 
 if TYPE_CHECKING:
     from morph.app.viewer.session import Session
-
-GHOST = (120, 130, 145)
-"""Colour of the body as described, where it is shown beside the design."""
-
-SHAPING = ("scale", "lock")
-"""Operations that change what a body looks like."""
 
 
 class Design(View):
@@ -49,7 +42,7 @@ class Design(View):
         self._session: Session | None = None
         self._panel: Panel | None = None
         self._building, self._measuring = Latest(), Latest()
-        self._pose()
+        self._shown = Shown(self.bench, self.ghost)
 
     @property
     def bench(self) -> Bench:
@@ -61,22 +54,9 @@ class Design(View):
     def content(self) -> Content:
         """Return the body in the pose of the sliders, and its figures."""
         bench = self.bench
-        actors = [Actor(figure=bench.built.figure, motion=self._motion, lane=0)]
-        if self._ghostly:
-            drawn = bench.plan.original.figure
-            actors.append(
-                Actor(
-                    figure=drawn,
-                    motion=self._shadow,
-                    lane=0,
-                    ghost=True,
-                    colour=GHOST,
-                    title="",
-                )
-            )
         measures, original = self._measures(bench.built), self._measures(bench.plan.original)
         return Content(
-            actors=tuple(actors),
+            actors=self._shown.actors,
             tables=(figures(bench, measures, original), motors(bench, measures)),
             notes=self._notes(),
             title=f"design of {bench.built.figure.name}",
@@ -111,7 +91,7 @@ class Design(View):
             bench = self._benches[at]
             bench.history.now = choice
             bench.take(bench.plan.built(choice.values))
-        self._pose()
+        self._shown = Shown(self.bench, self.ghost)
 
     def headline(self) -> str:
         """Return mass, reach and margin in one line."""
@@ -183,12 +163,6 @@ class Design(View):
 
         session.later(work, lambda saved: session.say(f"saved; see it by: morph view {saved}"))
 
-    @property
-    def _ghostly(self) -> bool:
-        changed = self.bench.built.values
-        by = {parameter.name: parameter.operation for parameter in self.bench.plan.parameters}
-        return self.ghost and any(by[name] in SHAPING for name in changed)
-
     def _stepped(self, was: bool, otherwise: str) -> None:
         if not was:
             if self._session is not None:
@@ -200,36 +174,19 @@ class Design(View):
             self.bench.adopt()
             self._posed()
 
-    def _pose(self) -> None:
-        """Make the motions anew; they are this person's own, and written to in place."""
-        bench = self.bench
-        self._motion: Motion = posed(bench.posture.model, bench.pose[None])
-        original = bench.plan.original.figure.model
-        self._ghost_posture = Posture(original)
-        self._shadow: Motion = posed(original, self._ghost_pose()[None])
-
-    def _ghost_pose(self) -> Any:
-        posture, pose = self._ghost_posture, self.bench.choice.pose
-        goal = [pose.get(handle.joint, handle.rest) for handle in posture.handles]
-        return posture.towards(posture.rest, np.array(goal))[0]
-
     def _posed(self, held: str | None = None) -> None:
         """Show the pose that the joints have now; the scene stays, its links move."""
-        bench, session = self.bench, self._session
-        _write(self._motion, posed(bench.posture.model, bench.pose[None]))
-        if self._ghostly:
-            original = bench.plan.original.figure.model
-            _write(self._shadow, posed(original, self._ghost_pose()[None]))
+        self._shown.pose()
         if self._panel is not None:
             self._panel.tell(held)
-        self._tables(session)
+        self._tables(self._session)
 
     def _tables(self, session: Session | None) -> None:
         if session is not None and session.view is self:
             session.content = replace(session.content, tables=self.content().tables)
 
     def _shown_anew(self, *, aim: bool = False) -> None:
-        self._pose()
+        self._shown = Shown(self.bench, self.ghost)
         session, panel = self._session, self._panel
         if panel is not None:
             panel.show()
@@ -286,10 +243,6 @@ class Design(View):
 
     def _notes(self) -> tuple[str, ...]:
         return (*self.bench.plan.original.figure.notes, limits_note(self.bench.limits))
-
-
-def _write(motion: Motion, found: Motion) -> None:
-    motion.position[:], motion.turn[:] = found.position, found.turn
 
 
 def maker(given: Given) -> Callable[[], View]:
