@@ -17,7 +17,10 @@ from rich.console import Console
 from rich.table import Table
 
 from experiments.viewed.browser import browsing
+from experiments.viewed.leaks import leaked
 from experiments.viewed.opening import framed, held, held_by_nothing, sent
+from experiments.viewed.raw import raw_speed
+from experiments.viewed.speed import speed
 from morph.arrays import JSON
 from morph.body.shelf import names
 from morph.errors import MorphError
@@ -41,6 +44,22 @@ ALL = (
 
 SENT, FRAME, MEMORY = 5.0, 15.0, 300.0
 """Goals: s, s, MB."""
+
+SPEEDS = (
+    (60, 1, False, 55.0),
+    (200, 1, False, 30.0),
+    (60, 2, True, None),
+)
+"""Links, bodies, whether all else is drawn too, and the goal in updates a second."""
+
+RAW = (60, 200)
+"""Links that viser alone moves, as a control."""
+
+OPENS = 100
+"""People who come and go."""
+
+LEAK = 0.05
+"""MB a page: 5 MB after a hundred, which is below what memory varies by."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -126,10 +145,65 @@ def _memory(quick: bool) -> Part:
     return Part(rows=tuple(rows), found=[*found, nothing])
 
 
+def _updates(quick: bool) -> Part:
+    found, rows = [], []
+    with browsing() as browser:
+        for links, bodies, busy, goal in SPEEDS[: 1 if quick else None]:
+            each = speed(browser, links, bodies=bodies, busy=busy)
+            found.append(each)
+            what = f"{links} moving links" + (", arrows, lines and heat" if busy else "")
+            _told(what, f"{each['sent_hz']:.1f} updates/s")
+            rows.append(
+                Row(
+                    what=f"{what}: updates/s sent, drawn by the processor; share of a core",
+                    figure=f"{each['sent_hz']:.1f}, {each['reached_hz']:.1f}; "
+                    f"{each['process_share']:.2f}",
+                    goal="" if goal is None else f"{goal:g}/s",
+                    # What a page draws of it is the business of its graphics card.
+                    holds=None if goal is None else each["sent_hz"] >= goal,
+                )
+            )
+        raw = [raw_speed(browser, links) for links in RAW[: 1 if quick else None]]
+    rows += [
+        Row(
+            what=f"control: viser alone, {each['links']} links: sent, drawn",
+            figure=f"{each['sent_hz']:.1f}, {each['reached_hz']:.1f}",
+        )
+        for each in raw
+    ]
+    return Part(rows=tuple(rows), found=[*found, *raw])
+
+
+def _opens(quick: bool) -> Part:
+    with browsing() as browser:
+        found = leaked(browser, 6 if quick else OPENS)
+    people, control = found["people_mb"], found["control_mb"]
+    rows = (
+        Row(
+            what=f"{found['times']} pages opened and closed: after the first, after the last; "
+            "growth a page over the second half; threads before, after",
+            figure=f"{people[0]:.0f}, {people[-1]:.0f} MB; "
+            f"{1e3 * found['people_slope_mb']:.0f} kB; "
+            f"{found['threads_before']}, {found['threads_after']}",
+            goal=f"{1e3 * LEAK:.0f} kB a page above the control, no thread more",
+            holds=found["people_slope_mb"] - found["control_slope_mb"] <= LEAK
+            and found["threads_after"] <= found["threads_before"],
+        ),
+        Row(
+            what="control: as many empty pages, nobody comes to the viewer",
+            figure=f"{control[0]:.0f}, {control[-1]:.0f} MB; "
+            f"{1e3 * found['control_slope_mb']:.0f} kB",
+        ),
+    )
+    return Part(rows=rows, found=found)
+
+
 PARTS: dict[str, Callable[[bool], Part]] = {
     "sent": _sent,
     "frame": _frame,
     "memory": _memory,
+    "updates": _updates,
+    "opens": _opens,
 }
 """Every part by its name."""
 

@@ -92,8 +92,11 @@ def taken(browser: Any, picture: Picture, folder: Path) -> bytes:
         for name in picture.press:
             page.get_by_role("button", name=name, exact=True).first.click()
             page.wait_for_timeout(1000)
-        # The driver's warning of software drawing goes by itself; a pause lets the last frame come.
-        page.get_by_role("button", name="Pause", exact=True).first.click()
+        for each in page.locator(".mantine-Notification-closeButton").all():
+            each.click()
+        # A pause lets the last frame come; a view without a motion has none.
+        if (pause := page.get_by_role("button", name="Pause")).count():
+            pause.first.click()
         page.wait_for_timeout(2500)
         return page.screenshot()
 
@@ -110,18 +113,19 @@ def _command(words: str) -> None:
 
 
 def small(screen: bytes, most: int = MOST_BYTES) -> bytes:
-    """Return a PNG of at most so many bytes, with as many colours as that allows.
+    """Return a JPEG of at most so many bytes, as good as that allows.
 
     Raises:
-        OutputError: It does not fit even with 16 colours.
+        OutputError: It does not fit without being spoilt.
     """
     from PIL import Image
 
     with Image.open(io.BytesIO(screen)) as opened:
         whole = opened.convert("RGB")
-    for colours in (256, 128, 64, 32, 16):
+    for quality in (92, 88, 84, 80, 75, 70):
         packed = io.BytesIO()
-        whole.quantize(colours, dither=Image.Dither.NONE).save(packed, "PNG", optimize=True)
+        # Coloured lines of a point's width stay sharp only if colours are not thinned out.
+        whole.save(packed, "JPEG", quality=quality, subsampling=0, optimize=True)
         if len(packed.getvalue()) <= most:
             return packed.getvalue()
     raise OutputError(
@@ -151,8 +155,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 with tempfile.TemporaryDirectory() as folder:
                     shot = small(taken(browser, picture, Path(folder)))
                 asked.out.mkdir(parents=True, exist_ok=True)
-                write_whole(asked.out / f"{picture.name}.png", shot)
-                print(f"{asked.out / picture.name}.png: {len(shot)} bytes; {picture.words}")
+                path = write_whole(asked.out / f"{picture.name}.jpg", shot)
+                print(f"{path}: {len(shot)} bytes; morph view {picture.words}")
     except MorphError as error:
         print(error, file=sys.stderr)
         return 2
