@@ -59,8 +59,9 @@ def framed(points: Array, towards: Array, aspect: float = ASPECT) -> Frame:
         least.append(float((across - slope * depth).max()))
         most.append(float((across + slope * depth).min()))
         nearest.append((most[-1] - least[-1]) / (2.0 * slope))
-    # Never inside of what it looks at, should that be flat and seen from its edge.
-    along = min(*nearest, float(depth.min()) - 1e-3)
+    # Never inside of what it looks at, should that be thin and seen from its end.
+    clear = 1e-3 * (float(np.ptp(points, axis=0).max()) or 1.0)
+    along = min(*nearest, float(depth.min()) - clear)
     place = 0.5 * (least[0] + most[0]) * right + 0.5 * (least[1] + most[1]) * up
     middle = 0.5 * float(depth.min() + depth.max())
     return Frame(position=place + along * forward, target=place + middle * forward)
