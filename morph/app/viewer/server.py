@@ -133,7 +133,7 @@ class Viewer:
 def _only(client: Any, text: str) -> None:
     """Show a person nothing but a text."""
     client.gui.configure_theme(show_logo=False, show_share_button=False)
-    client.gui.add_html(f"<p>{escape(text)}</p>")
+    client.gui.add_html(f'<p style="margin: 0.8em 1em">{escape(text)}</p>')
 
 
 @contextmanager
