@@ -78,8 +78,8 @@ def open_door(host: str, port: int, label: str) -> Door:
         address = f"{address}/?token={token}"
         notes = (
             *notes,
-            "this page is open to the network, without encryption: who has the address "
-            "can look, and can have this machine compute",
+            "this page is open to the network, without encryption: who has the address can look, "
+            "have this machine compute, and save bodies on its shelf",
         )
     return Door(server=server, address=address, is_open=place.is_open, notes=notes)
 

@@ -26,6 +26,9 @@ Found = TypeVar("Found")
 SLOW = 0.1
 """Numbers and tables are told every so many seconds: nobody reads faster."""
 
+AGAIN = 1.0
+"""The same fault is told again after so many seconds."""
+
 
 class Session:
     """What one person sees and does.
@@ -56,7 +59,7 @@ class Session:
         self._over = threading.Event()
         self._controls = Controls(self)
         self._aimed = False
-        self._shown, self._told = -1, 0.0
+        self._shown, self._told, self._wrong = -1, 0.0, ("", 0.0)
         self._thread = threading.Thread(target=self._run, name="morph-session", daemon=True)
 
     def start(self) -> None:
@@ -209,6 +212,11 @@ class Session:
         return True
 
     def _tell(self, error: Exception) -> None:
+        """Tell what went wrong, once: what fails with every picture is not news each time."""
+        now, what = time.monotonic(), f"{type(error).__name__}: {error}"
+        if what == self._wrong[0] and now - self._wrong[1] < AGAIN:
+            return
+        self._wrong = what, now
         if isinstance(error, MorphError):
             self.say(f"{error.where}: {error.what}. {error.fix}", bad=True)
             return

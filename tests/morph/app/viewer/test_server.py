@@ -112,12 +112,30 @@ def test_a_fault_of_the_viewers_own_is_told_on_that_page_and_ends_nothing(
     assert "a page could not be shown as asked" in caplog.text
     hit.do(ours)
     one.hears("NotificationShowMessage", "there: it is empty. fill it")
-    hit.later(fault, lambda found: None)
-    one.hears("NotificationShowMessage", "The viewer itself failed")
+    hit.later(lambda: {}["work"], lambda found: None)
+    one.hears("NotificationShowMessage", "The viewer itself failed at this (KeyError: 'work')")
     for session in sessions:
         at = session.clock.time
         waits(lambda session=session, at=at: session.clock.time != at)
     other.hears("GuiUpdateMessage")
+
+
+def test_what_fails_with_every_picture_is_not_told_with_every_picture(
+    viewer: Viewer, people: People, waits: Waits, caplog: pytest.LogCaptureFixture
+) -> None:
+    people(port_of(viewer)).enters()
+    (session,) = waits(lambda: viewer.sessions)
+    failed: list[float] = []
+
+    def fails(camera: Any) -> None:
+        failed.append(time.monotonic())
+        raise OSError("no picture")
+
+    session.stage.refit = fails
+    waits(lambda: len(failed) > 20)
+    told = [each for each in caplog.records if "could not be shown" in each.message]
+    # Once a second at most: 20 pictures take 0.4 s, on a busy machine longer.
+    assert 1 <= len(told) <= 1 + (failed[-1] - failed[0])
 
 
 @pytest.mark.parametrize("where", ["content", "panel", "picture"])
