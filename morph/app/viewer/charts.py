@@ -15,7 +15,7 @@ from morph.arrays import Array
 WIDTH, HEIGHT = 400.0, 150.0
 """Of a chart, in its own units: about the pixels that the panel has."""
 
-LEFT, RIGHT, TOP, BOTTOM = 48.0, 8.0, 8.0, 20.0
+LEFT, RIGHT, TOP, BOTTOM = 48.0, 12.0, 8.0, 20.0
 """Room around the lines, for the numbers at the axes."""
 
 MOST_POINTS = 600
@@ -119,7 +119,7 @@ class _Frame:
     def axes(self) -> str:
         """Return both axes with their numbers."""
         parts = []
-        for value, text in rounded_steps(self.low, self.high, 4):
+        for value, text in rounded_steps(self.low, self.high, 5):
             y = TOP + float(self.down(np.array(value)))
             parts.append(
                 f'<path class="rule" d="M{LEFT:g} {y:.1f}H{WIDTH - RIGHT:g}"/>'

@@ -11,6 +11,12 @@ from morph.app.viewer.content import Actor, Live, Marked, Table
 SIGNS = {"arrowleft": "←", "arrowright": "→", "arrowup": "↑", "arrowdown": "↓", "f": "F"}
 """How keys are written."""
 
+PLAIN = 1e6
+"""Numbers below it are written without a power of ten."""
+
+SHORT = 10
+"""A cell of so few characters stays on one line."""
+
 
 def table_html(table: Table, actors: Sequence[Actor], time: float) -> str:
     """Return a table with the values where the clock is, s."""
@@ -47,7 +53,8 @@ def keys_html(keys: Sequence[tuple[str, str | None, str]]) -> str:
 
 def _cell(cell: str | Live | Marked, actors: Sequence[Actor], time: float) -> str:
     if isinstance(cell, str):
-        return escape(cell)
+        short = len(cell) <= SHORT
+        return f'<span class="mark">{escape(cell)}</span>' if short else escape(cell)
     if isinstance(cell, Marked):
         red, green, blue = cell.colour
         patch = f'<i style="background:rgb({red},{green},{blue})"></i>'
@@ -59,4 +66,8 @@ def _cell(cell: str | Live | Marked, actors: Sequence[Actor], time: float) -> st
 
 def told(value: float, digits: int) -> str:
     """Return a number as a cell shows it, with a dash for what is no number."""
-    return f"{value:.{digits}g}" if math.isfinite(value) else "–"
+    if not math.isfinite(value):
+        return "–"
+    text = f"{value:.{digits}g}"
+    # Nobody reads 8.93e+03 where 8930 has room.
+    return f"{float(text):.0f}" if "e+" in text and abs(value) < PLAIN else text
