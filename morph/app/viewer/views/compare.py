@@ -77,6 +77,12 @@ class Compare(View):
         Raises:
             ViewError: It is of other bodies, or of another view.
         """
+        if strange := sorted(set(state) - set(self.state())):
+            raise ViewError(
+                f"the state holds {strange[0]!r}, which says nothing here",
+                where="the view compare",
+                fix=f"keep {' and '.join(self.state())} of it",
+            )
         task, arrows = state.get("task", self._task), state.get("arrows", sorted(SHOWN))
         if task is not None and task not in self._troupe.tasks:
             raise ViewError(
