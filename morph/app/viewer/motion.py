@@ -25,8 +25,8 @@ class Motion:
     turn: Array
     """Unit quaternions, w first, shape (pictures, links, 4)."""
     arrows: Mapping[str, Array] = field(default_factory=dict)
-    """Arrows by their kind (`contact`, `fluid`, `torque`, `wrench`, `remaining`), in the body's world, m:
-    from and to, shape (pictures, arrows, 2, 3); one that is not there is NaN."""
+    """Arrows by their kind (`contact`, `fluid`, `torque`, `wrench`, `remaining`), in the body's
+    world, m: from and to, shape (pictures, arrows, 2, 3); one that is not there is NaN."""
     heat: Array | None = None
     """How strongly each link is coloured, 0 to 1, shape (pictures, links); None for not at all."""
     series: Mapping[str, Array] = field(default_factory=dict)

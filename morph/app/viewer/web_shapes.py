@@ -68,7 +68,7 @@ def _granted(wanted: Array, by_area: Array) -> Array:
 
 def _normals(shape: Shape) -> Array:
     corners = shape.vertices[shape.faces]
-    return np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    return np.asarray(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
 
 
 def _can_be_drawn(shape: Shape) -> bool:
