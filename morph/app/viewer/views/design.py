@@ -62,6 +62,12 @@ class Design(View):
             title=f"design of {bench.built.figure.name}",
         )
 
+    def complete(self) -> None:
+        """Wait for the figures."""
+        for built in (self.bench.plan.original, self.bench.built):
+            # Whoever asks first has them computed; they are kept.
+            _ = built.measures
+
     def panel(self, gui: Any, session: Session) -> None:
         """Add sliders, buttons and keys."""
         first = self._session is None
@@ -112,8 +118,8 @@ class Design(View):
     def set(self, name: str, value: float | None) -> None:
         """Set a parameter, or with None leave it as described."""
         self.bench.set(name, value, time.monotonic())
-        if self._panel is not None:
-            self._panel.tell(held=name)
+        if self._page is not None:
+            self._page.tell(held=name)
         self._settle()
 
     def plain(self) -> None:
@@ -163,6 +169,12 @@ class Design(View):
 
         session.later(work, lambda saved: session.say(f"saved; see it by: morph view {saved}"))
 
+    @property
+    def _page(self) -> Panel | None:
+        """The controls; None while they are not on the page."""
+        session = self._session
+        return self._panel if session is not None and session.view is self else None
+
     def _stepped(self, was: bool, otherwise: str) -> None:
         if not was:
             if self._session is not None:
@@ -177,8 +189,8 @@ class Design(View):
     def _posed(self, held: str | None = None) -> None:
         """Show the pose that the joints have now; the scene stays, its links move."""
         self._shown.pose()
-        if self._panel is not None:
-            self._panel.tell(held)
+        if self._page is not None:
+            self._page.tell(held)
         self._tables(self._session)
 
     def _tables(self, session: Session | None) -> None:
@@ -187,7 +199,7 @@ class Design(View):
 
     def _shown_anew(self, *, aim: bool = False) -> None:
         self._shown = Shown(self.bench, self.ghost)
-        session, panel = self._session, self._panel
+        session, panel = self._session, self._page
         if panel is not None:
             panel.show()
         if session is not None and session.view is self:
@@ -225,12 +237,12 @@ class Design(View):
         if self._building.busy:
             return
         bench.history.now = replace(bench.choice, values=dict(bench.built.values))
-        if self._panel is not None and bench is self.bench:
-            self._panel.tell()
+        if self._page is not None and bench is self.bench:
+            self._page.tell()
 
     def _measured(self) -> None:
-        if self._panel is not None:
-            self._panel.tell()
+        if self._page is not None:
+            self._page.tell()
         self._tables(self._session)
         self._settle()
 

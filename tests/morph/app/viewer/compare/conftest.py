@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from morph.body.load import load
 from morph.body.robot import Robot
 from morph.task.quantity import Commands
+from morph.task.start import Start
 from morph.task.task import Task
 from morph.task.term import Goal, Term
 
@@ -45,9 +47,7 @@ def wheel(made: Callable[..., Robot]) -> Robot:
 def asked() -> Callable[..., Task]:
     """Makes a task that costs its commands, in which nothing is drawn by chance."""
 
-    def build(robot: Robot, **how: object) -> Task:
-        from morph.task.start import Start
-
+    def build(robot: Robot, **how: Any) -> Task:
         names = tuple(each.name for each in robot.actuators)
         zero = (0.0,) * len(names)
         commands = Commands(actuators=names)

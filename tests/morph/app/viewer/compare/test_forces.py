@@ -42,7 +42,7 @@ def told(task: Task, torque: float = 0.0) -> tuple[Run, Forces]:
 
 def total(arrows: np.ndarray) -> np.ndarray:
     """The sum of vectors in each picture, (pictures, 3)."""
-    return np.nansum(arrows[..., 1, :], axis=1)
+    return np.asarray(np.nansum(arrows[..., 1, :], axis=1))
 
 
 def test_contacts_carry_the_weight_of_a_box_at_rest_wherever_the_floor_stands_in_the_file(

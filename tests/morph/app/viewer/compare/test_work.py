@@ -45,7 +45,10 @@ def test_what_takes_long_does_not_hold_up_what_is_quick(crew: Crew) -> None:
         go_on.wait(LONG)
         return "long"
 
-    long = crew.ask(lambda work: Longer(job=waits))
+    def begins(work: Work[str]) -> str | Longer[str]:
+        return Longer(job=waits)
+
+    long = crew.ask(begins)
     assert begun.wait(LONG)
     quick = crew.ask(lambda work: "quick")
     assert quick.wait(LONG)
@@ -86,7 +89,10 @@ def test_when_the_viewer_ends_long_work_is_told_so_and_none_begins(crew: Crew) -
         while True:
             crew.check()
 
-    work = crew.ask(lambda work: Longer(job=searches))
+    def begins(work: Work[None]) -> Longer[None] | None:
+        return Longer(job=searches)
+
+    work = crew.ask(begins)
     assert begun.wait(LONG)
     crew.close()
     assert work.wait(LONG)

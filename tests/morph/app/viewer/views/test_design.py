@@ -384,3 +384,22 @@ def test_of_what_is_asked_meanwhile_only_the_last_is_done() -> None:
     page.work()
     assert done == [0, 4]
     assert latest.done == 2
+
+
+def test_a_page_that_is_written_has_all_figures(biped: Plan) -> None:
+    view = Design((Plan(biped.robot),))
+    assert "…" in {str(cell) for row in view.content().tables[0].rows for cell in row}
+    view.complete()
+    assert "…" not in {str(cell) for row in view.content().tables[0].rows for cell in row}
+
+
+def test_controls_that_are_off_the_page_are_left_alone(biped: Plan) -> None:
+    view = Design((biped,))
+    page = opened(view)
+    headline = next(each for each in page.knobs if each.kind == "html")
+    before = headline.content
+    page.view = None  # type: ignore[assignment]
+    view.set("torso_mass", 1.5)
+    page.work()
+    assert headline.content == before
+    assert page.shown == 0
