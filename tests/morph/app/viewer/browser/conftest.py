@@ -49,6 +49,8 @@ class Look:
         self.page = page
         self.last = last
         """Where the last picture is left when something does not come."""
+        self.canvas = page.locator("canvas").first
+        """What is looked at."""
         self.said: list[str] = []
         """All that the console said."""
         self.wrong: list[str] = []
@@ -76,7 +78,7 @@ class Look:
         """What the canvas shows, uint8, shape (rows, columns, 3), without panel and messages."""
         from PIL import Image
 
-        box = self.page.locator("canvas").first.bounding_box()
+        box = self.canvas.bounding_box()
         # The top holds the messages of viser, the lower edge its buttons.
         clip = {
             "x": box["x"],
