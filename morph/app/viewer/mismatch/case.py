@@ -49,6 +49,13 @@ class Case:
         """Lay nothing out yet."""
         self.robot, self.recordings, self.diagnosed = robot, recordings, diagnosed
         self.figure: Figure = figure(robot, around)
+        # What is bolted to the world is the recording's: drawn twice it would flicker.
+        self.ghost: Figure = replace(
+            self.figure,
+            shapes=tuple(
+                each for each in self.figure.shapes if self.figure.model.body_weldid[each.body]
+            ),
+        )
         self.models = _models(robot, diagnosed, around)
         self._takes: dict[Ask, Take] = {}
         self._laid: dict[int, tuple[Episode | None, str]] = {}

@@ -37,7 +37,7 @@ def drawn(case: Case, take: Take, shown: Sequence[str], colouring: str) -> Conte
     models = [model for model in case.models if model.name in shown] or list(case.models[:1])
     heat = _heat(case.figure, take, models, colouring)
     return Content(
-        actors=_actors(case.figure, take, models, heat),
+        actors=_actors(case, take, models, heat),
         charts=charts(case.figure, take, models),
         tables=tables(case.figure, take, models),
         moments=_moments(case, take),
@@ -55,8 +55,9 @@ def _heat(figure: Figure, take: Take, models: Sequence[Model], colouring: str) -
 
 
 def _actors(
-    figure: Figure, take: Take, models: Sequence[Model], heat: Heat | None
+    case: Case, take: Take, models: Sequence[Model], heat: Heat | None
 ) -> tuple[Actor, ...]:
+    figure = case.figure
     recorded = replace(
         posed(figure.model, take.measured),
         arrows=_arrows(figure, take, models),
@@ -65,7 +66,7 @@ def _actors(
     )
     ghosts = (
         Actor(
-            figure=figure,
+            figure=case.ghost,
             motion=posed(figure.model, take.simulated[model.name]),
             lane=0,
             ghost=True,

@@ -14,6 +14,7 @@ from morph.app.viewer.mismatch.missing import link_of
 from morph.app.viewer.mismatch.take import Model
 
 if TYPE_CHECKING:
+    from morph.app.viewer.mismatch.case import Case
     from morph.app.viewer.session import Session
     from morph.app.viewer.views.mismatch import Mismatch
 
@@ -36,10 +37,7 @@ class Panel:
         gui.add_html(_legend(view.case.models))
         case, chosen = view.case, view.chosen
         self._recordings = _distinct(
-            [
-                recording.name + (" (never seen)" if case.never_seen(at) else "")
-                for at, recording in enumerate(case.recordings)
-            ]
+            [recording.name + _unseen(case, at) for at, recording in enumerate(case.recordings)]
         )
         self._recording = self._list(
             gui, "recording", self._recordings, chosen.ask.episode, self._to_recording
@@ -138,6 +136,14 @@ class Panel:
     def _ask(self, **changes: Any) -> None:
         chosen = self._view.chosen
         self._to(replace(chosen, ask=replace(chosen.ask, **changes)))
+
+
+def _unseen(case: Case, at: int) -> str:
+    """Return what is told of a recording that the diagnosis held out."""
+    if not case.never_seen(at):
+        return ""
+    since = case.unseen_from(at)
+    return f" (never seen after {since:.3g} s)" if since > 0.0 else " (never seen)"
 
 
 def _distinct(names: list[str]) -> list[str]:

@@ -263,3 +263,37 @@ def test_the_pictures_of_forces_are_unknown_where_smoothing_makes_them_up(
     assert np.isnan(found[0]).all()
     assert np.isnan(found[-1]).all()
     assert np.isfinite(found[len(found) // 2]).all()
+
+
+def test_what_is_bolted_to_the_world_is_drawn_once(
+    pendulum: Robot, swung: Callable[..., Recording]
+) -> None:
+    case = Case(pendulum, (swung(),))
+    assert any(shape.body == 0 for shape in case.figure.shapes)
+    assert {shape.body for shape in case.ghost.shapes} == {1}
+
+
+def test_the_stretches_of_a_run_whose_end_was_held_out_lie_in_its_last_quarter(
+    pendulum: Robot, swung: Callable[..., Recording], diagnosis_of: Callable[..., Path]
+) -> None:
+    located = {
+        "channels": [],
+        "states": "",
+        "times": [{"episode": "run", "start_s": 0.2, "end_s": 1.2, "share": 0.6}],
+    }
+    fit = {"horizon_s": 1.0, "train": ["run"], "held_out": ["run"], "split": "by time"}
+    folder = diagnosis_of(pendulum, RUBBING, located=located, fit=fit)
+    case = Case(pendulum, (swung(RUBBING, seconds=8.0),), load_diagnosed(folder, pendulum))
+    # The last quarter of 8 s begins at 6 s.
+    assert case.unseen_from(0) == pytest.approx(6.0, abs=0.003)
+    assert case.take(EACH_SECOND).worst[0] == pytest.approx((6.2, 7.2), abs=0.003)
+
+
+def test_a_long_gap_in_a_log_is_told(pendulum: Robot, swung: Callable[..., Recording]) -> None:
+    run = swung(RUBBING)
+    angle = run.channel("hinge.position")
+    kept = (angle.time < 2.0) | (angle.time > 4.0)
+    holed = Channel(time=angle.time[kept], value=angle.value[kept])
+    channels = {**run.channels, "hinge.position": holed}
+    take = Case(pendulum, (replace(run, channels=channels),)).take(EACH_SECOND)
+    assert any(note.startswith("There is no reading for 2") for note in take.notes)
