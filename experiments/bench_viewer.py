@@ -20,6 +20,7 @@ from experiments.viewed.browser import browsing
 from experiments.viewed.leaks import leaked
 from experiments.viewed.opening import framed, held, held_by_nothing, sent
 from experiments.viewed.raw import raw_speed
+from experiments.viewed.size import empty_export, exported
 from experiments.viewed.speed import speed
 from morph.arrays import JSON
 from morph.body.shelf import names
@@ -42,8 +43,11 @@ ALL = (
 )
 """As many as there is room for."""
 
-SENT, FRAME, MEMORY = 5.0, 15.0, 300.0
-"""Goals: s, s, MB."""
+TASK = "cartpole rider_rigid_driven cart_two_links --task balance"
+"""A comparison with arrows, charts and tables that change."""
+
+SENT, FRAME, MEMORY, SIZE = 5.0, 15.0, 300.0, 5.0
+"""Goals: s, s, MB, MB."""
 
 SPEEDS = (
     (60, 1, False, 55.0),
@@ -82,7 +86,7 @@ class Part:
 
     rows: tuple[Row, ...]
     """For the table."""
-    found: JSON
+    found: JSON | list[JSON]
     """All of it."""
 
 
@@ -174,6 +178,25 @@ def _updates(quick: bool) -> Part:
     return Part(rows=tuple(rows), found=[*found, *raw])
 
 
+def _size(quick: bool) -> Part:
+    found = []
+    for words in ("cartpole pendulum",) if quick else (*PAIRS, ALL, TASK):
+        found.append(exported(words))
+        _told(words, f"{found[-1]['mb']:.2f} MB")
+    worst = max(found, key=lambda each: each["mb"])
+    row = Row(
+        what=f"exported page, {len(found)} comparisons: greatest",
+        figure=f"{worst['mb']:.1f} MB ({worst['words']})",
+        goal=f"{SIZE:g} MB",
+        holds=worst["mb"] <= SIZE,
+    )
+    empty = 1e-6 * empty_export()
+    control = Row(
+        what="control: viser alone, an exported page of nothing", figure=f"{empty:.1f} MB"
+    )
+    return Part(rows=(row, control), found=[*found, {"words": "viser alone", "mb": empty}])
+
+
 def _opens(quick: bool) -> Part:
     with browsing() as browser:
         found = leaked(browser, 6 if quick else OPENS)
@@ -203,6 +226,7 @@ PARTS: dict[str, Callable[[bool], Part]] = {
     "frame": _frame,
     "memory": _memory,
     "updates": _updates,
+    "size": _size,
     "opens": _opens,
 }
 """Every part by its name."""

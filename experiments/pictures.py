@@ -44,8 +44,8 @@ class Picture:
     """What `morph` is told before."""
     wait: float = 6.0
     """How long it plays before it is taken, s: policies are found and simulations made."""
-    press: tuple[str, ...] = ()
-    """Names of buttons that are pressed then."""
+    keys: tuple[str, ...] = ()
+    """What is pressed then on the keyboard, such as to go to a moment."""
 
 
 PICTURES = (
@@ -53,6 +53,8 @@ PICTURES = (
         name="compare",
         words="cartpole rider_rigid_driven cart_two_links --task balance --policy learned",
         wait=40.0,
+        # Early on they are still being caught, and one sees what the motors do.
+        keys=("Home", *("ArrowRight",) * 9),
     ),
     Picture(name="design", words="quadruped_printed --first design"),
     Picture(
@@ -85,20 +87,19 @@ def taken(browser: Any, picture: Picture, folder: Path) -> bytes:
     """
     for words in picture.before:
         _command(words.format(folder=folder))
-    words = shlex.split(picture.words.format(folder=folder))
-    with serving(*words) as served, page_of(browser) as page:
+    told = shlex.split(picture.words.format(folder=folder))
+    with serving(*told) as served, page_of(browser) as page:
         first_frame(page, served.address)
         page.wait_for_timeout(1e3 * picture.wait)
-        for name in picture.press:
-            page.get_by_role("button", name=name, exact=True).first.click()
-            page.wait_for_timeout(1000)
         for each in page.locator(".mantine-Notification-closeButton").all():
             each.click()
         # A pause lets the last frame come; a view without a motion has none.
         if (pause := page.get_by_role("button", name="Pause")).count():
             pause.first.click()
+        for key in picture.keys:
+            page.keyboard.press(key)
         page.wait_for_timeout(2500)
-        return page.screenshot()
+        return bytes(page.screenshot())
 
 
 def _command(words: str) -> None:

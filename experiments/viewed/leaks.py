@@ -21,6 +21,9 @@ from morph.body.load import load
 BODIES = ("cartpole", "hopper")
 """What those who come see."""
 
+FEW = 40
+"""Empty pages of the control: enough for a slope."""
+
 
 def leaked(browser: Any, times: int) -> JSON:
     """Return what stays behind of pages that were opened and closed, by people and by nobody.
@@ -33,7 +36,7 @@ def leaked(browser: Any, times: int) -> JSON:
     found, first = makers(Given(robots=robots, asked=BODIES))
     viewer = Viewer(lambda: [make() for make in found], first=first, port=free_port())
     try:
-        control = _empty(browser, times)
+        control = _empty(browser, min(times, FEW))
         # The first one fills pools that stay: of threads, and of what is drawn.
         opened_and_closed(viewer, 1, browser)
         before = threading.active_count()
