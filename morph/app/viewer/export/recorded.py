@@ -97,11 +97,11 @@ def _packed(actor: Actor) -> Actor:
     motion = actor.motion
     return replace(
         actor,
-        motion=replace(motion, position=_rounded(motion.position), turn=_rounded(motion.turn)),
+        motion=replace(motion, position=rounded(motion.position), turn=rounded(motion.turn)),
     )
 
 
-def _rounded(values: Array) -> Array:
+def rounded(values: Array) -> Array:
     """Return numbers whose last bits are zero: what is alike then packs into a third."""
     part, power = np.frexp(values)
     rounded: Array = np.ldexp(np.rint(part * FIGURES) / FIGURES, power)
