@@ -37,8 +37,7 @@ class Controls:
         self._now: Any = None
         self._loop: Any = None
         self._follow: Any = None
-        self._tables: list[Any] = []
-        self._others: list[Any] = []
+        self._fragments: list[Any] = []
 
     def build(self) -> None:
         """Add what every view has."""
@@ -71,18 +70,22 @@ class Controls:
         session = self._session
         content, clock = session.content, session.clock
         self._transport.show(content)
-        for handle in (*self._tables, *self._others):
-            handle.remove()
-        self._tables, self._others = [], []
         gui, notes = session.client.gui, (*session.opening.notes, *content.notes)
+        fragments = [
+            *(table_html(table, content.actors, clock.time) for table in content.tables),
+            *(chart_html(chart, clock.seconds) for chart in content.charts),
+            *([notes_html(notes)] if notes else []),
+        ]
+        # What is there is written anew: a browser that lags would be told of what was removed.
+        for handle, html in zip(self._fragments, fragments, strict=False):
+            if handle.content != html:
+                handle.content = html
+        for handle in self._fragments[len(fragments) :]:
+            handle.remove()
+        del self._fragments[len(fragments) :]
         with self._told:
-            for table in content.tables:
-                self._tables.append(gui.add_html(table_html(table, content.actors, clock.time)))
-            for chart in content.charts:
-                self._others.append(gui.add_html(chart_html(chart, clock.seconds)))
-            if notes:
-                self._others.append(gui.add_html(notes_html(notes)))
-        self._told.visible = bool(self._tables or self._others)
+            self._fragments += [gui.add_html(html) for html in fragments[len(self._fragments) :]]
+        self._told.visible = bool(fragments)
         self.stale = True
 
     def tell(self) -> None:
@@ -91,7 +94,7 @@ class Controls:
         clock, content = session.clock, session.content
         self._transport.tell()
         self._now.content = now_html(clock.time, clock.seconds)
-        for handle, table in zip(self._tables, content.tables, strict=True):
+        for handle, table in zip(self._fragments, content.tables, strict=False):
             html = table_html(table, content.actors, clock.time)
             if handle.content != html:
                 handle.content = html

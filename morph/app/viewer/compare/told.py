@@ -29,7 +29,7 @@ COLOURS = (
 HOLDING = "holding margin (%)"
 """What the margin is called where nothing moves by physics."""
 
-LIVE = {"torque margin (%)": (MARGIN, 3), "energy (J)": (ENERGY, 3), "cost": (COST, 3)}
+LIVE = {"margin (%)": (MARGIN, 3), "energy (J)": (ENERGY, 3), "cost": (COST, 3)}
 """The columns of what is done, each with its series and its figures."""
 
 MOST_POINTS = 400
@@ -42,9 +42,9 @@ NO_PHYSICS = (
 )
 
 SIMULATED = (
-    "Simulated. Torque margin: the least that was left so far of the limit of a motor. Energy: "
-    "the work of all motors so far, |torque x way|, braking counted like driving. "
-    "Goals: those reached at the end."
+    "Simulated. Margin: the least that was left so far of the torque of a motor. Energy: "
+    "the work of all motors so far, |torque x way|, braking counted like driving. Goals: "
+    "those reached at the end."
 )
 
 
@@ -126,7 +126,7 @@ def _goals(show: Show) -> str:
     if show.verdict is None:
         return "\N{EN DASH}"
     reached, missed = len(show.verdict.reached), len(show.verdict.missed)
-    return f"{reached} of {reached + missed}"
+    return f"{reached} of {reached + missed}".replace(" ", "\N{NO-BREAK SPACE}")
 
 
 def _charts(shows: Sequence[Show]) -> tuple[Chart, ...]:
