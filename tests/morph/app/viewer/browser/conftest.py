@@ -26,7 +26,7 @@ NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable"
 FLAGS = ("--no-sandbox", "--use-angle=gl-egl", "--ignore-gpu-blocklist")
 """With these WebGL is drawn without a graphics card and without a display."""
 
-PATIENCE = 40.0
+PATIENCE = 60.0
 """s; a picture takes seconds where the processor draws it, and two tests may share it."""
 
 HARMLESS = re.compile(
