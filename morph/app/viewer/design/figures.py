@@ -108,6 +108,11 @@ def _against(now: float, was: float) -> str:
     return "" if change == "=" else f" ({change})"
 
 
+def _breaking(name: str) -> str:
+    """Return a name that a narrow column may break after its underscores."""
+    return name.replace("_", "_\u200b")
+
+
 def _effort(value: float) -> str:
     # What rounding leaves of nothing is nothing.
     return f"{abs(value):.3g}" if abs(value) > NOTHING else "0"
@@ -118,16 +123,20 @@ def _share(left: float) -> str:
 
 
 def _margin(bench: Bench, left: float | None, worst: int | None) -> str:
-    return NONE if left is None or worst is None else f"{_share(left)} {bench.motors[worst].name}"
+    return (
+        NONE
+        if left is None or worst is None
+        else f"{_share(left)} {_breaking(bench.motors[worst].name)}"
+    )
 
 
 def _worst(measures: Measures | None) -> str:
     if measures is None:
         return PENDING
-    left, motor = least(measures.efforts, measures.limits)
-    return (
-        NONE if left is None or motor is None else f"{_share(left)} {measures.motors[motor].name}"
-    )
+    left, worst = least(measures.efforts, measures.limits)
+    if left is None or worst is None:
+        return NONE
+    return f"{_share(left)} {_breaking(measures.motors[worst].name)}"
 
 
 def _points(measures: Measures | None, original: Measures | None) -> str:

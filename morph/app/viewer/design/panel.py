@@ -128,12 +128,15 @@ class Panel:
         self.on(field.on_update, pointed)
 
     def _picked(self, actor: int, link: str) -> None:
-        """Filter to the joints of a link that was clicked in the scene."""
+        """Show what moves a link that was clicked in the scene, or what may be changed of it."""
 
         def seek() -> None:
             joints = [h.joint for h in self._view.bench.posture.handles if h.link == link]
-            self.open("Joints")
-            self.joints.seek(joints[0] if joints else link)
+            if self._folders["Parameters"].visible:
+                self.parameters.choose(link)
+            else:
+                self.open("Joints")
+                self.joints.seek(joints[0] if joints else link)
             self._view.highlight(link)
 
         self._session.do(seek)

@@ -65,6 +65,12 @@ class ParameterPanel:
         self._bench = bench
         self._list()
 
+    def choose(self, link: str) -> None:
+        """Show what may be changed of a link, if there is anything."""
+        if self._bench is not None and link in self._of.options:
+            self._of.value = link
+            self._list()
+
     def tell(self, held: str | None = None) -> None:
         """Put the sliders where the parameters are, but for one that a hand holds."""
         if self._bench is None:

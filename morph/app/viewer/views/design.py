@@ -130,12 +130,13 @@ class Design(View):
     def rest(self) -> None:
         """Bring all joints to rest."""
         self.bench.rest(time.monotonic())
-        self._posed()
+        self._shown_anew(aim=True)
 
     def random(self) -> None:
         """Bring all joints anywhere in their ranges."""
         self.bench.random(self._rng, time.monotonic())
-        self._posed()
+        # Another pose may be out of sight.
+        self._shown_anew(aim=True)
 
     def undo(self) -> None:
         """Go back one step."""

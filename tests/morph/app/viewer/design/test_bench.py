@@ -158,7 +158,7 @@ def test_a_heavy_link_shows_in_the_margin_of_the_motor_that_holds_it(
     # Level, at rest: elbow 2 * 1 kg * 0.1 m * g = 1.962 N m of 4, shoulder
     # (2 * 0.2 + 2 * 0.5) * g = 13.734 N m of 20: 51 % and 31 % are left.
     rows = {str(row[0]): row[1:] for row in figures(bench, None, None).rows}
-    assert rows["margin here"][0] == "31 % shoulder_motor"
+    assert rows["margin here"][0] == "31 % shoulder_\u200bmotor"
     held = {str(row[0]): row[1] for row in motors(bench, None).rows}
     assert held == {"shoulder_motor": "13.7", "elbow_motor": "1.96"}
     assert limits_note(bench.limits).endswith("2 of 2 motors have a known limit.")

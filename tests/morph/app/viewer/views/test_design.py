@@ -200,6 +200,14 @@ def test_a_click_on_a_link_seeks_its_joint(humanoid: Plan) -> None:
     assert page.chosen[-1] == (0, joint.link)
 
 
+def test_a_click_on_a_link_while_parameters_are_shown_offers_the_links_own(humanoid: Plan) -> None:
+    page = opened(Design((humanoid,)))
+    page.press("Parameters")
+    page.stage.picked(0, "head")
+    assert page.knob("change").value == "head"
+    assert {page.knob("size").kind, page.knob("mass").kind} == {"slider"}
+
+
 def test_a_parameter_changes_mass_and_shows_the_original_as_a_ghost(biped: Plan) -> None:
     view = Design((biped,))
     page = opened(view)
