@@ -53,7 +53,11 @@ class Panel:
         self._legend = gui.add_html("")
 
     def tell(
-        self, names: Sequence[str], works: Sequence[Work[Show]], lengths: Mapping[str, str]
+        self,
+        names: Sequence[str],
+        works: Sequence[Work[Show]],
+        lengths: Mapping[str, str],
+        goals: Sequence[str] = (),
     ) -> None:
         """Tell how each body stands, and what the arrows mean that there are.
 
@@ -61,10 +65,11 @@ class Panel:
             names: What the bodies are called.
             works: What comes of each.
             lengths: What the length of each kind of arrow means.
+            goals: What the task asks for.
         """
         for kind, box in self._boxes.items():
             box.visible = kind in lengths
-        self._said.content = states_html(names, works)
+        self._said.content = goals_html(goals) + states_html(names, works)
         self._legend.content = legend_html(lengths)
 
     def _on(self, handle: Any, what: Callable[[], None]) -> None:
@@ -73,6 +78,12 @@ class Panel:
                 what()
 
         handle.on_update(changed)
+
+
+def goals_html(goals: Sequence[str]) -> str:
+    """Return what the task asks for, each goal once."""
+    named = escape("; ".join(dict.fromkeys(goals)))
+    return f'<div class="morph">Goals: {named}.</div>' if goals else ""
 
 
 def states_html(names: Sequence[str], works: Sequence[Work[Show]]) -> str:

@@ -37,6 +37,12 @@ class Cast:
         """How many bodies are ready, or failed."""
         return sum(show.done for show in self.shows)
 
+    @property
+    def goals(self) -> tuple[str, ...]:
+        """What the task asks of the bodies, as far as that is known."""
+        known = [task.found for task in self.tasks if task.found is not None]
+        return tuple(goal.name for task in known for goal in task.goals)
+
 
 class Troupe:
     """The bodies that are compared.

@@ -126,7 +126,7 @@ class Compare(View):
         if session.view is not self or self._panel is None:
             return
         cast = self._cast
-        self._panel.tell(self._troupe.names, cast.shows, lengths(cast.shows))
+        self._panel.tell(self._troupe.names, cast.shows, lengths(cast.shows), cast.goals)
         if cast.done > self._shown:
             session.show()
             if cast.done == len(cast.shows):

@@ -273,6 +273,7 @@ def test_only_arrows_that_there_are_have_a_box() -> None:
     boxes = {name: knob.visible for name, knob in gui.knobs.items() if name.endswith("arrows")}
     assert not any(boxes.values())
     assert len(boxes) == 4
+    assert "Goals: upright at hinge." in "".join(knob.content for knob in gui.knobs.values())
     assert "every command is zero" in "".join(knob.content for knob in gui.knobs.values())
 
 
@@ -286,7 +287,7 @@ def test_a_body_that_becomes_ready_is_shown_and_the_clock_begins_anew(
         session.view._troupe,
         "cast",
         lambda name: SimpleNamespace(
-            shows=(ready.shows[0], late), tasks=(), done=1 + int(late.done)
+            shows=(ready.shows[0], late), tasks=(), goals=(), done=1 + int(late.done)
         ),
     )
     session.show()
