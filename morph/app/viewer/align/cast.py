@@ -151,8 +151,8 @@ def _moving(robot: Robot, feet: tuple[str, str] | None, board: str | None) -> Bo
 
 def _unknown(name: str, story: Story, error: MorphError) -> str:
     return (
-        f"{name} is not drawn: {error.what.rstrip('.')}. Name its description before the folder: "
-        f"morph view {name} --transfer {story.folder}"
+        f"{name} is not drawn: {error.what.rstrip('.')}. Name its description before the folder, "
+        f"and it is: morph view DESCRIPTION --transfer {story.folder}"
     )
 
 

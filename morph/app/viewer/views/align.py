@@ -112,7 +112,10 @@ class Align(View):
             ties=tuple(self._ties()),
             tables=self._tables(),
             moments=scene.moments,
-            notes=tuple(dict.fromkeys((*self._verdicts(), *scene.notes, *self._notes()))),
+            notes=tuple(
+                note if note.endswith(".") else f"{note}."
+                for note in dict.fromkeys((*self._verdicts(), *scene.notes, *self._notes()))
+            ),
             title=f"{self._shared.story.chain[0]} to {self._shared.story.chain[-1]}",
         )
 

@@ -31,7 +31,8 @@ def test_a_body_that_is_not_on_the_shelf_is_left_out_with_a_way_on(copy: Copy) -
     told = story(copy("align", named("hexapod9")))
     _, target = cast(told, ())
     assert target.figure is None
-    assert f"morph view hexapod9 --transfer {told.folder}" in target.notes[0]
+    assert "no robot is called 'hexapod9'" in target.notes[0]
+    assert f"morph view DESCRIPTION --transfer {told.folder}" in target.notes[0]
 
 
 def test_a_body_that_is_named_beside_the_folder_is_taken(copy: Copy) -> None:

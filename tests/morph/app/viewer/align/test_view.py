@@ -77,9 +77,9 @@ def test_what_turned_round_means_is_told_where_something_is(
     wrote: dict[str, Path], shown: Shown
 ) -> None:
     view = shown(wrote["transfer"])
-    assert TURNED_ROUND in view.content().notes
+    assert f"{TURNED_ROUND}." in view.content().notes
     view.chosen = view.at_hop(2)
-    assert TURNED_ROUND not in view.content().notes
+    assert f"{TURNED_ROUND}." not in view.content().notes
 
 
 def test_a_part_that_is_pointed_at_shows_on_both_bodies(
@@ -197,7 +197,7 @@ def test_one_body_that_is_not_there_leaves_the_others(copy: Copy, shown: Shown) 
         "rider_three_links_driven",
     ]
     assert content.ties == ()
-    assert any("morph view hexapod9 --transfer" in note for note in content.notes)
+    assert any("hexapod9 is not drawn: no robot is called" in note for note in content.notes)
     view.chosen = view.at_hop(2)
     assert [actor.ghost for actor in view.content().actors] == [True, False]
 
@@ -222,7 +222,7 @@ def test_names_that_are_no_part_of_the_bodies_are_told(copy: Copy, shown: Shown)
 
     content = shown(copy("align", renamed)).content()
     assert len(content.ties) == 1
-    assert "The bodies that are drawn have no <b>wing</b>" in content.notes
+    assert "The bodies that are drawn have no <b>wing</b>." in content.notes
 
 
 def test_without_a_folder_there_is_no_view() -> None:

@@ -25,7 +25,7 @@ def test_a_chain_is_seen_and_its_hops_parts_and_motions_are_chosen(
     for text in ("The chain from cartpole", *chain, "The guard calls it safe on", "safe"):
         person.until(lambda text=text: text in person.text(), f"it says {text}")
     session.do(lambda: session.jump(0.5))
-    before = person.settled()
+    before = person.picture()
     choose(person, "hop", "2: rider_rigid_driven → rider_three_links_driven")
     person.until(lambda: "turned round" not in person.text(), "the other hop is told")
     for text in ("Scores on rider_three_links_driven", "no gain", "the same way", "32 %"):
