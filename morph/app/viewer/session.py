@@ -151,8 +151,9 @@ class Session:
             return
         clock.looping, clock.speed, clock.playing = saved.repeat, saved.speed, saved.playing
         clock.seek(saved.time)
-        self.stage.following = saved.follow
-        self.stage.shown_arrows -= set(saved.hidden)
+        stage = self.stage
+        stage.following = saved.follow
+        stage.shown_arrows = (stage.shown_arrows | stage.hidden_arrows) - set(saved.hidden)
         if saved.camera is not None:
             saved.camera.turn(self.client.camera)
         self._controls.resume()
