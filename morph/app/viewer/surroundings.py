@@ -18,7 +18,7 @@ PLANE = (152, 161, 172)
 CELL, SECTION = (176, 184, 194), (138, 147, 158)
 """Lines of squares, and of five squares."""
 
-INK = (96, 106, 118)
+INK = (116, 127, 141)
 """The ruler."""
 
 WATER = (38, 132, 178)
