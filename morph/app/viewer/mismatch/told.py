@@ -18,8 +18,8 @@ MOST_CHARTED = 6
 """Channels that are charted, the worst ones."""
 COLOURS = {DESCRIBED: "blue", CORRECTED: "green"}
 """What the ghosts' colours are called."""
-MEASURED = "#333333"
-"""Colour of what was measured."""
+MEASURED = "currentColor"
+"""Colour of what was measured: that of the text, dark on light and light on dark."""
 
 
 def charts(figure: Figure, take: Take, models: Sequence[Model]) -> tuple[Chart, ...]:
