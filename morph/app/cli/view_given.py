@@ -8,7 +8,7 @@ import tempfile
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from morph.app.cli.view_arguments import View
 from morph.app.cli.words import harmless
@@ -139,7 +139,7 @@ def _sources(asked: View, saved: Saved | None) -> Sources:
     """Return what is to be shown: the options, and what they leave open as it was saved."""
     from morph.app.viewer.state import Body, Sources
 
-    told = {
+    told: dict[str, Any] = {
         "bodies": tuple(Body(asked=name, sha256="") for name in asked.robots),
         "policies": asked.policy,
         "recordings": asked.recording,
@@ -154,10 +154,7 @@ def _sources(asked: View, saved: Saved | None) -> Sources:
         "transfer": asked.transfer,
     }
     before = Sources() if saved is None else saved.given
-    # `replace` has no types for what it is handed by name.
-    return replace(
-        before, **{name: value for name, value in told.items() if value not in (None, ())}
-    )  # type: ignore[arg-type]
+    return replace(before, **{name: it for name, it in told.items() if it not in (None, ())})
 
 
 def command(asked: View) -> str:
@@ -169,9 +166,9 @@ def command(asked: View) -> str:
         "--state": asked.state, "--first": asked.first, "--base": asked.base,
         "--folder": asked.folder, "--seed": asked.seed,
     }  # fmt: skip
-    for option, values in (("--policy", asked.policy), ("--recording", asked.recording)):
-        for value in values:
-            parts += [option, value]
+    for option, given_many in (("--policy", asked.policy), ("--recording", asked.recording)):
+        for each in given_many:
+            parts += [option, each]
     for option, value in told.items():
         parts += [] if value is None else [option, str(value)]
     return shlex.join(parts)

@@ -114,7 +114,7 @@ class Controls:
                 "Save page": partial(keep_page, session),
                 "Save view": partial(keep_view, session),
             }
-            buttons = gui.add_button_group("do", tuple(does), hint=KEEP)
+            buttons = gui.add_button_group("actions", tuple(does), hint=KEEP)
             self._on(buttons.on_click, lambda: does[str(buttons.value)]())
             self._follow = gui.add_checkbox(
                 "follow", True, hint="Whether the camera goes with bodies that travel."
