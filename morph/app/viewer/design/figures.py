@@ -108,9 +108,9 @@ def _against(now: float, was: float) -> str:
     return "" if change == "=" else f" ({change})"
 
 
-def _breaking(name: str) -> str:
-    """Return a name that a narrow column may break after its underscores."""
-    return name.replace("_", "_\u200b")
+def _told(left: float, name: str) -> str:
+    # A narrow column may break a name after its underscores.
+    return f"{_share(left)} {name}".replace("_", "_\u200b")
 
 
 def _effort(value: float) -> str:
@@ -123,11 +123,7 @@ def _share(left: float) -> str:
 
 
 def _margin(bench: Bench, left: float | None, worst: int | None) -> str:
-    return (
-        NONE
-        if left is None or worst is None
-        else f"{_share(left)} {_breaking(bench.motors[worst].name)}"
-    )
+    return NONE if left is None or worst is None else _told(left, bench.motors[worst].name)
 
 
 def _worst(measures: Measures | None) -> str:
@@ -136,7 +132,7 @@ def _worst(measures: Measures | None) -> str:
     left, worst = least(measures.efforts, measures.limits)
     if left is None or worst is None:
         return NONE
-    return f"{_share(left)} {_breaking(measures.motors[worst].name)}"
+    return _told(left, measures.motors[worst].name)
 
 
 def _points(measures: Measures | None, original: Measures | None) -> str:

@@ -4,139 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from morph.app.viewer.content import Content
 from morph.app.viewer.design.bench import Plan
-from morph.app.viewer.design.latest import Latest
 from morph.app.viewer.given import Given
 from morph.app.viewer.views.design import Design, maker
 from morph.body.load import load
-from morph.errors import RobotError
-
-HAND = SimpleNamespace(client_id=1)
-"""An event that a person caused."""
-
-
-class Knob:
-    """A control of the page."""
-
-    def __init__(self, kind: str, label: str, page: Page, **props: Any) -> None:
-        self.__dict__.update(props, kind=kind, label=label, page=page, visible=True)
-        self._impl = SimpleNamespace(uuid=f"number {len(page.knobs)}")
-        self._told: list[Callable[[Any], None]] = []
-
-    def on_update(self, what: Callable[[Any], None]) -> None:
-        self._told.append(what)
-
-    on_click = on_update
-    on_trigger = on_update
-
-    def move(self, value: Any = None) -> None:
-        """Be moved by a hand."""
-        if value is not None:
-            self.value = value
-        for told in self._told:
-            told(HAND)
-
-    def remove(self) -> None:
-        self.page.knobs = [
-            knob for knob in self.page.knobs if knob is not self and knob.inside is not self
-        ]
-
-    def __enter__(self) -> None:
-        self.before, self.page.inside = self.page.inside, self
-
-    def __exit__(self, *_: object) -> None:
-        self.page.inside = self.before
-
-
-class Page:
-    """A page and its session: what is done later is done when a test says so."""
-
-    def __init__(self, view: Design) -> None:
-        self.knobs: list[Any] = []
-        self.inside: Any = None
-        self.said: list[str] = []
-        self.jobs: list[tuple[Callable[[], Any], Callable[[Any], None]]] = []
-        self.chosen: list[tuple[int, str | None]] = []
-        self.shown = 0
-        self.view = view
-        self.content = Content(actors=())
-        self.client = SimpleNamespace(camera=None)
-        self.stage = SimpleNamespace(
-            choose=lambda *which: self.chosen.append(which), aim=lambda _: None, picked=None
-        )
-
-    def __getattr__(self, name: str) -> Any:
-        """Add any kind of control, as viser's `add_...` do."""
-
-        def add(label: Any = "", *values: Any, **props: Any) -> Knob:
-            props.pop("visible", None)
-            value = {"slider": -1, "text": 0, "checkbox": 0}.get(name.removeprefix("add_"))
-            given = values[value] if value is not None else props.get("initial_value", "")
-            if name == "add_slider":
-                props |= {"min": values[0], "max": values[1]}
-            knob = Knob(name.removeprefix("add_"), label, self, value=given, **props)
-            knob.inside = self.inside
-            self.knobs.append(knob)
-            return knob
-
-        if name.startswith("add_"):
-            return add
-        raise AttributeError(name)
-
-    def do(self, what: Callable[[], None]) -> None:
-        what()
-
-    def later(self, work: Callable[[], Any], then: Callable[[Any], None]) -> None:
-        self.jobs.append((work, then))
-
-    def show(self, content: Content, *, still: bool = False) -> None:
-        self.content, self.shown = content, self.shown + 1
-
-    def say(self, text: str, *, bad: bool = False) -> None:
-        self.said.append(text)
-
-    def work(self) -> None:
-        """Do all that was put off."""
-        while self.jobs:
-            work, then = self.jobs.pop(0)
-            then(work())
-
-    def knob(self, label: str, kind: str | None = None) -> Any:
-        found = [each for each in self.knobs if each.label == label and kind in (None, each.kind)]
-        assert len(found) == 1, (label, [each.label for each in self.knobs])
-        return found[0]
-
-    def press(self, label: str) -> None:
-        group = next(
-            each for each in self.knobs if each.kind == "button_group" and label in each.options
-        )
-        group.move(label)
-
-    def cell(self, row: str, column: int) -> str:
-        rows = {str(each[0]): each for each in self.content.tables[0].rows}
-        return str(rows[row][column])
-
-
-def opened(view: Design) -> Page:
-    page = Page(view)
-    # A button group's choices are given by position; everything else by name.
-    plain = page.__getattr__
-    page.add_button_group = lambda label, options: plain("add_button_group")(  # type: ignore[attr-defined]
-        label, options=options
-    )
-    page.add_dropdown = lambda label, options, initial_value=None: plain("add_dropdown")(  # type: ignore[attr-defined]
-        label, options=options, initial_value=initial_value or options[0]
-    )
-    view.panel(page, page)  # type: ignore[arg-type]
-    page.content = view.content()
-    return page
 
 
 @pytest.fixture(scope="module")
@@ -149,7 +25,9 @@ def humanoid() -> Plan:
     return Plan(load("humanoid"))
 
 
-def test_a_slider_moves_its_link_by_degrees_and_nothing_is_sent_anew(humanoid: Plan) -> None:
+def test_a_slider_moves_its_link_by_degrees_and_nothing_is_sent_anew(
+    opened: Callable[[Design], Any], humanoid: Plan
+) -> None:
     view = Design((humanoid,))
     page = opened(view)
     motion = page.content.actors[0].motion
@@ -167,7 +45,9 @@ def test_a_slider_moves_its_link_by_degrees_and_nothing_is_sent_anew(humanoid: P
     assert view.bench.position(handle) == pytest.approx(np.radians(knee.max / 2), abs=1e-9)
 
 
-def test_a_text_leaves_only_the_sliders_that_it_finds(humanoid: Plan) -> None:
+def test_a_text_leaves_only_the_sliders_that_it_finds(
+    opened: Callable[[Design], Any], humanoid: Plan
+) -> None:
     page = opened(Design((humanoid,)))
     folder = [each for each in page.knobs if each.kind == "slider"]
     assert len(folder) == 25 + len(humanoid.own)
@@ -178,7 +58,7 @@ def test_a_text_leaves_only_the_sliders_that_it_finds(humanoid: Plan) -> None:
     assert "no joint is found" in [each.label for each in page.knobs]
 
 
-def test_what_is_pointed_at_is_highlighted(humanoid: Plan) -> None:
+def test_what_is_pointed_at_is_highlighted(opened: Callable[[Design], Any], humanoid: Plan) -> None:
     page = opened(Design((humanoid,)))
     number = page.knob("r_hip_x")._impl.uuid
     page.knob("pointed at").move(number)
@@ -192,7 +72,7 @@ def test_what_is_pointed_at_is_highlighted(humanoid: Plan) -> None:
     assert page.chosen[-1] == (0, "head")
 
 
-def test_a_click_on_a_link_seeks_its_joint(humanoid: Plan) -> None:
+def test_a_click_on_a_link_seeks_its_joint(opened: Callable[[Design], Any], humanoid: Plan) -> None:
     page = opened(Design((humanoid,)))
     joint = humanoid.robot.joint("l_elbow_y")
     page.stage.picked(0, joint.link)
@@ -200,7 +80,9 @@ def test_a_click_on_a_link_seeks_its_joint(humanoid: Plan) -> None:
     assert page.chosen[-1] == (0, joint.link)
 
 
-def test_a_click_on_a_link_while_parameters_are_shown_offers_the_links_own(humanoid: Plan) -> None:
+def test_a_click_on_a_link_while_parameters_are_shown_offers_the_links_own(
+    opened: Callable[[Design], Any], humanoid: Plan
+) -> None:
     page = opened(Design((humanoid,)))
     page.press("Parameters")
     page.stage.picked(0, "head")
@@ -208,7 +90,9 @@ def test_a_click_on_a_link_while_parameters_are_shown_offers_the_links_own(human
     assert {page.knob("size").kind, page.knob("mass").kind} == {"slider"}
 
 
-def test_a_parameter_changes_mass_and_shows_the_original_as_a_ghost(biped: Plan) -> None:
+def test_a_parameter_changes_mass_and_shows_the_original_as_a_ghost(
+    opened: Callable[[Design], Any], biped: Plan
+) -> None:
     view = Design((biped,))
     page = opened(view)
     page.work()
@@ -225,7 +109,7 @@ def test_a_parameter_changes_mass_and_shows_the_original_as_a_ghost(biped: Plan)
     assert len(page.content.actors) == 1
 
 
-def test_the_ghost_takes_the_same_pose(biped: Plan) -> None:
+def test_the_ghost_takes_the_same_pose(opened: Callable[[Design], Any], biped: Plan) -> None:
     view = Design((biped,))
     page = opened(view)
     page.knob("left_foot_size").move(1.5)
@@ -237,14 +121,18 @@ def test_the_ghost_takes_the_same_pose(biped: Plan) -> None:
     assert ghost.motion.turn[0, thigh] == pytest.approx(design.motion.turn[0, thigh], abs=1e-12)
 
 
-def test_a_body_of_another_mass_alone_has_no_ghost(biped: Plan) -> None:
+def test_a_body_of_another_mass_alone_has_no_ghost(
+    opened: Callable[[Design], Any], biped: Plan
+) -> None:
     page = opened(Design((biped,)))
     page.knob("torso_mass").move(1.5)
     page.work()
     assert len(page.content.actors) == 1
 
 
-def test_a_drag_builds_once_at_a_time_and_the_last_at_last(biped: Plan) -> None:
+def test_a_drag_builds_once_at_a_time_and_the_last_at_last(
+    opened: Callable[[Design], Any], biped: Plan
+) -> None:
     view = Design((biped,))
     page = opened(view)
     page.work()
@@ -259,7 +147,9 @@ def test_a_drag_builds_once_at_a_time_and_the_last_at_last(biped: Plan) -> None:
     assert view.bench.built is biped.original
 
 
-def test_a_lock_takes_its_slider_away_and_undo_brings_it_back(biped: Plan) -> None:
+def test_a_lock_takes_its_slider_away_and_undo_brings_it_back(
+    opened: Callable[[Design], Any], biped: Plan
+) -> None:
     view = Design((biped,))
     page = opened(view)
     knee = next(h.joint for h in view.bench.posture.handles if h.link == "left_shank")
@@ -272,7 +162,7 @@ def test_a_lock_takes_its_slider_away_and_undo_brings_it_back(biped: Plan) -> No
     assert page.knob("left_knee_locked_at").value is False
 
 
-def test_undo_moves_the_slider_back(humanoid: Plan) -> None:
+def test_undo_moves_the_slider_back(opened: Callable[[Design], Any], humanoid: Plan) -> None:
     page = opened(Design((humanoid,)))
     slider = page.knob("head_z")
     slider.move(0.5 * slider.max)
@@ -286,14 +176,16 @@ def test_undo_moves_the_slider_back(humanoid: Plan) -> None:
     assert slider.value != 0.0
 
 
-def test_nothing_to_undo_is_told(humanoid: Plan) -> None:
+def test_nothing_to_undo_is_told(opened: Callable[[Design], Any], humanoid: Plan) -> None:
     page = opened(Design((humanoid,)))
     page.press("Undo")
     page.press("Redo")
     assert page.said == ["there is nothing to undo", "there is nothing to do again"]
 
 
-def test_keys_act_only_while_the_view_is_shown(humanoid: Plan) -> None:
+def test_keys_act_only_while_the_view_is_shown(
+    opened: Callable[[Design], Any], humanoid: Plan
+) -> None:
     view = Design((humanoid,))
     page = opened(view)
     view.turn("head_z", 0.1)
@@ -305,7 +197,7 @@ def test_keys_act_only_while_the_view_is_shown(humanoid: Plan) -> None:
     assert not view.bench.choice.pose
 
 
-def test_general_parameters_serve_a_body_without_its_own() -> None:
+def test_general_parameters_serve_a_body_without_its_own(opened: Callable[[Design], Any]) -> None:
     view = Design((Plan(load("so101")),))
     page = opened(view)
     page.knob("size").move(1.5)
@@ -319,7 +211,9 @@ def test_general_parameters_serve_a_body_without_its_own() -> None:
     assert set(view.bench.built.values) == {"whole body: size", f"{links[1]}: mass"}
 
 
-def test_several_bodies_are_designed_one_at_a_time(biped: Plan, humanoid: Plan) -> None:
+def test_several_bodies_are_designed_one_at_a_time(
+    opened: Callable[[Design], Any], biped: Plan, humanoid: Plan
+) -> None:
     view = Design((biped, humanoid))
     page = opened(view)
     page.work()
@@ -334,7 +228,9 @@ def test_several_bodies_are_designed_one_at_a_time(biped: Plan, humanoid: Plan) 
     assert view.bench.built.values == {"torso_mass": 1.5}
 
 
-def test_two_persons_have_designs_of_their_own(biped: Plan) -> None:
+def test_two_persons_have_designs_of_their_own(
+    opened: Callable[[Design], Any], biped: Plan
+) -> None:
     one, other = Design((biped,)), Design((biped,))
     opened(one)
     opened(other)
@@ -346,7 +242,7 @@ def test_two_persons_have_designs_of_their_own(biped: Plan) -> None:
 
 
 def test_a_design_is_saved_under_a_new_name(
-    biped: Plan, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    opened: Callable[[Design], Any], biped: Plan, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("MORPH_SHELF", str(tmp_path))
     view = Design((biped,))
@@ -370,30 +266,6 @@ def test_the_view_is_made_of_what_is_given() -> None:
     assert one.plans[0] is other.plans[0]
 
 
-def test_what_cannot_be_built_is_told_and_what_is_built_stays() -> None:
-    latest, page = Latest(), Page(None)  # type: ignore[arg-type]
-    undone: list[str] = []
-
-    def bad() -> None:
-        raise RobotError("it cannot be so", where="here", fix="choose less")
-
-    latest.ask(page, bad, lambda _: None, lambda: undone.append("back"))  # type: ignore[arg-type]
-    with pytest.raises(RobotError, match=r"it cannot be so"):
-        page.work()
-    assert undone == ["back"]
-    assert not latest.busy
-
-
-def test_of_what_is_asked_meanwhile_only_the_last_is_done() -> None:
-    latest, page = Latest(), Page(None)  # type: ignore[arg-type]
-    done: list[int] = []
-    for at in range(5):
-        latest.ask(page, lambda at=at: at, done.append)  # type: ignore[misc]
-    page.work()
-    assert done == [0, 4]
-    assert latest.done == 2
-
-
 def test_a_page_that_is_written_has_all_figures(biped: Plan) -> None:
     view = Design((Plan(biped.robot),))
     assert "…" in {str(cell) for row in view.content().tables[0].rows for cell in row}
@@ -401,7 +273,9 @@ def test_a_page_that_is_written_has_all_figures(biped: Plan) -> None:
     assert "…" not in {str(cell) for row in view.content().tables[0].rows for cell in row}
 
 
-def test_controls_that_are_off_the_page_are_left_alone(biped: Plan) -> None:
+def test_controls_that_are_off_the_page_are_left_alone(
+    opened: Callable[[Design], Any], biped: Plan
+) -> None:
     view = Design((biped,))
     page = opened(view)
     headline = next(each for each in page.knobs if each.kind == "html")
