@@ -46,12 +46,20 @@ def copy(wrote: dict[str, Path], tmp_path: Path) -> Callable[..., Path]:
     return copied
 
 
-@pytest.fixture
-def shown() -> Callable[..., Align]:
-    """Makes the view of a folder."""
+@pytest.fixture(scope="session")
+def makers() -> dict[Path, Callable[[], Any]]:
+    """What makes views, by the folder that it has loaded."""
+    return {}
 
-    def view(folder: Path, robots: tuple[Any, ...] = ()) -> Align:
-        made = maker(Given(robots=robots, asked=(), transfer=folder))()
+
+@pytest.fixture
+def shown(wrote: dict[str, Path], makers: dict[Path, Callable[[], Any]]) -> Callable[..., Align]:
+    """Makes the view of a folder; what nobody spoils is loaded once."""
+
+    def view(folder: Path) -> Align:
+        if folder not in makers or folder not in wrote.values():
+            makers[folder] = maker(Given(robots=(), asked=(), transfer=folder))
+        made = makers[folder]()
         assert isinstance(made, Align)
         return made
 
