@@ -33,7 +33,10 @@ def web_shapes(shapes: Iterable[Shape]) -> tuple[Shape, ...]:
     its opacity) is left out.
     """
     drawn = [shape for shape in shapes if _can_be_drawn(shape)]
-    light = [_light(shape, most) for shape, most in zip(drawn, shares(drawn), strict=True)]
+    stubborn: set[bytes] = set()
+    light = [
+        _light(shape, most, stubborn) for shape, most in zip(drawn, shares(drawn), strict=True)
+    ]
     groups: dict[tuple[int, tuple[int, int, int], float], list[Shape]] = {}
     for shape in light:
         groups.setdefault((shape.body, shape.colour, shape.opacity), []).append(shape)
@@ -77,8 +80,8 @@ def _can_be_drawn(shape: Shape) -> bool:
     return bool(np.ptp(shape.vertices, axis=0).max() > SMALLEST)
 
 
-def _light(shape: Shape, most: int) -> Shape:
-    mesh = coarse(Mesh(vertices=shape.vertices, faces=shape.faces), most)
+def _light(shape: Shape, most: int, stubborn: set[bytes]) -> Shape:
+    mesh = coarse(Mesh(vertices=shape.vertices, faces=shape.faces), most, stubborn)
     vertices, faces = creased(mesh.vertices, mesh.faces)
     return replace(shape, vertices=vertices, faces=faces, flat=False)
 
