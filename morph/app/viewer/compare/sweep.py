@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from typing import Any
+
+import mujoco
 import numpy as np
 
 from morph.app.viewer.design.posture import Posture
@@ -42,15 +45,39 @@ def _goals(posture: Posture, share: Array) -> Array:
     """Return where each handle is when a share of the time has passed, (pictures, handles)."""
     handles = posture.handles
     goals = np.tile([handle.rest for handle in handles], (len(share), 1))
-    for at, handle in enumerate(handles):
+    base = base_joints(posture.model)
+    moving = [at for at, handle in enumerate(handles) if handle.joint not in base]
+    for turn, at in enumerate(moving):
+        handle = handles[at]
         # The later a joint is in the chain, the later it begins; with many joints they overlap.
-        wide = max(1.0 / len(handles), min(1.0, LEAST / SECONDS))
-        begins = (1.0 - wide) * at / max(1, len(handles) - 1)
+        wide = max(1.0 / len(moving), min(1.0, LEAST / SECONDS))
+        begins = (1.0 - wide) * turn / max(1, len(moving) - 1)
         part = np.clip((share - begins) / wide, 0.0, 1.0)
         goals[:, at] = np.interp(
             _eased(part), [0.0, 1.0, 2.0, 3.0], [handle.rest, handle.high, handle.low, handle.rest]
         )
     return goals
+
+
+def base_joints(model: Any) -> set[str]:
+    """Return the joints that only let a body float in a plane, such as a biped's own place.
+
+    They are several joints of one link that hangs from the world, none of them driven: to show
+    their range would show the body somewhere else, not what it can do.
+    """
+    joint = mujoco.mjtTrn.mjTRN_JOINT.value
+    driven = {
+        int(model.actuator_trnid[at, 0])
+        for at in range(model.nu)
+        if model.actuator_trntype[at] == joint
+    }
+    found: set[str] = set()
+    for link in range(1, model.nbody):
+        first, count = int(model.body_jntadr[link]), int(model.body_jntnum[link])
+        own = range(first, first + count)
+        if model.body_parentid[link] == 0 and count > 1 and not driven.intersection(own):
+            found.update(model.joint(at).name for at in own)
+    return found
 
 
 def _eased(part: Array) -> Array:

@@ -44,6 +44,21 @@ def test_it_takes_as_long_as_is_asked_for(made: Callable[..., Robot]) -> None:
     assert len(swept(posture(made(ARM, MOTOR)), 2.0)[0]) == 121
 
 
+@pytest.mark.parametrize("name", ["biped", "hopper", "cartpole", "rider_rigid_passive"])
+def test_what_only_lets_a_body_float_in_a_plane_is_not_swept(name: str) -> None:
+    held = posture(load(name))
+    poses, _ = swept(held)
+    moved = {
+        handle.joint
+        for place, handle in zip(held.places, held.handles, strict=True)
+        if np.ptp(poses[:, place]) > 1e-9
+    }
+    # By hand, from the descriptions: root_x, root_z and root_pitch; forward, up and pitch.
+    left = {"biped": 3, "hopper": 3}.get(name, 0)
+    assert len(held.handles) - len(moved) == left
+    assert not {"root_x", "root_z", "root_pitch", "forward", "up", "pitch"} & moved
+
+
 def test_many_joints_overlap_but_each_has_its_ends() -> None:
     held = posture(load("humanoid"))
     poses, _ = swept(held)
