@@ -66,7 +66,7 @@ def shares(shapes: Sequence[Shape]) -> list[int]:
 
 
 def _granted(wanted: Array, by_area: Array) -> Array:
-    return np.minimum(wanted, np.maximum(by_area.astype(int), LEAST_FACES))
+    return np.asarray(np.minimum(wanted, np.maximum(np.floor(by_area), LEAST_FACES)), dtype=float)
 
 
 def _normals(shape: Shape) -> Array:
