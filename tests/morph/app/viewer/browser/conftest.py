@@ -179,6 +179,9 @@ def look(blank: Callable[..., Look]) -> Callable[[str], Look]:
             lambda: person.page.get_by_role("slider").count(), "the controls of the clock are there"
         )
         person.until(lambda: person.colours() > 200, "the canvas shows something")
+        # Viser warns where the processor draws; that would lie over what is looked at.
+        for close in person.page.locator(".mantine-Notification-closeButton").all():
+            close.click()
         return person
 
     return opened
