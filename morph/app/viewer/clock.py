@@ -46,6 +46,16 @@ class Clock:
         if self.rested >= REST:
             self.time, self.rested = 0.0, 0.0
 
+    def due(self, rate: float) -> float:
+        """Return in how much real time the next of so many pictures a second is due, s.
+
+        At most the time of one picture, which is also given where the clock stands.
+        """
+        if not self.playing or self.time >= self.seconds:
+            return 1.0 / rate
+        after = (int(self.time * rate + 1e-6) + 1) / rate - self.time
+        return min(after / self.speed, 1.0 / rate)
+
     def seek(self, time: float) -> None:
         """Go to a time, s; outside the clock's range the nearest end is taken."""
         self.time, self.rested = min(max(time, 0.0), self.seconds), 0.0

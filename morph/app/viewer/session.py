@@ -23,6 +23,9 @@ LOG = logging.getLogger(__name__)
 
 Found = TypeVar("Found")
 
+LATE = 3e-4
+"""How long after a picture is due the session wakes, s: rounding must not make it wake before."""
+
 SLOW = 0.1
 """Numbers and tables are told every so many seconds: nobody reads faster."""
 
@@ -172,7 +175,8 @@ class Session:
             if not self._safely(partial(self._picture, now)):
                 # Whoever looks decides whether to try again; it must not fail 60 times a second.
                 self.clock.playing = self._controls.stale = False
-            time.sleep(max(0.0, 1.0 / RATE - (time.monotonic() - now)))
+            # Just after the next picture is due: to wake at a rate of one's own would miss some.
+            time.sleep(max(0.0, self.clock.due(RATE) + LATE - (time.monotonic() - now)))
 
     def _picture(self, now: float) -> None:
         """Show where the clock is, unless it is shown already."""

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import itertools
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -14,6 +16,22 @@ def test_time_passes_as_fast_as_the_speed_says(speed: float) -> None:
         clock.tick(0.02)
     # Fifty ticks of 0.02 s are 1 s; fifty sums of doubles are off by at most 50 * 2^-53 * 4.
     assert clock.time == pytest.approx(speed, abs=1e-12)
+
+
+@pytest.mark.parametrize("speed", [0.25, 1.0, 4.0])
+def test_who_wakes_when_a_picture_is_due_misses_none_but_those_that_come_faster(
+    speed: float,
+) -> None:
+    clock, rate, shown = Clock(seconds=2.0, speed=speed, looping=False), 60.0, []
+    while clock.playing:
+        passed = clock.due(rate) + 3e-4
+        assert 3e-4 < passed <= 1.0 / rate + 3e-4
+        clock.tick(passed)
+        shown.append(int(clock.time * rate + 1e-6))
+    # At four times the speed at most 60 a second are shown, and so about every fourth.
+    assert max(b - a for a, b in itertools.pairwise([0, *shown])) <= max(1.0, speed) + 1
+    if speed <= 1.0:
+        assert set(range(1, 121)) <= set(shown)
 
 
 def test_a_paused_clock_stands() -> None:
