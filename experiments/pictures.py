@@ -74,6 +74,8 @@ PICTURES = (
         ),
         words="double_pendulum --recording {folder}/run.parquet",
         wait=10.0,
+        # A stretch in which the ghost has left the recording.
+        keys=("Home", *("Shift+ArrowRight",) * 4, *("ArrowRight",) * 48),
     ),
 )
 """Every picture, in the order of the views."""
