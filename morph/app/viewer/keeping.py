@@ -21,15 +21,27 @@ def keep_page(session: Session) -> None:
     """Have the browser save one page that opens without a network; it takes some seconds."""
     from morph.app.viewer.export.page import exported_page
 
+    if session.keeping:
+        # Whoever presses twice wants one page, and each takes a processor for seconds.
+        return
+    session.keeping = True
     content, stage = session.content, session.stage
     arrows, following = set(stage.shown_arrows), stage.following
     camera, command = camera_of(session.client.camera), session.opening.command
     name, title = f"morph-{session.view.name}.html", session.view.title
 
     def work() -> str:
-        return exported_page(
-            content, title=title, command=command, arrows=arrows, following=following, camera=camera
-        )
+        try:
+            return exported_page(
+                content,
+                title=title,
+                command=command,
+                arrows=arrows,
+                following=following,
+                camera=camera,
+            )
+        finally:
+            session.keeping = False
 
     def done(page: str) -> None:
         session.client.send_file_download(name, page.encode(), save_immediately=True)

@@ -29,6 +29,9 @@ LATE = 3e-4
 SLOW = 0.1
 """Numbers and tables are told every so many seconds: nobody reads faster."""
 
+NOTICED, READ = 3.0, 15.0
+"""A message is noticed within so many seconds, and so many of its characters are read in one."""
+
 AGAIN = 1.0
 """The same fault is told again after so many seconds."""
 
@@ -58,6 +61,8 @@ class Session:
         self.opening = opening or Opening()
         self.clock, self.stage = Clock(), Stage(client.scene)
         self.view, self.content = self.views[first], Content(actors=())
+        self.keeping = False
+        """Whether a page is being made for this person to keep."""
         self._asked: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
         self._over = threading.Event()
         self._controls = Controls(self)
@@ -135,17 +140,21 @@ class Session:
         self.clock.seek(to)
 
     def say(self, text: str, *, bad: bool = False) -> None:
-        """Show a message for some seconds; it is plain text."""
+        """Show a message until it is read; it is plain text."""
         self.client.add_notification(
-            "That did not work" if bad else "morph", text, color="red" if bad else "blue"
+            "That did not work" if bad else "morph",
+            text,
+            color="red" if bad else "blue",
+            # Left to themselves messages stay for good, and pile up over the bodies.
+            auto_close_seconds=(2.0 if bad else 1.0) * (NOTICED + len(text) / READ),
         )
 
     def _restore(self) -> None:
-        """Have each view choose what was saved."""
+        """Have each view choose what was saved; what does not fit keeps no other from it."""
         saved = self.opening.saved
         for view in self.views:
             if saved is not None and view.name in saved.views:
-                view.restore(saved.views[view.name])
+                self._safely(partial(view.restore, saved.views[view.name]))
 
     def _resume(self) -> None:
         """Go on from where somebody was."""
@@ -163,7 +172,7 @@ class Session:
 
     def _run(self) -> None:
         self._safely(self._controls.build)
-        self._safely(self._restore)
+        self._restore()
         self._safely(partial(self.turn_to, self.view))
         self._safely(self._resume)
         before = time.monotonic()
