@@ -73,11 +73,11 @@ def _solid(model: Any, geom: int) -> tuple[Array, Integers] | None:
     if kind == kinds.mjGEOM_BOX:
         solid = creation.box(2.0 * size)
     elif kind in (kinds.mjGEOM_SPHERE, kinds.mjGEOM_ELLIPSOID):
-        solid = creation.icosphere(subdivisions=3)
+        solid = creation.icosphere(subdivisions=2)
         solid.vertices *= size if kind == kinds.mjGEOM_ELLIPSOID else size[0]
     elif kind == kinds.mjGEOM_CAPSULE:
         # Its height is that of the cylinder between the two round ends.
-        solid = creation.capsule(radius=size[0], height=2.0 * size[1], count=[20, 20])
+        solid = creation.capsule(radius=size[0], height=2.0 * size[1], count=[16, 16])
         solid.vertices -= solid.bounds.mean(axis=0)
     elif kind == kinds.mjGEOM_CYLINDER:
         solid = creation.cylinder(radius=size[0], height=2.0 * size[1], sections=32)

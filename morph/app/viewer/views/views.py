@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from importlib import import_module
 
 from morph.app.viewer.given import Given
 from morph.app.viewer.view import View
-from morph.app.viewer.views import align, compare, design, mismatch
 from morph.errors import ViewError
 
-VIEWS = {
-    view.name: view for view in (compare.Compare, design.Design, align.Align, mismatch.Mismatch)
-}
-"""Every view, in the order of the tabs."""
+VIEWS = ("compare", "design", "align", "mismatch")
+"""Every view by name, in the order of the tabs; each is a module here, loaded when it is needed:
+they bring much along, and a page of two bodies needs little of it."""
 
 
 def makers(given: Given, first: str | None = None) -> tuple[tuple[Callable[[], View], ...], int]:
@@ -26,15 +25,14 @@ def makers(given: Given, first: str | None = None) -> tuple[tuple[Callable[[], V
         MorphError: Something given cannot be used.
         ViewError: Nothing was given that could be shown, or not what `first` needs.
     """
-    found: dict[str, Callable[[], View]] = {}
     # From the most particular to the most general: the first is what one most likely came for.
-    if given.transfer is not None:
-        found["align"] = align.maker(given)
-    if given.robots and (given.diagnosis is not None or given.recordings):
-        found["mismatch"] = mismatch.maker(given)
-    if given.robots:
-        found["compare"] = compare.maker(given)
-        found["design"] = design.maker(given)
+    needs = {
+        "align": given.transfer is not None,
+        "mismatch": bool(given.robots) and (given.diagnosis is not None or bool(given.recordings)),
+        "compare": bool(given.robots),
+        "design": bool(given.robots),
+    }
+    found = {name: _maker(name, given) for name, met in needs.items() if met}
     if not found:
         raise ViewError(
             "there is nothing to show",
@@ -50,3 +48,8 @@ def makers(given: Given, first: str | None = None) -> tuple[tuple[Callable[[], V
     begin = next(iter(found)) if first is None else first
     tabs = [name for name in VIEWS if name in found]
     return tuple(found[name] for name in tabs), tabs.index(begin)
+
+
+def _maker(name: str, given: Given) -> Callable[[], View]:
+    made: Callable[[], View] = import_module(f"{__package__}.{name}").maker(given)
+    return made

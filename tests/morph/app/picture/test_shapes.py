@@ -45,10 +45,10 @@ def test_every_solid_has_its_volume_and_its_outside_outward(found: list[Shape]) 
         np.pi * 0.1**2 * 0.8,
         1 / 6,
     ]
-    # Flat triangles cut round bodies: of a circle in 20 they leave 1 - (2 pi / 20)^2 / 6 = 0.984,
-    # and of the ends of a capsule that much again.
+    # Flat triangles cut round bodies: of a circle in 16 they leave 1 - (2 pi / 16)^2 / 6 = 0.974.
+    # A ball of 320 has edges of about 0.3 of its radius, and loses (0.3)^2 / 2.6 = 3.5 %.
     for shape, expected in zip(found, due, strict=True):
-        assert volume(shape) == pytest.approx(expected, rel=0.03), expected
+        assert volume(shape) == pytest.approx(expected, rel=0.04), expected
 
 
 def test_a_shape_stands_where_the_model_has_it(found: list[Shape]) -> None:

@@ -55,6 +55,7 @@ def finished(view: View) -> Content:
 
 def test_it_is_made_by_its_own_name(made: dict[str, Callable[[], View]]) -> None:
     assert {name: make().name for name, make in made.items()} == {name: name for name in VIEWS}
+    assert [make().title for make in made.values()] == [name.title() for name in VIEWS]
 
 
 def test_it_shows_a_body_at_once_and_when_it_is_complete(view: View, finished: Content) -> None:
