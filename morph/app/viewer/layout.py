@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import product
 
 import mujoco
 import numpy as np
@@ -13,33 +12,50 @@ import numpy as np
 from morph.app.viewer.content import Actor
 from morph.app.viewer.figure import Figure
 from morph.app.viewer.framing import FIELD, framed
-from morph.app.viewer.room import Room, looked_at, room
+from morph.app.viewer.motion import RATE
+from morph.app.viewer.room import EIGHT, Room, looked_at, room
 from morph.app.viewer.rows import in_file, in_rows
-from morph.arrays import Array
-
-ELONGATED = 3.0
-"""A body that reaches this many times its own size along x moves past its neighbours."""
+from morph.app.viewer.sight import outline, sight
+from morph.arrays import Array, Integers
 
 STRAYS = 0.6
 """What leaves its first box by more than this, by its size, may leave the picture."""
 
-DEEP = 0.35
+RAIL = 0.3
+"""Of what is fixed to the world, as much is seen beyond the links, by their size."""
+
+DEEP = 0.15
 """How far above the ground a swimmer is, by its size."""
 
 FRONT = np.array([0.42, -1.0, 0.42])
 """From a row of bodies to the camera: most swing in the plane that it looks at."""
 
+ABOVE = np.array([0.35, -1.0, 0.8])
+"""The same from several rows: from higher up, so that the front ones hide little."""
+
 BESIDE = np.array([0.95, -0.8, 0.6])
 """From bodies that stand or go side by side to the camera, ahead of them."""
 
-HIDDEN = 0.9
-"""A body that is hidden by others is worth this much more distance, once more."""
+OTHER_SIDE = np.array([-1.0, 1.0, 1.0])
+"""Turns a place to look from to the other side."""
+
+SPREADS = (1.0, 2.5)
+"""How many times the least room bodies of a file keep, where that shows more of them."""
+
+MOMENTS = 5
+"""Pictures of a motion in which it is judged how well bodies are seen."""
+
+LESS = 0.1
+"""How much more must be seen from there, as `sight` tells it."""
 
 LETTER, LINE, PICTURE = 7.0, 24.0, 760.0
 """Width of a letter and height of a label, and height of a picture, pixels."""
 
 MOST_LETTERS = 28
 """A longer name is cut."""
+
+CALM = 0.4
+"""s for which a name stays as high as its body was: nobody reads what bobs."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,6 +72,10 @@ class Layout:
     """How large each actor is, m, shape (actors,)."""
     labels: Array
     """Where the name of each actor stands in the first picture, m, shape (actors, 3)."""
+    rise: Array
+    """How much higher it stands in later pictures, m, shape (looked at, actors)."""
+    looked: Integers
+    """Which pictures those are, shape (looked at,)."""
     seen: Array
     """What a camera must see while it goes with the bodies, m, shape (points, 3)."""
     towards: Array
@@ -87,20 +107,95 @@ def laid_out(actors: Sequence[Actor]) -> Layout:
             high=nothing,
             sizes=np.zeros(0),
             labels=nothing,
+            rise=np.zeros((1, 0)),
+            looked=np.zeros(1, dtype=np.int64),
             seen=corners,
             towards=_unit(FRONT),
         )
-    pictures = looked_at(actors)
-    rooms = [room(actor, pictures) for actor in actors]
+    stand = _standing(actors)
+    several = len(stand.groups) > 1
+    rows = range(len(stand.groups)) if several else (1,)
+    # 0 rows are a file, whose bodies may stand farther from each other.
+    orders = [(count, spread) for count in rows for spread in ((1.0,) if count else SPREADS)]
+    sides = (np.ones(3), OTHER_SIDE) if several else (np.ones(3),)
+    found = [
+        _named(stand, order, side * (BESIDE, FRONT, ABOVE)[min(order[0], 2)])
+        for order in orders
+        for side in sides
+    ]
+    # From the other side only where that shows clearly more: ahead of bodies is the better one.
+    worth = [_sight(stand, each) - LESS * (at % len(sides)) for at, each in enumerate(found)]
+    return found[int(np.argmax(worth))]
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Standing:
+    """What is to be laid out."""
+
+    actors: Sequence[Actor]
+    rooms: Sequence[Room]
+    outlines: Sequence[Array]
+    """What of each actor must be seen, in its own world, m, each of shape (points, 3)."""
+    looked: Integers
+    lanes: list[int]
+    groups: list[list[int]]
+    """Numbers of the actors of each lane."""
+    rise: Array
+    """How much higher the top of each lane is than at first, m, shape (looked at, actors)."""
+    boxes: Array
+    """Corners of the upright box of each actor's links as the camera goes along with them, now
+    and then, m, shape (pictures, actors, 2, 3)."""
+
+
+def _standing(actors: Sequence[Actor]) -> _Standing:
+    looked = looked_at(actors)
+    rooms = [room(actor, looked) for actor in actors]
     lanes = lanes_of(actors)
-    several = len(set(lanes)) > 1
-    if several and any(each.travels(ELONGATED) for each in rooms):
-        return _named(actors, rooms, lanes, 0)
-    ways = range(len(set(lanes))) if several else (1,)
-    return min(
-        (_named(actors, rooms, lanes, rows) for rows in ways),
-        key=lambda found: _cost(found, rooms, lanes),
+    groups = [[at for at, its in enumerate(lanes) if its == lane] for lane in sorted(set(lanes))]
+    rise = np.zeros((len(looked), len(actors)))
+    for group in groups:
+        size = max(rooms[at].size for at in group)
+        highest = np.max([rooms[at].rise for at in group], axis=0)
+        rise[:, group] = _calm(np.clip(highest, -size, size), looked)[:, None]
+    return _Standing(
+        actors=actors,
+        rooms=rooms,
+        outlines=_outlines(rooms),
+        looked=looked,
+        lanes=lanes,
+        groups=groups,
+        rise=rise,
+        boxes=_boxes(rooms),
     )
+
+
+def _boxes(rooms: Sequence[Room]) -> Array:
+    mean = _mean(rooms)
+    found = []
+    for at in np.linspace(0, len(mean) - 1, MOMENTS).round().astype(int):
+        links = [each.corners[at, each.fixed :] - mean[at] for each in rooms]
+        found.append(
+            [
+                (points.min(axis=0), points.max(axis=0)) if at and len(points) else each.core
+                for points, each in zip(links, rooms, strict=True)
+            ]
+        )
+    return np.array(found)
+
+
+def _mean(rooms: Sequence[Room]) -> Array:
+    """Return how far bodies have gone on the whole, m, shape (looked at, 3)."""
+    mean = np.mean([each.gone for each in rooms], axis=0)
+    return np.concatenate((mean, np.zeros((len(mean), 1))), axis=1)
+
+
+def _calm(rise: Array, looked: Integers) -> Array:
+    """Return the greatest of what is near in time, smoothed."""
+    away = np.abs(looked[:, None] - looked) / RATE
+    highest = np.where(away <= CALM, rise, -np.inf).max(axis=1)
+    near = away <= CALM
+    smooth = (near * highest).sum(axis=1) / near.sum(axis=1)
+    return np.asarray(smooth)
 
 
 def lanes_of(actors: Sequence[Actor]) -> list[int]:
@@ -119,73 +214,63 @@ def title(actor: Actor) -> str:
     return text if len(text) <= MOST_LETTERS else text[: MOST_LETTERS - 1] + "…"
 
 
-def _named(actors: Sequence[Actor], rooms: Sequence[Room], lanes: list[int], rows: int) -> Layout:
+def _named(stand: _Standing, order: tuple[int, float], towards: Array) -> Layout:
     """Return bodies in so many rows, 0 for a file, with room for their names."""
-    pixel = 0.0
+    towards, pixel = _unit(towards), 0.0
     # How many metres a pixel is follows from the frame, and the frame from how wide names are.
     for _ in range(2):
-        found = _arranged(actors, rooms, lanes, rows, pixel)
-        distance = framed(found.seen, found.towards).distance
+        found = _arranged(stand, order, towards, pixel)
+        distance = framed(found.seen, towards).distance
         pixel = 2.0 * distance * math.tan(0.5 * FIELD) / PICTURE
-    return _arranged(actors, rooms, lanes, rows, pixel)
+    return _arranged(stand, order, towards, pixel)
 
 
-def _cost(found: Layout, rooms: Sequence[Room], lanes: list[int]) -> float:
-    """Return how badly bodies are seen: by how far the farthest is, and what hides them, m."""
+def _sight(stand: _Standing, found: Layout) -> float:
+    """Return how well bodies are seen, at first and later on."""
     place = framed(found.seen, found.towards).position
-    low = np.array([each.low[0] for each in rooms]) + found.places
-    high = np.array([each.high[0] for each in rooms]) + found.places
-    far = np.linalg.norm(0.5 * (low + high) - place, axis=1)
-    least, most = (
-        np.array(each) for each in zip(*map(_pictured, low - place, high - place), strict=True)
-    )
-    hidden = np.zeros(len(lanes))
-    for at, lane in enumerate(lanes):
-        for other, its in enumerate(lanes):
-            if its != lane and far[other] < far[at]:
-                both = np.minimum(most[at], most[other]) - np.maximum(least[at], least[other])
-                own = float(np.prod(most[at] - least[at])) or 1.0
-                hidden[at] += float(np.prod(np.maximum(both, 0.0))) / own
-    return float(far.max() * (1.0 + HIDDEN * np.minimum(hidden, 1.0).mean()))
+    label = np.array([LINE, LETTER]) * FIELD / PICTURE
+    letters = np.array([len(title(actor)) for actor in stand.actors])
+    boxes = stand.boxes + found.places[:, None]
+    return float(np.mean([sight(each, place, stand.lanes, label, letters) for each in boxes]))
 
 
-def _pictured(low: Array, high: Array) -> tuple[Array, Array]:
-    """Return the corners, about, of a box as a camera at 0 pictures it: azimuth, elevation."""
-    x, y, z = np.stack((low, high))[np.array(list(product((0, 1), repeat=3))), np.arange(3)].T
-    middle = 0.5 * (low + high)
-    turn = np.arctan2(middle[1], middle[0])
-    across = x * np.cos(turn) + y * np.sin(turn), y * np.cos(turn) - x * np.sin(turn)
-    angles = np.stack((turn + np.arctan2(across[1], across[0]), np.arctan2(z, np.hypot(x, y))))
-    return angles.min(axis=1), angles.max(axis=1)
-
-
-def _arranged(
-    actors: Sequence[Actor], rooms: Sequence[Room], lanes: list[int], rows: int, pixel: float
-) -> Layout:
+def _arranged(stand: _Standing, order: tuple[int, float], towards: Array, pixel: float) -> Layout:
+    rooms, groups, (rows, spread) = stand.rooms, stand.groups, order
     low = np.array([each.low.min(axis=0) for each in rooms])
     high = np.array([each.high.max(axis=0) for each in rooms])
     sizes = np.array([each.size for each in rooms])
-    groups = [[at for at, its in enumerate(lanes) if its == lane] for lane in sorted(set(lanes))]
     least = np.array([low[group].min(axis=0) for group in groups])
     most = np.array([high[group].max(axis=0) for group in groups])
     size = np.array([sizes[group].max() for group in groups])
-    letters = [max(len(title(actors[at])) + 2 for at in group) for group in groups]
+    letters = [max(len(title(stand.actors[at])) + 2 for at in group) for group in groups]
     widths = pixel * LETTER * np.array(letters)
-    flat = in_rows(least, most, size, widths, rows) if rows else in_file(least, most, size, widths)
-    places = np.zeros((len(actors), 3))
+    if rows:
+        flat = in_rows(least, most, size, widths, rows)
+    else:
+        # All begin beside each other, as in a race, however far each will go.
+        cores = np.array([rooms[group[0]].core for group in groups])
+        least[:, 0], most[:, 0] = cores[:, 0, 0], cores[:, 1, 0]
+        flat = in_file(least, most, size, widths, spread)
+    places = np.zeros((len(rooms), 3))
     for lane, group in enumerate(groups):
+        figure = stand.actors[group[0]].figure
         places[group, :2] = flat[lane]
-        places[group, 2] = _lift(actors[group[0]].figure, float(least[lane, 2]), float(size[lane]))
-    labels = _labels(actors, rooms, groups, pixel) + places
-    tops = labels + np.array([0.0, 0.0, LINE * pixel])
+        places[group, 2] = _lift(figure, float(least[lane, 2]), float(size[lane]))
+    up = np.array([0.0, 0.0, 1.0])
+    labels = _labels(stand.actors, rooms, groups, pixel) + places + stand.rise[0][:, None] * up
+    rise = stand.rise - stand.rise[0]
+    tops = labels + (rise.max(axis=0) + LINE * pixel)[:, None] * up
+    seen = [outline + place for outline, place in zip(stand.outlines, places, strict=True)]
     return Layout(
         places=places,
         low=low + places,
         high=high + places,
         sizes=sizes,
         labels=labels,
-        seen=np.concatenate((_seen(rooms, places), tops)),
-        towards=_unit(FRONT if rows else BESIDE),
+        rise=rise,
+        looked=stand.looked,
+        seen=np.concatenate((*seen, tops)),
+        towards=towards,
     )
 
 
@@ -195,8 +280,10 @@ def _labels(
     """Return where names stand, over their bodies; those of a lane one over the other."""
     labels = np.zeros((len(actors), 3))
     for group in groups:
-        low = np.min([rooms[at].low[0] for at in group], axis=0)
-        high = np.max([rooms[at].high[0] for at in group], axis=0)
+        # Over the links; what is fixed to the world, such as a rail, may reach higher.
+        low = np.min([rooms[at].core[0] for at in group], axis=0)
+        high = np.max([rooms[at].core[1] for at in group], axis=0)
+        high[2] = max(rooms[at].high[0, 2] for at in group)
         above = float(high[2]) + 0.3 * LINE * pixel
         for at in group:
             labels[at] = *(0.5 * (low + high))[:2], above
@@ -204,18 +291,21 @@ def _labels(
     return labels
 
 
-def _seen(rooms: Sequence[Room], places: Array) -> Array:
-    """Return corners of what bodies take up while a camera goes with their mean way."""
-    mean = np.mean([each.gone for each in rooms], axis=0)
-    mean = np.concatenate((mean, np.zeros((len(mean), 1))), axis=1)
-    corners = []
-    for each, place in zip(rooms, places, strict=True):
-        stray = STRAYS * each.size
-        corners.append(np.maximum((each.low - mean).min(axis=0), each.low[0] - stray) + place)
-        corners.append(np.minimum((each.high - mean).max(axis=0), each.high[0] + stray) + place)
-    pairs = np.array(corners).reshape(-1, 2, 3)
-    which = np.array(list(product((0, 1), repeat=3)))
-    return np.asarray(pairs[:, which, np.arange(3)].reshape(-1, 3))
+def _outlines(rooms: Sequence[Room]) -> list[Array]:
+    """Return the outline of what bodies take up while a camera goes with their mean way."""
+    mean = _mean(rooms)
+    found = []
+    for each in rooms:
+        stray, rail = STRAYS * each.size, RAIL * each.size
+        points = each.corners - mean[:, None]
+        moving = points[:, each.fixed :].reshape(-1, 3)
+        near = np.clip(moving, each.core[0] - stray, each.core[1] + stray)
+        near = np.concatenate((near, each.core[EIGHT, np.arange(3)]))
+        # Of a long rail as much is seen as its cart makes use of.
+        fixed = points[:, : each.fixed].reshape(-1, 3)
+        fixed = np.clip(fixed, near.min(axis=0) - rail, near.max(axis=0) + rail)
+        found.append(outline(np.concatenate((near, fixed))))
+    return found
 
 
 def _lift(figure: Figure, lowest: float, size: float) -> float:

@@ -10,6 +10,7 @@ import numpy as np
 from morph.app.viewer.content import Actor, Colour
 from morph.app.viewer.layout import Layout, title
 from morph.app.viewer.mover import mover
+from morph.app.viewer.quiver import Quiver
 from morph.app.viewer.room import gone
 from morph.arrays import Array
 
@@ -22,6 +23,12 @@ ARROWS: dict[str, Colour] = {
     "remaining": (0, 158, 115),
 }
 """Colours of the kinds of arrows."""
+
+SAID = {
+    "wrench": "force missing as described",
+    "remaining": "force still missing when corrected",
+}
+"""What kinds of arrows are called where their own word does not say it."""
 
 CONSTANT = "buoyancy"
 """The kind that hardly ever changes and hides the rest: it is drawn only for who asks."""
@@ -40,6 +47,9 @@ LEVELS = 12
 
 GHOST = 0.32
 """Opacity of a ghost."""
+
+NOTED = 2e-3
+"""Of a body's size: a name that moves less stays."""
 
 STILL = 1e-6
 """m, or part of a quaternion: what moved less is not sent."""
@@ -75,11 +85,17 @@ class Player:
         self._shown: dict[int, int | None] = dict.fromkeys(self._meshes)
         text = title(actor)
         above = layout.labels[at] - self.place
-        self._above = above
+        rise = np.interp(np.arange(len(self.gone)), layout.looked, layout.rise[:, at])
+        self._above = above + np.column_stack((self.gone, rise))
         self._label = text and scene.add_label(
             f"{self._root}/label", text, position=above, anchor="bottom-center"
         )
-        self._arrows = {kind: self._arrow(kind) for kind in actor.motion.arrows}
+        self._quivers = {
+            kind: Quiver(
+                scene, f"{self._root}/arrows_{kind}", arrows, self._size, ARROWS.get(kind, CHOSEN)
+            )
+            for kind, arrows in actor.motion.arrows.items()
+        }
         self._mark = None
         if actor.motion.marks is not None:
             self._mark = scene.add_icosphere(
@@ -92,9 +108,8 @@ class Player:
         self._pose_arrows(picture, kinds)
         self._colour(picture)
         if self._label:
-            way = self.gone[picture]
-            where = self._above + np.array([way[0], way[1], 0.0])
-            if np.abs(where - self._label.position).max() > 1e-3 * self._size:
+            where = self._above[picture]
+            if np.abs(where - self._label.position).max() > NOTED * self._size:
                 self._label.position = where
 
     def choose(self, link: str | None) -> None:
@@ -137,18 +152,6 @@ class Player:
             self._links.setdefault(body, mesh)
             self._meshes.setdefault(body, []).append((mesh, colour))
 
-    def _arrow(self, kind: str) -> Any:
-        size = 0.012 * self._size
-        return self._scene.add_arrows(
-            f"{self._root}/arrows_{kind}",
-            np.zeros((1, 2, 3), dtype=np.float32),
-            ARROWS.get(kind, CHOSEN),
-            shaft_radius=size,
-            head_radius=2.2 * size,
-            head_length=4.0 * size,
-            visible=False,
-        )
-
     def _pose_links(self, picture: int) -> None:
         motion = self._actor.motion
         position, turn = motion.position[picture], motion.turn[picture]
@@ -164,13 +167,8 @@ class Player:
         self._position[moved], self._turn[spun] = position[moved], turn[spun]
 
     def _pose_arrows(self, picture: int, kinds: set[str]) -> None:
-        for kind, handle in self._arrows.items():
-            arrows = self._actor.motion.arrows[kind][picture]
-            there = arrows[np.isfinite(arrows).all(axis=(1, 2))]
-            shown = kind in kinds and len(there) > 0
-            if shown:
-                handle.points = there.astype(np.float32)
-            handle.visible = shown
+        for kind, quiver in self._quivers.items():
+            quiver.pose(picture, shown=kind in kinds)
         if self._mark is not None and self._actor.motion.marks is not None:
             mark = self._actor.motion.marks[picture]
             shown = bool(np.isfinite(mark).all())

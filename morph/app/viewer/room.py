@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 
+from morph.app.picture.shapes import Shape
 from morph.app.viewer.content import Actor
+from morph.app.viewer.motion import Motion
 from morph.arrays import Array, Integers
 
 LOOKED_AT = 60
@@ -15,6 +18,9 @@ LOOKED_AT = 60
 
 POINT = 0.05
 """m around a link, where a body has no shape at all."""
+
+EIGHT: Integers = np.array(list(product((0, 1), repeat=3)))
+"""Which end of each axis the corners of a box are at."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,15 +33,20 @@ class Room:
     """Greatest corner, m, shape (pictures, 3)."""
     gone: Array
     """How far its first link has gone along the ground, m, shape (pictures, 2)."""
+    rise: Array
+    """How much higher its top is than in the first picture, about, m, shape (pictures,)."""
+    corners: Array
+    """Corners of its shapes' boxes, m, shape (pictures, corners, 3)."""
+    core: Array
+    """Corners of the upright box of its links in the first picture, without what is fixed to
+    the world, m, shape (2, 3)."""
+    fixed: int
+    """How many of the corners, the first, are of what is fixed to the world, as a rail is."""
 
     @property
     def size(self) -> float:
-        """The diagonal of the box in the first picture, m; never 0."""
-        return float(np.linalg.norm(self.high[0] - self.low[0])) or 1.0
-
-    def travels(self, times: float) -> bool:
-        """Return whether it reaches so many times its own size along x."""
-        return bool(self.high[:, 0].max() - self.low[:, 0].min() > times * self.size)
+        """The diagonal of the box of its links in the first picture, m; never 0."""
+        return float(np.linalg.norm(self.core[1] - self.core[0])) or 1.0
 
 
 def looked_at(actors: Sequence[Actor]) -> Integers:
@@ -51,24 +62,44 @@ def room(actor: Actor, pictures: Integers) -> Room:
     """
     motion = actor.motion
     which = np.minimum(pictures, motion.pictures - 1)
-    low = np.full((len(which), 3), np.inf)
-    high = np.full((len(which), 3), -np.inf)
-    tight = np.array([low[0], high[0]])
-    for shape in actor.figure.shapes:
-        least, most = shape.vertices.min(axis=0), shape.vertices.max(axis=0)
-        turn = matrices(motion.turn[which, shape.body])
-        centre = motion.position[which, shape.body] + turn @ (0.5 * (least + most))
-        half = np.abs(turn) @ (0.5 * (most - least))
-        low, high = np.minimum(low, centre - half), np.maximum(high, centre + half)
+    shapes = sorted(actor.figure.shapes, key=lambda shape: shape.body > 0)
+    corners = [_corners(shape, motion, which) for shape in shapes]
+    if not corners:
+        corners = [motion.position[which] - POINT, motion.position[which] + POINT]
+    points = np.concatenate(corners, axis=1)
+    low, high = points.min(axis=1), points.max(axis=1)
+    rise = high[:, 2] - high[0, 2]
+    core = np.array([low[0], high[0]])
+    if actor.figure.shapes:
         # The first picture is framed and labelled, so that its box must be tight.
-        corners = shape.vertices @ turn[0].T + motion.position[which[0], shape.body]
-        tight[0] = np.minimum(tight[0], corners.min(axis=0))
-        tight[1] = np.maximum(tight[1], corners.max(axis=0))
-    low[0], high[0] = tight
-    if not actor.figure.shapes:
-        low = motion.position[which].min(axis=1) - POINT
-        high = motion.position[which].max(axis=1) + POINT
-    return Room(low=low, high=high, gone=gone(actor)[which])
+        tight = [_tight(shape, motion, int(which[0])) for shape in actor.figure.shapes]
+        low[0], high[0] = np.min(tight, axis=0)[0], np.max(tight, axis=0)[1]
+        links = [box for box, shape in zip(tight, actor.figure.shapes, strict=True) if shape.body]
+        core = np.array([np.min(links or tight, axis=0)[0], np.max(links or tight, axis=0)[1]])
+    return Room(
+        low=low,
+        high=high,
+        gone=gone(actor)[which],
+        rise=rise,
+        corners=points,
+        core=core,
+        fixed=len(EIGHT) * sum(shape.body == 0 for shape in shapes),
+    )
+
+
+def _corners(shape: Shape, motion: Motion, which: Integers) -> Array:
+    """Return the corners of a shape's box in some pictures, m, shape (pictures, 8, 3)."""
+    least, most = shape.vertices.min(axis=0), shape.vertices.max(axis=0)
+    box = np.stack((least, most))[EIGHT, np.arange(3)]
+    turn = matrices(motion.turn[which, shape.body])
+    return np.asarray(box @ np.swapaxes(turn, -1, -2) + motion.position[which, None, shape.body])
+
+
+def _tight(shape: Shape, motion: Motion, picture: int) -> Array:
+    """Return the corners of a shape's upright box in one picture, m, shape (2, 3)."""
+    turn = matrices(motion.turn[picture, shape.body])
+    corners = shape.vertices @ turn.T + motion.position[picture, shape.body]
+    return np.array([corners.min(axis=0), corners.max(axis=0)])
 
 
 def gone(actor: Actor) -> Array:

@@ -12,7 +12,7 @@ from morph.arrays import Array
 GAP = 0.35
 """Room between two boxes, by the size of the smaller; at least a third of it by the larger."""
 
-CLEAR = 0.8
+CLEAR = 0.6
 """Room before a row, by the height of the boxes in it, so that they hide little behind them."""
 
 
@@ -21,7 +21,7 @@ def gap(first: float, second: float) -> float:
     return GAP * max(min(first, second), max(first, second) / 3.0)
 
 
-def in_file(low: Array, high: Array, size: Array, widths: Array) -> Array:
+def in_file(low: Array, high: Array, size: Array, widths: Array, spread: float = 1.0) -> Array:
     """Return where boxes stand one beside the other along y, m, shape (boxes, 2).
 
     Args:
@@ -29,8 +29,9 @@ def in_file(low: Array, high: Array, size: Array, widths: Array) -> Array:
         high: Their greatest corners.
         size: How large their bodies are, m, shape (boxes,).
         widths: Room that each takes along y at the least, m, shape (boxes,).
+        spread: How many times the room between them is taken.
     """
-    turned = _along(low[:, 1], high[:, 1], size, widths)
+    turned = _along(low[:, 1], high[:, 1], size, widths, spread)
     return np.stack((-0.5 * (low[:, 0] + high[:, 0]), turned), axis=1)
 
 
@@ -65,10 +66,10 @@ def in_rows(low: Array, high: Array, size: Array, widths: Array, rows: int) -> A
     return places
 
 
-def _along(low: Array, high: Array, size: Array, widths: Array) -> Array:
+def _along(low: Array, high: Array, size: Array, widths: Array, spread: float = 1.0) -> Array:
     """Return where spans begin so that they follow each other about 0, shape (spans,)."""
     taken = np.maximum(high - low, widths)
-    between = [gap(float(a), float(b)) for a, b in pairwise(size)]
+    between = [spread * gap(float(a), float(b)) for a, b in pairwise(size)]
     start = np.concatenate(([0.0], np.cumsum(taken[:-1] + np.array(between))))
     whole = float(start[-1] + taken[-1])
     return np.asarray(start + 0.5 * taken - 0.5 * (low + high) - 0.5 * whole)

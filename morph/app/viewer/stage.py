@@ -34,6 +34,7 @@ class Stage:
         self._ties: Ties | None = None
         self._held = np.zeros(3)
         self._aimed: tuple[float, Frame] | None = None
+        self._anew = False
         self.shown_arrows: set[str] = set(ARROWS) - {CONSTANT}
         """The kinds of arrows that are drawn."""
         self.following = True
@@ -114,24 +115,30 @@ class Stage:
             aspect = float(getattr(camera, "aspect", ASPECT))
         points = np.concatenate((layout.seen, ruler(layout)))
         frame = framed(points, layout.towards, aspect)
-        self._aimed = aspect, frame
+        self._aimed, self._anew = (aspect, frame), False
         camera.fov = FIELD
         camera.position = frame.position
         camera.look_at = frame.target
         camera.near, camera.far = 0.01 * frame.distance, 100.0 * frame.distance
 
-    def refit(self, camera: Any) -> None:
-        """Aim a client's camera anew if its picture has another shape than when it was aimed.
+    def reaim(self) -> None:
+        """Have a client's camera aimed with the next `refit`, if nobody moved it since."""
+        self._anew = True
 
-        A camera that a person has moved since stays where it is. It is asked before every
-        picture: a browser tells the shape some time after the panel beside it is there.
+    def refit(self, camera: Any) -> None:
+        """Aim a client's camera anew if that was asked for, or its picture has another shape.
+
+        A camera that a person has moved since it was aimed stays where it is. It is asked
+        before every picture: a browser tells the shape some time after the panel is there.
         """
         if self._aimed is None:
             return
         aspect, frame = self._aimed
-        if abs(float(getattr(camera, "aspect", aspect)) - aspect) < 0.01 * aspect:
+        now = float(getattr(camera, "aspect", aspect))
+        if not self._anew and abs(now - aspect) < 0.01 * aspect:
             return
-        if np.linalg.norm(camera.position - frame.position) < 1e-3 * frame.distance:
+        moved = camera.position - frame.position, camera.look_at - frame.target
+        if max(map(np.linalg.norm, moved)) < 1e-3 * frame.distance:
             self.aim(camera)
 
     def _shift(self, layout: Layout) -> Array:

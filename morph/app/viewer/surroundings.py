@@ -24,7 +24,7 @@ INK = (116, 127, 141)
 WATER = (38, 132, 178)
 """Water."""
 
-LENGTH = 0.35
+LENGTH = 0.3
 """How long the ruler is, about, by the radius of what is seen."""
 
 SHORE = 0.1
@@ -65,14 +65,17 @@ def ruler(layout: Layout) -> Array:
     """
     long = rounded(LENGTH * layout.radius)
     least, most = layout.seen.min(axis=0), layout.seen.max(axis=0)
-    spare = 0.06 * layout.radius
+    middle = 0.5 * (least + most)
     ends = np.zeros((2, 3))
+    half = np.array([-0.5, 0.5]) * long
+    # At the edge of what is seen anyway: the bodies need not become smaller for it.
     if abs(layout.towards[0]) > abs(layout.towards[1]):
-        ends[:, 0] = most[0] + spare
-        ends[:, 1] = 0.5 * (least[1] + most[1]) + np.array([-0.5, 0.5]) * long
+        right = layout.towards[0] > 0.0
+        ends[:, 0] = most[0] if right else least[0]
+        ends[:, 1] = middle[1] + (half if right else -half)
     else:
-        ends[:, 0] = 0.5 * (least[0] + most[0]) + np.array([-0.5, 0.5]) * long
-        ends[:, 1] = least[1] - spare
+        ends[:, 0] = middle[0] + half
+        ends[:, 1] = least[1]
     return ends
 
 

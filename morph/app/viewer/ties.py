@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from morph.app.viewer.content import Actor, Colour, Tie
+from morph.app.viewer.colour import linear
+from morph.app.viewer.content import Actor, Tie
 from morph.app.viewer.room import matrices
 from morph.arrays import Array, Integers
 
@@ -42,7 +43,7 @@ class Ties:
         self._lines: list[tuple[list[int], Any]] = []
         for width in sorted({round(each) for each in widths}):
             which = [at for at, each in enumerate(widths) if round(each) == width]
-            colours = np.array([_linear(ties[at].colour) for at in which], dtype=np.uint8)
+            colours = np.array([linear(ties[at].colour) for at in which], dtype=np.uint8)
             lines = scene.add_line_segments(
                 f"/world/ties_{width}",
                 np.zeros((len(which), 2, 3), dtype=np.float32),
@@ -65,11 +66,3 @@ class Ties:
             ends[its] = motion.position[pictures[at], body] + away + self._places[at]
         for which, lines in self._lines:
             lines.points = ends[which].astype(np.float32)
-
-
-def _linear(colour: Colour) -> list[int]:
-    """Return a colour as the page's lines want it: they are not taken for sRGB, as meshes are.
-
-    Source: IEC 61966-2-1, with one exponent for its two branches.
-    """
-    return [round(255.0 * (each / 255.0) ** 2.2) for each in colour]

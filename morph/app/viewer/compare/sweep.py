@@ -17,6 +17,10 @@ SECONDS = 5.0
 LEAST = 1.25
 """How long one joint takes at least, s, if there is so much time: joints then overlap."""
 
+MADE_UP = 0.2
+"""Part of a range that is shown where it is made up, as a slide's without limits is: a cart
+stays on its rail, less than half of the body's extent from where it rests."""
+
 
 def swept(posture: Posture, seconds: float = SECONDS) -> tuple[Array, bool]:
     """Return poses in which each joint goes to its one end, to the other and back.
@@ -53,8 +57,10 @@ def _goals(posture: Posture, share: Array) -> Array:
         wide = max(1.0 / len(moving), min(1.0, LEAST / SECONDS))
         begins = (1.0 - wide) * turn / max(1, len(moving) - 1)
         part = np.clip((share - begins) / wide, 0.0, 1.0)
+        reach = 1.0 if handle.ranged else MADE_UP
+        high, low = (handle.rest + reach * (end - handle.rest) for end in (handle.high, handle.low))
         goals[:, at] = np.interp(
-            _eased(part), [0.0, 1.0, 2.0, 3.0], [handle.rest, handle.high, handle.low, handle.rest]
+            _eased(part), [0.0, 1.0, 2.0, 3.0], [handle.rest, high, low, handle.rest]
         )
     return goals
 

@@ -19,7 +19,7 @@ from morph.app.viewer.content import Content, Live
 from morph.app.viewer.export.recorded import recorded
 from morph.app.viewer.export.scripts import policy
 from morph.app.viewer.fragments import notes_html, table_html, told
-from morph.app.viewer.stage import ARROWS
+from morph.app.viewer.player import ARROWS, SAID
 from morph.app.viewer.style import style
 from morph.arrays import JSON
 
@@ -74,7 +74,7 @@ def exported_page(
         film=Markup(film.html.replace("&", "&amp;").replace('"', "&quot;")),
         script=Markup(script),
         moments=[(f"{moment.time:.2f} s", moment.time, moment.title) for moment in content.moments],
-        arrows=[(kind, "#{:02x}{:02x}{:02x}".format(*ARROWS.get(kind, OTHER))) for kind in shown],
+        arrows=[_legend(kind) for kind in shown],
         still=content.seconds == 0.0,
         bodies=_bodies(content),
         version=morph.__version__,
@@ -123,6 +123,11 @@ def _title(content: Content, view: str) -> str:
         return content.title
     names = ", ".join(dict.fromkeys(name for name, _ in _bodies(content)))
     return ": ".join(filter(None, (view, names))) or content.title
+
+
+def _legend(kind: str) -> tuple[str, str]:
+    """Return what arrows of a kind are called, and their colour as CSS has it."""
+    return SAID.get(kind, kind), "#{:02x}{:02x}{:02x}".format(*ARROWS.get(kind, OTHER))
 
 
 def _bodies(content: Content) -> list[tuple[str, str]]:

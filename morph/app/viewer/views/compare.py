@@ -132,7 +132,7 @@ class Compare(View):
             if cast.done == len(cast.shows):
                 # Now that all move they take other room, and begin together.
                 session.clock.seek(0.0)
-                session.stage.aim(session.client.camera)
+                session.stage.reaim()
 
 
 def maker(given: Given) -> Callable[[], View]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from types import SimpleNamespace
 from typing import Any
 
@@ -19,6 +20,7 @@ from morph.app.viewer.room import looked_at, matrices, room
 from morph.app.viewer.rows import gap, in_file, in_rows
 from morph.arrays import Array
 
+UP = np.array([0.0, 0.0, 3.0])
 CUBE = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
 
 
@@ -47,7 +49,7 @@ def going(way: Any, pictures: int = 5, up: float = 3.0) -> Motion:
 
 def actor(edges: Any = (1.0, 1.0, 1.0), way: Any = (0.0, 0.0, 0.0), **more: Any) -> Actor:
     drawn = body(edges, wet=more.pop("wet", False), name=more.pop("name", "box"))
-    return Actor(figure=drawn, motion=going(way), **more)
+    return Actor(figure=drawn, motion=going(way, more.pop("pictures", 5)), **more)
 
 
 def apart(layout: Layout, one: int, other: int) -> bool:
@@ -131,8 +133,8 @@ def test_shorter_motions_rest_while_longer_ones_go_on() -> None:
 
 def test_a_body_in_water_hangs_over_the_ground() -> None:
     layout = laid_out([actor(wet=True)])
-    # By 0.35 of its diagonal, sqrt(3) m.
-    assert layout.low[0, 2] == pytest.approx(0.35 * 3**0.5)
+    # By 0.15 of its diagonal, sqrt(3) m.
+    assert layout.low[0, 2] == pytest.approx(0.15 * 3**0.5)
 
 
 def test_rows_are_read_from_the_back_to_the_front_and_from_the_left() -> None:
@@ -179,3 +181,37 @@ def test_a_motion_that_never_was_a_number_stands_at_the_origin() -> None:
     assert lost.lost == 0.0
     assert np.array_equal(lost.position, np.zeros((3, 2, 3)))
     assert np.array_equal(lost.turn[0, 0], (1.0, 0.0, 0.0, 0.0))
+
+
+def test_a_name_comes_down_with_a_body_that_falls() -> None:
+    falls = laid_out([actor(way=(0.0, 0.0, -0.5), pictures=121)])
+    # Half a metre in 2 s; the name keeps the height of 0.4 s before, a tenth of a metre.
+    assert falls.rise[0, 0] == 0.0
+    assert -0.5 < falls.rise[-1, 0] < -0.5 + 2.0 * 0.1
+    assert (np.diff(falls.rise[:, 0]) <= 1e-12).all()
+
+
+def test_a_body_is_not_hidden_by_its_neighbour_while_it_moves() -> None:
+    # One goes 4 m while the other stays: from ahead and from behind it is looked at in between.
+    layout = laid_out([actor(), actor(way=(4.0, 0.0, 0.0), pictures=61)])
+    toward = layout.towards[:2] / np.linalg.norm(layout.towards[:2])
+    across = np.array([-toward[1], toward[0]])
+    apart_by = np.abs((layout.places[1] - layout.places[0])[:2] @ across)
+    # Two cubes seen at an angle are at most sqrt(2) m wide: they begin clear of each other.
+    assert apart_by > 0.5 * 2**0.5
+
+
+def test_a_rail_beyond_what_its_cart_uses_makes_the_picture_no_larger() -> None:
+    cart = body((0.2, 0.1, 0.1))
+    rail = dataclasses.replace(cart.shapes[0], body=0, vertices=CUBE * (40.0, 0.02, 0.02) + UP)
+    cart.shapes = (rail, *cart.shapes)
+    found = laid_out([Actor(figure=cart, motion=going((0.0, 0.0, 0.0)))])
+    # The cart's diagonal is 0.245 m; 0.3 of it is seen of the rail on either side.
+    assert np.ptp(found.seen[:, 0]) == pytest.approx(0.2 + 2.0 * 0.3 * 0.06**0.5)
+    # Its room is as long as the rail all the same: nobody else stands in it.
+    assert found.high[0, 0] - found.low[0, 0] == pytest.approx(40.0)
+
+
+def test_those_of_a_race_begin_beside_each_other() -> None:
+    layout = laid_out([actor(way=(9.0, 0.0, 0.0)), actor(way=(30.0, 0.0, 0.0))])
+    assert layout.places[0, 0] == layout.places[1, 0]

@@ -197,17 +197,18 @@ def test_arrows_that_are_not_there_are_not_drawn(cart: Figure) -> None:
     scene = Scene()
     stage = Stage(scene)
     arrows = np.full((61, 2, 2, 3), np.nan)
-    arrows[30, 1] = 1.0
+    arrows[30, 1] = (0.0, 0.0, 0.0), (0.0, 0.0, 1.0)
     motion = moving(cart, arrows={"contact": arrows})
     stage.show(Content(actors=(Actor(figure=cart, motion=motion),)))
     stage.pose(0.0)
-    assert not scene.nodes["/world/0/arrows_contact"].visible
+    (node,) = scene.of("add_arrows")
+    assert not node.visible
     stage.pose(0.5)
-    assert scene.nodes["/world/0/arrows_contact"].visible
-    assert scene.nodes["/world/0/arrows_contact"].points.shape == (1, 2, 3)
+    assert node.visible
+    assert node.points.shape == (1, 2, 3)
     stage.shown_arrows.clear()
     stage.pose(0.5)
-    assert not scene.nodes["/world/0/arrows_contact"].visible
+    assert not node.visible
 
 
 def test_a_tie_joins_points_on_two_links_and_goes_with_them(cart: Figure) -> None:
@@ -260,6 +261,24 @@ def test_a_camera_follows_the_shape_of_its_picture_until_a_person_moves_it(cart:
     stage.refit(camera)
     assert np.array_equal(camera.position, narrow + 1.0)
     assert camera.fov == FIELD
+
+
+def test_what_becomes_ready_turns_no_camera_that_a_person_has_moved(cart: Figure) -> None:
+    stage = Stage(Scene())
+    stage.show(Content(actors=(still(cart),)))
+    camera = SimpleNamespace(aspect=1.5)
+    stage.aim(camera)
+    stage.show(Content(actors=(still(cart), still(cart))))
+    before = camera.position
+    stage.reaim()
+    stage.refit(camera)
+    assert not np.allclose(camera.position, before)
+    camera.look_at = camera.look_at + 0.5
+    seen_from = camera.position
+    stage.show(Content(actors=(still(cart),)))
+    stage.reaim()
+    stage.refit(camera)
+    assert camera.position is seen_from
 
 
 def test_an_empty_stage_has_a_place_to_look_from() -> None:

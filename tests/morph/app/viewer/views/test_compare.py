@@ -60,7 +60,7 @@ class Page:
 
     def __init__(self, view: Compare) -> None:
         self.view, self.clock, self.shows = view, Clock(time=3.0, seconds=5.0), 0
-        self.stage = SimpleNamespace(shown_arrows=set(ARROWS), aim=lambda camera: None)
+        self.stage = SimpleNamespace(shown_arrows=set(ARROWS), reaim=lambda: None)
         self.client = SimpleNamespace(camera=None)
 
     def do(self, what: Callable[[], None]) -> None:
