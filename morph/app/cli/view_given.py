@@ -34,12 +34,7 @@ def check(asked: View) -> None:
         ViewError: An option is out of its range, or there are too many bodies.
         OutputError: The page cannot be written where it should be.
     """
-    if asked.seconds is not None and not 0.0 < asked.seconds <= MOST_SECONDS:
-        raise ViewError(
-            f"it is {asked.seconds:g} s; more than 0 and at most {MOST_SECONDS:g} can be shown",
-            where="--seconds",
-            fix="leave it out, or give a time within that",
-        )
+    _check_seconds(asked.seconds, where="--seconds", fix="leave it out, or give a time within that")
     if not 0 <= asked.port <= LAST_PORT:
         raise ViewError(
             f"there is no port {asked.port}; they go from 0 to {LAST_PORT}",
@@ -54,6 +49,15 @@ def check(asked: View) -> None:
         )
     if asked.html is not None:
         _check_page(Path(asked.html))
+
+
+def _check_seconds(seconds: float | None, *, where: str, fix: str) -> None:
+    if seconds is not None and not 0.0 < seconds <= MOST_SECONDS:
+        raise ViewError(
+            f"it is {seconds:g} s; more than 0 and at most {MOST_SECONDS:g} can be shown",
+            where=where,
+            fix=fix,
+        )
 
 
 def _check_page(path: Path) -> None:
@@ -81,7 +85,7 @@ def given(asked: View, saved: Saved | None, now: Callable[[str], None]) -> tuple
         now: Is told what is being loaded.
 
     Raises:
-        MorphError: A body cannot be loaded, or there are too many.
+        MorphError: A body cannot be loaded, there are too many, or it would take too long.
     """
     from morph.app.viewer.given import Given
     from morph.body.load import load
@@ -93,6 +97,8 @@ def given(asked: View, saved: Saved | None, now: Callable[[str], None]) -> tuple
             where="morph view",
             fix="leave some out, or open a second viewer at another --port",
         )
+    # What somebody else saved is bounded as what is typed is: memory would end before the motion.
+    _check_seconds(of.seconds, where=f"{asked.state}, given.seconds", fix="give --seconds as well")
     robots, notes = [], []
     for body in of.bodies:
         now(f"loading {body.asked}")

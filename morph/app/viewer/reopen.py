@@ -28,6 +28,9 @@ LONGEST = 4096
 FARTHEST = 1e6
 """m: no camera is farther away."""
 
+NEAREST = 1e-3
+"""m: no camera is nearer to what it looks at; where both are one it has no direction."""
+
 
 def read_state(path: Path) -> Saved:
     """Return what a file says that somebody saw; its paths are relative to the file's folder.
@@ -185,6 +188,8 @@ class _Part:
             look_at=tuple(self.take("look_at", _point, "three numbers, m")),
         )
         self.done()
+        if math.dist(found.position, found.look_at) < NEAREST:
+            raise self.wrong("look_at", found.look_at, "a point that is not the camera's own place")
         return found
 
     def take(self, name: str, fits: Callable[[Any], bool], allowed: str) -> Any:

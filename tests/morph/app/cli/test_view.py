@@ -84,6 +84,21 @@ def test_options_come_before_what_was_saved(tmp_path: Path, capsys: Out) -> None
     assert "<li>pendulum" not in page
 
 
+@pytest.mark.parametrize("seconds", [0.0, 120.1, 1e6])
+def test_what_somebody_else_saved_lasts_no_longer_than_what_is_typed(
+    tmp_path: Path, capsys: Out, seconds: float
+) -> None:
+    path = saved(tmp_path)
+    whole = json.loads(path.read_text())
+    whole["given"]["seconds"] = seconds
+    path.write_text(json.dumps(whole))
+    page = str(tmp_path / "page.html")
+    assert main(["view", "--state", str(path), "--quiet", "--html", page]) == 2
+    assert f"{path}, given.seconds: it is {seconds:g} s; more than 0" in capsys.readouterr().err
+    # And what it tells to do helps.
+    assert main(["view", "--state", str(path), "--quiet", "--html", page, "--seconds", "1"]) == 0
+
+
 def test_a_body_that_has_changed_since_is_told(tmp_path: Path, capsys: Out) -> None:
     path = saved(tmp_path)
     path.write_text(path.read_text().replace(load("pendulum").sha256, "0" * 64))

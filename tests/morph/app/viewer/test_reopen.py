@@ -107,6 +107,7 @@ WRONG = [
     ("clock.playing", 1, r"clock.playing is 1"),
     ("camera.position", [0.0, 0.0], r"camera.position is"),
     ("camera.position", [0.0, 0.0, 1e9], r"camera.position is"),
+    ("camera.look_at", [1.0, -2.0, 0.5], r"camera.look_at is \[1.0, -2.0, 0.5\]"),
     ("camera.roll", 0.0, r"'camera.roll', which is not known"),
     ("given.seed", -1, r"given.seed is -1"),
     ("given.seed", 1.5, r"given.seed is 1.5"),
