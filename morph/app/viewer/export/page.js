@@ -28,11 +28,15 @@
   function jump(time) {
     const box = inPlayer('[role="slider"]') && inPlayer('input[inputmode="decimal"], input[type="text"]');
     if (!box) return;
+    // The player would give the box the keyboard, and the next key were not for this page any more.
+    box.focus = () => {};
     // As if it were typed: the player's own program listens to nothing else.
     const set = Object.getOwnPropertyDescriptor(frame.contentWindow.HTMLInputElement.prototype, "value").set;
     const there = Math.min(Math.max(time, 0), data.seconds);
     set.call(box, there.toFixed(3));
     box.dispatchEvent(new frame.contentWindow.Event("input", { bubbles: true }));
+    // The next key counts from here, even if it comes before the player has gone there.
+    show(there);
     setTimeout(follow, 50);
   }
 
