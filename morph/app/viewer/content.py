@@ -11,6 +11,9 @@ from morph.arrays import Array
 
 Colour = tuple[int, int, int]
 
+MOST_UNSEEN = 3
+"""Parts of a body that are told to be drawn otherwise; all others are counted."""
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Actor:
@@ -146,16 +149,29 @@ class Content:
     """What the page is called."""
 
     def __post_init__(self) -> None:
-        """Note which motions end early, so that no view can forget to say so."""
+        """Note what is not as it should be, so that no view can forget to say so.
+
+        That is what could not be drawn as described, and motions that end early.
+        """
+        figures = dict.fromkeys(actor.figure for actor in self.actors)
+        unseen = (note for figure in figures for note in _unseen(figure))
         lost = (
             f"{actor.title or actor.figure.name}: its motion is not a number from "
             f"{actor.motion.lost:.3g} s on; it rests where it was last"
             for actor in self.actors
             if actor.motion.lost is not None
         )
-        object.__setattr__(self, "notes", tuple(dict.fromkeys((*self.notes, *lost))))
+        object.__setattr__(self, "notes", tuple(dict.fromkeys((*self.notes, *unseen, *lost))))
 
     @property
     def seconds(self) -> float:
         """How long the shared clock runs, s: as long as the longest motion."""
         return max((actor.motion.seconds for actor in self.actors), default=0.0)
+
+
+def _unseen(figure: Figure) -> tuple[str, ...]:
+    """Return what of a body could not be drawn as described, a sentence each."""
+    told, more = figure.notes[:MOST_UNSEEN], len(figure.notes) - MOST_UNSEEN
+    if more <= 0:
+        return told
+    return (*told, f"{figure.name}: {more} more of its parts are not drawn as described")

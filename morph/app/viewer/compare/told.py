@@ -38,7 +38,7 @@ MOST_POINTS = 400
 NO_PHYSICS = (
     "No physics: each joint goes through its range. The holding margin is what is left of the "
     "limit of the motor that is nearest to it, had the body to stand still in the poses so far, "
-    "its base held."
+    "in air, its base held."
 )
 
 SIMULATED = (

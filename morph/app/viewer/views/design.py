@@ -255,7 +255,7 @@ class Design(View):
         return "measures" in vars(built)
 
     def _notes(self) -> tuple[str, ...]:
-        return (*self.bench.plan.original.figure.notes, limits_note(self.bench.limits))
+        return (limits_note(self.bench.limits),)
 
 
 def maker(given: Given) -> Callable[[], View]:
