@@ -12,17 +12,10 @@ import numpy as np
 from morph.app.viewer.content import Actor
 from morph.app.viewer.figure import Figure
 from morph.app.viewer.framing import FIELD, framed
-from morph.app.viewer.motion import RATE
-from morph.app.viewer.room import EIGHT, Room, looked_at, room
 from morph.app.viewer.rows import in_file, in_rows
-from morph.app.viewer.sight import outline, sight
+from morph.app.viewer.sight import sight
+from morph.app.viewer.standing import Standing, standing
 from morph.arrays import Array, Integers
-
-STRAYS = 0.6
-"""What leaves its first box by more than this, by its size, may leave the picture."""
-
-RAIL = 0.3
-"""Of what is fixed to the world, as much is seen beyond the links, by their size."""
 
 DEEP = 0.15
 """How far above the ground a swimmer is, by its size."""
@@ -42,9 +35,6 @@ OTHER_SIDE = np.array([-1.0, 1.0, 1.0])
 SPREADS = (1.0, 2.5)
 """How many times the least room bodies of a file keep, where that shows more of them."""
 
-MOMENTS = 5
-"""Pictures of a motion in which it is judged how well bodies are seen."""
-
 LESS = 0.1
 """How much more must be seen from there, as `sight` tells it."""
 
@@ -53,9 +43,6 @@ LETTER, LINE, PICTURE = 7.0, 24.0, 760.0
 
 MOST_LETTERS = 28
 """A longer name is cut."""
-
-CALM = 0.4
-"""s for which a name stays as high as its body was: nobody reads what bobs."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -112,7 +99,7 @@ def laid_out(actors: Sequence[Actor]) -> Layout:
             seen=corners,
             towards=_unit(FRONT),
         )
-    stand = _standing(actors)
+    stand = standing(actors)
     several = len(stand.groups) > 1
     rows = range(len(stand.groups)) if several else (1,)
     # 0 rows are a file, whose bodies may stand farther from each other.
@@ -128,93 +115,13 @@ def laid_out(actors: Sequence[Actor]) -> Layout:
     return found[int(np.argmax(worth))]
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Standing:
-    """What is to be laid out."""
-
-    actors: Sequence[Actor]
-    rooms: Sequence[Room]
-    outlines: Sequence[Array]
-    """What of each actor must be seen, in its own world, m, each of shape (points, 3)."""
-    looked: Integers
-    lanes: list[int]
-    groups: list[list[int]]
-    """Numbers of the actors of each lane."""
-    rise: Array
-    """How much higher the top of each lane is than at first, m, shape (looked at, actors)."""
-    boxes: Array
-    """Corners of the upright box of each actor's links as the camera goes along with them, now
-    and then, m, shape (pictures, actors, 2, 3)."""
-
-
-def _standing(actors: Sequence[Actor]) -> _Standing:
-    looked = looked_at(actors)
-    rooms = [room(actor, looked) for actor in actors]
-    lanes = lanes_of(actors)
-    groups = [[at for at, its in enumerate(lanes) if its == lane] for lane in sorted(set(lanes))]
-    rise = np.zeros((len(looked), len(actors)))
-    for group in groups:
-        size = max(rooms[at].size for at in group)
-        highest = np.max([rooms[at].rise for at in group], axis=0)
-        rise[:, group] = _calm(np.clip(highest, -size, size), looked)[:, None]
-    return _Standing(
-        actors=actors,
-        rooms=rooms,
-        outlines=_outlines(rooms),
-        looked=looked,
-        lanes=lanes,
-        groups=groups,
-        rise=rise,
-        boxes=_boxes(rooms),
-    )
-
-
-def _boxes(rooms: Sequence[Room]) -> Array:
-    mean = _mean(rooms)
-    found = []
-    for at in np.linspace(0, len(mean) - 1, MOMENTS).round().astype(int):
-        links = [each.corners[at, each.fixed :] - mean[at] for each in rooms]
-        found.append(
-            [
-                (points.min(axis=0), points.max(axis=0)) if at and len(points) else each.core
-                for points, each in zip(links, rooms, strict=True)
-            ]
-        )
-    return np.array(found)
-
-
-def _mean(rooms: Sequence[Room]) -> Array:
-    """Return how far bodies have gone on the whole, m, shape (looked at, 3)."""
-    mean = np.mean([each.gone for each in rooms], axis=0)
-    return np.concatenate((mean, np.zeros((len(mean), 1))), axis=1)
-
-
-def _calm(rise: Array, looked: Integers) -> Array:
-    """Return the greatest of what is near in time, smoothed."""
-    away = np.abs(looked[:, None] - looked) / RATE
-    highest = np.where(away <= CALM, rise, -np.inf).max(axis=1)
-    near = away <= CALM
-    smooth = (near * highest).sum(axis=1) / near.sum(axis=1)
-    return np.asarray(smooth)
-
-
-def lanes_of(actors: Sequence[Actor]) -> list[int]:
-    """Return each actor's lane; those without one come after all others, in order."""
-    free = max((actor.lane for actor in actors if actor.lane is not None), default=-1) + 1
-    lanes = []
-    for actor in actors:
-        lanes.append(free if actor.lane is None else actor.lane)
-        free += actor.lane is None
-    return lanes
-
-
 def title(actor: Actor) -> str:
     """Return what stands above an actor, on one line that is not too long."""
     text = " ".join((actor.figure.name if actor.title is None else actor.title).split())
     return text if len(text) <= MOST_LETTERS else text[: MOST_LETTERS - 1] + "…"
 
 
-def _named(stand: _Standing, order: tuple[int, float], towards: Array) -> Layout:
+def _named(stand: Standing, order: tuple[int, float], towards: Array) -> Layout:
     """Return bodies in so many rows, 0 for a file, with room for their names."""
     towards, pixel = _unit(towards), 0.0
     # How many metres a pixel is follows from the frame, and the frame from how wide names are.
@@ -225,7 +132,7 @@ def _named(stand: _Standing, order: tuple[int, float], towards: Array) -> Layout
     return _arranged(stand, order, towards, pixel)
 
 
-def _sight(stand: _Standing, found: Layout) -> float:
+def _sight(stand: Standing, found: Layout) -> float:
     """Return how well bodies are seen, at first and later on."""
     place = framed(found.seen, found.towards).position
     label = np.array([LINE, LETTER]) * FIELD / PICTURE
@@ -234,7 +141,7 @@ def _sight(stand: _Standing, found: Layout) -> float:
     return float(np.mean([sight(each, place, stand.lanes, label, letters) for each in boxes]))
 
 
-def _arranged(stand: _Standing, order: tuple[int, float], towards: Array, pixel: float) -> Layout:
+def _arranged(stand: Standing, order: tuple[int, float], towards: Array, pixel: float) -> Layout:
     rooms, groups, (rows, spread) = stand.rooms, stand.groups, order
     low = np.array([each.low.min(axis=0) for each in rooms])
     high = np.array([each.high.max(axis=0) for each in rooms])
@@ -257,7 +164,7 @@ def _arranged(stand: _Standing, order: tuple[int, float], towards: Array, pixel:
         places[group, :2] = flat[lane]
         places[group, 2] = _lift(figure, float(least[lane, 2]), float(size[lane]))
     up = np.array([0.0, 0.0, 1.0])
-    labels = _labels(stand.actors, rooms, groups, pixel) + places + stand.rise[0][:, None] * up
+    labels = _labels(stand, towards, pixel) + places + stand.rise[0][:, None] * up
     rise = stand.rise - stand.rise[0]
     tops = labels + (rise.max(axis=0) + LINE * pixel)[:, None] * up
     seen = [outline + place for outline, place in zip(stand.outlines, places, strict=True)]
@@ -274,38 +181,24 @@ def _arranged(stand: _Standing, order: tuple[int, float], towards: Array, pixel:
     )
 
 
-def _labels(
-    actors: Sequence[Actor], rooms: Sequence[Room], groups: list[list[int]], pixel: float
-) -> Array:
+def _labels(stand: Standing, towards: Array, pixel: float) -> Array:
     """Return where names stand, over their bodies; those of a lane one over the other."""
-    labels = np.zeros((len(actors), 3))
-    for group in groups:
+    labels = np.zeros((len(stand.actors), 3))
+    up = np.array([0.0, 0.0, 1.0]) - towards[2] * towards
+    for group in stand.groups:
         # Over the links; what is fixed to the world, such as a rail, may reach higher.
-        low = np.min([rooms[at].core[0] for at in group], axis=0)
-        high = np.max([rooms[at].core[1] for at in group], axis=0)
-        high[2] = max(rooms[at].high[0, 2] for at in group)
-        above = float(high[2]) + 0.3 * LINE * pixel
+        low = np.min([stand.rooms[at].core[0] for at in group], axis=0)
+        high = np.max([stand.rooms[at].core[1] for at in group], axis=0)
+        top = max(float(stand.rooms[at].high[0, 2]) for at in group)
+        middle = 0.5 * (low + high)
+        # Who looks down may see the far edge of a body above its middle.
+        links = [stand.rooms[at].corners[0, stand.rooms[at].fixed :] for at in group]
+        edge = max(((each @ up).max() for each in links if len(each)), default=-math.inf)
+        above = max(top, float(edge - middle[:2] @ up[:2]) / float(up[2])) + 0.3 * LINE * pixel
         for at in group:
-            labels[at] = *(0.5 * (low + high))[:2], above
-            above += LINE * pixel if title(actors[at]) else 0.0
+            labels[at] = *middle[:2], above
+            above += LINE * pixel if title(stand.actors[at]) else 0.0
     return labels
-
-
-def _outlines(rooms: Sequence[Room]) -> list[Array]:
-    """Return the outline of what bodies take up while a camera goes with their mean way."""
-    mean = _mean(rooms)
-    found = []
-    for each in rooms:
-        stray, rail = STRAYS * each.size, RAIL * each.size
-        points = each.corners - mean[:, None]
-        moving = points[:, each.fixed :].reshape(-1, 3)
-        near = np.clip(moving, each.core[0] - stray, each.core[1] + stray)
-        near = np.concatenate((near, each.core[EIGHT, np.arange(3)]))
-        # Of a long rail as much is seen as its cart makes use of.
-        fixed = points[:, : each.fixed].reshape(-1, 3)
-        fixed = np.clip(fixed, near.min(axis=0) - rail, near.max(axis=0) + rail)
-        found.append(outline(np.concatenate((near, fixed))))
-    return found
 
 
 def _lift(figure: Figure, lowest: float, size: float) -> float:

@@ -68,14 +68,15 @@ def ruler(layout: Layout) -> Array:
     middle = 0.5 * (least + most)
     ends = np.zeros((2, 3))
     half = np.array([-0.5, 0.5]) * long
-    # At the edge of what is seen anyway: the bodies need not become smaller for it.
+    # Near the edge of what is seen anyway: the bodies hardly become smaller for it.
+    spare = 0.05 * layout.radius
     if abs(layout.towards[0]) > abs(layout.towards[1]):
         right = layout.towards[0] > 0.0
-        ends[:, 0] = most[0] if right else least[0]
+        ends[:, 0] = most[0] + spare if right else least[0] - spare
         ends[:, 1] = middle[1] + (half if right else -half)
     else:
         ends[:, 0] = middle[0] + half
-        ends[:, 1] = least[1]
+        ends[:, 1] = least[1] - spare
     return ends
 
 

@@ -14,10 +14,11 @@ from scipy.spatial.transform import Rotation
 
 from morph.app.picture.shapes import Shape
 from morph.app.viewer.content import Actor
-from morph.app.viewer.layout import MOST_LETTERS, Layout, laid_out, lanes_of, title
+from morph.app.viewer.layout import MOST_LETTERS, Layout, laid_out, title
 from morph.app.viewer.motion import RATE, Motion
 from morph.app.viewer.room import looked_at, matrices, room
 from morph.app.viewer.rows import gap, in_file, in_rows
+from morph.app.viewer.standing import lanes_of
 from morph.arrays import Array
 
 UP = np.array([0.0, 0.0, 3.0])
@@ -215,3 +216,12 @@ def test_a_rail_beyond_what_its_cart_uses_makes_the_picture_no_larger() -> None:
 def test_those_of_a_race_begin_beside_each_other() -> None:
     layout = laid_out([actor(way=(9.0, 0.0, 0.0)), actor(way=(30.0, 0.0, 0.0))])
     assert layout.places[0, 0] == layout.places[1, 0]
+
+
+def test_a_name_stands_above_the_far_edge_of_its_body() -> None:
+    layout = laid_out([actor((1.0, 2.0, 0.2))])
+    forward = -layout.towards
+    up = np.array([0.0, 0.0, 1.0]) - forward[2] * forward
+    box = np.stack((layout.low[0], layout.high[0]))
+    corners = np.array([[box[i, 0], box[j, 1], box[k, 2]] for i, j, k in np.ndindex(2, 2, 2)])
+    assert layout.labels[0] @ up > (corners @ up).max()

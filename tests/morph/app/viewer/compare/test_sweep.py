@@ -103,3 +103,9 @@ def test_a_body_without_joints_stands(made: Callable[..., Robot]) -> None:
     assert show.motion.pictures == 61
     assert np.ptp(show.motion.position, axis=0).max() == 0.0
     assert np.isnan(show.motion.series[MARGIN]).all()
+
+
+def test_a_cart_on_an_endless_slide_stays_on_its_rail() -> None:
+    poses, _ = swept(posture(load("cartpole")))
+    # The rail of the description ends 1.5 m to either side, and the cart is 0.16 m long.
+    assert 1.0 < np.abs(poses[:, 0]).max() < 1.5 - 0.08
