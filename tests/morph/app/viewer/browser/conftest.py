@@ -26,6 +26,9 @@ NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable"
 FLAGS = ("--no-sandbox", "--use-angle=gl-egl", "--ignore-gpu-blocklist")
 """With these WebGL is drawn without a graphics card and without a display."""
 
+VIEWPORT: Any = {"width": 960, "height": 600}
+"""As small as a page is that one still works with: the processor draws every pixel."""
+
 PATIENCE = 60.0
 """s; a picture takes seconds where the processor draws it, and two tests may share it."""
 
@@ -152,9 +155,7 @@ def blank(browser: Any, tmp_path: Path) -> Iterator[Callable[..., Look]]:
     people: list[tuple[Any, Look]] = []
 
     def made(**how: Any) -> Look:
-        context = browser.new_context(
-            viewport={"width": 1280, "height": 760}, accept_downloads=True, **how
-        )
+        context = browser.new_context(viewport=VIEWPORT, accept_downloads=True, **how)
         page = context.new_page()
         page.set_default_timeout(1e3 * PATIENCE)
         people.append((context, Look(page, tmp_path / f"last_{len(people)}.png")))
