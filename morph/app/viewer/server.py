@@ -142,12 +142,15 @@ def _ends_as_interrupted() -> Iterator[None]:
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    # A terminal that is closed hangs up; not every system knows of it.
+    wishes = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
+    before = {wish: signal.signal(wish, signal.default_int_handler) for wish in wishes}
     try:
         yield
     finally:
-        # None stands for a handler that was not installed from Python.
-        signal.signal(signal.SIGTERM, signal.SIG_DFL if before is None else before)
+        for wish, handler in before.items():
+            # None stands for a handler that was not installed from Python.
+            signal.signal(wish, signal.SIG_DFL if handler is None else handler)
 
 
 @contextmanager

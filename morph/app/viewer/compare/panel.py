@@ -14,6 +14,9 @@ from morph.app.viewer.stage import ARROWS
 SWEEP = "none: joints through their ranges"
 """What the choice of tasks calls no task."""
 
+ALONE = "There is no task that all of them know: each shows how far its joints go."
+"""Told where there is nothing to choose."""
+
 
 class Panel:
     """What the view adds to a person's page.
@@ -44,6 +47,7 @@ class Panel:
                 chosen,
                 lambda: on_task(None if chosen.value == SWEEP else str(chosen.value)),
             )
+        self._shared = bool(tasks)
         self._said = gui.add_html("")
         self._boxes = {kind: gui.add_checkbox(f"{kind} arrows", kind in kinds) for kind in KINDS}
         for box in self._boxes.values():
@@ -69,7 +73,8 @@ class Panel:
         """
         for kind, box in self._boxes.items():
             box.visible = kind in lengths
-        self._said.content = goals_html(goals) + states_html(names, works)
+        said = goals_html(goals) + states_html(names, works)
+        self._said.content = said if self._shared else f'<p class="morph">{ALONE}</p>{said}'
         self._legend.content = legend_html(lengths)
 
     def _on(self, handle: Any, what: Callable[[], None]) -> None:

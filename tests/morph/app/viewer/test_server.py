@@ -248,7 +248,7 @@ sys.stdout.write("ended well")
 """
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 @pytest.mark.skipif(os.name != "posix", reason="other systems have other signals")
 def test_looking_ends_well_by_an_interrupt_and_by_the_systems_wish(number: int) -> None:
     process = subprocess.Popen(
