@@ -159,7 +159,7 @@ def _updates(quick: bool) -> Part:
             _told(what, f"{each['sent_hz']:.1f} updates/s")
             rows.append(
                 Row(
-                    what=f"{what}: updates/s sent, drawn by the processor; share of a core",
+                    what=f"{what}: updates/s sent, shown by the page; share of a core",
                     figure=f"{each['sent_hz']:.1f}, {each['reached_hz']:.1f}; "
                     f"{each['process_share']:.2f}",
                     goal="" if goal is None else f"{goal:g}/s",
@@ -170,7 +170,7 @@ def _updates(quick: bool) -> Part:
         raw = [raw_speed(browser, links) for links in RAW[: 1 if quick else None]]
     rows += [
         Row(
-            what=f"control: viser alone, {each['links']} links: sent, drawn",
+            what=f"control: viser alone, {each['links']} links: sent, shown by the page",
             figure=f"{each['sent_hz']:.1f}, {each['reached_hz']:.1f}",
         )
         for each in raw
