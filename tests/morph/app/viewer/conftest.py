@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import http.client
+import logging
 import time
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -42,6 +43,19 @@ def until(holds: Callable[[], Any]) -> Any:
         assert time.monotonic() < end, "it never came"
         time.sleep(0.005)
     return found
+
+
+@pytest.fixture(autouse=True)
+def heard(monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture) -> Iterator[None]:
+    """Hear the viewer's log, whatever libraries of other tests have done to loggers."""
+    before = logging.root.manager.disable
+    logging.disable(logging.NOTSET)
+    for name in ("morph", "morph.app", "morph.app.viewer", "morph.app.viewer.session"):
+        monkeypatch.setattr(logging.getLogger(name), "disabled", False)
+        monkeypatch.setattr(logging.getLogger(name), "propagate", True)
+    with caplog.at_level(logging.INFO, logger="morph.app.viewer"):
+        yield
+    logging.disable(before)
 
 
 class Person:

@@ -240,8 +240,10 @@ def test_closing_ends_all_pages_at_once(still: type[View], people: People, waits
     assert "morph-session" not in {thread.name for thread in threading.enumerate()}
 
 
+# What a shell starts in its background ignores interrupts, and so would what it starts.
 WAITS = """
-import sys
+import signal, sys
+signal.signal(signal.SIGINT, signal.default_int_handler)
 from morph.app.viewer.server import Viewer
 Viewer(lambda: [], port=0).wait()
 sys.stdout.write("ended well")

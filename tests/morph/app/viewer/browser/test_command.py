@@ -10,7 +10,9 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-MORPH = (sys.executable, "-c", "from morph.app.cli.main import entry; entry()")
+# What a shell starts in its background ignores interrupts, and so would what it starts.
+HEARS = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
+MORPH = (sys.executable, "-c", HEARS + "from morph.app.cli.main import entry; entry()")
 
 
 def test_the_command_serves_a_page_until_it_is_interrupted(
