@@ -209,7 +209,10 @@ class Session:
                 asked = self._asked.get_nowait()
             except queue.Empty:
                 return
-            self._safely(asked)
+            # What is asked for is sent when all of it is done: a knob that came before it is
+            # listened to could be moved in vain.
+            with self.client.atomic():
+                self._safely(asked)
             self._controls.stale = True
 
     def _safely(self, what: Callable[[], None]) -> bool:
