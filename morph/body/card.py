@@ -121,6 +121,10 @@ class Bought:
     """Mass of one, kg."""
     link: str
     """The link that carries it."""
+    shape: str = ""
+    """The shape of that link which stands for it, by its name in the description."""
+    joint: str = ""
+    """The joint that it turns, if it is a servo."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -131,6 +135,8 @@ class Print:
     """Links to print."""
     bought: tuple[Bought, ...] = ()
     """Parts to buy."""
+    fused: tuple[str, ...] = ()
+    """Printed links that are one piece with the link that they hang from."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,0 +1,119 @@
+"""Printers, materials and the settings of a print, by name."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import TypeVar
+
+from print.errors import ProfileError
+
+
+@dataclass(frozen=True, kw_only=True)
+class Printer:
+    """A machine that lays down melted plastic."""
+
+    name: str
+    """What users call it."""
+    title: str
+    """Its maker's name for it."""
+    bed_mm: tuple[float, float, float]
+    """Width, depth and height that it can print."""
+    nozzle_mm: float = 0.4
+    """Bore of its nozzle."""
+    filament_mm: float = 1.75
+    """Diameter of the filament."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Material:
+    """A plastic."""
+
+    name: str
+    """What users call it."""
+    density: float
+    """kg/m3."""
+    nozzle_c: int
+    """Temperature of the nozzle, deg C."""
+    bed_c: int
+    """Temperature of the bed, deg C."""
+
+
+PRINTERS = (
+    # Sizes as the makers state them: prusa3d.com, creality.com, bambulab.com.
+    Printer(name="mk4", title="Prusa MK4", bed_mm=(250.0, 210.0, 220.0)),
+    Printer(name="mini", title="Prusa MINI+", bed_mm=(180.0, 180.0, 180.0)),
+    Printer(name="ender3", title="Creality Ender-3 V2", bed_mm=(220.0, 220.0, 250.0)),
+    Printer(name="a1", title="Bambu Lab A1", bed_mm=(256.0, 256.0, 256.0)),
+)
+"""Every printer known by name."""
+
+MATERIALS = (
+    Material(name="pla", density=1240.0, nozzle_c=215, bed_c=60),
+    Material(name="petg", density=1270.0, nozzle_c=240, bed_c=85),
+    Material(name="asa", density=1070.0, nozzle_c=260, bed_c=105),
+)
+"""Every material known by name."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Profile:
+    """How a part is printed: what PrusaSlicer is told and what the estimator assumes."""
+
+    printer: Printer
+    """The machine."""
+    material: Material
+    """The plastic."""
+    layer_mm: float = 0.2
+    """Height of a layer."""
+    line_mm: float = 0.45
+    """Width of a line."""
+    walls: int = 2
+    """Lines around each layer."""
+    solid_layers: tuple[int, int] = (5, 4)
+    """Solid layers on top and at the bottom."""
+    infill: float = 0.15
+    """Part of the inside that is filled, 0 to 1."""
+    overhang_deg: float = 50.0
+    """Faces that lean further than this from upright are supported."""
+    clearance_mm: float = 0.2
+    """Play on each side between what is to go together; a gauge measures it."""
+
+    @property
+    def thinnest_mm(self) -> float:
+        """Least wall that prints as two lines, mm."""
+        return 2.0 * self.line_mm
+
+
+Named = TypeVar("Named", Printer, Material)
+
+
+def printer(name: str) -> Printer:
+    """Return a printer by its name.
+
+    Raises:
+        ProfileError: There is no such printer.
+    """
+    return _named(name, PRINTERS, "printer")
+
+
+def material(name: str) -> Material:
+    """Return a material by its name.
+
+    Raises:
+        ProfileError: There is no such material.
+    """
+    return _named(name, MATERIALS, "material")
+
+
+def _named(name: str, known: Iterable[Named], kind: str) -> Named:
+    by_name = {each.name: each for each in known}
+    if name.lower() in by_name:
+        return by_name[name.lower()]
+    near = difflib.get_close_matches(name.lower()[:100], by_name, n=3, cutoff=0.4) or by_name
+    raise ProfileError(
+        f"no {kind} is called {name[:100]!r}; there are {', '.join(by_name)}",
+        where=f"--{kind}",
+        fix=f"name one of these, such as {next(iter(near))}",
+    )
