@@ -12,9 +12,9 @@ from importlib.metadata import version
 from pathlib import Path
 
 from morph.app.viewer.design.bench import Built, Plan
-from morph.app.viewer.design.card_text import card_text
 from morph.app.viewer.design.parameters import effective, usable
 from morph.body.card import SCHEMA, Card, Checks, Motor, Parameter, Print, Source
+from morph.body.card_text import card_text
 from morph.body.convert import convert
 from morph.body.load import FREEDOMS, TOLERANCE, load
 from morph.body.robot import Robot

@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from morph.app.viewer.design.card_text import LONGEST, card_text
 from morph.body.card import Parameter, Source, load_card
+from morph.body.card_text import LONGEST, card_text
 from morph.body.shelf import builtin_shelf
 
 CARDS = sorted(builtin_shelf().glob("*/card.toml"))
