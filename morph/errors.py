@@ -118,6 +118,10 @@ class LinkDropped(TransferError):
     """A link is down: what was to be sent is not sent, and may be sent later."""
 
 
+class MakeError(MorphError):
+    """A body cannot be made, or what was made of it cannot be used."""
+
+
 class OutputError(MorphError):
     """A result cannot be written."""
 
