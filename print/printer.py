@@ -24,6 +24,10 @@ class Printer:
     """Bore of its nozzle."""
     filament_mm: float = 1.75
     """Diameter of the filament."""
+    retract_mm: float = 0.8
+    """Filament drawn back before a move without printing; more where a tube leads it."""
+    level: str = ""
+    """Its command that probes the bed after homing; empty for one that is levelled by hand."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,21 +42,31 @@ class Material:
     """Temperature of the nozzle, deg C."""
     bed_c: int
     """Temperature of the bed, deg C."""
+    fan_percent: int = 100
+    """How fast the fan turns that cools what was printed."""
 
 
 PRINTERS = (
     # Sizes as the makers state them: prusa3d.com, creality.com, bambulab.com.
-    Printer(name="mk4", title="Prusa MK4", bed_mm=(250.0, 210.0, 220.0)),
-    Printer(name="mini", title="Prusa MINI+", bed_mm=(180.0, 180.0, 180.0)),
-    Printer(name="ender3", title="Creality Ender-3 V2", bed_mm=(220.0, 220.0, 250.0)),
-    Printer(name="a1", title="Bambu Lab A1", bed_mm=(256.0, 256.0, 256.0)),
+    Printer(name="mk4", title="Prusa MK4", bed_mm=(250.0, 210.0, 220.0), level="G29"),
+    Printer(
+        name="mini",
+        title="Prusa MINI+",
+        bed_mm=(180.0, 180.0, 180.0),
+        retract_mm=3.2,
+        level="G29",
+    ),
+    Printer(
+        name="ender3", title="Creality Ender-3 V2", bed_mm=(220.0, 220.0, 250.0), retract_mm=5.0
+    ),
+    Printer(name="a1", title="Bambu Lab A1", bed_mm=(256.0, 256.0, 256.0), level="G29"),
 )
 """Every printer known by name."""
 
 MATERIALS = (
     Material(name="pla", density=1240.0, nozzle_c=215, bed_c=60),
-    Material(name="petg", density=1270.0, nozzle_c=240, bed_c=85),
-    Material(name="asa", density=1070.0, nozzle_c=260, bed_c=105),
+    Material(name="petg", density=1270.0, nozzle_c=240, bed_c=85, fan_percent=50),
+    Material(name="asa", density=1070.0, nozzle_c=260, bed_c=105, fan_percent=15),
 )
 """Every material known by name."""
 

@@ -1,0 +1,65 @@
+"""Run another program with a limit on its time, and leave nothing of it behind."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import subprocess
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+LOG_BYTES = 1_000_000
+"""No more than this is read of what a program says."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ran:
+    """How a program ended."""
+
+    status: int | None
+    """Its exit status, minus the number of the signal that ended it; None: out of time."""
+    said: str
+    """What it wrote to its output and its error output."""
+
+
+def attended(
+    command: Sequence[str], *, folder: Path, environment: Mapping[str, str], timeout_s: float
+) -> Ran:
+    """Run a program to its end, or until its time is over, and return how it ended.
+
+    It gets a process group of its own, all of which is killed at the end, whatever the end
+    is: children that it left behind, too. What it says goes to a file, because a child that
+    stays would hold a pipe open for ever.
+
+    Args:
+        command: The program and its arguments.
+        folder: Where it runs; `said.log` is written there.
+        environment: Its environment.
+        timeout_s: Seconds that it may take.
+
+    Raises:
+        OSError: It cannot be started, or its folder cannot be written to.
+    """
+    log = folder / "said.log"
+    with log.open("wb") as output:
+        process = subprocess.Popen(
+            command,
+            stdin=subprocess.DEVNULL,
+            stdout=output,
+            stderr=subprocess.STDOUT,
+            cwd=folder,
+            env=dict(environment),
+            start_new_session=True,
+        )
+        try:
+            status: int | None = process.wait(timeout=timeout_s)
+        except subprocess.TimeoutExpired:
+            status = None
+        finally:
+            with contextlib.suppress(ProcessLookupError, PermissionError):
+                os.killpg(process.pid, signal.SIGKILL)
+            process.wait()
+    with log.open("rb") as read:
+        return Ran(status=status, said=read.read(LOG_BYTES).decode("utf-8", "replace"))
