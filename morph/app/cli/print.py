@@ -1,0 +1,185 @@
+"""`morph print`: from a body to a package for the printer."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from morph.app.cli.print_arguments import Print
+from morph.app.cli.stages import stages
+from morph.app.cli.words import harmless, paragraph, say, width
+from morph.errors import MakeError, OutputError
+
+if TYPE_CHECKING:
+    from morph.body.robot import Robot
+    from morph.make.content import Package
+    from print.printer import Profile
+    from print.slicer import Slicer
+
+DONE, STOPPED_SHORT = 0, 3
+
+
+def run_print(asked: Print) -> int:
+    """Make the package and return the exit status.
+
+    Raises:
+        MorphError: An input cannot be used, or the package cannot be written.
+    """
+    from morph.make.aside import aside, check_out
+    from morph.make.packed import FILE
+    from print.errors import PrintError
+
+    if not asked.out.strip():
+        # As a path it would be the folder where one stands.
+        raise OutputError("no folder is named", where="--out", fix="name a new or an empty folder")
+    out = Path(asked.out)
+    check_out(out)
+    try:
+        profile, slicer = _profile(asked), _slicer(asked)
+        with stages(asked.quiet) as told:
+            robot = _robot(asked)
+            package = _package(asked, robot, profile, slicer, told.now)
+            with aside(out) as folder:
+                package = _write(asked, folder, robot, package, told.now)
+    except PrintError as error:
+        raise MakeError(error.what, where=error.where, fix=error.fix) from error
+    if asked.json:
+        sys.stdout.write((out / FILE).read_text(encoding="utf-8"))
+    else:
+        columns = width()
+        say(
+            (line, style)
+            for said, style in _words(out, package)
+            for line in paragraph(harmless(said), 4, columns)
+        )
+    lost = package.policy is not None and package.policy.verdict == "lost"
+    return STOPPED_SHORT if package.job.refused or lost else DONE
+
+
+def _profile(asked: Print) -> Profile:
+    from print.printer import Profile, material, printer
+
+    return Profile(
+        printer=printer(asked.printer),
+        material=material(asked.material),
+        layer_mm=asked.layer,
+        walls=asked.walls,
+        infill=asked.infill,
+        clearance_mm=asked.play,
+    )
+
+
+def _slicer(asked: Print) -> Slicer | None:
+    from print.slicer import find_slicer
+
+    found = None if asked.slicer == "none" else find_slicer()
+    if found is None and asked.slicer == "needed":
+        raise MakeError(
+            "there is no PrusaSlicer",
+            where="--slicer",
+            fix="install it (on Debian: apt-get install prusa-slicer), or say --slicer auto",
+        )
+    return found
+
+
+def _robot(asked: Print) -> Robot:
+    from morph.body.load import load
+
+    return load(asked.robot, base=asked.base, folder=asked.folder)
+
+
+def _package(
+    asked: Print,
+    robot: Robot,
+    profile: Profile,
+    slicer: Slicer | None,
+    tell: Callable[[str], None],
+) -> Package:
+    """Return what is to be written, but for the policy."""
+    from morph.make.content import Package
+    from morph.make.divide import divide
+    from morph.make.masses import link_masses
+    from print.prepare import prepare
+
+    tell("dividing it into parts")
+    division = divide(robot, profile)
+    job = prepare(
+        division.parts,
+        division.hinges,
+        profile,
+        slicer=slicer,
+        tell=tell,
+        timeout_s=asked.timeout,
+    )
+    job = replace(job, checks=(*division.checks, *job.checks))
+    return Package(
+        name=robot.name,
+        title=robot.card.title if robot.card is not None else robot.name,
+        designed_sha256=robot.sha256,
+        job=job,
+        links=link_masses(robot, job, division.complete),
+        hinges=division.hinges,
+        complete=division.complete,
+        notes=division.notes,
+        command=_command(asked),
+    )
+
+
+def _write(
+    asked: Print, folder: Path, robot: Robot, package: Package, tell: Callable[[str], None]
+) -> Package:
+    """Write all of it into a folder, `package.json` last."""
+    from morph.make.package import write_content, write_parts, write_robots
+
+    tell("writing the robot as it comes off the printer")
+    made = write_robots(folder, robot, package)
+    package = replace(package, made_sha256=made.sha256)
+    tell("writing plates and parts")
+    metadata = {"Title": package.title, "Application": "morph"}
+    files = write_parts(folder, package.job, metadata)
+    write_content(folder, package, files)
+    return package
+
+
+def _command(asked: Print) -> str:
+    said = ["morph", "print", asked.robot, "--printer", asked.printer]
+    said += ["--material", asked.material, "--out", asked.out]
+    for name in ("policy", "seconds", "slicer", "layer", "walls", "infill", "play", "base", "seed"):
+        value = getattr(asked, name)
+        if value is not None and value != getattr(Print, name, None):
+            said += [f"--{name}", str(value)]
+    return shlex.join(said)
+
+
+def _words(out: Path, package: Package) -> list[tuple[str, str]]:
+    job = package.job
+    printed = [part for part in job.parts if part.name in job.sliced]
+    copies = sum(part.count for part in printed)
+    source = "sliced" if any(s.source == "gcode" for s in job.sliced.values()) else "estimated"
+    plates = sum(plate.name.startswith("plate") for plate in job.plates)
+    said = [
+        (
+            f"{package.title}: {copies} copies of {len(printed)} parts on {plates} plates, "
+            f"{job.grams:.0f} g and {_hours(job.seconds)} ({source})",
+            "bold",
+        ),
+        (f"it weighs {package.now_kg:.3f} kg; the model said {package.designed_kg:.3f} kg", ""),
+    ]
+    for check in job.checks:
+        if check.verdict == "refused":
+            said.append((f"refused: {check.part}: {check.what}; {check.fix}", "red"))
+    noted = sum(check.verdict == "noted" for check in job.checks)
+    if noted:
+        said.append((f"{noted} things to look at, in report.html", ""))
+    said += [(note, "") for note in job.notes]
+    said.append((f"wrote {out}", ""))
+    return said
+
+
+def _hours(seconds: float) -> str:
+    minutes = round(seconds / 60)
+    return f"{minutes // 60} h {minutes % 60:02d} min"

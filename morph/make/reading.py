@@ -1,0 +1,99 @@
+"""Reading a package that `morph print` wrote; it may come from a stranger."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+
+from morph.body.mesh import read_mesh
+from morph.body.mesh.limits import LARGEST
+from morph.body.table import Place, read_table
+from morph.errors import MakeError, MeshError, RobotError
+from morph.make.content import Package
+from morph.make.packed import FILE, SCHEMA, Packed, PackedPart
+from morph.make.unpack import unpacked
+from print.mesh import Mesh
+
+MOST_BYTES = 32 * 2**20
+"""Largest `package.json`; that of the humanoid has about one million bytes."""
+
+MOST_PARTS = 5000
+"""Most parts whose shapes are read."""
+
+
+def read_package(folder: str | Path) -> Package:
+    """Return the package in a folder, with the shapes of its parts.
+
+    Raises:
+        MakeError: There is none, or a file in it is damaged, too large or elsewhere.
+    """
+    place = Path(folder)
+    packed = _read(place / FILE)
+    if len(packed.parts) + len(packed.gauges) > MOST_PARTS:
+        raise _bad(place / FILE, f"it has more than {MOST_PARTS} parts")
+    return unpacked(packed, place, lambda part: _mesh(place, part))
+
+
+def is_package(folder: Path) -> bool:
+    """Return whether a folder holds a package of ours, however damaged."""
+    try:
+        with (folder / FILE).open("rb") as file:
+            return SCHEMA.encode() in file.read(4096)
+    except OSError:
+        return False
+
+
+def _read(path: Path) -> Packed:
+    try:
+        if not path.is_file():
+            raise MakeError(
+                "there is no package",
+                where=str(path),
+                fix="name a folder that `morph print` wrote",
+            )
+        if path.stat().st_size > MOST_BYTES:
+            raise _bad(path, f"it has more than {MOST_BYTES} bytes")
+        said = json.loads(path.read_bytes(), parse_constant=_no_number)
+    except OSError as error:
+        raise _bad(path, f"it cannot be read: {error.strerror or error}") from error
+    except (ValueError, RecursionError) as error:
+        raise _bad(path, f"it is no JSON: {error}") from error
+    if not isinstance(said, dict) or said.get("schema") != SCHEMA:
+        raise _bad(path, f"its schema is not {SCHEMA}")
+    try:
+        return read_table(Packed, said, Place(file=str(path), text=""))
+    except RobotError as error:
+        raise _bad(path, error.what) from error
+
+
+def _no_number(name: str) -> float:
+    raise ValueError(f"{name} is no number")
+
+
+def _mesh(folder: Path, part: PackedPart) -> Mesh | None:
+    if not part.file:
+        return None
+    path = folder / part.file
+    try:
+        if not path.resolve().is_relative_to(folder.resolve()):
+            raise _bad(folder / FILE, f"the file {part.file!r} is not in the package")
+        if path.stat().st_size > LARGEST:
+            raise _bad(path, f"it has more than {LARGEST} bytes")
+        found = read_mesh(path.read_bytes(), ".stl", str(path)).merged
+    except MeshError as error:
+        raise MakeError(error.what, where=error.where, fix=error.fix) from error
+    except OSError as error:
+        raise _bad(path, f"it cannot be read: {error.strerror or error}") from error
+    turned = Mesh(vertices=found.vertices, faces=found.faces)
+    if part.printed is None:
+        return turned
+    # It lies as it is printed; its own frame is the turn undone.
+    back = np.eye(4)
+    back[:3, :3] = np.array(part.printed.turn, dtype=np.float64).reshape(3, 3).T
+    return turned.moved(back)
+
+
+def _bad(path: Path, what: str) -> MakeError:
+    return MakeError(what, where=str(path), fix="make the package anew with `morph print`")

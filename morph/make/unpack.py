@@ -1,0 +1,194 @@
+"""From what `package.json` holds to a package, each number looked at."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any, cast
+
+import numpy as np
+
+from morph.arrays import Array
+from morph.body.inertia import is_physical
+from morph.errors import MakeError
+from morph.make.content import Package
+from morph.make.link_mass import LinkMass
+from morph.make.packed import Packed, PackedLink, PackedPart, Printed, Spread
+from print.job import Job, Laid, Orientation, Plate
+from print.mesh import Mesh
+from print.part import Check, Hinge, Part, Placement, Seat
+from print.sliced import Sliced
+from print.weight import Weight
+
+
+def unpacked(packed: Packed, folder: Path, mesh_of: Callable[[PackedPart], Mesh | None]) -> Package:
+    """Return the package that a `package.json` describes.
+
+    Args:
+        packed: Its content.
+        folder: Where it lies.
+        mesh_of: Gives a part's solid in the part's own frame.
+
+    Raises:
+        MakeError: A number in it is none, or a matrix is no pose.
+    """
+    reader = _Reader(where=str(folder / "package.json"))
+    every = [*packed.parts, *packed.gauges]
+    parts = {each.name: reader.part(each, mesh_of(each)) for each in every}
+    if len(parts) < len(every):
+        raise reader.wrong("two parts have the same name")
+    printed = [each for each in every if each.printed is not None]
+    job = Job(
+        profile=packed.profile,
+        parts=tuple(parts[each.name] for each in packed.parts if each.name not in packed.refused),
+        refused=tuple(parts[each.name] for each in packed.parts if each.name in packed.refused),
+        checks=tuple(_check(each) for each in packed.checks),
+        orientations={
+            each.name: reader.orientation(each.printed) for each in printed if each.printed
+        },
+        sliced={each.name: reader.sliced(each) for each in printed},
+        plates=tuple(reader.plate(each) for each in packed.plates),
+        gauges=tuple(parts[each.name] for each in packed.gauges),
+        notes=(),
+    )
+    return Package(
+        name=packed.name,
+        title=packed.title,
+        designed_sha256=packed.designed_sha256,
+        made_sha256=packed.made_sha256,
+        job=job,
+        links=tuple(reader.link(each) for each in packed.links),
+        hinges=tuple(reader.hinge(each) for each in packed.hinges),
+        complete=frozenset(packed.complete),
+        readings={
+            each.name: 1e-3 * each.measured_g for each in every if each.measured_g is not None
+        },
+        policy=packed.policy,
+        notes=packed.notes,
+        command=packed.command,
+        folder=folder,
+    )
+
+
+class _Reader:
+    """Turns rows of numbers into matrices, and names what is wrong."""
+
+    def __init__(self, where: str) -> None:
+        self.where = where
+
+    def wrong(self, what: str) -> MakeError:
+        return MakeError(what, where=self.where, fix="make the package anew with `morph print`")
+
+    def matrix(self, values: Sequence[float], *shape: int) -> Array:
+        found = np.array(values, dtype=np.float64)
+        if found.size != np.prod(shape) or not np.isfinite(found).all():
+            raise self.wrong(
+                f"{found.size} numbers stand where {np.prod(shape)} finite ones belong"
+            )
+        return found.reshape(shape)
+
+    def turn(self, values: Sequence[float]) -> Array:
+        found = self.matrix(values, 3, 3)
+        # 1e-6 is far above the rounding of a product of turns, and far below a scale.
+        if np.abs(found @ found.T - np.eye(3)).max() > 1e-6:
+            raise self.wrong("a matrix that should turn also stretches")
+        return found
+
+    def pose(self, values: Sequence[float]) -> Array:
+        found = self.matrix(values, 4, 4)
+        self.turn(found[:3, :3].ravel().tolist())
+        return found
+
+    def weight(self, said: Spread) -> Weight:
+        xx, yy, zz, xy, xz, yz = self.matrix(said.inertia_kgm2, 6)
+        inertia = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        com = self.matrix(said.com_m, 3)
+        if not 0 <= said.mass_kg < np.inf or (inertia.any() and not is_physical(inertia)):
+            raise self.wrong(f"a mass of {said.mass_kg:g} kg has an inertia that no body has")
+        return Weight(mass=said.mass_kg, com=com, inertia=inertia)
+
+    def part(self, said: PackedPart, mesh: Mesh | None) -> Part:
+        if said.kind not in ("printed", "bought", "fused") or said.hand not in (
+            "",
+            "left",
+            "right",
+        ):
+            raise self.wrong(f"the part {said.name!r} is {said.kind!r} and {said.hand!r}")
+        return Part(
+            name=said.name,
+            kind=cast(Any, said.kind),
+            mesh=mesh,
+            placements=tuple(
+                Placement(link=at.link, pose=self.pose(at.pose_mm), world=self.pose(at.world_mm))
+                for at in said.copies
+            ),
+            hand=cast(Any, said.hand),
+            seats=tuple(
+                Seat(
+                    holds=seat.holds,
+                    position=self.matrix(seat.position_mm, 3),
+                    axis=self.matrix(seat.axis, 3),
+                    bore_mm=seat.bore_mm,
+                )
+                for seat in said.holds
+            ),
+            weight=None if said.weight is None else self.weight(said.weight),
+            into=said.into,
+            number=said.number,
+            piece_of=said.piece_of,
+        )
+
+    def orientation(self, said: Printed) -> Orientation:
+        return Orientation(
+            turn=self.turn(said.turn),
+            support_mm3=said.support_mm3,
+            first_support_mm3=said.first_support_mm3,
+            height_mm=said.height_mm,
+        )
+
+    def sliced(self, said: PackedPart) -> Sliced:
+        printed = said.printed
+        if printed is None or said.weight is None or printed.source not in ("gcode", "estimate"):
+            raise self.wrong(f"the printed part {said.name!r} has no weight, or one from nowhere")
+        return Sliced(
+            source=cast(Any, printed.source),
+            weight=self.weight(said.weight),
+            support_kg=printed.support_kg,
+            seconds=printed.seconds,
+            by_feature={each.name: each.mass_kg for each in printed.features},
+            warnings=printed.warnings,
+            slicer=printed.slicer,
+        )
+
+    def plate(self, said: Any) -> Plate:
+        laid = tuple(
+            Laid(part=each.part, copy=each.copy, pose=self.pose(each.pose_mm)) for each in said.laid
+        )
+        return Plate(name=said.name, laid=laid)
+
+    def link(self, said: PackedLink) -> LinkMass:
+        if said.source not in ("description", "estimate", "gcode", "scale"):
+            raise self.wrong(f"the mass of {said.link!r} comes from {said.source!r}")
+        return LinkMass(
+            link=said.link,
+            designed=self.weight(said.designed),
+            predicted=None if said.predicted is None else self.weight(said.predicted),
+            measured=None if said.measured is None else self.weight(said.measured),
+            source=cast(Any, said.source),
+        )
+
+    def hinge(self, said: Any) -> Hinge:
+        return Hinge(
+            name=said.name,
+            kind=said.kind,
+            position=self.matrix(said.position_mm, 3),
+            axis=self.matrix(said.axis, 3),
+            low=said.low,
+            high=said.high,
+            still=said.still,
+            moving=said.moving,
+        )
+
+
+def _check(said: Any) -> Check:
+    return Check(**vars(said))

@@ -1,0 +1,162 @@
+"""From parts to a print job: looked at, cut to the bed, turned, weighed and laid on plates."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field, replace
+
+from print.clearance import clearances
+from print.errors import SplitError
+from print.estimate import estimated
+from print.gate import check_part
+from print.gauge import gauges
+from print.job import Job, Orientation, Plate
+from print.orient import orient
+from print.part import Check, Hinge, Part
+from print.plate import plates
+from print.printer import Profile
+from print.sliced import Sliced
+from print.slicer import Slicer
+from print.split import split
+
+AT_ONCE = 2
+"""Slicers that run at the same time; each takes one core and some 200 MB."""
+
+
+def prepare(
+    parts: Sequence[Part],
+    hinges: Sequence[Hinge],
+    profile: Profile,
+    *,
+    slicer: Slicer | None,
+    tell: Callable[[str], None] = lambda said: None,
+    timeout_s: float = 300.0,
+) -> Job:
+    """Return the job of printing parts; what cannot be printed is in it as refused.
+
+    Args:
+        parts: Everything that the body is made of; what is not printed is passed on.
+        hinges: How they move, to see whether they collide.
+        profile: Printer, material and settings.
+        slicer: The slicer to ask; None: masses are estimated.
+        tell: Is told what is being done now.
+        timeout_s: Longest that the slicer may take for one part, s.
+
+    Raises:
+        SlicerError: The slicer hung, died, or wrote what cannot be used.
+        PlateError: What was accepted cannot be laid on plates.
+    """
+    gate = _Gate(profile=profile, tell=tell)
+    for part in parts:
+        gate.take(part)
+    tell("turning joints to see whether parts collide")
+    checks = (*gate.checks, *clearances((*gate.passed, *gate.kept), hinges, profile))
+    tried = _tried(gate.passed, profile)
+    turned = {}
+    for part in (*gate.passed, *tried):
+        tell(f"turning {part.name} to need little support")
+        if part.mesh is not None:
+            turned[part.name] = orient(part.mesh, profile)
+    weighed = _weighed((*gate.passed, *tried), turned, profile, slicer, tell, timeout_s)
+    tell("laying parts on plates")
+    return Job(
+        profile=profile,
+        parts=(*(_with(part, weighed) for part in gate.passed), *gate.kept),
+        refused=tuple(gate.refused),
+        checks=checks,
+        orientations=turned,
+        sliced=weighed,
+        plates=(
+            *_named(plates(tried, turned, profile), "gauges"),
+            *_named(plates(gate.passed, turned, profile), "plate"),
+        ),
+        gauges=tuple(_with(part, weighed) for part in tried),
+        notes=_notes(slicer),
+    )
+
+
+@dataclass(kw_only=True)
+class _Gate:
+    """What is let through, and what was found."""
+
+    profile: Profile
+    tell: Callable[[str], None]
+    passed: list[Part] = field(default_factory=list)
+    kept: list[Part] = field(default_factory=list)
+    refused: list[Part] = field(default_factory=list)
+    checks: list[Check] = field(default_factory=list)
+
+    def take(self, part: Part) -> None:
+        if part.kind != "printed" or part.mesh is None:
+            self.kept.append(part)
+            return
+        self.tell(f"looking at {part.name}")
+        found, checks = check_part(part, self.profile)
+        self.checks += checks
+        if any(check.verdict == "refused" for check in checks):
+            self.refused.append(part)
+            return
+        try:
+            self.passed += split(found, self.profile)
+        except SplitError as error:
+            self.checks.append(
+                Check(
+                    part=part.name,
+                    name="split",
+                    verdict="refused",
+                    what=error.what,
+                    fix=error.fix,
+                )
+            )
+            self.refused.append(part)
+
+
+def _tried(parts: Sequence[Part], profile: Profile) -> tuple[Part, ...]:
+    """Return the gauges; none for parts that hold nothing."""
+    return tuple(part for part in gauges(parts, profile) if part.mesh is not None)
+
+
+def _weighed(
+    parts: Sequence[Part],
+    turned: dict[str, Orientation],
+    profile: Profile,
+    slicer: Slicer | None,
+    tell: Callable[[str], None],
+    timeout_s: float,
+) -> dict[str, Sliced]:
+    if slicer is None:
+        found = {}
+        for part in parts:
+            tell(f"estimating {part.name}")
+            found[part.name] = estimated(part, turned[part.name], profile)
+        return found
+
+    def ask(part: Part) -> Sliced:
+        tell(f"slicing {part.name}")
+        return slicer.sliced(part, turned[part.name], profile, timeout_s=timeout_s)
+
+    pool = ThreadPoolExecutor(AT_ONCE)
+    try:
+        asked = {part.name: pool.submit(ask, part) for part in parts}
+        return {name: future.result() for name, future in asked.items()}
+    finally:
+        # After a failure nobody waits for what was not begun.
+        pool.shutdown(wait=True, cancel_futures=True)
+
+
+def _with(part: Part, weighed: dict[str, Sliced]) -> Part:
+    return replace(part, weight=weighed[part.name].weight)
+
+
+def _named(laid: Iterable[Plate], name: str) -> Iterable[Plate]:
+    return (replace(plate, name=f"{name}_{at}") for at, plate in enumerate(laid, start=1))
+
+
+def _notes(slicer: Slicer | None) -> tuple[str, ...]:
+    if slicer is not None:
+        return ()
+    return (
+        "No slicer was asked: masses and times are estimates, and there is no G-code. "
+        "Install PrusaSlicer for both.",
+    )
