@@ -147,9 +147,7 @@ def _chosen(profile: Profile) -> dict[str, str]:
         "bridge_fan_speed": str(max(material.fan_percent, 30)),
         "layer_height": layer,
         "first_layer_height": layer,
-        **{
-            f"{each}extrusion_width": line for each in (*widths, "top_infill_", "support_material_")
-        },
+        **{f"{each}extrusion_width": line for each in WIDTHS},
         "perimeters": str(profile.walls),
         "top_solid_layers": str(profile.solid_layers[0]),
         "bottom_solid_layers": str(profile.solid_layers[1]),

@@ -73,7 +73,7 @@ class Slicer:
         left = deposit(drawn, profile)
         return Sliced(
             source="gcode",
-            weight=left.weight.moved(np.linalg.inv(pose)),
+            weight=left.weight.moved(_back(pose)),
             support_kg=left.away,
             seconds=code.seconds,
             by_feature=left.by_feature,
@@ -158,6 +158,14 @@ def laid(mesh: Mesh, turn: Array, profile: Profile) -> Array:
     width, depth, _ = profile.printer.bed_mm
     pose[:3, 3] = np.array([width / 2.0, depth / 2.0, 0.0]) - [*((low + high) / 2.0)[:2], low[2]]
     return pose
+
+
+def _back(pose: Array) -> Array:
+    """Return the pose that undoes one that neither stretches nor shears."""
+    undone = np.eye(4)
+    undone[:3, :3] = pose[:3, :3].T
+    undone[:3, 3] = -pose[:3, :3].T @ pose[:3, 3]
+    return undone
 
 
 def _version(program: Path) -> str:
