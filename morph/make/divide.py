@@ -1,0 +1,75 @@
+"""A robot as the parts that it is made of."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from morph.body.robot import Robot
+from morph.make import bought as buying
+from morph.make.bought import Item
+from morph.make.division import Division
+from morph.make.drawing import Drawing, drawing
+from morph.make.groups import grouped
+from morph.make.hinges import hinges
+from morph.make.made import made
+from morph.make.names import Names, safe
+from morph.make.pieces import pieces, printed_links
+from morph.make.skeletons import skeletons
+from print.part import Check, Part
+from print.printer import Profile
+
+
+def divide(robot: Robot, profile: Profile) -> Division:
+    """Return what of a body is printed, bought or fused, and how its parts move.
+
+    A link drawn by meshes is those meshes, each a part; a link drawn by simple solids becomes a
+    shell that holds what is bought. What cannot be made is refused in a check.
+
+    Args:
+        robot: The body; its card may say what is printed and what is bought.
+        profile: How it is to be printed.
+    """
+    drawn = drawing(robot)
+    things, notes = buying.items(drawn)
+    found = grouped(pieces(drawn, things, skeletons(drawn, things)))
+    names = Names()
+    parts: list[Part] = []
+    checks: list[Check] = []
+    missing: set[str] = set()
+    for group in found:
+        printed, failed = made(drawn, group, profile, names)
+        parts += printed
+        checks += failed
+        if failed:
+            missing |= {piece.link for piece, _ in group.members}
+            missing |= {piece.link for piece, _ in group.twin.members} if group.twin else set()
+    numbered = [replace(part, number=f"P-{at:02d}") for at, part in enumerate(parts, start=1)]
+    numbered += _bought(drawn, things, names)
+    return Division(
+        robot=robot,
+        parts=tuple(numbered),
+        hinges=hinges(drawn),
+        checks=tuple(checks),
+        notes=(*drawn.unread, *notes),
+        complete=_complete(drawn, things, missing),
+    )
+
+
+def _bought(drawn: Drawing, things: Sequence[Item], names: Names) -> list[Part]:
+    return [
+        replace(part, name=names.one(safe(part.name)), number=f"B-{at:02d}")
+        for at, (part, _) in enumerate(buying.parts(drawn, things), start=1)
+    ]
+
+
+def _complete(drawn: Drawing, things: Sequence[Item], missing: set[str]) -> frozenset[str]:
+    """Return the links of which everything that weighs is known."""
+    card = drawn.robot.card
+    if card is None:
+        return frozenset()
+    if card.print is None:
+        servos = any(motor.model != "ideal" for motor in card.motor)
+        return frozenset() if servos else frozenset(set(printed_links(drawn)) - missing)
+    held = {item.entry.link for item in things}
+    return frozenset((set(printed_links(drawn)) | held) - missing)

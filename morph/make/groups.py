@@ -1,0 +1,71 @@
+"""Pieces that are alike, as one part with several copies, and those that are mirrored twins."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from morph.arrays import Array
+from morph.make.alike import motion
+from morph.make.pieces import Piece
+from print.mesh import Mesh
+
+
+@dataclass(kw_only=True, eq=False)
+class Group:
+    """Pieces that are one part, each with the motion from the first one's frame to its own."""
+
+    members: list[tuple[Piece, Array]]
+    """Pieces and motions, shape (4, 4), mm; the first one's is the identity."""
+    twin: Group | None = None
+    """The mirrored ones."""
+    mirror: Array | None = None
+    """Of a twin: from the frame of the first piece of its original to that of its own first."""
+    points: Array = field(default_factory=lambda: np.zeros((0, 4)))
+    """What it is compared by."""
+
+    @property
+    def first(self) -> Piece:
+        """The piece after which it is made."""
+        return self.members[0][0]
+
+
+def grouped(pieces: Iterable[Piece]) -> tuple[Group, ...]:
+    """Return pieces in groups, in order; twins stand in their group's `twin`."""
+    found: list[Group] = []
+    for piece in pieces:
+        points = piece.points()
+        if not any(_joins(group, piece, points) for group in found):
+            found.append(Group(members=[(piece, np.eye(4))], points=points))
+    return tuple(found)
+
+
+def _joins(group: Group, piece: Piece, points: Array) -> bool:
+    """Add a piece to a group or its twin if it is like it; return whether it was."""
+    if isinstance(group.first.source, Mesh) != isinstance(piece.source, Mesh):
+        return False
+    if piece.source is group.first.source:
+        found: Array | None = np.eye(4)
+    elif len(points) != len(group.points) or not _same_size(group, piece):
+        return False
+    else:
+        found = motion(group.points, points)
+    if found is None:
+        return False
+    if np.linalg.det(found[:3, :3]) > 0:
+        group.members.append((piece, found))
+    elif group.twin is None or group.twin.mirror is None:
+        group.twin = Group(members=[(piece, np.eye(4))], mirror=found)
+    else:
+        group.twin.members.append((piece, found @ np.linalg.inv(group.twin.mirror)))
+    return True
+
+
+def _same_size(group: Group, piece: Piece) -> bool:
+    """Return whether volumes agree, where there are any: the quickest thing to compare."""
+    one, other = group.first.source, piece.source
+    if not isinstance(one, Mesh) or not isinstance(other, Mesh):
+        return True
+    return abs(one.volume - other.volume) <= 1e-3 * max(abs(one.volume), 1.0)
