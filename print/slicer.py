@@ -65,7 +65,7 @@ class Slicer:
         Raises:
             SlicerError: The slicer is missing, hangs, dies, or writes what cannot be used.
         """
-        mesh = _mesh(part)
+        mesh = mesh_of(part)
         pose = laid(mesh, orientation.turn, profile)
         code = self.code({part.name: mesh.moved(pose)}, profile, timeout_s=timeout_s)
         drawn = lines(code.gcode, where=f"G-code of {part.name}")
@@ -73,7 +73,7 @@ class Slicer:
         left = deposit(drawn, profile)
         return Sliced(
             source="gcode",
-            weight=left.weight.moved(_back(pose)),
+            weight=left.weight.moved(back(pose)),
             support_kg=left.away,
             seconds=code.seconds,
             by_feature=left.by_feature,
@@ -160,7 +160,7 @@ def laid(mesh: Mesh, turn: Array, profile: Profile) -> Array:
     return pose
 
 
-def _back(pose: Array) -> Array:
+def back(pose: Array) -> Array:
     """Return the pose that undoes one that neither stretches nor shears."""
     undone = np.eye(4)
     undone[:3, :3] = pose[:3, :3].T
@@ -190,7 +190,12 @@ def _environment(folder: Path) -> dict[str, str]:
     return {**kept, "HOME": str(folder), "TMPDIR": str(folder), "LC_ALL": "C"}
 
 
-def _mesh(part: Part) -> Mesh:
+def mesh_of(part: Part) -> Mesh:
+    """Return the mesh of a part.
+
+    Raises:
+        SlicerError: It has none.
+    """
     if part.mesh is None:
         raise SlicerError(
             "it has no mesh", where=part.name, fix="slice only parts that are printed"
