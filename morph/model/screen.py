@@ -58,7 +58,7 @@ def suspects(
         best: Suspect | None = None
         for shaped in _shapes(effect):
             raw = _stack([part.smooth(shaped.regressor(part.motion)) for part in parts], weights)
-            suspect = _fitted(shaped, off_own(raw), rest, _typical(shaped, raw, forces))
+            suspect = _fitted(shaped, off_own(raw), rest, _sizes(raw, forces))
             if best is None or suspect.gain > best.gain:
                 best = suspect
         if best is not None:
@@ -66,37 +66,28 @@ def suspects(
     return tuple(sorted(found, key=lambda s: -s.gain))
 
 
-def _fitted(effect: Effect, columns: Array, rest: Array, typical: Effect) -> Suspect:
+def _fitted(effect: Effect, columns: Array, rest: Array, sizes: Array) -> Suspect:
     scale = np.sqrt((columns**2).sum(axis=0)) + 1e-12
+    # What moves nothing, as an offset along a hinge's axis, is rounding beside the others.
+    scale[scale < 1e-9 * scale.max()] = np.inf
     coefficients = np.linalg.lstsq(columns / scale, rest, rcond=1e-8)[0] / scale
     suspect = effect.with_strengths(coefficients)
     # What the bounds leave of the coefficients decides how much is explained.
-    kept = _coefficients(effect, suspect, coefficients)
-    left = rest - columns @ kept
+    left = rest - columns @ suspect.coefficients
     gain = float(1.0 - (left**2).sum() / ((rest**2).sum() + 1e-30))
-    return Suspect(effect=suspect, typical=typical, gain=gain)
+    return Suspect(effect=suspect, typical=suspect.typical(sizes), gain=gain)
 
 
-def _typical(effect: Effect, columns: Array, forces: float) -> Effect:
-    """Return the effect at a strength whose force is a tenth of the forces at work."""
+def _sizes(columns: Array, forces: float) -> Array:
+    """Return the coefficients at which each column's force is a tenth of the forces at work."""
     size = np.sqrt((columns**2).mean(axis=0)) * np.sqrt(columns.shape[0]) + 1e-12
     moving = np.sqrt((columns != 0.0).any(axis=1).sum() + 1.0)
-    strengths = 0.1 * forces * moving / size
-    if effect.name == "joint_stiffness":
-        strengths = strengths * np.array([1.0, 0.0])
-    return effect.with_strengths(strengths)
+    return np.asarray(0.1 * forces * moving / size)
 
 
 def _at_work(part: Needed) -> Array:
     """Return the forces along one episode that drive or are driven, (samples, dofs)."""
     return np.asarray(np.abs(part.missing) + np.abs(part.motion.drive).sum(axis=1))
-
-
-def _coefficients(before: Effect, after: Effect, coefficients: Array) -> Array:
-    if after.name == "joint_stiffness":
-        return coefficients if coefficients[0] > 0.0 else 0.0 * coefficients
-    neutral = {p.name: p.neutral or 0.0 for p in before.parameters()}
-    return np.array([getattr(after, name) - neutral[name] for name in before.strengths])
 
 
 def _all(hypothesis: Hypothesis) -> list[Effect]:

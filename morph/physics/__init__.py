@@ -6,6 +6,9 @@ from morph.errors import EffectError
 from morph.physics.actuator.actuator_delay import ActuatorDelay
 from morph.physics.actuator.actuator_lag import ActuatorLag
 from morph.physics.actuator.torque_scale import TorqueScale
+from morph.physics.body.com_offset import ComOffset
+from morph.physics.body.link_inertia import LinkInertia
+from morph.physics.body.payload import Payload
 from morph.physics.contact.contact_friction import ContactFriction
 from morph.physics.contact.contact_softness import ContactSoftness
 from morph.physics.contact.restitution import Restitution
@@ -37,6 +40,9 @@ EFFECTS: tuple[type[Effect], ...] = (
     ActuatorLag,
     TorqueScale,
     SensorBias,
+    LinkInertia,
+    ComOffset,
+    Payload,
     AddedMass,
     Buoyancy,
     LinearDrag,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
@@ -23,10 +23,17 @@ class BodyMotion:
     """How those change: the rate of the components, m/s2 and rad/s2, shape (samples, 6)."""
     gravity: Array
     """m/s2, shape (samples, 3)."""
+    mass: float
+    """Mass of the link, kg."""
+    com: Array
+    """Its centre of mass in its frame, m, shape (3,)."""
+    inertia: Array
+    """About its centre of mass in its axes, kg m2, shape (3, 3)."""
 
     def within(self, chosen: Mask) -> BodyMotion:
         """Return the chosen samples."""
-        return BodyMotion(
+        return replace(
+            self,
             jacobian=self.jacobian[chosen],
             velocity=self.velocity[chosen],
             acceleration=self.acceleration[chosen],
@@ -51,27 +58,62 @@ def body_motions(
         slope: Generalized accelerations, shape (samples, nv).
     """
     data = mujoco.MjData(model)
-    samples, dofs = velocity.shape
-    held = {
-        name: BodyMotion(
-            jacobian=np.empty((samples, 6, dofs)),
-            velocity=np.empty((samples, 6)),
-            acceleration=np.empty((samples, 6)),
-            gravity=np.empty((samples, 3)),
-        )
-        for name in bodies
-    }
+    samples, indices = len(velocity), [model.body(name).id for name in bodies]
+    jacobian, rate = np.zeros((2, len(indices), samples, 2, 3, model.nv))
+    turned = np.empty((len(indices), samples, 3, 3))
     for k in range(samples):
         data.qpos[:], data.qvel[:] = position[k], velocity[k]
         mujoco.mj_fwdPosition(model, data)
         mujoco.mj_fwdVelocity(model, data)
-        for name, body in held.items():
-            index = model.body(name).id
-            jacobian, rate = jacobian_of(model, data, index, np.zeros(3))
-            body.jacobian[k], body.velocity[k] = jacobian, jacobian @ velocity[k]
-            body.acceleration[k] = jacobian @ slope[k] + rate @ velocity[k]
-            body.gravity[k] = data.xmat[index].reshape(3, 3).T @ model.opt.gravity
-    return held
+        for at, index in enumerate(indices):
+            spot, here, change = data.xpos[index], jacobian[at, k], rate[at, k]
+            mujoco.mj_jac(model, data, here[0], here[1], spot, index)
+            mujoco.mj_jacDot(model, data, change[0], change[1], spot, index)
+            turned[at, k] = data.xmat[index].reshape(3, 3)
+    return {
+        name: _seen(model, index, jacobian[at], rate[at], turned[at], velocity, slope)
+        for at, (name, index) in enumerate(zip(bodies, indices, strict=True))
+    }
+
+
+def _seen(
+    model: mujoco.MjModel,
+    index: int,
+    jacobian: Array,
+    rate: Array,
+    turned: Array,
+    velocity: Array,
+    slope: Array,
+) -> BodyMotion:
+    """Return the motion of one link in its own axes.
+
+    Args:
+        model: The compiled robot.
+        index: The link's.
+        jacobian: In the world's axes, shape (samples, 2, 3, nv).
+        rate: How that changes, likewise.
+        turned: The link's axes as columns, shape (samples, 3, 3).
+        velocity: Generalized velocities, shape (samples, nv).
+        slope: Generalized accelerations, shape (samples, nv).
+    """
+    twist = np.einsum("srid,sd->sri", jacobian, velocity)
+    change = np.einsum("srid,sd->sri", jacobian, slope)
+    change += np.einsum("srid,sd->sri", rate, velocity)
+    # In the link's axes R' x changes by R' (dx/dt - w x x).
+    change -= np.cross(twist[:, 1:], twist)
+    own = np.einsum("sji,srjd->srid", turned, jacobian)
+    flat = np.empty(9)
+    mujoco.mju_quat2Mat(flat, model.body_iquat[index])
+    axes = flat.reshape(3, 3)
+    return BodyMotion(
+        jacobian=own.reshape(len(velocity), 6, model.nv),
+        velocity=np.einsum("sji,srj->sri", turned, twist).reshape(-1, 6),
+        acceleration=np.einsum("sji,srj->sri", turned, change).reshape(-1, 6),
+        gravity=np.einsum("sji,j->si", turned, model.opt.gravity),
+        mass=float(model.body_mass[index]),
+        com=model.body_ipos[index].copy(),
+        inertia=axes @ np.diag(model.body_inertia[index]) @ axes.T,
+    )
 
 
 def jacobian_of(

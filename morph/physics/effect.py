@@ -202,6 +202,16 @@ class Effect(ABC):
         (strength - neutral), to first order.
         """
 
+    @property
+    def coefficients(self) -> Array:
+        """What the columns of its regressor are multiplied by, shape (strengths,)."""
+        idle = {p.name: p.neutral or 0.0 for p in self.parameters()}
+        return np.array([getattr(self, name) - idle[name] for name in self.strengths])
+
+    def typical(self: Some, coefficients: Array) -> Some:
+        """Return the effect at a strength that would be felt, given that of each column."""
+        return self.with_strengths(coefficients)
+
     def with_strengths(self: Some, coefficients: Array) -> Some:
         """Return the effect with strengths read off a linear fit, kept in bounds."""
         known = {p.name: p for p in self.parameters()}

@@ -85,6 +85,9 @@ FELT: Mapping[str, Felt] = {
     "actuator_lag": Felt(values={"T": 0.03}),
     "torque_scale": Felt(values={"gain": 1.3}),
     "sensor_bias": Felt(values={"bias": 0.05}),
+    "link_inertia": Felt(values={"mass": 0.6, "inertia": 1.8}),
+    "com_offset": Felt(values={"x": 0.03, "z": 0.05}),
+    "payload": Felt(values={"m": 0.3, "x": 0.05, "z": -0.28}),
     "added_mass": Felt(values={"x": 0.4, "ry": 0.01, "cz": -0.05}),
     "buoyancy": Felt(values={"volume": 2e-4, "cz": -0.2}),
     "linear_drag": Felt(values={"x": 0.8, "ry": 0.03, "cz": -0.05}),
@@ -323,6 +326,14 @@ def test_a_regressor_tells_the_force_that_the_simulation_feels(kind: type[Effect
         # First order only: an offset e misses e^2 / 2 times a curvature of at most 5 N m,
         # 2.5e-10 N m for 1e-5 rad.
         effect = replace(effect, **dict.fromkeys(kind.strengths, 1e-05))
+    if kind.name == "com_offset":
+        # First order only: an offset d misses m d^2 times an angular acceleration of at most
+        # 2 + 2 rad/s2, and half as much by centrifugal forces: 0.64 * 1e-10 * 6 = 4e-10 N m.
+        effect = replace(effect, x=1e-05, z=1e-05)
+    if kind.name == "payload":
+        # Exact at the centre of mass, which is 0.2831 m down: at d = 3.1 mm from it, 10 mg
+        # miss m d^2 * 6 = 1e-5 * 9.6e-6 * 6 = 6e-10 N m.
+        effect = replace(effect, m=1e-05, x=0.0, z=-0.28)
     rng = np.random.default_rng(0)
     samples, dofs = 400, len(robot.joints)
     model = compiled(spec_of(robot), (), robot).model
@@ -356,12 +367,7 @@ def test_a_regressor_tells_the_force_that_the_simulation_feels(kind: type[Effect
     still = Still(motion)
     effect.before_step(still, effect.start(still))
     explained = need((), q) - need((effect,), q) + still.applied
-    neutral = {known.name: known.neutral or 0.0 for known in kind.parameters()}
-    strengths = np.array([getattr(effect, name) - neutral[name] for name in kind.strengths])
-    if kind.name == "joint_stiffness":
-        # Its columns are for k and for k q0.
-        strengths[1] *= strengths[0]
-    told = effect.regressor(motion) @ strengths
+    told = effect.regressor(motion) @ effect.coefficients
     # A lag of 30 ms settles within 0.7 s to exp(-0.7 / 0.03) = 7e-11 of 0.8 N m.
     settled = slice(350, None) if kind.kind == "actuator" else slice(None)
     assert told.shape == (samples, dofs)

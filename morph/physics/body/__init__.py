@@ -1,0 +1,1 @@
+"""Effects of what a link weighs and where."""
