@@ -1,0 +1,126 @@
+"""A way for a strut around what it may not touch, found on a grid."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from scipy.ndimage import distance_transform_edt
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import dijkstra
+from scipy.spatial import KDTree
+
+from print.arrays import Array, Integers, Mask
+from print.mesh import from_manifold
+from print.solid import ball, hull, union
+
+CELLS = 120_000
+"""How many cells the grid has at most."""
+
+FINEST_MM = 1.5
+"""Least width of a cell."""
+
+MARGIN_MM = 25.0
+"""How far around the two pieces a way is looked for."""
+
+STEPS = [
+    (1, 0, 0),
+    (0, 1, 0),
+    (0, 0, 1),
+    (1, 1, 0),
+    (1, -1, 0),
+    (1, 0, 1),
+    (1, 0, -1),
+    (0, 1, 1),
+    (0, 1, -1),
+]
+"""From a cell to its neighbours across faces and edges; each is walked both ways."""
+
+
+def bent(a: Array, b: Array, forbidden: Any, radius: float) -> Any | None:
+    """Return balls in a row from one piece to another, hulled in pairs, around what is forbidden.
+
+    Args:
+        a: Points all over the surface of one piece, shape (n, 3).
+        b: Points of the other.
+        forbidden: Room that must stay empty; it is cut from the strut.
+        radius: Of the strut, mm.
+
+    Returns:
+        A solid, or None if there is no way.
+    """
+    low = np.minimum(a.min(axis=0), b.min(axis=0)) - MARGIN_MM
+    high = np.maximum(a.max(axis=0), b.max(axis=0)) + MARGIN_MM
+    width = max(FINEST_MM, float(np.cbrt(np.prod(high - low) / CELLS)))
+    shape = np.ceil((high - low) / width).astype(np.int64)
+    cells = low + (np.stack(np.meshgrid(*map(np.arange, shape), indexing="ij"), -1) + 0.5) * width
+    free = _free(cells, forbidden, radius, width)
+    reach = 0.9 * width
+    near_a = free & (KDTree(a).query(cells)[0] < reach)
+    near_b = free & (KDTree(b).query(cells)[0] < reach)
+    way = _shortest(free, near_a, near_b)
+    if way is None:
+        return None
+    places = cells.reshape(-1, 3)[way]
+    ends = (a[KDTree(a).query(places[0])[1]], b[KDTree(b).query(places[-1])[1]])
+    row = np.vstack([ends[0], places, ends[1]])
+    row = row[_thinned(row, 0.8 * radius)]
+    balls = [ball(radius, at) for at in row]
+    if len(balls) == 1:
+        return balls[0] - forbidden
+    return union([hull([p, q]) for p, q in pairwise(balls)]) - forbidden
+
+
+def _free(cells: Array, forbidden: Any, radius: float, width: float) -> Mask:
+    """Return which cells are so far from what is forbidden that a strut fits, shape of the grid."""
+    shape = cells.shape[:3]
+    if forbidden.is_empty():
+        return np.ones(shape, dtype=bool)
+    mesh = from_manifold(forbidden).trimesh
+    inside = mesh.contains(cells.reshape(-1, 3)).reshape(shape)
+    if not inside.any():
+        return np.ones(shape, dtype=bool)
+    clear: Mask = distance_transform_edt(~inside) * width > radius
+    return clear
+
+
+def _shortest(free: Mask, start: Mask, end: Mask) -> Integers | None:
+    """Return the cells of the shortest way through free ones, in order; None if there is none."""
+    if not start.any() or not end.any():
+        return None
+    number = np.arange(free.size).reshape(free.shape)
+    rows, columns, lengths = [], [], []
+    for step in STEPS:
+        here = tuple(slice(max(0, -s), free.shape[k] - max(0, s)) for k, s in enumerate(step))
+        there = tuple(slice(max(0, s), free.shape[k] - max(0, -s)) for k, s in enumerate(step))
+        open_ = free[here] & free[there]
+        rows.append(number[here][open_])
+        columns.append(number[there][open_])
+        lengths.append(np.full(int(open_.sum()), float(np.linalg.norm(step))))
+    data = (np.concatenate(lengths), (np.concatenate(rows), np.concatenate(columns)))
+    graph = coo_array(data, shape=(free.size, free.size)).tocsr()
+    distance, before, _ = dijkstra(
+        graph,
+        directed=False,
+        indices=number[start],
+        return_predecessors=True,
+        min_only=True,
+    )
+    goals = number[end]
+    goal = goals[int(np.argmin(distance[goals]))]
+    if not np.isfinite(distance[goal]):
+        return None
+    way = [int(goal)]
+    while before[way[-1]] >= 0:
+        way.append(int(before[way[-1]]))
+    return np.array(way[::-1], dtype=np.int64)
+
+
+def _thinned(row: Array, apart: float) -> list[int]:
+    """Return which points to keep so that those kept are some way apart, both ends among them."""
+    kept = [0]
+    for k in range(1, len(row) - 1):
+        if np.linalg.norm(row[k] - row[kept[-1]]) >= apart:
+            kept.append(k)
+    return [*kept, len(row) - 1]

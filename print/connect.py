@@ -1,0 +1,90 @@
+"""Making one solid of the pieces of a part: crumbs are dropped, the others joined by struts."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from print.errors import SolidError
+from print.solid import NOTHING, pieces, union
+from print.strut import strut
+
+CRUMB = 0.02
+"""Part of the whole volume below which a piece that carries nothing is dropped."""
+
+CRUMB_MM3 = 1000.0
+"""And its greatest volume."""
+
+
+def connected(
+    solid: Any, forbidden: Any, carriers: Sequence[Any], *, where: str
+) -> tuple[Any, tuple[str, ...]]:
+    """Return a part in one piece, and what was done to make it one.
+
+    Args:
+        solid: The part, cut; it may be in pieces.
+        forbidden: Where nothing may be.
+        carriers: Plastic that carries something: a piece with some of it is no crumb.
+        where: The part's name.
+
+    Raises:
+        SolidError: Nothing is left, or two pieces cannot be joined.
+    """
+    whole = pieces(solid)
+    if not whole:
+        raise SolidError(
+            "nothing is left of it: what it holds and what others sweep takes all",
+            where=where,
+            fix="draw more of it, or move what it holds",
+        )
+    total = sum(piece.volume() for piece in whole)
+    kept = [p for p in whole if not _crumb(p, total, carriers)] or whole[:1]
+    notes = []
+    if len(kept) < len(whole):
+        lost = total - sum(piece.volume() for piece in kept)
+        notes.append(f"{len(whole) - len(kept)} crumbs of {lost:.0f} mm3 in all are left out")
+    if len(kept) > 1:
+        notes.append(f"{len(kept)} separate pieces are joined by struts")
+    return _joined(kept, forbidden, where), tuple(notes)
+
+
+def _crumb(piece: Any, total: float, carriers: Sequence[Any]) -> bool:
+    volume = piece.volume()
+    if volume > min(CRUMB * total, CRUMB_MM3):
+        return False
+    # A boss may be small, but it is no crumb; a sliver of one is.
+    return all((piece ^ each).volume() < 0.3 * each.volume() for each in carriers)
+
+
+def _joined(kept: list[Any], forbidden: Any, where: str) -> Any:
+    """Return pieces as one, the nearest joined first."""
+    one, rest = kept[0], kept[1:]
+    while rest:
+        rest.sort(key=lambda piece: one.min_gap(piece, 1e4))
+        for k, piece in enumerate(rest):
+            between = strut(one, piece, forbidden)
+            if between is not None:
+                one = _largest(union([one, piece, between]))
+                del rest[k]
+                break
+        else:
+            raise SolidError(
+                f"{_said(rest[0])} cannot be joined to the rest: what the part holds and what "
+                "others sweep lies between",
+                where=where,
+                fix="move what is in the way, or draw a piece that leads around it",
+            )
+    return one
+
+
+def _largest(solid: Any) -> Any:
+    """Return a solid without the crumbs that a cut strut leaves."""
+    return pieces(solid)[0]
+
+
+def _said(piece: Any) -> str:
+    low, high = piece.bounding_box()[:3], piece.bounding_box()[3:]
+    if piece.volume() < NOTHING:
+        return "a piece"
+    middle = ", ".join(f"{(a + b) / 2:.0f}" for a, b in zip(low, high, strict=True))
+    return f"a piece of {piece.volume() / 1e3:.1f} cm3 about ({middle}) mm"

@@ -1,0 +1,137 @@
+"""How a part holds a servo, and how it is screwed to the horn of another part's servo."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from print.fitting import Fitting
+from print.mesh import from_manifold
+from print.part import Seat
+from print.printer import Profile
+from print.screw import screw
+from print.servo import (
+    FREE_MM,
+    Servo,
+    Side,
+    horn_disc,
+    horn_pattern,
+    horn_reach,
+    screw_holes,
+    servo,
+    turning_room,
+    way_in,
+    wire_room,
+)
+from print.skeleton import Mount
+from print.solid import box, placed, union
+
+WALL_MM = 2.4
+"""Wall and floor of a pocket: at least five lines of a nozzle of 0.4 mm."""
+
+SIDES: tuple[Side, ...] = ("+z", "+y", "-y")
+"""Where a pocket may be open, the one that holds best first."""
+
+
+def pockets(mounts: Sequence[Mount], body: Any, profile: Profile) -> tuple[Fitting, ...]:
+    """Return the pockets of servos in a part, each open to the side that costs least plastic.
+
+    Args:
+        mounts: The servos.
+        body: What else the part is made of, as a solid; it may be empty.
+        profile: How much play there is.
+    """
+    walls = [placed(_walls(servo(m.servo), profile.clearance_mm), m.pose) for m in mounts]
+    found = []
+    for k, mount in enumerate(mounts):
+        others = union([body, *(wall for j, wall in enumerate(walls) if j != k)])
+        found.append(_pocket(mount, walls[k], others, profile))
+    return tuple(found)
+
+
+def _pocket(mount: Mount, walls: Any, others: Any, profile: Profile) -> Fitting:
+    which, play = servo(mount.servo), profile.clearance_mm
+    ways = {side: placed(way_in(which, play, side), mount.pose) for side in SIDES}
+    cost = {side: float((way ^ others).volume()) for side, way in ways.items()}
+    # A tenth more plastic is no reason to leave the side from which screws and horn are reached.
+    side = min(SIDES, key=lambda each: cost[each] + (0.0 if each == "+z" else 0.1 * cost["+z"] + 1))
+    rest = [placed(turning_room(which), mount.pose), placed(wire_room(which, play), mount.pose)]
+    holes = screw_holes(which, WALL_MM + play)
+    empty = union([ways[side], *rest])
+    seat = Seat(
+        holds=which.name,
+        position=mount.pose[:3, 3],
+        axis=mount.pose[:3, 2],
+        bore_mm=0.0,
+        pocket=from_manifold(empty),
+    )
+    return Fitting(
+        name=f"the pocket of a {which.name}",
+        added=(walls,),
+        removed=(empty, *(() if holes is None else (placed(holes.manifold, mount.pose),))),
+        seats=(seat, *_screws(which, mount, play)),
+        notes=() if which.holes_mm else (_strapped(which),),
+    )
+
+
+def _strapped(which: Servo) -> str:
+    return f"where a {which.name} is screwed to its frame is not known here: a strap holds it"
+
+
+def _walls(which: Servo, play: float) -> Any:
+    """Return the block around a case, up to its top or to the underside of its flange."""
+    grow = play + WALL_MM
+    near, far = -which.axis_mm - grow, which.length_mm - which.axis_mm + grow
+    half, low, high = which.width_mm / 2 + grow, -which.height_mm - grow, 0.0
+    if which.flange is not None:
+        middle = which.length_mm / 2 - which.axis_mm
+        reach = which.flange.length_mm / 2 + play
+        near, far, high = middle - reach, middle + reach, -which.flange.depth_mm
+    return box((near, -half, low), (far, half, high))
+
+
+def _screws(which: Servo, mount: Mount, play: float) -> tuple[Seat, ...]:
+    """Return the seats of the screws that hold a servo."""
+    size = screw(which.hole_screw)
+    rim = which.held_by == "rim" and which.flange is not None
+    # The mouth of a hole: on the rim, or where its head lies under the floor.
+    height = -which.height_mm - play - WALL_MM
+    if rim and which.flange is not None:
+        height = -which.flange.depth_mm
+    found = []
+    for x, y in which.holes_mm:
+        at = mount.pose @ np.array([x, y, height, 1.0])
+        found.append(
+            Seat(
+                holds=size.name,
+                position=at[:3],
+                axis=mount.pose[:3, 2] * (1.0 if rim else -1.0),
+                bore_mm=size.tap_mm if rim else size.clear_mm,
+            )
+        )
+    return tuple(found)
+
+
+def horn(mount: Mount, profile: Profile) -> Fitting:
+    """Return the disc by which a part is screwed to a servo's horn."""
+    which = servo(mount.servo)
+    pattern = placed(horn_pattern(which, profile.clearance_mm).manifold, mount.pose)
+    # What the part has between the disc and the servo would rub on the case.
+    low, high = 0.0, which.horn.top_mm
+    reach = which.horn.diameter_mm / 2 + FREE_MM
+    rub = placed(box((-reach, -reach, low), (reach, reach, high)), mount.pose)
+    seat = Seat(
+        holds=f"{which.name} horn",
+        position=(mount.pose @ np.array([0.0, 0.0, which.horn.top_mm, 1.0]))[:3],
+        axis=-mount.pose[:3, 2],
+        bore_mm=which.horn.centre_mm,
+        pocket=from_manifold(pattern),
+    )
+    return Fitting(
+        name=f"the disc on the horn of a {which.name}",
+        added=(placed(horn_disc(which), mount.pose),),
+        removed=(pattern, placed(horn_reach(which), mount.pose), rub),
+        seats=(seat,),
+    )

@@ -1,0 +1,113 @@
+"""From a skeleton to a part that can be printed: one solid that holds what it must hold."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from print.connect import connected
+from print.errors import SeatError
+from print.fit_box import tray
+from print.fit_pivot import pivot
+from print.fit_servo import horn, pockets
+from print.fitting import Fitting, all_added, all_removed, carried
+from print.mesh import Mesh, from_manifold
+from print.part import Seat
+from print.printer import Profile
+from print.skeleton import Skeleton
+from print.solid import union
+from print.thicken import thickened
+
+THIN_MM = 1.6
+"""Least width of a drawn solid; thinner ones are thickened, or to twice a line if that is more."""
+
+CARRIED = 0.3
+"""Least part of what carries something that must be left by what others sweep."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Shell:
+    """A part grown from a skeleton."""
+
+    mesh: Mesh
+    """Its solid, in the skeleton's frame."""
+    seats: tuple[Seat, ...]
+    """What is held in it."""
+    notes: tuple[str, ...]
+    """What a reader should know: what was thickened, joined and dropped."""
+
+
+def shell(skeleton: Skeleton, profile: Profile) -> Shell:
+    """Return one printable solid grown from a skeleton.
+
+    Its body is joined, with a pocket for each servo, a disc for each horn, a boss for each pivot
+    and a tray for each box; rooms are cut; what lies apart is joined by struts.
+
+    Args:
+        skeleton: The part before it has a shape.
+        profile: How it is printed.
+
+    Raises:
+        SolidError: Nothing is left, or pieces cannot be joined outside of what is spared.
+        SeatError: A servo, a bearing or a screw is unknown, or others sweep where it sits.
+    """
+    body, notes = _body(skeleton, profile)
+    fittings = _fittings(skeleton, body, profile)
+    spared = [mesh.manifold for mesh in skeleton.spared]
+    forbidden = union([*all_removed(fittings), *spared])
+    grown = union([body, *all_added(fittings)])
+    solid, joined = connected(
+        grown - forbidden, forbidden, all_added(fittings), where=skeleton.name
+    )
+    _refuse_swept(fittings, solid, skeleton.name)
+    return Shell(
+        mesh=from_manifold(solid),
+        seats=tuple(seat for fitting in fittings for seat in fitting.seats),
+        notes=(*notes, *_unique(note for fitting in fittings for note in fitting.notes), *joined),
+    )
+
+
+def _body(skeleton: Skeleton, profile: Profile) -> tuple[Any, tuple[str, ...]]:
+    """Return the drawn solids as one, thin ones thickened, and how many those are."""
+    least = max(THIN_MM, profile.thinnest_mm)
+    thick = [thickened(mesh, least) for mesh in skeleton.solids]
+    count = sum(new is not old for new, old in zip(thick, skeleton.solids, strict=True))
+    notes = (f"{count} thin shapes are made {least:.1f} mm thick",) if count else ()
+    return union([mesh.manifold for mesh in thick]), notes
+
+
+def _fittings(skeleton: Skeleton, body: Any, profile: Profile) -> tuple[Fitting, ...]:
+    discs = tuple(horn(mount, profile) for mount in skeleton.horns)
+    far = _size(skeleton)
+    bosses = tuple(pivot(each, far, profile) for each in skeleton.pivots)
+    so_far = union([body, *all_added((*discs, *bosses))])
+    held = pockets(skeleton.servos, so_far, profile)
+    trays = tuple(tray(box, so_far, profile) for box in skeleton.boxes)
+    return (*discs, *bosses, *held, *trays)
+
+
+def _size(skeleton: Skeleton) -> float:
+    """Return a length greater than the part, mm."""
+    corners = [mesh.bounds for mesh in (*skeleton.solids, *skeleton.boxes)]
+    corners += [mount.pose[None, :3, 3] for mount in (*skeleton.servos, *skeleton.horns)]
+    corners += [each.position[None] for each in skeleton.pivots]
+    return 100.0 + float(np.linalg.norm(np.ptp(np.vstack(corners), axis=0)))
+
+
+def _refuse_swept(fittings: Sequence[Fitting], solid: Any, name: str) -> None:
+    """Refuse a part of which too little is left to carry something."""
+    for fitting in fittings:
+        left = carried(fitting, solid)
+        if left < CARRIED:
+            raise SeatError(
+                f"what others sweep leaves {left:.0%} of what carries {fitting.name}",
+                where=name,
+                fix="move it, narrow the joint's range, or move what sweeps it",
+            )
+
+
+def _unique(notes: Any) -> list[str]:
+    return list(dict.fromkeys(notes))

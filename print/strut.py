@@ -1,0 +1,99 @@
+"""What joins separate pieces of a part: straight struts, or bent ones around what is in the way."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from scipy.spatial import KDTree
+
+from print.arrays import Array
+from print.bend import bent
+from print.solid import ball, hull, pieces
+
+DENSE_MM = 3.0
+"""Greatest length of an edge where pieces are measured."""
+
+TRIES = 10
+"""How many straight struts are tried before a bent one is looked for."""
+
+KEPT = 0.9
+"""Part of a straight strut that must be left where nothing may be cut from it."""
+
+
+def thickness(first: Any, second: Any) -> float:
+    """Return the radius of a strut between two pieces, mm: a fifth of the smaller one's size."""
+    volume = min(first.volume(), second.volume())
+    return float(np.clip(0.2 * np.cbrt(volume), 3.0, 8.0))
+
+
+def strut(first: Any, second: Any, forbidden: Any) -> Any | None:
+    """Return a solid that joins two pieces and leaves forbidden room empty; None if none does.
+
+    Args:
+        first: A solid in one piece.
+        second: Another.
+        forbidden: Where nothing may be; it may be empty.
+    """
+    radius = thickness(first, second)
+    a, b = points(first), points(second)
+    best: tuple[float, Any] | None = None
+    for start, end in _pairs(a, b, 2.0 * radius):
+        whole = _straight(first, second, start, end, radius)
+        left = whole - forbidden
+        share = left.volume() / whole.volume()
+        if share >= KEPT and _joins(first, second, left):
+            # One that loses nothing is good; else the one that loses least is taken.
+            if share > 0.999:
+                return left
+            if best is None or share > best[0]:
+                best = (share, left)
+    if best is not None:
+        return best[1]
+    for thin in (radius, 0.5 * radius + 1.0):
+        found = bent(a, b, forbidden, thin)
+        if found is not None and _joins(first, second, found):
+            return found
+    return None
+
+
+def points(solid: Any) -> Array:
+    """Return points all over the surface of a solid, shape (n, 3)."""
+    dense = solid.refine_to_length(DENSE_MM).to_mesh64().vert_properties
+    return np.unique(np.round(np.asarray(dense, dtype=np.float64)[:, :3], 6), axis=0)
+
+
+def _pairs(a: Array, b: Array, apart: float) -> list[tuple[Array, Array]]:
+    """Return pairs of near points of two surfaces, the nearest first, each some way off the others.
+
+    A point stands for its patch: the mean of the points about it that are nearly as near.
+    """
+    distance, nearest = KDTree(b).query(a)
+    order = np.argsort(np.round(distance, 3), kind="stable")
+    found: list[tuple[Array, Array]] = []
+    free = np.ones(len(a), dtype=bool)
+    for k in order:
+        if not free[k]:
+            continue
+        about = np.linalg.norm(a - a[k], axis=1) < apart
+        patch = about & (distance < distance[k] + 1.0)
+        start, end = a[patch].mean(axis=0), b[nearest[patch]].mean(axis=0)
+        # The mean of a ring lies off the surface: the point nearest to it does not.
+        start = a[patch][int(np.argmin(np.linalg.norm(a[patch] - start, axis=1)))]
+        end = b[int(np.argmin(np.linalg.norm(b - end, axis=1)))]
+        found.append((start, end))
+        free &= ~about
+        if len(found) == TRIES:
+            break
+    return found
+
+
+def _straight(first: Any, second: Any, start: Array, end: Array, radius: float) -> Any:
+    """Return the hull of what two pieces have near the ends of a strut, with a ball at each."""
+    near = first ^ ball(1.6 * radius, start)
+    far = second ^ ball(1.6 * radius, end)
+    return hull([near, far, ball(0.8 * radius, start), ball(0.8 * radius, end)])
+
+
+def _joins(first: Any, second: Any, between: Any) -> bool:
+    return len(pieces(first + second + between)) < len(pieces(first)) + len(pieces(second))
