@@ -53,7 +53,14 @@ class Drawn:
     """What a line points at it with; empty for nothing."""
 
 
-def picture(drawn: Sequence[Drawn], *, title: str, towards: Array = TOWARDS) -> str:
+def picture(
+    drawn: Sequence[Drawn],
+    *,
+    title: str,
+    towards: Array = TOWARDS,
+    faces: int = FACES,
+    margin: float = MARGIN,
+) -> str:
     """Return a drawing as an SVG element.
 
     Faces are drawn from the farthest to the nearest, the painter's way, with Lambert's shading
@@ -63,14 +70,17 @@ def picture(drawn: Sequence[Drawn], *, title: str, towards: Array = TOWARDS) -> 
         drawn: What is drawn; at least one mesh.
         title: What is told to who cannot see it.
         towards: From what is drawn to who looks, not upright, shape (3,).
+        faces: About how many triangles it has.
+        margin: Room at either side, of a width of `WIDTH`.
     """
     view = _view(towards)
-    light = [lighter(each.mesh, most) for each, most in zip(drawn, _shares(drawn), strict=True)]
+    most = _shares(drawn, faces)
+    light = [lighter(each.mesh, few) for each, few in zip(drawn, most, strict=True)]
     flat = [mesh.vertices @ view.T for mesh in light]
     low = np.min([points[:, :2].min(axis=0) for points in flat], axis=0)
     high = np.max([points[:, :2].max(axis=0) for points in flat], axis=0)
     wide, tall = np.maximum(high - low, 1e-6)
-    inner = WIDTH - 2 * MARGIN
+    inner = WIDTH - 2.0 * margin
     scale = min(inner / wide, (TALLEST * WIDTH - 40.0) / tall)
     height = max(scale * tall + 40.0, FLATTEST * WIDTH)
     middle = 0.5 * (low + high)
@@ -80,7 +90,7 @@ def picture(drawn: Sequence[Drawn], *, title: str, towards: Array = TOWARDS) -> 
         return np.column_stack((xy, points[:, 2]))
 
     placed = [put(points) for points in flat]
-    faces = _faces(drawn, light, placed, view)
+    painted = _faces(drawn, light, placed, view)
     labels = callouts(
         [
             (each.label, _amid(mesh, xy, view))
@@ -93,7 +103,7 @@ def picture(drawn: Sequence[Drawn], *, title: str, towards: Array = TOWARDS) -> 
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {height:.0f}" role="img" '
         f'font-family="system-ui,sans-serif"><title>{escape(title)}</title>'
-        f'<g stroke-width="0.7" stroke-linejoin="round">{faces}</g>{_labels(labels)}</svg>'
+        f'<g stroke-width="0.7" stroke-linejoin="round">{painted}</g>{_labels(labels)}</svg>'
     )
 
 
@@ -105,12 +115,12 @@ def _view(towards: Array) -> Array:
     return np.stack((right, np.cross(forward, right), forward))
 
 
-def _shares(drawn: Sequence[Drawn]) -> list[int]:
+def _shares(drawn: Sequence[Drawn], faces: int) -> list[int]:
     """Return how many triangles each mesh may have: the larger its surface, the more."""
     area = np.array([max(float(each.mesh.trimesh.area), 1e-9) for each in drawn])
     # Small parts have as many edges as large ones: a root lies between both needs.
     weight = np.sqrt(area)
-    return [max(LEAST, round(FACES * each)) for each in (weight / weight.sum()).tolist()]
+    return [max(LEAST, round(faces * each)) for each in (weight / weight.sum()).tolist()]
 
 
 def _amid(mesh: Mesh, xy: Array, view: Array) -> Array:
