@@ -1,0 +1,1 @@
+"""What is looked at in a part before any slicer is asked, one file a check."""

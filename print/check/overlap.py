@@ -1,0 +1,36 @@
+"""Whether a surface passes through itself, or solids of one mesh lie in each other."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from print.check.subject import Subject
+from print.part import Check
+
+SHARE = 0.01
+"""Most of the surface that may lie inside the part or have it on both sides."""
+
+
+def overlap(subject: Subject) -> Check:
+    """Return whether just inside the surface is in the part once, and just outside not at all.
+
+    How often a point is in the part is the winding number of the surface about it: along any
+    ray from it, walls left less walls entered.
+    """
+    wrong = (subject.inward.depth != 1) | (subject.outward.depth != 0)
+    share = float(wrong.mean())
+    area = subject.surface.area * int(wrong.sum())
+    if share > SHARE:
+        at = np.round(subject.surface.points[wrong].mean(axis=0), 1)
+        what = (
+            f"its surface passes through itself: {100 * share:.1f} % of it ({area:.0f} mm2), "
+            f"about ({', '.join(f'{x:g}' for x in at)}) mm, of which {100 * SHARE:g} % is allowed"
+        )
+        fix = "join what overlaps in the CAD program, or export motors and plastic as parts apart"
+        return subject.says("overlap", "refused", what, fix, value=share, limit=SHARE)
+    if share:
+        what = f"{100 * share:.2f} % of its surface passes through itself ({area:.1f} mm2)"
+        fix = "look at it in the slicer"
+        return subject.says("overlap", "noted", what, fix, value=share, limit=SHARE)
+    what = "its surface nowhere passes through itself"
+    return subject.says("overlap", "passed", what, value=0.0, limit=SHARE)

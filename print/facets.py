@@ -1,0 +1,141 @@
+"""Exact mends of single facets: what is degenerate or double, flipped, or missing."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from print.arrays import Array, Integers, Mask
+from print.edges import edges
+from print.mesh import Mesh
+
+FLAT = 0.01
+"""Furthest that the rim of a hole may leave its plane, mm."""
+
+
+def merged(mesh: Mesh) -> Mesh:
+    """Return the mesh with coinciding corners as one, and those that no face uses left out.
+
+    Corners coincide if they agree to 2^-21 of the mesh's size, the rounding of a few steps in
+    the float32 of an STL.
+    """
+    import trimesh
+
+    size = float(np.abs(mesh.vertices).max())
+    digits = int(np.clip(np.floor(-np.log10(size * 2.0**-21)), 0, 9))
+    found = trimesh.Trimesh(vertices=mesh.vertices, faces=mesh.faces, process=False)
+    found.merge_vertices(digits_vertex=digits)
+    found.remove_unreferenced_vertices()
+    return Mesh(
+        vertices=np.asarray(found.vertices, dtype=np.float64),
+        faces=np.asarray(found.faces, dtype=np.int64),
+    )
+
+
+def without_doubles(mesh: Mesh) -> Mesh:
+    """Return the mesh without faces of two corners, and with each other face once.
+
+    Two faces back to back enclose nothing; both go.
+    """
+    faces = mesh.faces
+    a, b, c = faces.T
+    faces = faces[(a != b) & (b != c) & (c != a)]
+    if not len(faces):
+        return Mesh(vertices=mesh.vertices, faces=faces)
+    _, first, group = np.unique(
+        np.sort(faces, axis=1), axis=0, return_index=True, return_inverse=True
+    )
+    group = group.ravel()
+    # A triple of corners is wound like its sorted order or against it, +1 or -1.
+    order = np.argsort(faces, axis=1)
+    sign = np.where((order[:, 0] + 1) % 3 == order[:, 1], 1, -1)
+    balance = np.bincount(group, weights=sign, minlength=len(first))
+    count = np.bincount(group, minlength=len(first))
+    kept = np.flatnonzero((balance != 0) | (count == 1))
+    # Of faces that wind alike the first stays; of an uneven mix one that winds as most do.
+    agrees = sign == np.sign(balance)[group]
+    place = np.full(len(first), len(faces))
+    np.minimum.at(place, group[agrees], np.flatnonzero(agrees))
+    return Mesh(vertices=mesh.vertices, faces=faces[np.sort(place[kept])])
+
+
+def wound_alike(mesh: Mesh) -> Mesh:
+    """Return the mesh with the faces of each connected patch wound as most of its area is.
+
+    Most by area and not by the sign of the volume: the shell of a void is rightly inside out.
+    """
+    import trimesh
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    found = trimesh.Trimesh(vertices=mesh.vertices, faces=mesh.faces.copy(), process=False)
+    trimesh.repair.fix_winding(found)  # type: ignore[no-untyped-call]
+    faces = np.asarray(found.faces, dtype=np.int64)
+    turned = ~_same_winding(mesh.faces, faces)
+    pairs = found.face_adjacency
+    graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(faces),) * 2)
+    _, patch = connected_components(graph, directed=False)
+    area = np.asarray(found.area_faces)
+    balance = np.bincount(patch, weights=np.where(turned, area, -area))
+    wrong = balance[patch] > 0
+    faces[wrong] = faces[wrong][:, ::-1]
+    return Mesh(vertices=mesh.vertices, faces=faces)
+
+
+def _same_winding(before: Integers, after: Integers) -> Mask:
+    """Return whether the same three corners are named in the same cyclic order."""
+    start = np.argmax(after == before[:, :1], axis=1)
+    following = after[np.arange(len(after)), (start + 1) % 3]
+    same: Mask = following == before[:, 1]
+    return same
+
+
+def turned(mesh: Mesh) -> Mesh:
+    """Return the mesh with its inside out."""
+    return Mesh(vertices=mesh.vertices, faces=mesh.faces[:, ::-1].copy())
+
+
+def filled(mesh: Mesh) -> Mesh:
+    """Return the mesh with each hole that has a flat rim closed; others stay open."""
+    import manifold3d
+
+    caps = []
+    for rim in rims(mesh):
+        corners = mesh.vertices[rim]
+        middle = corners.mean(axis=0)
+        _, _, axes = np.linalg.svd(corners - middle)
+        if np.abs((corners - middle) @ axes[2]).max() > FLAT:
+            continue
+        flat = (corners - middle) @ axes[:2].T
+        # The cap runs along the rim as the hole sees it: against the faces around.
+        if _shoelace(flat) < 0:
+            flat = flat * [1.0, -1.0]
+        try:
+            caps.append(rim[np.asarray(manifold3d.triangulate([flat]), dtype=np.int64)])
+        except RuntimeError:
+            continue
+    if not caps:
+        return mesh
+    return Mesh(vertices=mesh.vertices, faces=np.concatenate([mesh.faces, *caps]))
+
+
+def rims(mesh: Mesh) -> list[Integers]:
+    """Return the loops of open edges, each as corners in the order in which a cap runs."""
+    found = edges(mesh)
+    lonely = (found.along + found.against == 1)[found.edge]
+    # A neighbour walks a shared edge the other way.
+    after = {int(b): int(a) for a, b in found.directed[lonely]}
+    loops = []
+    while after:
+        first = next(iter(after))
+        loop, at = [first], after.pop(first)
+        while at != first and at in after:
+            loop.append(at)
+            at = after.pop(at)
+        if at == first and len(loop) > 2:
+            loops.append(np.array(loop, dtype=np.int64))
+    return loops
+
+
+def _shoelace(flat: Array) -> float:
+    x, y = flat.T
+    return float(x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2.0
