@@ -54,9 +54,12 @@ class List:
     Example: morph list effects
     """
 
-    what: tyro.conf.Positional[Literal["robots", "effects", "tasks", "searches"]]
+    what: tyro.conf.Positional[
+        Literal["robots", "effects", "tasks", "searches", "printers", "materials"]
+    ]
     """robots: the shelf. effects: the physics that can be simulated and found. tasks: what a
-    robot can be asked to learn. searches: the ways to learn it."""
+    robot can be asked to learn. searches: the ways to learn it. printers, materials: what
+    `morph print` knows."""
     json: bool = False
     """Print JSON."""
 

@@ -1,4 +1,4 @@
-"""`morph list`: the shelf of robots, the library of effects, tasks, and searches."""
+"""`morph list`: the shelf of robots, effects, tasks, searches, printers and materials."""
 
 from __future__ import annotations
 
@@ -15,7 +15,14 @@ from morph.app.cli.words import harmless, say, table, width
 
 def run_list(asked: List) -> int:
     """Print what was asked for and return the exit status."""
-    listed = {"robots": _robots, "effects": _effects, "tasks": _tasks, "searches": _searches}
+    listed = {
+        "robots": _robots,
+        "effects": _effects,
+        "tasks": _tasks,
+        "searches": _searches,
+        "printers": _printers,
+        "materials": _materials,
+    }
     rows = listed[asked.what]()
     if asked.json:
         schema = f"morph.list.{asked.what}/1"
@@ -84,6 +91,34 @@ def _searches() -> list[dict[str, Any]]:
         needs = "trials on the target" if from_trials else "a simulator"
         rows.append({"name": name, "needs": needs, "what": words})
     return rows
+
+
+def _printers() -> list[dict[str, Any]]:
+    from print.printer import PRINTERS
+
+    return [
+        {
+            "name": each.name,
+            "title": each.title,
+            "bed_mm": list(each.bed_mm),
+            "nozzle_mm": each.nozzle_mm,
+        }
+        for each in PRINTERS
+    ]
+
+
+def _materials() -> list[dict[str, Any]]:
+    from print.printer import MATERIALS
+
+    return [
+        {
+            "name": each.name,
+            "density_kg_m3": each.density,
+            "nozzle_c": each.nozzle_c,
+            "bed_c": each.bed_c,
+        }
+        for each in MATERIALS
+    ]
 
 
 def _described(place: str) -> tuple[str, bool]:

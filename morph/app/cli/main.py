@@ -23,6 +23,7 @@ from morph.app.cli.arguments import (
     Loop,
     Simulate,
 )
+from morph.app.cli.print_arguments import Print
 from morph.app.cli.view_arguments import View
 from morph.app.cli.words import harmless
 from morph.errors import MorphError
@@ -30,7 +31,9 @@ from morph.errors import MorphError
 DONE, UNUSABLE, STOPPED_SHORT, INTERRUPTED = 0, 2, 3, 130
 """Exit statuses, the same for every command."""
 
-Command = Diagnose | Inspect | Convert | Simulate | Learn | Loop | Align | Transfer | View | List
+Command = (
+    Diagnose | Inspect | Convert | Simulate | Learn | Loop | Align | Transfer | Print | View | List
+)
 """What is asked: one command with its options."""
 
 Asked = (
@@ -42,6 +45,7 @@ Asked = (
     | Annotated[Loop, tyro.conf.subcommand("loop")]
     | Annotated[Align, tyro.conf.subcommand("align")]
     | Annotated[Transfer, tyro.conf.subcommand("transfer")]
+    | Annotated[Print, tyro.conf.subcommand("print")]
     | Annotated[View, tyro.conf.subcommand("view")]
     | Annotated[List, tyro.conf.subcommand("list")]
 )
@@ -61,6 +65,8 @@ Example: morph loop swing-up --robot cartpole --sealed 7 --out carried
 Example: morph align cartpole rider_rigid_driven
 
 Example: morph transfer --from learned --chain cartpole rider_rigid_driven --out carried
+
+Example: morph print so101 --printer mk4 --material pla --out package
 
 Example: morph view cartpole rider_rigid_driven --task balance --policy learned
 
@@ -166,6 +172,10 @@ def _run(asked: Command) -> int:
         from morph.app.cli.transfer import run_transfer
 
         return run_transfer(asked)
+    if isinstance(asked, Print):
+        from morph.app.cli.print import run_print
+
+        return run_print(asked)
     if isinstance(asked, View):
         from morph.app.cli.view import run_view
 
