@@ -23,6 +23,10 @@ ENOUGH_MM = 7.0
 """Radius of the largest circle in a section; a larger one makes a cut no better."""
 
 
+ROUGHLY = 20_000
+"""Squares of a section when heights are compared."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Plane:
     """A plane across an axis."""
@@ -44,7 +48,7 @@ def plans(size: Array, room: Array) -> Iterator[tuple[int, int, int]]:
     # No slice is longer than the room's diagonal, so fewer slices need not be tried.
     least = np.maximum(np.ceil(size / longest), 1).astype(int)
     counts = itertools.product(*(range(int(low), MOST + 1) for low in least))
-    few = [each for each in counts if 1 < math.prod(each) <= MOST]
+    few = [(x, y, z) for x, y, z in counts if 1 < x * y * z <= MOST]
     # Of equally many pieces, those nearest to cubes have the smallest sections to join.
     return iter(sorted(few, key=lambda each: (math.prod(each), float((size / each).max()))))
 
@@ -81,7 +85,7 @@ def chosen(
     planes = []
     for at in range(1, count):
         middle = low + at * slice_mm
-        heights = middle + freedom * slice_mm * np.linspace(-1.0, 1.0, TRIED)
+        heights = np.unique(middle + freedom * slice_mm * np.linspace(-1.0, 1.0, TRIED))
         free = [z for z in heights if not any(begin < z < end for begin, end in taken)]
         if not free:
             return None
@@ -93,9 +97,18 @@ def chosen(
 
 def _stout(turned: Any, height: float, middle: float) -> tuple[float, float]:
     """Return how good a cut is: by the largest circle in it, then by how near to the middle."""
-    found = section(turned.slice(float(height)))
+    found = section(turned.slice(float(height)), squares=ROUGHLY)
     deepest = 0.0 if found is None else found.deepest
     return (round(min(deepest, ENOUGH_MM), 1), -abs(height - middle))
+
+
+def even(size: Array, low: Array, counts: Sequence[int]) -> tuple[Plane, ...]:
+    """Return planes that cut a box from `low` on into slices of equal thickness."""
+    return tuple(
+        Plane(axis=axis, height=float(low[axis] + size[axis] * at / count))
+        for axis, count in enumerate(counts)
+        for at in range(1, count)
+    )
 
 
 def cut(solid: Any, planes: Sequence[Plane]) -> list[Any]:

@@ -17,6 +17,9 @@ from print.section import section
 OVER = np.diag([1.0, -1.0, -1.0])
 """Half a turn about x: what lay above a plane lies below it."""
 
+MARKS = 6
+"""How many joints of one part differ in how far apart their pins stand."""
+
 TOUCH_MM = 1e-4
 """How near to a plane a piece must end to lie against it."""
 
@@ -39,12 +42,14 @@ def keyed(solids: Sequence[Any], planes: Sequence[Plane], profile: Profile) -> K
     made = list(solids)
     group = list(range(len(made)))
     reasons = []
+    mark = 0
     for plane in planes:
         for low, high in _pairs(solids, plane):
-            pair = _joined(made[low], made[high], plane, profile)
+            pair = _joined(made[low], made[high], plane, profile, mark % MARKS)
             if pair is None:
                 reasons.append(_reason(made[low], made[high], plane, profile))
                 continue
+            mark += 1
             made[low], made[high] = pair
             group = [group[low] if each == group[high] else each for each in group]
     apart = len(set(group)) > 1
@@ -67,12 +72,17 @@ def _pairs(solids: Sequence[Any], plane: Plane) -> list[tuple[int, int]]:
     ]
 
 
-def _joined(low: Any, high: Any, plane: Plane, profile: Profile) -> tuple[Any, Any] | None:
+def _joined(
+    low: Any, high: Any, plane: Plane, profile: Profile, mark: int
+) -> tuple[Any, Any] | None:
     """Return a piece with pins and one with holes, whichever way there is more room for them."""
     up = swapped(plane.axis)
     below, above = (_onto(solid, up, plane.height) for solid in (low, high))
     flipped = rotated(above, OVER), rotated(below, OVER)
-    ways = [(pins(below, above, profile), False), (pins(*flipped, profile), True)]
+    ways = [
+        (pins(below, above, profile, mark=mark), False),
+        (pins(*flipped, profile, mark=mark), True),
+    ]
     # Two pins rather than a D, then the thicker ones, then as the axis runs.
     found, over = max(
         ways, key=lambda way: (len(way[0]), max((p.radius for p in way[0]), default=0))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -31,6 +31,9 @@ TIP_MM = 0.6
 
 FLAT = 0.4
 """How far the flat of a lone pin lies from its middle, in its radius: as a D it goes in one way."""
+
+STEP_MM = 1.5
+"""Least difference between how far apart two joints' pins stand."""
 
 SIDES = 48
 """Sides of a round pin."""
@@ -86,13 +89,15 @@ class Pin:
         return disc ^ keep.translate((-radius, -radius))
 
 
-def pins(low: Any, high: Any, profile: Profile) -> tuple[Pin, ...]:
+def pins(low: Any, high: Any, profile: Profile, *, mark: int = 0) -> tuple[Pin, ...]:
     """Return pins on one solid that go into another: two unlike ones, or one D; none if no room.
 
     Args:
         low: A `manifold3d.Manifold` below z = 0 that gets the pins.
         high: One above it that gets the holes.
         profile: Names the play, and the wall that must stay around a hole.
+        mark: Sets two pins nearer together by so many steps, if they still have room, so that of
+            many pieces only those go together that belong together.
     """
     wall, play = profile.thinnest_mm, profile.clearance_mm
     found: dict[float, Section | None] = {}
@@ -106,7 +111,7 @@ def pins(low: Any, high: Any, profile: Profile) -> tuple[Pin, ...]:
                 continue
             chosen = _lone(room, radius, length, play + wall)
             if not alone:
-                chosen = _pair(room, radius, length, play + wall)
+                chosen = _marked(_pair(room, radius, length, play + wall), mark, room, play, wall)
             if chosen and all(_held(high, pin, profile) for pin in chosen):
                 return chosen
     return ()
@@ -127,7 +132,7 @@ def _pair(room: Section, radius: float, length: float, around: float) -> tuple[P
     thin = radius - THINNER_MM
     if thin < RADII_MM[-1]:
         return ()
-    thick_at, thin_at = room.places(radius + around), room.places(thin + around)
+    thick_at, thin_at = room.outermost(radius + around), room.outermost(thin + around)
     if not len(thick_at):
         return ()
     angle = np.linspace(0.0, 2.0 * np.pi, 48, endpoint=False)
@@ -142,6 +147,24 @@ def _pair(room: Section, radius: float, length: float, around: float) -> tuple[P
         Pin(middle=first[best], radius=radius, length=length),
         Pin(middle=second[best], radius=thin, length=length),
     )
+
+
+def _marked(
+    pair: tuple[Pin, ...], mark: int, room: Section, play: float, wall: float
+) -> tuple[Pin, ...]:
+    """Return two pins nearer together; as they were where the second would have no room."""
+    if not pair or mark == 0:
+        return pair
+    thick, thin = pair
+    apart = float(np.linalg.norm(thick.middle - thin.middle))
+    # Two holes give way by twice the play; a step is more, or a wrong piece would go on.
+    nearer = mark * max(STEP_MM, 3.0 * play)
+    if apart - nearer < thick.radius + thin.radius + 2.0 * (play + wall):
+        return pair
+    middle = thin.middle + (thick.middle - thin.middle) * (nearer / apart)
+    if room.at(middle) < thin.radius + play + wall:
+        return pair
+    return (thick, replace(thin, middle=middle))
 
 
 def _lone(room: Section, radius: float, length: float, around: float) -> tuple[Pin, ...]:

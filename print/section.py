@@ -30,11 +30,24 @@ class Section:
     pitch: float
     """Side of a square, mm."""
 
-    def places(self, depth: float) -> Array:
-        """Return the middles that lie at least so deep, mm, shape (n, 2)."""
-        rows, columns = np.nonzero(self.depth >= depth)
-        points: Array = self.origin + self.pitch * np.stack([columns, rows], axis=1)
+    def outermost(self, depth: float) -> Array:
+        """Return the first and last place of each row that lies at least so deep, mm, shape (n, 2).
+
+        Of any two such places that are as far apart as can be, both are among them.
+        """
+        rows = np.flatnonzero((self.depth >= depth).any(axis=1))
+        row = self.depth[rows] >= depth
+        columns = np.stack([row.argmax(axis=1), row.shape[1] - 1 - row[:, ::-1].argmax(axis=1)])
+        points: Array = self.origin + self.pitch * np.stack(
+            [columns.ravel(), np.tile(rows, 2)], axis=1
+        )
         return points
+
+    def at(self, point: Array) -> float:
+        """Return how deep a point lies, mm; 0 outside."""
+        column, row = np.round((point - self.origin) / self.pitch).astype(int)
+        rows, columns = self.depth.shape
+        return float(self.depth[row, column]) if 0 <= row < rows and 0 <= column < columns else 0.0
 
     @property
     def deepest(self) -> float:
@@ -42,13 +55,13 @@ class Section:
         return float(self.depth.max(initial=0.0))
 
 
-def section(shape: Any) -> Section | None:
+def section(shape: Any, *, squares: int = SQUARES) -> Section | None:
     """Return a `manifold3d.CrossSection` on a grid; None where it is empty."""
     if shape.is_empty() or shape.area() <= 0.0:
         return None
     low_x, low_y, high_x, high_y = shape.bounds()
     low, size = np.array([low_x, low_y]), np.array([high_x - low_x, high_y - low_y])
-    pitch = max(FINEST_MM, float(np.sqrt(size.prod() / SQUARES)))
+    pitch = max(FINEST_MM, float(np.sqrt(size.prod() / squares)))
     # One empty square all around: the outside is what distances are measured to.
     columns, rows = (np.ceil(size / pitch).astype(int) + 2).tolist()
     origin = low - 0.5 * pitch

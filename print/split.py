@@ -10,7 +10,7 @@ import numpy as np
 
 from print.arrays import Array
 from print.bed import room
-from print.cut import Plane, chosen, cut, plans, rotated
+from print.cut import Plane, chosen, cut, even, plans, rotated
 from print.errors import SolidError, SplitError
 from print.key import keyed
 from print.mesh import Mesh, from_manifold
@@ -35,6 +35,7 @@ class _Whole:
     part: Part
     solid: Any
     turn: Array
+    low: Array
     size: Array
 
 
@@ -80,19 +81,21 @@ def _whole(part: Part) -> _Whole:
             where=f"part {part.name}",
             fix=error.fix,
         ) from error
-    least = np.linalg.inv(trimesh.bounds.oriented_bounds(mesh.trimesh, ordered=False)[0])[:3, :3].T
+    least = np.array(trimesh.bounds.oriented_bounds(mesh.trimesh)[0])[:3, :3]  # type: ignore[no-untyped-call]
     inside = np.ptp(mesh.vertices @ least.T, axis=0)
     # Where its own axes do as well, it is cut along them, as whoever drew it would.
     turn = np.eye(3) if mesh.extent.prod() < 1.02 * inside.prod() else least
     turned = rotated(solid, turn)
     bounds = np.array(turned.bounding_box()).reshape(2, 3)
-    return _Whole(part=part, solid=turned, turn=turn, size=bounds[1] - bounds[0])
+    return _Whole(part=part, solid=turned, turn=turn, low=bounds[0], size=bounds[1] - bounds[0])
 
 
 def _ways(whole: _Whole, profile: Profile) -> Iterator[tuple[Plane, ...]]:
     """Yield planes to cut by, those that leave the fewest pieces first."""
     taken = [_taken(whole, axis) for axis in range(3)]
     for counts in plans(whole.size, room(profile)):
+        if not _all_fit(cut(whole.solid, even(whole.size, whole.low, counts)), profile):
+            continue
         for freedom in FREEDOM:
             along = [
                 chosen(whole.solid, axis, count, freedom, taken[axis])
@@ -160,5 +163,5 @@ def _refused(whole: _Whole, loose: str, profile: Profile) -> SplitError:
         f"a part of {size} mm is too large for the {bed} mm of the "
         f"{profile.printer.title}, and cannot be cut: {why}",
         where=f"part {whole.part.name}",
-        fix="name a larger printer, make the part stouter where it may be cut, or draw it in pieces",
+        fix="name a larger printer, make it stouter where it may be cut, or draw it in pieces",
     )
