@@ -12,10 +12,10 @@ from morph.app.viewer.compare.figures import MARGIN, Verdict, margin, series, ve
 from morph.app.viewer.compare.forces import forces
 from morph.app.viewer.compare.run import Run, ran
 from morph.app.viewer.compare.sweep import SECONDS, swept
-from morph.app.viewer.design.holding import Holding
-from morph.app.viewer.design.posture import Posture
 from morph.app.viewer.figure import Figure, figure
 from morph.app.viewer.motion import Motion, motion, posed
+from morph.body.holding import Holding
+from morph.body.posture import Posture
 from morph.body.robot import Robot
 from morph.physics.worlds import world
 from morph.policy.policy import Policy

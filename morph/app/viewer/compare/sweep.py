@@ -7,9 +7,9 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from morph.app.viewer.design.posture import Posture
 from morph.app.viewer.motion import RATE
 from morph.arrays import Array
+from morph.body.posture import Posture
 
 SECONDS = 5.0
 """How long all joints take together, if nothing else is said."""

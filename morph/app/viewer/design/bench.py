@@ -10,13 +10,13 @@ from typing import Any
 import numpy as np
 
 from morph.app.viewer.design.history import History
-from morph.app.viewer.design.holding import Holding, Motor
 from morph.app.viewer.design.measure import Measures, measured
 from morph.app.viewer.design.parameters import changes, designed, general
-from morph.app.viewer.design.posture import Handle, Posture
 from morph.app.viewer.figure import Figure, figure
 from morph.arrays import Array
 from morph.body.card import Parameter
+from morph.body.holding import Holding, Motor
+from morph.body.posture import Handle, Posture
 from morph.body.robot import Robot
 
 FINE = 1e-9

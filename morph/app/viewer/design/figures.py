@@ -9,9 +9,9 @@ import numpy as np
 
 from morph.app.viewer.content import Table
 from morph.app.viewer.design.bench import Bench
-from morph.app.viewer.design.holding import margins
-from morph.app.viewer.design.measure import Measures, least
+from morph.app.viewer.design.measure import Measures
 from morph.arrays import Array
+from morph.body.holding import least, margins
 
 SHOWN = 6
 """Motors that are listed, those with the least left first."""

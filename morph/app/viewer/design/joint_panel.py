@@ -9,7 +9,7 @@ from typing import Any
 from morph.app.viewer.design.bench import Bench
 from morph.app.viewer.design.limbs import Limb, found, limbs
 from morph.app.viewer.design.number import number_of
-from morph.app.viewer.design.posture import Handle
+from morph.body.posture import Handle
 
 DEGREES = 180.0 / math.pi
 """Hinges are told in degrees on the page, and in rad everywhere else."""

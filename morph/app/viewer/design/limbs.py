@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from morph.app.viewer.design.posture import Handle
+from morph.body.posture import Handle
 from morph.body.robot import Robot
 
 FEW = 12

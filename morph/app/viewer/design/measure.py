@@ -9,17 +9,12 @@ import mujoco
 import numpy as np
 
 from morph.app.picture.shapes import Shape
-from morph.app.viewer.design.holding import Holding, Motor, margins
-from morph.app.viewer.design.posture import Posture
 from morph.app.viewer.design.reach import Reach
 from morph.arrays import Array
+from morph.body.holding import Holding, Motor, least
+from morph.body.poses import drawn
+from morph.body.posture import Posture
 from morph.body.robot import Robot
-
-POSES = 200
-"""Poses that are drawn, beside the one at rest."""
-
-SEED = 0
-"""Of that draw: the same poses for every variation, so that figures differ by the body alone."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -51,15 +46,6 @@ class Measures:
         return least(self.efforts, self.limits)[0]
 
 
-def least(efforts: Array, limits: Array) -> tuple[float | None, int | None]:
-    """Return the least margin and whose it is; None where no motor has a limit."""
-    left = margins(efforts, limits)
-    if not np.isfinite(left).any():
-        return None, None
-    worst = int(np.nanargmin(left))
-    return float(left[worst]), worst
-
-
 def measured(robot: Robot, posture: Posture, shapes: Sequence[Shape]) -> Measures:
     """Return the figures of a robot."""
     poses = drawn(posture)
@@ -76,24 +62,6 @@ def measured(robot: Robot, posture: Posture, shapes: Sequence[Shape]) -> Measure
         efforts=efforts.max(axis=0) if len(holding.motors) else np.zeros(0),
         poses=len(poses),
     )
-
-
-def drawn(posture: Posture) -> list[Array]:
-    """Return the pose at rest and `POSES` others, each handle anywhere in its range.
-
-    One that closed loops keep from its goal counts where it was stopped.
-    """
-    rng = np.random.default_rng(SEED)
-    low = np.array([each.low if each.ranged else each.rest for each in posture.handles])
-    high = np.array([each.high if each.ranged else each.rest for each in posture.handles])
-    if not len(low):
-        return [posture.rest]
-    goals = rng.uniform(low, high, size=(POSES, len(low)))
-    poses, pose = [posture.rest], posture.rest
-    for goal in goals:
-        pose, _ = posture.towards(posture.rest, goal)
-        poses.append(pose)
-    return poses
 
 
 def _size(posture: Posture, shapes: Sequence[Shape]) -> tuple[float, float, float]:

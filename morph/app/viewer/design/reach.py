@@ -12,8 +12,8 @@ import mujoco
 import numpy as np
 
 from morph.app.picture.shapes import Shape
-from morph.app.viewer.design.posture import HINGE, Posture
 from morph.arrays import Array, Integers
+from morph.body.posture import HINGE, Posture
 
 SWEEPS = 20
 """Most rounds over the joints from one pose: each joint in turn goes where it is best."""

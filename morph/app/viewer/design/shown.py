@@ -6,8 +6,8 @@ import numpy as np
 
 from morph.app.viewer.content import Actor, Colour
 from morph.app.viewer.design.bench import Bench
-from morph.app.viewer.design.posture import Posture
 from morph.app.viewer.motion import Motion, posed
+from morph.body.posture import Posture
 
 GHOST: Colour = (120, 130, 145)
 """Colour of the body as described."""

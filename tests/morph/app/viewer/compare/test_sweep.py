@@ -11,8 +11,8 @@ import pytest
 from morph.app.viewer.compare.figures import MARGIN
 from morph.app.viewer.compare.show import sweeps
 from morph.app.viewer.compare.sweep import swept
-from morph.app.viewer.design.posture import Posture
 from morph.body.load import load
+from morph.body.posture import Posture
 from morph.body.robot import Robot
 from morph.sim.simulator import Simulator
 

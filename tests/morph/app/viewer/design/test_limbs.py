@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from morph.app.viewer.design.limbs import FEW, found, limbs
-from morph.app.viewer.design.posture import Handle, Posture
 from morph.body.load import load
+from morph.body.posture import Handle, Posture
 from morph.body.robot import Robot
 from morph.body.spec import spec_of
 

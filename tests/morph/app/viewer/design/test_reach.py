@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from morph.app.picture.shapes import shapes
-from morph.app.viewer.design.measure import drawn
-from morph.app.viewer.design.posture import Posture
 from morph.app.viewer.design.reach import Reach, corners
 from morph.body.load import load
+from morph.body.poses import drawn
+from morph.body.posture import Posture
 from morph.body.robot import Robot
 from morph.body.spec import spec_of
 from morph.body.vary import Scale, vary

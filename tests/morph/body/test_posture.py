@@ -9,9 +9,9 @@ import mujoco
 import numpy as np
 import pytest
 
-from morph.app.viewer.design.posture import Posture
 from morph.body.four_bar import FourBar
 from morph.body.load import load
+from morph.body.posture import Posture
 from morph.body.robot import Robot
 from morph.body.spec import spec_of
 

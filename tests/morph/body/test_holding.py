@@ -9,11 +9,9 @@ import mujoco
 import numpy as np
 import pytest
 
-from morph.app.viewer.design.holding import Holding, margins
-from morph.app.viewer.design.measure import least, measured
-from morph.app.viewer.design.posture import Posture
-from morph.app.viewer.figure import figure
+from morph.body.holding import Holding, least, margins
 from morph.body.load import load
+from morph.body.posture import Posture
 from morph.body.robot import Robot
 from morph.body.spec import spec_of
 
@@ -90,25 +88,3 @@ def test_margins_are_what_is_left_of_limits() -> None:
     assert math.isnan(found[2])
     assert least(np.array([1.0, -3.0, 2.0]), np.array([2.0, 2.0, np.nan])) == (-0.5, 1)
     assert least(np.array([1.0]), np.array([np.nan])) == (None, None)
-
-
-def test_the_worst_pose_of_a_pendulum_is_level() -> None:
-    robot = load("pendulum")
-    drawn = figure(robot)
-    found = measured(robot, Posture(drawn.model), drawn.shapes)
-    # 1 kg at 0.5 m: at most 4.905 N m of 10. Of 200 angles drawn evenly the nearest to level is
-    # off by about pi / 200 at most times 3, which costs 1 - cos 0.05 = 0.12 %.
-    assert found.efforts[0] == pytest.approx(4.905, rel=2e-3)
-    assert found.margin == pytest.approx(1.0 - 4.905 / 10.0, abs=2e-3)
-    assert found.mass == pytest.approx(1.0, abs=1e-12)
-    assert (found.joints, found.freedoms, found.poses) == (1, 1, 201)
-
-
-def test_figures_count_what_loops_leave(four_bar: Callable[..., Robot]) -> None:
-    robot = four_bar()
-    drawn = figure(robot)
-    found = measured(robot, Posture(drawn.model), drawn.shapes)
-    # Three hinges, and a planar pin takes two.
-    assert (found.joints, found.freedoms) == (1, 1)
-    # At rest: the crank's tip to the coupler's, 0.002 m of radius on either side.
-    assert found.size == pytest.approx((0.164, 0.004, 0.104), abs=1e-4)

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from morph.app.viewer.design.posture import Posture
 from morph.arrays import Array
+from morph.body.posture import Posture
 from morph.body.robot import Robot
 
 
@@ -90,3 +90,12 @@ def margins(efforts: Array, limits: Array) -> Array:
     """
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.asarray(1.0 - np.abs(efforts) / limits)
+
+
+def least(efforts: Array, limits: Array) -> tuple[float | None, int | None]:
+    """Return the least margin and whose it is; None where no motor has a limit."""
+    left = margins(efforts, limits)
+    if not np.isfinite(left).any():
+        return None, None
+    worst = int(np.nanargmin(left))
+    return float(left[worst]), worst
