@@ -153,7 +153,7 @@ def _chosen(profile: Profile) -> dict[str, str]:
         "bottom_solid_layers": str(profile.solid_layers[1]),
         "fill_density": f"{100.0 * profile.infill:g}%",
         # Only straight lines fill all of the inside; the slicer refuses others at 100 %.
-        "fill_pattern": "rectilinear" if profile.infill == 1.0 else "gyroid",
+        "fill_pattern": "rectilinear" if profile.infill == 1.0 else "cubic",
         # The slicer counts from the bed, we from upright.
         "support_material_threshold": f"{max(1.0, 90.0 - profile.overhang_deg):.0f}",
         "start_gcode": "\\n".join(start),
