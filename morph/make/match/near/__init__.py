@@ -1,0 +1,1 @@
+"""Policies near a policy: what a search that only tries may change of it."""

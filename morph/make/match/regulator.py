@@ -1,0 +1,36 @@
+"""Feedback anew: the regulator of the printed body."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import ClassVar
+
+from morph.make.match.case import Case
+from morph.make.match.matcher import Matcher
+from morph.policy.linear import Linear
+from morph.policy.policy import Policy
+from morph.search.lqr import Lqr
+from morph.search.search import Problem
+from morph.search.searches import default
+
+
+@dataclass(frozen=True, kw_only=True)
+class Regulator(Matcher):
+    """The linear-quadratic regulator about the state of rest of the printed body.
+
+    A linear policy whose gains weigh sway against noise is best for one body: with other masses
+    the same weighing gives other gains, at the cost of one Riccati equation.
+    """
+
+    name: ClassVar[str] = "regulator"
+
+    def suits(self, case: Case) -> bool:
+        """Return whether the policy is linear and its task one for regulators."""
+        task = case.printed
+        return isinstance(case.policy, Linear) and default(task.name, task.robot) == Lqr.name
+
+    def proposals(self, case: Case) -> Iterator[Policy]:
+        """Yield the regulator."""
+        problem = Problem(task=case.printed, simulator=case.bench)
+        yield Lqr().run(problem, seed=case.seed).policy

@@ -1,0 +1,174 @@
+"""The policies of a package: as it was learned, and as the printed body is to have it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from morph.arrays import Array
+from morph.body.load import load
+from morph.body.robot import Robot
+from morph.errors import MakeError, MorphError
+from morph.files import sha256
+from morph.make.packed import PackedPolicy
+from morph.make.rematch import SECONDS, Matched, rematch
+from morph.physics.worlds import world, world_names
+from morph.policy.export import export_policy
+from morph.policy.files import EXPORTED, FILES, read_json
+from morph.policy.observing import Observer
+from morph.policy.policy import Policy
+from morph.policy.replay import TOLERANCE, apart
+from morph.policy.store import load_policy, write_policy
+from morph.search.evaluate import attempt
+from morph.task.task import Task
+from morph.task.tasks import TASKS, task
+from morph.transfer.retask import task_for
+
+ROBOT, DESIGNED, POLICY = "robot", "designed", "policy"
+"""Folders of a package: the robot as printed, as designed, and a policy, also in `designed`."""
+
+
+def matched_in(
+    folder: Path,
+    source: Path,
+    robot: Robot,
+    *,
+    seconds: float = SECONDS,
+    seed: int = 0,
+    told: Callable[[str], None] = lambda said: None,
+) -> tuple[Matched, PackedPolicy]:
+    """Match a policy to the robot of a package, and write both into it.
+
+    Args:
+        folder: The package, its folders `robot` and `designed` written.
+        source: Folder of the policy as it was learned.
+        robot: The body that it was learned on.
+        seconds: How long matching may take, s.
+        seed: Chance begins from it.
+        told: Is told what is going on.
+
+    Returns:
+        What became of the policy, and what `package.json` says of it.
+
+    Raises:
+        MorphError: The policy is not this body's, or its task is not known; or a file cannot
+            be written.
+    """
+    policy = load_policy(source, robot)
+    designed, printed = load(folder / DESIGNED), load(folder / ROBOT)
+    asked = task_for(task_of(source, robot), designed)
+    found = rematch(policy, asked, printed, seconds=seconds, seed=seed, told=told)
+    told("writing the policy, and replaying it in the printed robot")
+    learned = read_json(source / FILES[1]).get("learned")
+    write_policy(
+        policy,
+        folder / DESIGNED / POLICY,
+        designed,
+        task=asked.name,
+        task_sha256=asked.sha256,
+        learned=learned if isinstance(learned, dict) else None,
+        seconds=asked.horizon,
+    )
+    return found, write_matched(folder / POLICY, found, printed)
+
+
+def write_matched(folder: Path, matched: Matched, robot: Robot) -> PackedPolicy:
+    """Write a policy for a printed robot, export it, and replay both in that very robot.
+
+    Args:
+        folder: Where; an earlier policy in it is replaced.
+        matched: What became of the policy.
+        robot: The robot as it is read from its own files: the policy is made for its hash.
+
+    Raises:
+        PolicyError: Read back or exported, it commands otherwise than it did.
+        OutputError: The folder cannot be written to.
+    """
+    asked = replace(matched.task, robot=robot)
+    seen, times, told = _seen(asked, matched.policy)
+    write_policy(
+        matched.policy,
+        folder,
+        robot,
+        task=asked.name,
+        task_sha256=asked.sha256,
+        learned=matched.said(),
+        observed=seen,
+        times=times,
+    )
+    export_policy(folder, robot)
+    _check(folder, robot, asked, seen, times, told)
+    return PackedPolicy(
+        task=asked.name,
+        verdict=matched.verdict,
+        what=matched.what,
+        sha256=sha256(folder / FILES[0]),
+    )
+
+
+def task_of(folder: Path, robot: Robot) -> Task:
+    """Return the task that a policy was learned for, in the world in which it was learned.
+
+    Raises:
+        MakeError: There is no such task, or it was learned under effects that no world has.
+        TaskError: The body cannot be asked to do it.
+    """
+    path = folder / FILES[1]
+    said = read_json(path).get("task")
+    name = said.get("name") if isinstance(said, dict) else None
+    if not isinstance(said, dict) or name not in TASKS:
+        raise MakeError(
+            f"it does not say which task it is for: {str(name)[:60]!r}",
+            where=str(path),
+            fix=f"give a policy of `morph learn`, for one of {', '.join(TASKS)}",
+        )
+    usual = task(str(name), robot)
+    if said.get("sha256") in ("", usual.sha256):
+        return usual
+    for each in world_names():
+        try:
+            there = replace(usual, world=each, effects=world(each, robot).effects)
+        except MorphError:
+            # A body without shapes floats in no water.
+            continue
+        if there.sha256 == said.get("sha256"):
+            return there
+    raise MakeError(
+        f"it was learned for another {name} than this robot's: under effects of its own, with "
+        "other settings, or by another version",
+        where=str(path),
+        fix=f"learn it anew: morph learn {name} --robot ROBOT --out DIR",
+    )
+
+
+def _seen(asked: Task, policy: Policy) -> tuple[Array, Array, Array]:
+    """Return what a policy sees in a run without noise, when, and what it tells."""
+    simulator = asked.simulator()
+    moved = attempt(asked, policy, simulator, rows=1, rng=None)
+    observer = Observer(policy, asked.robot, simulator.model, 1, effects=simulator.effects)
+    # The last command is held on, and nothing is seen for it.
+    steps = len(moved.time) - 1
+    states = zip(moved.position[0, :steps], moved.velocity[0, :steps], strict=True)
+    seen = np.array([observer.see(q[None], v[None])[0] for q, v in states])
+    return seen.reshape(steps, policy.size), moved.time[:steps], moved.command[0, :steps]
+
+
+def _check(folder: Path, robot: Robot, asked: Task, seen: Array, times: Array, told: Array) -> None:
+    """Refuse a policy that, read back or exported, does otherwise in the robot than it did."""
+    import onnx
+    from onnx.reference import ReferenceEvaluator
+
+    again = _seen(asked, load_policy(folder, robot))[2]
+    model = onnx.load(folder / EXPORTED)
+    (exported,) = ReferenceEvaluator(model).run(None, {"observation": seen, "time": times})
+    for what, commands in (("read back", again), ("exported", np.asarray(exported))):
+        worst = apart(commands, told)
+        if not worst <= TOLERANCE:
+            raise MakeError(
+                f"{what}, its commands in the printed robot differ by {worst:.2g}",
+                where=str(folder),
+                fix="tell morph's authors which policy it was",
+            )

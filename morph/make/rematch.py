@@ -1,0 +1,254 @@
+"""A policy for the body that came off the printer: whether it holds, and if not, one that does."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Literal
+
+from morph.arrays import JSON
+from morph.body.robot import Robot
+from morph.errors import MakeError, MorphError
+from morph.make.match.case import FIRST, Case
+from morph.make.match.comparison import ALLOWED, Comparison
+from morph.make.match.matcher import Matcher
+from morph.make.match.matchers import MATCHERS
+from morph.policy.pattern import pattern
+from morph.policy.policy import Policy
+from morph.policy.said import check_body
+from morph.search.evaluate import Score
+from morph.search.plan.best import FAILURE
+from morph.search.threads import one_thread
+from morph.task.task import Task
+from morph.transfer.retask import task_for
+
+SECONDS = 60.0
+"""How long matching may take if nothing else is said, s."""
+
+UNCHANGED = "unchanged"
+"""The policy as it was learned."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Tried:
+    """What one way of matching came to, in the runs by which a policy is chosen."""
+
+    by: str
+    """The way's name; `unchanged` is the policy as it was learned."""
+    loss: float
+    """Mean loss of its best policy; inf if it has none."""
+    success: float
+    """Share of the runs in which that reached every goal."""
+    seconds: float
+    """How long it took, s."""
+    note: str = ""
+    """Why it has none."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Matched:
+    """A policy for a printed body, and how it compares."""
+
+    policy: Policy
+    """The policy to keep."""
+    task: Task
+    """The task of the printed body."""
+    verdict: Literal["holds", "matched", "lost"]
+    """`holds`: as it was learned. `matched`: another that does. `lost`: none was found in time."""
+    by: str
+    """The way by which it was found; `unchanged` if it is the policy as it was learned."""
+    unchanged: Comparison
+    """The policy as it was learned, on the printed body."""
+    kept: Comparison
+    """The policy to keep there, over the same runs."""
+    seconds: float
+    """How long judging and matching took, s."""
+    seed: int
+    """Of every draw."""
+    tried: tuple[Tried, ...] = field(default=())
+    """Every way that was tried, in order."""
+
+    @property
+    def what(self) -> str:
+        """What was measured, in a sentence or two."""
+        before, now = self.unchanged, self.kept
+        runs = len(now.printed.loss)
+        told = (
+            f"{self.task.name}: loss {before.designed.mean:.3g} as designed, "
+            f"{before.printed.mean:.3g} as printed with the policy unchanged "
+            f"({_percent(before.growth)} of the task's span)"
+        )
+        if self.by != UNCHANGED:
+            told += f", {now.printed.mean:.3g} matched by {self.by} ({_percent(now.growth)})"
+        return (
+            f"{told}; {now.printed.share:.0%} of {runs} runs succeed, "
+            f"{before.designed.share:.0%} as designed; doing nothing costs {before.still.mean:.3g}"
+        )
+
+    def said(self) -> JSON:
+        """Return all of it as plain data."""
+        return {
+            "task": self.task.name,
+            "verdict": self.verdict,
+            "by": self.by,
+            "what": self.what,
+            "runs": len(self.kept.printed.loss),
+            "loss": {
+                "designed": _finite(self.kept.designed.mean),
+                "unchanged": _finite(self.unchanged.printed.mean),
+                "kept": _finite(self.kept.printed.mean),
+                "still": _finite(self.kept.still.mean),
+            },
+            "success": {
+                "designed": self.kept.designed.share,
+                "unchanged": self.unchanged.printed.share,
+                "kept": self.kept.printed.share,
+            },
+            "growth": {
+                "unchanged": _finite(self.unchanged.growth),
+                "kept": _finite(self.kept.growth),
+                "allowed": ALLOWED,
+            },
+            "seconds": self.seconds,
+            "seed": self.seed,
+            "tried": [
+                {name: _finite(value) for name, value in vars(each).items()} for each in self.tried
+            ],
+        }
+
+
+def rematch(
+    policy: Policy,
+    task: Task,
+    printed: Robot,
+    *,
+    seconds: float = SECONDS,
+    seed: int = 0,
+    matchers: Sequence[Matcher] = MATCHERS,
+    told: Callable[[str], None] = lambda said: None,
+) -> Matched:
+    """Return the policy that a printed body is to have.
+
+    The policy holds if its mean loss grows by at most `ALLOWED` of the task's span and it
+    succeeds as often. If it does not, matchers are tried in their order, what they propose is
+    compared in noisy runs of their own, and the best is judged in the runs in which the policy
+    was. One that holds, but costs clearly more than it did, is matched too as long as that is
+    cheap.
+
+    Args:
+        policy: As it was learned.
+        task: What it was learned for, of the body as it was designed.
+        printed: The body as it was printed: parts and joints of the same names.
+        seconds: How long all of it may take, s; judging alone takes about a fifth of it.
+        seed: Chance begins from it.
+        matchers: The ways that are tried.
+        told: Is told what is going on.
+
+    Raises:
+        MakeError: The time is no number of seconds.
+        PolicyError: The policy does not command this body.
+        SimulationFailed: One of the bodies cannot be simulated.
+    """
+    if not 0.0 <= seconds < math.inf:
+        raise MakeError(
+            f"{seconds:g} s is no time", where="matching the policy", fix="give 0 or more"
+        )
+    check_body(policy, printed, where="matching the policy")
+    case = Case(
+        policy=policy,
+        designed=task,
+        printed=task_for(task, printed),
+        seconds=seconds,
+        seed=seed,
+        told=told,
+    )
+    with one_thread():
+        return _found(case, matchers)
+
+
+def _found(case: Case, matchers: Sequence[Matcher]) -> Matched:
+    case.told("judging the policy on the body as designed and as printed")
+    rest = pattern(case.designed.robot, {}, period=case.designed.period)
+    unchanged = Comparison(
+        designed=case.judged(case.policy, on=case.designed),
+        printed=case.judged(case.policy),
+        still=case.judged(rest, on=case.designed, rows=FIRST),
+    )
+    policy, by, kept = case.policy, UNCHANGED, unchanged
+    record: list[Tried] = []
+    if not unchanged.close:
+        asked = [each for each in matchers if each.suits(case)]
+        if unchanged.holds:
+            asked = [each for each in asked if not each.dear]
+        best, way = _best(case, unchanged, asked, record) if asked else (policy, by)
+        if best is not policy:
+            found = _with(unchanged, case.judged(best))
+            if (found.steady, -found.growth) > (unchanged.steady, -unchanged.growth):
+                policy, by, kept = best, way, found
+    return Matched(
+        policy=policy,
+        task=case.printed,
+        verdict=("holds" if by == UNCHANGED else "matched") if kept.holds else "lost",
+        by=by,
+        unchanged=unchanged,
+        kept=kept,
+        seconds=time.monotonic() - case.began,
+        seed=case.seed,
+        tried=tuple(record),
+    )
+
+
+def _best(
+    case: Case, unchanged: Comparison, matchers: Sequence[Matcher], record: list[Tried]
+) -> tuple[Policy, str]:
+    """Return the policy that does best in the runs that choose, and by which way it came."""
+    begun = time.monotonic()
+    best, way, score = case.policy, UNCHANGED, case.chosen(case.policy)
+    record.append(_line(UNCHANGED, score, begun))
+    for matcher in matchers:
+        begun, own, note = time.monotonic(), None, ""
+        try:
+            for policy in matcher.proposals(case):
+                found = case.chosen(policy)
+                if own is None or worth(found) < worth(own):
+                    own = found
+                if worth(found) < worth(score):
+                    best, way, score = policy, matcher.name, found
+                if _with(unchanged, found).close or case.left <= 0.0:
+                    break
+        except MorphError as error:
+            note = error.what
+        record.append(_line(matcher.name, own, begun, note or ("" if own else "no time")))
+        case.told(f"{matcher.name}: loss {record[-1].loss:.3g}")
+        if _with(unchanged, score).close or case.left <= 0.0:
+            break
+    return best, way
+
+
+def worth(score: Score) -> float:
+    """Return what policies are compared by: the loss, and failures on top."""
+    return score.mean * (1.0 + FAILURE * (1.0 - score.share))
+
+
+def _with(unchanged: Comparison, printed: Score) -> Comparison:
+    return Comparison(designed=unchanged.designed, printed=printed, still=unchanged.still)
+
+
+def _line(by: str, score: Score | None, begun: float, note: str = "") -> Tried:
+    return Tried(
+        by=by,
+        loss=math.inf if score is None else score.mean,
+        success=0.0 if score is None else score.share,
+        seconds=time.monotonic() - begun,
+        note=note,
+    )
+
+
+def _finite(value: object) -> object:
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _percent(share: float) -> str:
+    return f"{100.0 * share:+.2g} %"
