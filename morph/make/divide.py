@@ -50,7 +50,7 @@ def divide(robot: Robot, profile: Profile) -> Division:
         robot=robot,
         parts=tuple(numbered),
         hinges=hinges(drawn),
-        checks=tuple(checks),
+        checks=(*buying.axes(things), *checks),
         notes=(*drawn.unread, *notes),
         complete=_complete(drawn, things, missing),
     )
@@ -59,7 +59,7 @@ def divide(robot: Robot, profile: Profile) -> Division:
 def _bought(drawn: Drawing, things: Sequence[Item], names: Names) -> list[Part]:
     return [
         replace(part, name=names.one(safe(part.name)), number=f"B-{at:02d}")
-        for at, (part, _) in enumerate(buying.parts(drawn, things), start=1)
+        for at, part in enumerate(buying.parts(drawn, things), start=1)
     ]
 
 

@@ -13,9 +13,10 @@ from morph.make.groups import Group
 from morph.make.names import Names, shared, sided
 from morph.make.pieces import Piece
 from print.errors import PrintError
-from print.mesh import Mesh, joined
+from print.mesh import Mesh
 from print.part import Check, Part, Placement, Seat
 from print.printer import Profile
+from print.shell import shell
 
 Hand = Literal["left", "right"]
 
@@ -62,7 +63,8 @@ def _name(group: Group) -> str:
 def _solid(piece: Piece, profile: Profile) -> tuple[Mesh, tuple[Seat, ...]]:
     if isinstance(piece.source, Mesh):
         return piece.source, ()
-    return joined(piece.source.solids), ()
+    grown = shell(piece.source, profile)
+    return grown.mesh, grown.seats
 
 
 def _part(drawn: Drawing, group: Group, mesh: Mesh, seats: tuple[Seat, ...], name: str) -> Part:

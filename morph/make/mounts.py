@@ -1,7 +1,9 @@
-"""How a servo sits where its box is drawn: which way its horn looks, and where its axis is."""
+"""How a servo sits where its box is drawn, and where what it turns is screwed to its horn."""
 
 from __future__ import annotations
 
+import itertools
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,78 +11,128 @@ import numpy as np
 from morph.arrays import Array
 from morph.make.drawing import MM, Drawing, Drawn
 from morph.make.solids import placed
+from print.servos import Servo
 
 LEVEL = 0.5
-"""How far off the box's middle, in halves of its height, the joint tells which way is out, mm."""
+"""How far off the box's middle, in halves of its height, the joint tells which way is out."""
+
+ON_AXIS_MM, ON_AXIS_DEG = 2.0, 2.0
+"""How near the drawn axis must be to the joint's for the servo to be put onto it."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Seated:
-    """A servo's case as it is drawn, and the axis that it turns."""
+    """A servo as it is drawn, and the axis that it turns; all in the frame of its link, mm."""
 
-    case: Array
-    """From the case's frame (its middle; x along its length, z along its axis), shape (4, 4), mm,
-    to the frame of the link that holds it."""
-    size: Array
-    """Of the case along these axes, mm, shape (3,)."""
-    joint: Array
-    """Where the joint's axis leaves the case's top, in the case's frame, mm, shape (3,)."""
+    pose: Array
+    """Of the servo's frame: its axis leaves the case at its origin along z; shape (4, 4)."""
+    horn: Array
+    """The same where the horn turns what it turns: on the joint's axis, shape (4, 4)."""
+    off_mm: float
+    """How far its axis is from the joint's where it was drawn."""
+    off_deg: float
+    """By how much its axis leans from the joint's."""
 
-    def pose(self, axis_mm: float | None) -> Array:
-        """Return the servo's frame in the link's; its axis is `axis_mm` from the case's middle.
-
-        Without a figure the axis is taken to be where the joint's is.
-        """
-        along = self.joint[0] if axis_mm is None else -axis_mm
-        across = self.joint[1] if axis_mm is None else 0.0
-        return self.case @ placed(np.eye(3), np.array([along, across, self.size[2] / 2.0]))
+    @property
+    def fits(self) -> bool:
+        """Whether the servo is on the joint's axis."""
+        return self.off_mm <= ON_AXIS_MM and self.off_deg <= ON_AXIS_DEG
 
 
-def seated(drawing: Drawing, box: Drawn, joint: str) -> Seated:
-    """Return how a servo drawn as a box sits that turns a joint.
+def seated(drawing: Drawing, drawn: Drawn, joint: str, servo: Servo) -> Seated:
+    """Return how a servo sits that is drawn as a box and turns a joint.
 
-    Its height is the side of the box that the joint's axis is most nearly along, its length the
-    longer one of the others, and its far end the one further from the axis. Its horn is on the
-    side where the joint is, and if the joint is in its middle, where what it turns has its mass.
+    The box's sides are told apart by the servo's sizes, and where these do not tell, by the
+    joint's axis. Its far end is the one further from the axis. Its horn is on the side where the
+    joint is; if the joint is in its middle, where what it turns is drawn.
     """
     model, data = drawing.model, drawing.data
     at = model.joint(joint).id
-    to_box = np.asarray(np.linalg.inv(drawing.world(box.link) @ box.pose), dtype=np.float64)
+    to_box = _inverse(drawing.world(drawn.link) @ drawn.pose)
     anchor = to_box[:3, :3] @ (MM * data.xanchor[at]) + to_box[:3, 3]
     axis = to_box[:3, :3] @ data.xaxis[at]
-    up = int(np.argmax(np.abs(axis)))
-    others = [side for side in range(3) if side != up]
-    long = max(others, key=lambda side: (round(float(box.size[side]), 3), -side))
+    long, up = _sides(drawn.size, axis, servo)
+    toward = _toward(drawing, drawn, joint, to_box)
     z = np.zeros(3)
-    z[up] = _out(drawing, box, joint, to_box, anchor, axis, up)
+    z[up] = 1.0
+    z *= (
+        _sign(anchor[up], LEVEL * drawn.size[up])
+        or _sign(toward[up], LEVEL)
+        or _forward(to_box[:3, :3].T @ z)
+    )
     x = np.zeros(3)
     x[long] = -1.0 if anchor[long] > 0 else 1.0
-    turn = np.column_stack([x, np.cross(z, x), z])
-    size = 2.0 * np.array([box.size[long], box.size[3 - up - long], box.size[up]])
-    local = turn.T @ anchor
-    return Seated(
-        case=box.pose @ placed(turn, np.zeros(3)),
-        size=size,
-        joint=np.array([local[0], local[1], size[2] / 2.0]),
-    )
+    case = placed(np.column_stack([x, np.cross(z, x), z]), np.zeros(3))
+    origin = np.array([servo.axis_mm - servo.length_mm / 2, 0.0, servo.height_mm / 2])
+    pose = case @ placed(np.eye(3), origin)
+    lean = math.degrees(math.acos(min(1.0, abs(float(axis @ z)))))
+    off = anchor - pose[:3, 3]
+    off_mm = float(np.linalg.norm(off - (off @ axis) * axis))
+    found = Seated(pose=pose, horn=pose, off_mm=off_mm, off_deg=lean)
+    if found.fits:
+        pose[:3, 3] += off - (off @ z) * z
+        horn = pose
+    else:
+        horn = _horn(drawn.size, to_box, anchor, axis, pose, toward)
+    return Seated(pose=drawn.pose @ pose, horn=drawn.pose @ horn, off_mm=off_mm, off_deg=lean)
 
 
-def _out(
-    drawing: Drawing, box: Drawn, joint: str, to_box: Array, anchor: Array, axis: Array, up: int
-) -> float:
-    """Return 1 if the horn looks along the box's axis `up`, and -1 if against it."""
-    if abs(anchor[up]) > LEVEL * box.size[up]:
-        return float(np.sign(anchor[up]))
+def _sides(size: Array, axis: Array, servo: Servo) -> tuple[int, int]:
+    """Return along which sides of the box a servo's length and its height are."""
+    wanted = np.array([servo.length_mm, servo.width_mm, servo.height_mm])
+
+    def misfit(order: tuple[int, ...]) -> tuple[float, float]:
+        # A millimetre is no difference: drawings round, and some servos are nearly square.
+        worst = float(np.abs(2.0 * size[list(order)] - wanted).max())
+        return (round(worst / 2.0), -abs(float(axis[order[2]])))
+
+    best = min(itertools.permutations(range(3)), key=misfit)
+    return best[0], best[2]
+
+
+def _toward(drawing: Drawing, drawn: Drawn, joint: str, to_box: Array) -> Array:
+    """Return where what a servo turns is drawn, in halves of the servo's box, shape (3,)."""
     robot = drawing.robot
     moved = robot.joint(joint).link
-    if moved == box.link:
+    if moved == drawn.link:
         # It turns itself about what holds its horn.
         moved = robot.link(moved).parent
     shapes = drawing.shapes.get(moved, ())
-    if shapes:
-        pose = to_box @ drawing.world(moved)
-        middle = np.mean([shape.placed.bounds.mean(axis=0) for shape in shapes], axis=0)
-        side = float((pose[:3, :3] @ middle + pose[:3, 3])[up])
-        if abs(side) > LEVEL * box.size[up]:
-            return float(np.sign(side))
-    return 1.0 if axis[up] > 0 else -1.0
+    if not shapes:
+        return np.zeros(3)
+    pose = to_box @ drawing.world(moved)
+    middle = np.mean([shape.placed.bounds.mean(axis=0) for shape in shapes], axis=0)
+    there: Array = (pose[:3, :3] @ middle + pose[:3, 3]) / drawn.size
+    return there
+
+
+def _horn(
+    size: Array, to_box: Array, anchor: Array, axis: Array, pose: Array, toward: Array
+) -> Array:
+    """Return a horn's frame on the joint's axis, where that leaves the box."""
+    z = axis * (
+        _sign(float(axis @ pose[:3, 2]), 0.5)
+        or _sign(float(axis @ (toward * size)), LEVEL * float(size.min()))
+        or _forward(to_box[:3, :3].T @ axis)
+    )
+    # The box's corner that reaches furthest along z.
+    reach = float(np.abs(z) @ size)
+    side = pose[:3, 0] - (pose[:3, 0] @ z) * z
+    if np.linalg.norm(side) < 0.1:
+        side = pose[:3, 2] - (pose[:3, 2] @ z) * z
+    x = side / np.linalg.norm(side)
+    return placed(np.column_stack([x, np.cross(z, x), z]), anchor + (reach - anchor @ z) * z)
+
+
+def _sign(value: float, least: float) -> float:
+    """Return 1 or -1 of a value that is not small, and 0 of one that is."""
+    return 0.0 if abs(value) <= least else math.copysign(1.0, value)
+
+
+def _forward(direction: Array) -> float:
+    """Return the sign that turns a direction of the world forward, to the left or up."""
+    return math.copysign(1.0, direction[int(np.argmax(np.abs(direction)))])
+
+
+def _inverse(pose: Array) -> Array:
+    return np.asarray(np.linalg.inv(pose), dtype=np.float64)

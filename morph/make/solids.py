@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from typing import Any
 
@@ -10,21 +9,7 @@ import numpy as np
 
 from morph.arrays import Array
 from print.mesh import Mesh, from_manifold
-
-SAGITTA = 0.02
-"""How far a flat face may lie inside the round one that it stands for, mm."""
-
-FEWEST, MOST = 16, 128
-"""Fewest and most faces around a circle."""
-
-
-def around(radius: float) -> int:
-    """Return how many faces stand for a circle, mm: a multiple of 4, so that it is symmetric.
-
-    A chord of n lies r (1 - cos(pi / n)) inside its arc.
-    """
-    wanted = math.pi / math.acos(max(1.0 - SAGITTA / max(radius, SAGITTA), 0.0))
-    return 4 * math.ceil(min(max(wanted, FEWEST), MOST) / 4)
+from print.solid import around
 
 
 def solid(kind: str, size: Array) -> Mesh | None:
@@ -38,6 +23,16 @@ def solid(kind: str, size: Array) -> Mesh | None:
     return None if maker is None else from_manifold(maker(size))
 
 
+MOST_OF_A_BALL = 64
+"""Most faces around a ball: its triangles grow with the square, and what is cut pays for each."""
+
+
+def _ball(radius: float, size: float) -> Any:
+    import manifold3d
+
+    return manifold3d.Manifold.sphere(radius, min(around(size), MOST_OF_A_BALL))
+
+
 def _box(size: Array) -> Any:
     import manifold3d
 
@@ -45,15 +40,11 @@ def _box(size: Array) -> Any:
 
 
 def _sphere(size: Array) -> Any:
-    import manifold3d
-
-    return manifold3d.Manifold.sphere(float(size[0]), around(float(size[0])))
+    return _ball(float(size[0]), float(size[0]))
 
 
 def _ellipsoid(size: Array) -> Any:
-    import manifold3d
-
-    return manifold3d.Manifold.sphere(1.0, around(float(size.max()))).scale(list(size))
+    return _ball(1.0, float(size.max())).scale(list(size))
 
 
 def _cylinder(size: Array) -> Any:
