@@ -5,12 +5,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from scipy.spatial import KDTree
+
 from print.errors import SolidError
 from print.solid import NOTHING, pieces, union
-from print.strut import strut
+from print.strut import points, strut
 
 CRUMB = 0.02
 """Part of the whole volume below which a piece that carries nothing is dropped."""
+
+SLIVER_MM = 0.005
+"""Triangles narrower than this are removed."""
 
 CRUMB_MM3 = 1000.0
 """And its greatest volume."""
@@ -45,7 +50,8 @@ def connected(
         notes.append(f"{len(whole) - len(kept)} crumbs of {lost:.0f} mm3 in all are left out")
     if len(kept) > 1:
         notes.append(f"{len(kept)} separate pieces are joined by struts")
-    return _joined(kept, forbidden, where), tuple(notes)
+    # Faces that all but coincide leave slivers that no printer lays down.
+    return _joined(kept, forbidden, where).simplify(SLIVER_MM), tuple(notes)
 
 
 def _crumb(piece: Any, total: float, carriers: Sequence[Any]) -> bool:
@@ -58,28 +64,24 @@ def _crumb(piece: Any, total: float, carriers: Sequence[Any]) -> bool:
 
 def _joined(kept: list[Any], forbidden: Any, where: str) -> Any:
     """Return pieces as one, the nearest joined first."""
-    one, rest = kept[0], kept[1:]
+    one, rest = kept[0], [(piece, points(piece)) for piece in kept[1:]]
     while rest:
-        rest.sort(key=lambda piece: one.min_gap(piece, 1e4))
-        for k, piece in enumerate(rest):
+        tree = KDTree(points(one))
+        rest.sort(key=lambda other: float(tree.query(other[1])[0].min()))
+        for k, (piece, _) in enumerate(rest):
             between = strut(one, piece, forbidden)
             if between is not None:
-                one = _largest(union([one, piece, between]))
+                one = pieces(union([one, piece, between]))[0]
                 del rest[k]
                 break
         else:
             raise SolidError(
-                f"{_said(rest[0])} cannot be joined to the rest: what the part holds and what "
+                f"{_said(rest[0][0])} cannot be joined to the rest: what the part holds and what "
                 "others sweep lies between",
                 where=where,
                 fix="move what is in the way, or draw a piece that leads around it",
             )
     return one
-
-
-def _largest(solid: Any) -> Any:
-    """Return a solid without the crumbs that a cut strut leaves."""
-    return pieces(solid)[0]
 
 
 def _said(piece: Any) -> str:

@@ -26,10 +26,16 @@ from print.servo import (
     wire_room,
 )
 from print.skeleton import Mount
-from print.solid import box, placed, union
+from print.solid import box, placed, rod, union
 
 WALL_MM = 2.4
 """Wall and floor of a pocket: at least five lines of a nozzle of 0.4 mm."""
+
+UNDER_MM = 8.0
+"""How far before a horn a part that it turns has nothing: there is the servo."""
+
+FACETS = 0.9
+"""Of the play, what a seat promises: facets and rounding take the rest."""
 
 SIDES: tuple[Side, ...] = ("+z", "+y", "-y")
 """Where a pocket may be open, the one that holds best first."""
@@ -60,12 +66,13 @@ def _pocket(mount: Mount, walls: Any, others: Any, profile: Profile) -> Fitting:
     rest = [placed(turning_room(which), mount.pose), placed(wire_room(which, play), mount.pose)]
     holes = screw_holes(which, WALL_MM + play)
     empty = union([ways[side], *rest])
+    promised = union([placed(way_in(which, FACETS * play, side), mount.pose), *rest])
     seat = Seat(
         holds=which.name,
         position=mount.pose[:3, 3],
         axis=mount.pose[:3, 2],
         bore_mm=0.0,
-        pocket=from_manifold(empty),
+        pocket=from_manifold(promised),
     )
     return Fitting(
         name=f"the pocket of a {which.name}",
@@ -119,9 +126,8 @@ def horn(mount: Mount, profile: Profile) -> Fitting:
     which = servo(mount.servo)
     pattern = placed(horn_pattern(which, profile.clearance_mm).manifold, mount.pose)
     # What the part has between the disc and the servo would rub on the case.
-    low, high = 0.0, which.horn.top_mm
     reach = which.horn.diameter_mm / 2 + FREE_MM
-    rub = placed(box((-reach, -reach, low), (reach, reach, high)), mount.pose)
+    rub = placed(rod(reach, -UNDER_MM, which.horn.top_mm), mount.pose)
     seat = Seat(
         holds=f"{which.name} horn",
         position=(mount.pose @ np.array([0.0, 0.0, which.horn.top_mm, 1.0]))[:3],

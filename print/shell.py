@@ -24,6 +24,9 @@ from print.thicken import thickened
 THIN_MM = 1.6
 """Least width of a drawn solid; thinner ones are thickened, or to twice a line if that is more."""
 
+HAIR_MM = 0.005
+"""How far each drawn solid is grown; rounding would leave membranes between those that touch."""
+
 CARRIED = 0.3
 """Least part of what carries something that must be left by what others sweep."""
 
@@ -76,7 +79,15 @@ def _body(skeleton: Skeleton, profile: Profile) -> tuple[Any, tuple[str, ...]]:
     thick = [thickened(mesh, least) for mesh in skeleton.solids]
     count = sum(new is not old for new, old in zip(thick, skeleton.solids, strict=True))
     notes = (f"{count} thin shapes are made {least:.1f} mm thick",) if count else ()
-    return union([mesh.manifold for mesh in thick]), notes
+    return union([_touching(mesh.manifold) for mesh in thick]), notes
+
+
+def _touching(solid: Any) -> Any:
+    """Return a solid a hair larger about its middle, so that faces that only touch become one."""
+    low, high = np.array(solid.bounding_box()).reshape(2, 3)
+    middle = (low + high) / 2.0
+    factor = 1.0 + 2.0 * HAIR_MM / (high - low)
+    return solid.translate(list(-middle)).scale(list(factor)).translate(list(middle))
 
 
 def _fittings(skeleton: Skeleton, body: Any, profile: Profile) -> tuple[Fitting, ...]:

@@ -14,6 +14,9 @@ from print.solid import ball, hull, pieces
 DENSE_MM = 3.0
 """Greatest length of an edge where pieces are measured."""
 
+MANY = 4000
+"""How many patches of that size a large surface is divided into at most, some points each."""
+
 TRIES = 10
 """How many straight struts are tried before a bent one is looked for."""
 
@@ -59,7 +62,8 @@ def strut(first: Any, second: Any, forbidden: Any) -> Any | None:
 
 def points(solid: Any) -> Array:
     """Return points all over the surface of a solid, shape (n, 3)."""
-    dense = solid.refine_to_length(DENSE_MM).to_mesh64().vert_properties
+    apart = max(DENSE_MM, float(np.sqrt(solid.surface_area() / MANY)))
+    dense = solid.refine_to_length(apart).to_mesh64().vert_properties
     return np.unique(np.round(np.asarray(dense, dtype=np.float64)[:, :3], 6), axis=0)
 
 
