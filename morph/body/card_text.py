@@ -14,6 +14,10 @@ LONGEST = 800
 """Letters of a text; a line of a card has at most 1024 bytes."""
 
 
+WIDEST = 100
+"""Letters of a list on one line; a longer one has a line for each of its values."""
+
+
 def card_text(card: Card) -> str:
     """Return a card as the text of a `card.toml`, without what is as if it were left out."""
     plain, tables = [], []
@@ -56,7 +60,11 @@ def _written(value: Any) -> str:
         return repr(value) if math.isfinite(value) else {True: "inf", False: "-inf"}[value > 0]
     if isinstance(value, Mapping):
         return "{ " + ", ".join(f"{_quoted(k)} = {_written(v)}" for k, v in value.items()) + " }"
-    return "[" + ", ".join(_written(each) for each in value) + "]"
+    written = [_written(each) for each in value]
+    line = ", ".join(written)
+    if len(line) <= WIDEST:
+        return f"[{line}]"
+    return "[\n" + "".join(f"  {each},\n" for each in written) + "]"
 
 
 def _quoted(text: str) -> str:

@@ -133,16 +133,41 @@ def _write(
     asked: Print, folder: Path, robot: Robot, package: Package, tell: Callable[[str], None]
 ) -> Package:
     """Write all of it into a folder, `package.json` last."""
+    from morph.app.report.print.files import write_pages
+    from morph.make.margins import margins
     from morph.make.package import write_content, write_parts, write_robots
 
     tell("writing the robot as it comes off the printer")
     made = write_robots(folder, robot, package)
     package = replace(package, made_sha256=made.sha256)
+    learned, matched = None, None
+    if asked.policy is not None:
+        from morph.make.policies import matched_in, task_of
+        from morph.policy.store import load_policy
+
+        source = Path(asked.policy)
+        matched, said = matched_in(
+            folder, source, robot, seconds=asked.seconds, seed=asked.seed, told=tell
+        )
+        package = replace(package, policy=said)
+        learned = (load_policy(source, robot), task_of(source, robot))
+    tell("seeing what the motors need")
+    needed = margins(robot, made, learned=learned, matched=matched, seed=asked.seed)
     tell("writing plates and parts")
-    metadata = {"Title": package.title, "Application": "morph"}
-    files = write_parts(folder, package.job, metadata)
+    files = write_parts(folder, package.job, _metadata(package))
+    write_pages(folder, package, needed)
     write_content(folder, package, files)
     return package
+
+
+def _metadata(package: Package) -> dict[str, str]:
+    """Return what each 3MF says of itself; names of our own need a namespace."""
+    import morph
+
+    said = {"Title": package.title, "Application": f"morph {morph.__version__}"}
+    if package.policy is not None:
+        said["policy_sha256"] = package.policy.sha256
+    return {**said, "robot_sha256": package.made_sha256}
 
 
 def _command(asked: Print) -> str:

@@ -31,7 +31,7 @@
   const hidden = { visible: false };
   const scene = {
     xaxis: { ...hidden, range: range("x", 0) }, yaxis: { ...hidden, range: range("y", 1) }, zaxis: { ...hidden, range: range("z", 2) },
-    aspectmode: "data", camera: { eye: { x: 1.1, y: -1.3, z: 0.7 } },
+    aspectmode: "data", camera: { eye: { x: 1.5, y: -1.8, z: 1.0 } },
   };
   const layout = { scene, margin: { l: 0, r: 0, t: 0, b: 0 }, paper_bgcolor: "rgba(0,0,0,0)", showlegend: false, uirevision: "same" };
 

@@ -6,6 +6,7 @@ import json
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from jinja2.utils import htmlsafe_json_dumps
 from markupsafe import Markup
@@ -15,7 +16,10 @@ from morph.app.report.page import _hash
 from morph.app.report.print import words
 from morph.app.report.print.solids import solids
 from morph.make.content import Package
-from morph.make.margins import Margin
+
+if TYPE_CHECKING:
+    from morph.make.margins import Margin
+
 
 FOLDER = Path(__file__).parent
 

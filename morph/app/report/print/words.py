@@ -9,6 +9,7 @@ import numpy as np
 
 from morph.make.content import Package
 from morph.make.link_mass import LinkMass
+from morph.make.margins import Margin
 from print.part import Check, Part
 from print.weight import Weight
 
@@ -49,6 +50,17 @@ class PartRow:
     support: str
     time: str
     warnings: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class MarginRow:
+    """What one motor needs and has, in words."""
+
+    joint: str
+    limit: str
+    designed: str
+    printed: str
+    left: str
 
 
 def headline(package: Package) -> str:
@@ -97,6 +109,21 @@ def part_rows(package: Package) -> list[PartRow]:
     return [_part_row(part, package) for part in every]
 
 
+def margin_row(margin: Margin) -> MarginRow:
+    """Return a motor's row."""
+    return MarginRow(
+        joint=margin.joint,
+        limit="–" if margin.limit is None else f"{margin.limit:.3g} {margin.unit}",
+        designed=_effort(margin.designed, margin.run_designed, margin.unit),
+        printed=_effort(margin.printed, margin.run_printed, margin.unit),
+        left="–" if margin.left is None else f"{100 * margin.left:.0f} %",
+    )
+
+
+def _effort(held: float, ran: float | None, unit: str) -> str:
+    return f"{held:.3g} {unit}" if ran is None else f"{held:.3g} {unit}, moving {ran:.3g}"
+
+
 def ordered(checks: Iterable[Check]) -> list[Check]:
     """Return checks with the refused first and what passed last."""
     order = ("refused", "noted", "passed")
@@ -130,7 +157,9 @@ def _inertia(before: Weight, now: Weight) -> str:
     if size <= 0 or before.mass <= 0 or now.mass <= 0:
         return "–"
     scaled = before.inertia * (now.mass / before.mass)
-    return f"{100 * float(np.linalg.norm(now.inertia - scaled)) / float(np.linalg.norm(scaled)):.0f} %"
+    return (
+        f"{100 * float(np.linalg.norm(now.inertia - scaled)) / float(np.linalg.norm(scaled)):.0f} %"
+    )
 
 
 def _part_row(part: Part, package: Package) -> PartRow:
