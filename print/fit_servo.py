@@ -84,7 +84,7 @@ def _pocket(mount: Mount, walls: Any, others: Any, profile: Profile) -> Fitting:
 
 
 def _strapped(which: Servo) -> str:
-    return f"where a {which.name} is screwed to its frame is not known here: a strap holds it"
+    return f"which screws hold an {which.name} is not known here: a strap round its pocket does"
 
 
 def _walls(which: Servo, play: float) -> Any:

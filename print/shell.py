@@ -28,7 +28,7 @@ HAIR_MM = 0.005
 """How far each drawn solid is grown; rounding would leave membranes between those that touch."""
 
 CARRIED = 0.3
-"""Least part of what carries something that must be left by what others sweep."""
+"""Least part of what carries something that must be left of it."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -55,21 +55,26 @@ def shell(skeleton: Skeleton, profile: Profile) -> Shell:
 
     Raises:
         SolidError: Nothing is left, or pieces cannot be joined outside of what is spared.
-        SeatError: A servo, a bearing or a screw is unknown, or others sweep where it sits.
+        SeatError: A servo, a bearing or a screw is unknown, or too little is left to hold one.
     """
     body, notes = _body(skeleton, profile)
     fittings = _fittings(skeleton, body, profile)
-    spared = [mesh.manifold for mesh in skeleton.spared]
-    forbidden = union([*all_removed(fittings), *spared])
+    spared, given_up = _spared(skeleton, fittings)
+    forbidden = union([*all_removed(fittings), spared])
     grown = union([body, *all_added(fittings)])
     solid, joined = connected(
         grown - forbidden, forbidden, all_added(fittings), where=skeleton.name
     )
-    _refuse_swept(fittings, solid, skeleton.name)
+    _refuse_lost(fittings, solid, skeleton.name)
     return Shell(
         mesh=from_manifold(solid),
         seats=tuple(seat for fitting in fittings for seat in fitting.seats),
-        notes=(*notes, *_unique(note for fitting in fittings for note in fitting.notes), *joined),
+        notes=(
+            *notes,
+            *_unique(note for fitting in fittings for note in fitting.notes),
+            *given_up,
+            *joined,
+        ),
     )
 
 
@@ -108,15 +113,32 @@ def _size(skeleton: Skeleton) -> float:
     return 100.0 + float(np.linalg.norm(np.ptp(np.vstack(corners), axis=0)))
 
 
-def _refuse_swept(fittings: Sequence[Fitting], solid: Any, name: str) -> None:
+def _spared(skeleton: Skeleton, fittings: Sequence[Fitting]) -> tuple[Any, tuple[str, ...]]:
+    """Return the room that others sweep, less what carries something and would not be left."""
+    room = union([mesh.manifold for mesh in skeleton.spared])
+    if room.is_empty():
+        return room, ()
+    notes = []
+    for fitting in fittings:
+        plastic = union(fitting.added)
+        if carried(fitting, plastic - room) < CARRIED:
+            room -= plastic
+            notes.append(
+                f"others sweep through {fitting.name}, which stays: a joint will not have all "
+                "of its range"
+            )
+    return room, tuple(notes)
+
+
+def _refuse_lost(fittings: Sequence[Fitting], solid: Any, name: str) -> None:
     """Refuse a part of which too little is left to carry something."""
     for fitting in fittings:
         left = carried(fitting, solid)
         if left < CARRIED:
             raise SeatError(
-                f"what others sweep leaves {left:.0%} of what carries {fitting.name}",
+                f"what else the part holds leaves {left:.0%} of what carries {fitting.name}",
                 where=name,
-                fix="move it, narrow the joint's range, or move what sweeps it",
+                fix="move what it holds further apart",
             )
 
 
