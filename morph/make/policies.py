@@ -13,6 +13,7 @@ from morph.body.load import load
 from morph.body.robot import Robot
 from morph.errors import MakeError, MorphError
 from morph.files import sha256
+from morph.make.package import DESIGNED, POLICY, ROBOT
 from morph.make.packed import PackedPolicy
 from morph.make.rematch import SECONDS, Matched, rematch
 from morph.physics.worlds import world, world_names
@@ -27,9 +28,6 @@ from morph.task.task import Task
 from morph.task.tasks import TASKS, task
 from morph.transfer.retask import task_for
 
-ROBOT, DESIGNED, POLICY = "robot", "designed", "policy"
-"""Folders of a package: the robot as printed, as designed, and a policy, also in `designed`."""
-
 
 def matched_in(
     folder: Path,
@@ -41,6 +39,8 @@ def matched_in(
     told: Callable[[str], None] = lambda said: None,
 ) -> tuple[Matched, PackedPolicy]:
     """Match a policy to the robot of a package, and write both into it.
+
+    The policy as it was learned goes to `designed/policy`, that for the printed robot to `policy`.
 
     Args:
         folder: The package, its folders `robot` and `designed` written.
@@ -72,6 +72,35 @@ def matched_in(
         learned=learned if isinstance(learned, dict) else None,
         seconds=asked.horizon,
     )
+    return found, write_matched(folder / POLICY, found, printed)
+
+
+def matched_again(
+    source: Path,
+    folder: Path,
+    *,
+    seconds: float = SECONDS,
+    seed: int = 0,
+    told: Callable[[str], None] = lambda said: None,
+) -> tuple[Matched, PackedPolicy]:
+    """Try a package's policy on a corrected robot, and match it again if it is lost there.
+
+    Args:
+        source: The package as it was, with the policy for its robot.
+        folder: A copy of it whose robot was corrected; its policy is replaced.
+        seconds: How long matching may take, s; 0 to say only whether the policy holds.
+        seed: Chance begins from it.
+        told: Is told what is going on.
+
+    Raises:
+        MorphError: A policy cannot be used, or a file cannot be written.
+    """
+    now = load_policy(source / POLICY, load(source / ROBOT))
+    designed, printed = load(folder / DESIGNED), load(folder / ROBOT)
+    learned = load_policy(folder / DESIGNED / POLICY, designed)
+    asked = task_of(folder / DESIGNED / POLICY, designed)
+    found = rematch(now, asked, printed, learned=learned, seconds=seconds, seed=seed, told=told)
+    told("writing the policy, and replaying it in the corrected robot")
     return found, write_matched(folder / POLICY, found, printed)
 
 

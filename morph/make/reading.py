@@ -30,7 +30,7 @@ def read_package(folder: str | Path) -> Package:
         MakeError: There is none, or a file in it is damaged, too large or elsewhere.
     """
     place = Path(folder)
-    packed = _read(place / FILE)
+    packed = read_packed(place / FILE)
     if len(packed.parts) + len(packed.gauges) > MOST_PARTS:
         raise _bad(place / FILE, f"it has more than {MOST_PARTS} parts")
     return unpacked(packed, place, lambda part: _mesh(place, part))
@@ -45,7 +45,12 @@ def is_package(folder: Path) -> bool:
         return False
 
 
-def _read(path: Path) -> Packed:
+def read_packed(path: Path) -> Packed:
+    """Return what a `package.json` holds, every field of it known.
+
+    Raises:
+        MakeError: There is none, or it is damaged or too large.
+    """
     try:
         if not path.is_file():
             raise MakeError(

@@ -124,6 +124,7 @@ def rematch(
     task: Task,
     printed: Robot,
     *,
+    learned: Policy | None = None,
     seconds: float = SECONDS,
     seed: int = 0,
     matchers: Sequence[Matcher] = MATCHERS,
@@ -138,9 +139,10 @@ def rematch(
     cheap.
 
     Args:
-        policy: As it was learned.
+        policy: As it was learned, or what commands the printed body until now.
         task: What it was learned for, of the body as it was designed.
         printed: The body as it was printed: parts and joints of the same names.
+        learned: What was learned on the designed body, if `policy` was matched already.
         seconds: How long all of it may take, s; judging alone takes about a fifth of it.
         seed: Chance begins from it.
         matchers: The ways that are tried.
@@ -158,6 +160,7 @@ def rematch(
     check_body(policy, printed, where="matching the policy")
     case = Case(
         policy=policy,
+        learned=learned or policy,
         designed=task,
         printed=task_for(task, printed),
         seconds=seconds,
@@ -172,7 +175,7 @@ def _found(case: Case, matchers: Sequence[Matcher]) -> Matched:
     case.told("judging the policy on the body as designed and as printed")
     rest = pattern(case.designed.robot, {}, period=case.designed.period)
     unchanged = Comparison(
-        designed=case.judged(case.policy, on=case.designed),
+        designed=case.judged(case.learned, on=case.designed),
         printed=case.judged(case.policy),
         still=case.judged(rest, on=case.designed, rows=FIRST),
     )

@@ -25,6 +25,7 @@ from morph.app.cli.arguments import (
 )
 from morph.app.cli.print_arguments import Print
 from morph.app.cli.view_arguments import View
+from morph.app.cli.weigh_arguments import Weigh
 from morph.app.cli.words import harmless
 from morph.errors import MorphError
 
@@ -32,7 +33,18 @@ DONE, UNUSABLE, STOPPED_SHORT, INTERRUPTED = 0, 2, 3, 130
 """Exit statuses, the same for every command."""
 
 Command = (
-    Diagnose | Inspect | Convert | Simulate | Learn | Loop | Align | Transfer | Print | View | List
+    Diagnose
+    | Inspect
+    | Convert
+    | Simulate
+    | Learn
+    | Loop
+    | Align
+    | Transfer
+    | Print
+    | Weigh
+    | View
+    | List
 )
 """What is asked: one command with its options."""
 
@@ -46,6 +58,7 @@ Asked = (
     | Annotated[Align, tyro.conf.subcommand("align")]
     | Annotated[Transfer, tyro.conf.subcommand("transfer")]
     | Annotated[Print, tyro.conf.subcommand("print")]
+    | Annotated[Weigh, tyro.conf.subcommand("weigh")]
     | Annotated[View, tyro.conf.subcommand("view")]
     | Annotated[List, tyro.conf.subcommand("list")]
 )
@@ -172,6 +185,10 @@ def _run(asked: Command) -> int:
         from morph.app.cli.transfer import run_transfer
 
         return run_transfer(asked)
+    if isinstance(asked, Weigh):
+        from morph.app.cli.weigh import run_weigh
+
+        return run_weigh(asked)
     if isinstance(asked, Print):
         from morph.app.cli.print import run_print
 

@@ -29,7 +29,9 @@ class Case:
     """A policy that was learned on one body, and the body that it is to command now."""
 
     policy: Policy
-    """As it was learned."""
+    """What commands the printed body until now."""
+    learned: Policy
+    """What was learned on the designed body; the same if nothing was matched yet."""
     designed: Task
     """The task of the body as it was designed."""
     printed: Task

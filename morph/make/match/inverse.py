@@ -37,8 +37,9 @@ class Inverse(Matcher):
     """u' = u + b + W z, by which the printed body accelerates as the designed one would.
 
     Along runs of the policy, M a + h = B u gives the acceleration a of the designed body and
-    M' a + h' = B' u' the command u' of the printed one; b and W are fitted to u' - u by least
-    squares. Every joint must be driven: otherwise there is no such command.
+    M' a + h' = B' u' the command u' of the printed one. A shift alone is what u' - u is at the
+    runs' ends, where a servo is to stay; a law is fitted to all of it by least squares. Every
+    joint must be driven: otherwise there is no such command.
 
     Source: Gamboa Higuera 2015, section 3.3, with both inverse dynamics known.
     """
@@ -49,7 +50,7 @@ class Inverse(Matcher):
         """Return whether every joint is driven, and the policy can be added to."""
         model: Any = case.bench.model
         free = model.nq == model.nv and not model.neq
-        return bool(free and model.nu >= model.nv and type(case.policy) in SOURCES)
+        return bool(free and model.nu >= model.nv and type(case.learned) in SOURCES)
 
     def proposals(self, case: Case) -> Iterator[Policy]:
         """Yield a shift of the commands, and a law."""
@@ -60,22 +61,26 @@ def corrected(case: Case) -> Iterator[Adjusted]:
     """Yield the policy with a shift that suits the printed body, and with a law."""
     task, simulator = case.designed, case.drawing_board
     rng = np.random.default_rng([case.seed, 1])
-    moved = attempt(task, case.policy, simulator, rows=RUNS, rng=rng)
+    moved = attempt(task, case.learned, simulator, rows=RUNS, rng=rng)
     position, velocity, command = (
         each.reshape(-1, each.shape[-1]) for each in (moved.position, moved.velocity, moved.command)
     )
     some = rng.permutation(len(position))[:STATES]
-    wanted = _wanted(case, position[some], velocity[some], command[some])
-    observation = case.policy.observation or observations_of(task.robot, task.observes)
+    # Of each run the last state comes first.
+    last = np.arange(1, RUNS + 1) * len(moved.time) - 1
+    some = np.concatenate([last, some])
+    command = command[some]
+    more = _wanted(case, position[some], velocity[some], command) - command
+    observation = case.learned.observation or observations_of(task.robot, task.observes)
     angles = turning(task.robot, observation)
     blank = _added(case, observation, angles, inputs=None)
     at = newest(observation)
     seen = Observer(blank, task.robot, simulator.model, len(some)).see(
         position[some], velocity[some]
     )[:, at]
-    z = np.concatenate([features(seen, *blank.seen), command[some]], axis=1)
-    more = wanted - command[some]
-    for law, bias in (_shift(z, more), _law(z, more)):
+    z = np.concatenate([features(seen, *blank.seen), command], axis=1)
+    none = np.zeros((command.shape[1], z.shape[1]))
+    for law, bias in ((none, more[:RUNS].mean(axis=0)), _law(z, more)):
         yield _added(case, observation, angles, inputs=(law, bias, BEYOND * np.abs(z).max(axis=0)))
 
 
@@ -90,10 +95,6 @@ def _wanted(case: Case, position: Array, velocity: Array, command: Array) -> Arr
         mujoco.mj_forward(first, one)
         found[at], _ = driven(free, other, position[at], velocity[at], one.qacc)
     return found
-
-
-def _shift(z: Array, more: Array) -> tuple[Array, Array]:
-    return np.zeros((more.shape[1], z.shape[1])), more.mean(axis=0)
 
 
 def _law(z: Array, more: Array) -> tuple[Array, Array]:
@@ -113,12 +114,12 @@ def _added(
     *,
     inputs: tuple[Array, Array, Array] | None,
 ) -> Adjusted:
-    actions = len(case.policy.action)
+    actions = len(case.learned.action)
     turns = int(np.asarray(angles)[newest(observation)].sum())
     size = len(observation) + turns + actions
     law, bias, reach = inputs or (np.zeros((actions, size)), np.zeros(actions), np.zeros(size))
     return Adjusted(
-        source=case.policy,
+        source=case.learned,
         bias=bias,
         law=law,
         # One radial function of no weight: the law is all.
@@ -127,7 +128,7 @@ def _added(
         weight=np.zeros((actions, 1)),
         reach=reach,
         angles=angles,
-        action=case.policy.action,
-        period=case.policy.period,
+        action=case.learned.action,
+        period=case.learned.period,
         observation=observation,
     )
