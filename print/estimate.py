@@ -15,11 +15,17 @@ from print.arrays import Array
 from print.job import Orientation
 from print.part import Part
 from print.printer import Profile
-from print.sections import Section, inset, moments, sections, shared
+from print.sections import Section, inset, moments, sections
+from print.shells import shells
 from print.sliced import Sliced
 from print.slicer import back, laid, mesh_of
 from print.support import support_mm3
 from print.weight import MM, Weight
+
+INFILL_RIM_MM = 0.74
+"""Lines of infill end in an anchor along the wall: so wide a rim is filled once more."""
+SOLID_RIM_MM = 0.03
+"""Lines of solid layers overlap the wall: so wide a rim is filled once more."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -83,21 +89,25 @@ def divided(cuts: list[Section], profile: Profile) -> Layers:
     """
     step = spacing(profile)
     edge = (profile.line_mm - step) / 2.0
-    outer = [inset(cut, edge) for cut in cuts]
     inner = [inset(cut, edge + profile.walls * step) for cut in cuts]
-    thin = [covered(inner, layer, profile) for layer in range(len(cuts))]
-    whole, inside, sparse = (
-        np.array([moments(each) for each in row]) for row in (outer, inner, thin)
+    solid = shells(cuts, inner, profile)
+    sparse = [inside - shell for inside, shell in zip(inner, solid, strict=True)]
+    inside = _moments(inner)
+    thin = _moments(sparse)
+    return Layers(
+        walls=_moments([inset(cut, edge) for cut in cuts]) - inside,
+        solid=inside - thin + _rims(solid, SOLID_RIM_MM),
+        infill=profile.infill * (thin + _rims(sparse, INFILL_RIM_MM)),
     )
-    return Layers(walls=whole - inside, solid=inside - sparse, infill=profile.infill * sparse)
 
 
-def covered(inner: list[Section], layer: int, profile: Profile) -> Section:
-    """Return where a layer is neither near a top nor near a bottom, and is filled thinly."""
-    top, bottom = profile.solid_layers
-    if layer + top >= len(inner) or layer < bottom:
-        return shared([inner[layer]]) - inner[layer]
-    return shared(inner[layer - bottom : layer + top + 1])
+def _moments(row: list[Section]) -> Array:
+    return np.array([moments(each) for each in row])
+
+
+def _rims(row: list[Section], width_mm: float) -> Array:
+    """Return the moments of what is nearer to the outline of each section than a width."""
+    return _moments(row) - _moments([inset(each, width_mm) for each in row])
 
 
 def _weight(sums: Array, profile: Profile) -> Weight:

@@ -36,6 +36,13 @@ def inset(section: Section, distance_mm: float) -> Section:
     return section.offset(-distance_mm, manifold3d.JoinType.Miter, 2.0)
 
 
+def grown(section: Section, distance_mm: float) -> Section:
+    """Return a section and all that is nearer to it than a distance, with sharp corners."""
+    import manifold3d
+
+    return section.offset(distance_mm, manifold3d.JoinType.Miter, 2.0)
+
+
 def shared(several: Sequence[Section]) -> Section:
     """Return what several sections have in common."""
     import manifold3d
@@ -45,11 +52,11 @@ def shared(several: Sequence[Section]) -> Section:
     return manifold3d.CrossSection.batch_boolean(list(several), manifold3d.OpType.Intersect)
 
 
-def outline(section: Section) -> float:
-    """Return the length of all outlines of a section, mm."""
-    return float(
-        sum(np.hypot(*(np.roll(ring, -1, axis=0) - ring).T).sum() for ring in section.to_polygons())
-    )
+def all_of(several: Sequence[Section]) -> Section:
+    """Return the union of sections; of none it is empty."""
+    import manifold3d
+
+    return manifold3d.CrossSection.batch_boolean(list(several), manifold3d.OpType.Add)
 
 
 def moments(section: Section) -> Array:
