@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -10,7 +11,7 @@ import numpy as np
 
 from print.arrays import Array
 from print.bearing import BEARINGS
-from print.part import Part
+from print.part import Part, Placement, Seat
 from print.screw import SCREWS
 from print.servos import SERVOS
 
@@ -54,8 +55,7 @@ def fasteners(parts: Sequence[Part]) -> tuple[Fastener, ...]:
     bearings = {bearing.name for bearing in BEARINGS}
     taps = {screw.name: screw.tap_mm for screw in SCREWS}
     horns = {f"{servo.name} horn": servo.horn for servo in SERVOS}
-    for part, at, name in _held(parts):
-        place, seat = part.placements[at], part.seats[name]
+    for place, seat in _held(parts):
         if seat.holds in bearings:
             counted["bearing", seat.holds].append(place.link)
         elif seat.holds in horns:
@@ -75,12 +75,10 @@ def fasteners(parts: Sequence[Part]) -> tuple[Fastener, ...]:
     return _listed(counted)
 
 
-def _held(parts: Sequence[Part]) -> Iterator[tuple[Part, int, int]]:
-    """Yield every seat of every copy, as a part with the places of a copy and of a seat."""
+def _held(parts: Sequence[Part]) -> Iterator[tuple[Placement, Seat]]:
+    """Yield every seat of every copy, and where that copy is."""
     for part in parts:
-        for at in range(part.count):
-            for seat in range(len(part.seats)):
-                yield part, at, seat
+        yield from itertools.product(part.placements, part.seats)
 
 
 def _screws(holes: Sequence[_Hole]) -> list[str]:

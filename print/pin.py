@@ -29,6 +29,9 @@ ROOT_MM = 1.0
 TIP_MM = 0.6
 """How much its tip is tapered, so that it finds its hole."""
 
+MOUTH_MM = 0.1
+"""How far before the plane a hole begins."""
+
 FLAT = 0.4
 """How far the flat of a lone pin lies from its middle, in its radius: as a D it goes in one way."""
 
@@ -64,20 +67,23 @@ class Pin:
         return whole.translate((*self.middle, -ROOT_MM))
 
     def hole(self, play: float) -> Any:
-        """Return what must be empty for it, with play on each side, mm; it begins at the plane."""
-        return self._room(play, self.length + 2.0 * play)
+        """Return what must be empty for it, with play on each side, mm.
+
+        It begins a little before the plane, so that no skin is left over its mouth.
+        """
+        return self._room(play, self.length + 2.0 * play, before=MOUTH_MM)
 
     def walled(self, play: float, wall: float) -> Any:
         """Return the hole with a wall around it and below it, mm."""
         return self._room(play + wall, self.length + 2.0 * play + wall)
 
-    def _room(self, around: float, deep: float) -> Any:
+    def _room(self, around: float, deep: float, *, before: float = 0.0) -> Any:
         shape = self._outline(self.radius)
         if around > 0.0:
             import manifold3d
 
             shape = shape.offset(around, manifold3d.JoinType.Miter, 2.0)
-        return shape.extrude(deep).translate((*self.middle, 0.0))
+        return shape.extrude(before + deep).translate((*self.middle, -before))
 
     def _outline(self, radius: float) -> Any:
         import manifold3d
@@ -101,6 +107,9 @@ def pins(low: Any, high: Any, profile: Profile, *, mark: int = 0) -> tuple[Pin, 
     """
     wall, play = profile.thinnest_mm, profile.clearance_mm
     found: dict[float, Section | None] = {}
+    slight = section(common(low, high, LENGTH * 2.0 * RADII_MM[-1] + 2.0 * play + wall))
+    if slight is None or slight.deepest < RADII_MM[-1] + play + wall:
+        return ()
     for alone in (False, True):
         for radius in RADII_MM:
             length = min(LENGTH * 2.0 * radius, LONGEST_MM)
