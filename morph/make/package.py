@@ -77,7 +77,8 @@ def write_parts(folder: Path, job: Job, metadata: Mapping[str, str]) -> dict[str
     for room, parts in (("parts", (*job.parts, *job.refused)), ("gauges", job.gauges)):
         for part in parts:
             if part.mesh is not None:
-                files[part.name] = f"{room}/{part.name}.stl"
+                folded = "bought" if part.kind == "bought" else room
+                files[part.name] = f"{folded}/{part.name}.stl"
                 write_whole(folder / files[part.name], stl(_lying(part, part.mesh, job)))
     every = (*job.parts, *job.gauges)
     for plate in job.plates:

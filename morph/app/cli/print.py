@@ -44,7 +44,7 @@ def run_print(asked: Print) -> int:
             robot = _robot(asked)
             package = _package(asked, robot, profile, slicer, told.now)
             with aside(out) as folder:
-                package = _write(asked, folder, robot, package, told.now)
+                package = _write(asked, folder, robot, package, slicer, told.now)
     except PrintError as error:
         raise MakeError(error.what, where=error.where, fix=error.fix) from error
     if asked.json:
@@ -57,7 +57,8 @@ def run_print(asked: Print) -> int:
             for line in paragraph(harmless(said), 4, columns)
         )
     lost = package.policy is not None and package.policy.verdict == "lost"
-    return STOPPED_SHORT if package.job.refused or lost else DONE
+    refused = any(check.verdict == "refused" for check in package.job.checks)
+    return STOPPED_SHORT if refused or lost else DONE
 
 
 def _profile(asked: Print) -> Profile:
@@ -130,7 +131,12 @@ def _package(
 
 
 def _write(
-    asked: Print, folder: Path, robot: Robot, package: Package, tell: Callable[[str], None]
+    asked: Print,
+    folder: Path,
+    robot: Robot,
+    package: Package,
+    slicer: Slicer | None,
+    tell: Callable[[str], None],
 ) -> Package:
     """Write all of it into a folder, `package.json` last."""
     from morph.app.report.print.files import write_pages
@@ -155,9 +161,31 @@ def _write(
     needed = margins(robot, made, learned=learned, matched=matched, seed=asked.seed)
     tell("writing plates and parts")
     files = write_parts(folder, package.job, _metadata(package))
+    if slicer is not None and asked.gcode:
+        package, more = _sliced(asked, folder, package, slicer, tell)
+        files |= more
     write_pages(folder, package, needed)
     write_content(folder, package, files)
     return package
+
+
+def _sliced(
+    asked: Print, folder: Path, package: Package, slicer: Slicer, tell: Callable[[str], None]
+) -> tuple[Package, dict[str, str]]:
+    """Write the G-code of every plate; what the slicer warned of becomes a note."""
+    from morph.files import write_whole
+    from print.plate_code import codes
+
+    found = codes(package.job, slicer, tell=tell, timeout_s=asked.timeout)
+    files = {f"{name}.gcode": f"plates/{name}.gcode" for name in found}
+    for name, code in found.items():
+        write_whole(folder / files[f"{name}.gcode"], code.gcode)
+    warned = tuple(
+        f"{slicer.name} warns of {name}: {warning}"
+        for name, code in found.items()
+        for warning in code.warnings
+    )
+    return replace(package, notes=(*package.notes, *warned)), files
 
 
 def _metadata(package: Package) -> dict[str, str]:
@@ -188,7 +216,8 @@ def _words(out: Path, package: Package) -> list[tuple[str, str]]:
     plates = sum(plate.name.startswith("plate") for plate in job.plates)
     said = [
         (
-            f"{package.title}: {copies} copies of {len(printed)} parts on {plates} plates, "
+            f"{package.title}: {_counted(copies, 'part')}, {len(printed)} of them different, "
+            f"on {_counted(plates, 'plate')}, "
             f"{job.grams:.0f} g and {_hours(job.seconds)} ({source})",
             "bold",
         ),
@@ -199,7 +228,7 @@ def _words(out: Path, package: Package) -> list[tuple[str, str]]:
             said.append((f"refused: {check.part}: {check.what}; {check.fix}", "red"))
     noted = sum(check.verdict == "noted" for check in job.checks)
     if noted:
-        said.append((f"{noted} things to look at, in report.html", ""))
+        said.append((f"{_counted(noted, 'thing')} to look at, in report.html", ""))
     said += [(note, "") for note in job.notes]
     said.append((f"wrote {out}", ""))
     return said
@@ -208,3 +237,7 @@ def _words(out: Path, package: Package) -> list[tuple[str, str]]:
 def _hours(seconds: float) -> str:
     minutes = round(seconds / 60)
     return f"{minutes // 60} h {minutes % 60:02d} min"
+
+
+def _counted(count: int, what: str) -> str:
+    return f"{count} {what}" if count == 1 else f"{count} {what}s"

@@ -33,6 +33,8 @@ class Print:
     """Longest that matching the policy may take."""
     slicer: Literal["auto", "needed", "none"] = "auto"
     """Ask PrusaSlicer if it is there; refuse to go on without it; or estimate."""
+    gcode: bool = True
+    """Slice whole plates too, if a slicer is asked; --no-gcode leaves that to you."""
     timeout: Annotated[float, tyro.conf.arg(metavar="SECONDS")] = 300.0
     """Longest that the slicer may take for one part."""
     layer: Annotated[float, tyro.conf.arg(metavar="MM")] = 0.2

@@ -68,7 +68,9 @@ def _unfit(asked: View, saved: Saved | None, found: Makers) -> list[str]:
             if saved is not None and view.name in saved.views:
                 view.restore(saved.views[view.name])
         except ViewError as error:
-            if not (asked.robots or asked.task or asked.recording or asked.transfer):
+            if not (
+                asked.robots or asked.task or asked.recording or asked.transfer or asked.package
+            ):
                 raise
             unfit.append(f"The view {view.name} is not as it was saved: {error.what}.")
     return unfit

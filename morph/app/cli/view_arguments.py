@@ -34,6 +34,8 @@ class View:
     """Folder that `morph diagnose` wrote about these recordings."""
     transfer: Annotated[str | None, tyro.conf.arg(metavar="DIR")] = None
     """Folder that `morph transfer` or `morph align` wrote; its bodies are shown."""
+    package: Annotated[str | None, tyro.conf.arg(metavar="DIR")] = None
+    """Folder that `morph print` wrote; its parts are shown."""
     world: Annotated[str | None, tyro.conf.arg(metavar="NAME")] = None
     """Where they move, if not where the task says: as `morph simulate --world`."""
     seconds: float | None = None
@@ -42,7 +44,7 @@ class View:
     """View that was saved before, as JSON; other options come before what it says."""
     html: Annotated[str | None, tyro.conf.arg(metavar="FILE")] = None
     """Write one page that opens without a network, and end."""
-    first: Literal["compare", "design", "align", "mismatch"] | None = None
+    first: Literal["compare", "design", "align", "mismatch", "print"] | None = None
     """The view to begin with, and the one that --html writes."""
     host: str = "127.0.0.1"
     """Address to serve at; by default only this machine can look. Any other takes a token."""

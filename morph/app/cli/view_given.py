@@ -115,6 +115,7 @@ def given(asked: View, saved: Saved | None, now: Callable[[str], None]) -> tuple
         root=None if of.root is None else Path(of.root),
         diagnosis=None if of.diagnosis is None else Path(of.diagnosis),
         transfer=None if of.transfer is None else Path(of.transfer),
+        package=None if of.package is None else Path(of.package),
         world=of.world,
         seconds=of.seconds,
         seed=of.seed,
@@ -158,6 +159,7 @@ def _sources(asked: View, saved: Saved | None) -> Sources:
         "root": None if asked.root is None else str(asked.root),
         "diagnosis": asked.diagnosis,
         "transfer": asked.transfer,
+        "package": asked.package,
     }
     before = Sources() if saved is None else saved.given
     return replace(before, **{name: it for name, it in told.items() if it not in (None, ())})
@@ -168,7 +170,7 @@ def command(asked: View) -> str:
     parts = ["morph", "view", *asked.robots]
     told: dict[str, object] = {
         "--task": asked.task, "--root": asked.root, "--diagnosis": asked.diagnosis,
-        "--transfer": asked.transfer, "--world": asked.world, "--seconds": asked.seconds,
+        "--transfer": asked.transfer, "--package": asked.package, "--world": asked.world, "--seconds": asked.seconds,
         "--state": asked.state, "--first": asked.first, "--base": asked.base,
         "--folder": asked.folder, "--seed": asked.seed,
     }  # fmt: skip

@@ -1,0 +1,51 @@
+"""The G-code of whole plates."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+
+from print.job import Job, Plate
+from print.mesh import Mesh
+from print.prepare import AT_ONCE
+from print.slicer import Code, Slicer, mesh_of
+
+
+def codes(
+    job: Job,
+    slicer: Slicer,
+    *,
+    tell: Callable[[str], None] = lambda said: None,
+    timeout_s: float = 300.0,
+) -> dict[str, Code]:
+    """Return the G-code of every plate by its name, each with what the slicer warned of.
+
+    Args:
+        job: The job; its parts lie on their plates as it says.
+        slicer: The slicer.
+        tell: Is told what is being done now.
+        timeout_s: Seconds that the slicer may take for each part on a plate.
+
+    Raises:
+        SlicerError: The slicer is missing, hangs, dies, or writes what cannot be used.
+    """
+    meshes = {part.name: mesh_of(part) for part in (*job.parts, *job.gauges) if part.mesh}
+
+    def ask(plate: Plate) -> Code:
+        tell(f"slicing {plate.name}")
+        limit = timeout_s * max(1, len(plate.laid))
+        return slicer.code(_lying(plate, meshes), job.profile, timeout_s=limit)
+
+    pool = ThreadPoolExecutor(AT_ONCE)
+    try:
+        asked = {plate.name: pool.submit(ask, plate) for plate in job.plates}
+        return {name: future.result() for name, future in asked.items()}
+    finally:
+        # After a failure nobody waits for what was not begun.
+        pool.shutdown(wait=True, cancel_futures=True)
+
+
+def _lying(plate: Plate, meshes: dict[str, Mesh]) -> dict[str, Mesh]:
+    return {
+        f"{laid.part}-{laid.copy + 1}": meshes[laid.part].moved(laid.pose) for laid in plate.laid
+    }
