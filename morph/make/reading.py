@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -68,9 +69,18 @@ def read_packed(path: Path) -> Packed:
     if not isinstance(said, dict) or said.get("schema") != SCHEMA:
         raise _bad(path, f"its schema is not {SCHEMA}")
     try:
-        return read_table(Packed, said, Place(file=str(path), text=""))
+        return read_table(Packed, _said(said), Place(file=str(path), text=""))
     except RobotError as error:
         raise _bad(path, error.what) from error
+
+
+def _said(value: Any) -> Any:
+    """Return what is said without what is null: a table says nothing of it."""
+    if isinstance(value, dict):
+        return {key: _said(each) for key, each in value.items() if each is not None}
+    if isinstance(value, list):
+        return [_said(each) for each in value]
+    return value
 
 
 def _no_number(name: str) -> float:
