@@ -9,6 +9,7 @@ import numpy as np
 from print.arrays import Array, Mask
 from print.edges import edges
 from print.errors import SolidError
+from print.facets import merged
 from print.mesh import Mesh
 from print.samples import samples
 
@@ -30,7 +31,8 @@ class Deviation:
 
 def deviation(before: Mesh, after: Mesh) -> Deviation:
     """Return how far two meshes are apart; faces that both have are apart by nothing."""
-    was = before.volume if edges(before).closed else 0.0
+    # A soup of triangles encloses something if it does with its corners made one.
+    was = before.volume if edges(merged(before)).closed else 0.0
     lost, gained = _not_in(before, after), _not_in(after, before)
     return Deviation(
         volume=abs(after.volume - was) / abs(was) if was else None,

@@ -8,6 +8,8 @@ from print.arrays import Array, Integers, Mask
 from print.edges import edges
 from print.mesh import Mesh
 
+CRACK_MM = 0.02
+"""Corners of open edges that are closer than this are taken for one."""
 FLAT = 0.01
 """Furthest that the rim of a hole may leave its plane, mm."""
 
@@ -29,6 +31,30 @@ def merged(mesh: Mesh) -> Mesh:
         vertices=np.asarray(found.vertices, dtype=np.float64),
         faces=np.asarray(found.faces, dtype=np.int64),
     )
+
+
+def without_cracks(mesh: Mesh) -> Mesh:
+    """Return the mesh with open edges that lie side by side joined at their corners.
+
+    `manifold3d.Mesh64.merge` does this only to its own precision, 1e-12 of the mesh's size: it
+    does not heed the tolerance that it is given.
+    """
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+    from scipy.spatial import cKDTree
+
+    found = edges(mesh)
+    lonely = (found.along + found.against == 1)[found.edge]
+    rim = np.unique(found.directed[lonely])
+    pairs = cKDTree(mesh.vertices[rim]).query_pairs(CRACK_MM, output_type="ndarray")
+    if not len(pairs):
+        return mesh
+    graph = coo_array((np.ones(len(pairs)), tuple(pairs.T)), shape=(len(rim),) * 2)
+    _, group = connected_components(graph, directed=False)
+    _, first = np.unique(group, return_index=True)
+    place = np.arange(len(mesh.vertices))
+    place[rim] = rim[first[group]]
+    return Mesh(vertices=mesh.vertices, faces=place[mesh.faces])
 
 
 def without_doubles(mesh: Mesh) -> Mesh:

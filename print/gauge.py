@@ -23,6 +23,8 @@ THICK_MM = 5.0
 """Height of a gauge."""
 WALL_MM = 2.4
 """Plastic between two openings."""
+MOUTH_MM = 1.0
+"""How far below its mouth a pocket's outline is taken."""
 NOTCH_MM = 1.4
 """Width and depth of a notch."""
 
@@ -79,11 +81,15 @@ def _openings(seat: Seat, profile: Profile) -> list[Any]:
     except SeatError:
         pass
     try:
-        return [_round(bearing(seat.holds).outer_mm / 2.0 + by) for by in plays]
+        # A bearing is pressed in, so a shell gives it half the play.
+        return [_round((bearing(seat.holds).outer_mm + by) / 2.0) for by in plays]
     except SeatError:
         pass
     into = np.asarray(np.linalg.inv(frame(seat.position, seat.axis)), dtype=np.float64)
-    seen = seat.pocket.moved(into).manifold.project()
+    room = seat.pocket.moved(into).manifold
+    # Just below its mouth, where something sits; the way to it may be wider.
+    seen = room.slice(-MOUTH_MM)
+    seen = room.project() if seen.is_empty() else seen
     return [_centred(_grown(seen, float(by))) for by in plays - profile.clearance_mm]
 
 

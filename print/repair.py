@@ -17,8 +17,6 @@ VOLUME = 0.01
 """Most that a repair may change the volume, as a part of it."""
 DISTANCE_MM = 0.1
 """Furthest that a repair may move the surface: half the height of a layer."""
-CRACK_MM = 0.02
-"""Open edges closer than this are taken for one."""
 FIX = "export what is printed alone, without motors and screws, as one closed solid"
 """How to put right what cannot be mended."""
 
@@ -40,8 +38,9 @@ class Repair:
 def repaired(mesh: Mesh, *, where: str) -> Repair:
     """Return the mesh as a solid, mended as little as it takes.
 
-    In this order, until manifold3d takes it: coinciding corners become one; manifold3d closes
-    cracks; double and degenerate faces go, faces are wound alike, flat holes are filled. That a
+    In this order, until manifold3d takes it: coinciding corners become one, and those of open
+    edges beside each other; double and degenerate faces go, faces are wound alike, flat holes are
+    filled. That a
     mesh is closed afterwards proves nothing, so each repair is held against the mesh that was
     given: by `VOLUME` and `DISTANCE_MM`. Shells that overlap a little are joined by the same rule.
 
@@ -96,11 +95,11 @@ def _closed(mesh: Mesh, where: str) -> tuple[Mesh, tuple[str, ...]]:
     """Return the first mesh along the ladder that manifold3d takes, and the rungs so far."""
     ladder: tuple[tuple[str, Callable[[Mesh], Mesh]], ...] = (
         ("merged coinciding corners", facets.merged),
-        ("closed cracks", _without_cracks),
+        ("closed cracks", facets.without_cracks),
         ("dropped double and degenerate faces", facets.without_doubles),
         ("wound faces alike", facets.wound_alike),
         ("filled flat holes", facets.filled),
-        ("closed cracks", _without_cracks),
+        ("closed cracks", facets.without_cracks),
     )
     given, steps, reason = mesh, tuple[str, ...](), _reason(mesh)
     for step, mend in ladder:
@@ -129,22 +128,6 @@ def _reason(mesh: Mesh) -> str:
     except SolidError as error:
         return error.what.rpartition("(")[2].rstrip(")")
     return ""
-
-
-def _without_cracks(mesh: Mesh) -> Mesh:
-    """Return the mesh with open edges merged by manifold3d where they are within `CRACK_MM`."""
-    import manifold3d
-
-    surface = manifold3d.Mesh64(
-        np.ascontiguousarray(mesh.vertices, dtype=np.float64),
-        np.ascontiguousarray(mesh.faces, dtype=np.uint64),
-        tolerance=CRACK_MM,
-    )
-    if not surface.merge():
-        return mesh
-    place = np.arange(len(mesh.vertices))
-    place[np.asarray(surface.merge_from_vert, dtype=np.int64)] = surface.merge_to_vert
-    return Mesh(vertices=mesh.vertices, faces=place[mesh.faces])
 
 
 def _refuse_far(

@@ -7,8 +7,9 @@ import numpy as np
 from print.check.subject import Subject
 from print.part import Check
 
-SHARE = 0.01
-"""Most of the surface that may lie inside the part or have it on both sides."""
+SHARE, TOLD = 0.01, 0.002
+"""Of the surface, inside the part or with it on both sides: more than `SHARE` refuses a part, more
+than `TOLD` is told. Below that it is a sliver where two faces meet."""
 
 
 def overlap(subject: Subject) -> Check:
@@ -28,9 +29,9 @@ def overlap(subject: Subject) -> Check:
         )
         fix = "join what overlaps in the CAD program, or export motors and plastic as parts apart"
         return subject.says("overlap", "refused", what, fix, value=share, limit=SHARE)
-    if share:
+    if share > TOLD:
         what = f"{100 * share:.2f} % of its surface passes through itself ({area:.1f} mm2)"
         fix = "look at it in the slicer"
         return subject.says("overlap", "noted", what, fix, value=share, limit=SHARE)
-    what = "its surface nowhere passes through itself"
-    return subject.says("overlap", "passed", what, value=0.0, limit=SHARE)
+    what = "its surface does not pass through itself"
+    return subject.says("overlap", "passed", what, value=share, limit=SHARE)

@@ -68,7 +68,8 @@ def _pocket(mesh: Mesh, pocket: Mesh) -> str:
     if filled > FILLED_MM3:
         return f"is filled by {filled:.3g} mm3 of plastic, {FILLED_MM3:g} mm3 is allowed"
     found = samples(pocket, 200)
-    beside = _met(mesh, found.points, found.normals, NEAR_MM)
+    # From a little inside: a pocket that was cut out of the part has its walls where they are.
+    beside = _met(mesh, found.points - ROUNDING_MM * found.normals, found.normals, NEAR_MM)
     if float(np.isfinite(beside).mean()) < HELD:
         return f"has nothing around it that holds, within {NEAR_MM:g} mm"
     return ""

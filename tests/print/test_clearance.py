@@ -1,0 +1,168 @@
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+import trimesh
+
+from print.clearance import MOST_STEPS, clearances
+from print.mesh import Mesh
+from print.part import Check, Hinge, Part, Placement
+from print.printer import Profile, material, printer
+
+PROFILE = Profile(printer=printer("ender3"), material=material("pla"))
+
+
+def mesh_of(shape: trimesh.Trimesh) -> Mesh:
+    return Mesh(vertices=np.array(shape.vertices), faces=np.array(shape.faces, dtype=np.int64))
+
+
+def block(
+    name: str,
+    link: str,
+    sides: tuple[float, float, float],
+    at: tuple[float, float, float],
+    kind: str = "printed",
+) -> Part:
+    world = np.eye(4)
+    world[:3, 3] = at
+    return Part(
+        name=name,
+        kind=kind,  # type: ignore[arg-type]
+        mesh=mesh_of(trimesh.creation.box(sides)),
+        placements=(Placement(link=link, pose=np.eye(4), world=world),),
+    )
+
+
+def hinge(low: float, high: float, **more: Any) -> Hinge:
+    given: dict[str, Any] = {"kind": "hinge", "axis": np.array([0.0, 0.0, 1.0])} | more
+    return Hinge(
+        name="elbow", position=np.zeros(3), low=low, high=high, still="arm", moving="hand", **given
+    )
+
+
+BASE = block("base", "arm", (20.0, 20.0, 5.0), (0.0, 0.0, -5.0))
+# From the axis 60 mm along x, 10 mm wide, above the base.
+LEVER = block("lever", "hand", (60.0, 10.0, 5.0), (30.0, 0.0, 2.0))
+
+
+def judged(*parts: Part, joint: Hinge) -> Check:
+    (found,) = clearances(parts, [joint], PROFILE)
+    return found
+
+
+def post(y: float) -> Part:
+    """A post at x = 50 mm whose near side is at y, as thick as the lever."""
+    return block("post", "arm", (4.0, 4.0, 5.0), (50.0, y + 2.0, 2.0))
+
+
+def test_parts_above_each_other_never_meet() -> None:
+    found = judged(BASE, LEVER, joint=hinge(-2.0, 2.0))
+    assert (found.verdict, found.value) == ("passed", 0.0)
+    assert found.what == "free from -114.6 deg to 114.6 deg"
+
+
+@pytest.mark.parametrize(("high", "verdict"), [(2.0, "refused"), (0.45, "noted"), (0.40, "passed")])
+def test_a_lever_meets_a_post_where_geometry_says(high: float, verdict: str) -> None:
+    # The upper side of the lever, 5 mm beside the axis, meets the post's lower corner, that with
+    # the least angle seen so: at (52, 28) the line's angle is atan2(28, 52) - asin(5 / r).
+    radius = math.hypot(52.0, 28.0)
+    angle = math.atan2(28.0, 52.0) - math.asin(5.0 / radius)
+    assert math.degrees(angle) == pytest.approx(23.45, abs=0.05)
+    found = judged(BASE, LEVER, post(28.0), joint=hinge(-1.0, high))
+    assert found.verdict == verdict
+    if verdict == "passed":
+        return
+    # Positions are 4 mm apart at the lever's end, 61 mm from the axis, halved four times:
+    # 4 / 61 / 16 = 0.24 deg; 1 mm3 of 5 mm height is a wedge of 0.2 mm2, reached within 0.5 deg.
+    assert found.value == pytest.approx((high - angle) / (high + 1.0), abs=math.radians(0.8) / 1.4)
+    assert found.what.startswith("lever meets post at 2")
+    assert "free from -57.3 deg to 2" in found.what
+
+
+def test_both_ends_of_the_range_are_looked_at() -> None:
+    below = block("stop", "arm", (4.0, 4.0, 5.0), (50.0, -30.0, 2.0))
+    found = judged(BASE, LEVER, post(28.0), below, joint=hinge(-2.0, 2.0))
+    # Centred at -30 mm it mirrors the post whose near side is at 28 mm; both as right as above.
+    assert found.verdict == "refused"
+    assert found.value == pytest.approx(1.0 - 2 * math.radians(23.45) / 4.0, abs=0.01)
+
+
+def test_a_part_that_fills_its_place_exactly_is_not_in_the_way() -> None:
+    # A disc of the hand in a round hole of the arm with no play, and with the same facets.
+    disc = trimesh.creation.cylinder(8.0, 5.0, sections=64)
+    plate = trimesh.creation.box((30.0, 30.0, 5.0))
+    ring = trimesh.boolean.difference([plate, disc], engine="manifold")
+    here = Placement(link="arm", pose=np.eye(4), world=np.eye(4))
+    there = Placement(link="hand", pose=np.eye(4), world=np.eye(4))
+    arm = Part(name="ring", kind="printed", mesh=mesh_of(ring), placements=(here,))
+    # Turned by half a facet corners reach 8 (1 - cos(pi / 64)) = 0.0096 mm into the ring:
+    # 64 triangles of 0.39 * 0.0096 / 2 mm2 times 5 mm, 0.6 mm3, below the tolerance of 1 mm3.
+    hand = Part(name="disc", kind="printed", mesh=mesh_of(disc), placements=(there,))
+    assert judged(arm, hand, joint=hinge(-math.inf, math.inf)).verdict == "passed"
+
+
+def test_a_horn_that_is_drawn_into_its_servo_is_told_and_not_in_the_way() -> None:
+    round_horn = mesh_of(trimesh.creation.cylinder(4.0, 4.0, sections=64))
+    horn = Part(name="horn", kind="bought", mesh=round_horn, placements=BASE.placements)
+    arm = block("arm", "hand", (60.0, 10.0, 5.0), (20.0, 0.0, 4.0))
+    world = np.eye(4)
+    world[2, 3] = 3.0
+    horn = replace(horn, placements=(Placement(link="arm", pose=np.eye(4), world=world),))
+    found = judged(BASE, arm, horn, joint=hinge(-0.3, 0.3))
+    # From 1.5 mm, where the arm begins, to 5: pi 4^2 * 3.5 = 176 mm3; simplified by at most
+    # 0.05 mm all around, 2 pi 4 * 3.5 * 0.05 = 4.4 mm3 less.
+    assert found.verdict == "noted"
+    assert "arm and horn share 17" in found.what
+
+
+def test_printed_parts_in_each_other_are_refused_before_anything_moves() -> None:
+    found = judged(block("base", "arm", (20.0, 20.0, 8.0), (0, 0, 0)), LEVER, joint=hinge(-1, 1))
+    # The lever lies 4 - (-0.5) = 4.5 mm high in the base, of which 10 x 10 mm are above it.
+    assert found.verdict == "refused"
+    assert found.what == "lever and base lie in each other by 450 mm3 before anything moves"
+
+
+def test_a_slide_is_followed_along_its_axis() -> None:
+    wall = block("wall", "arm", (20.0, 20.0, 2.0), (30.0, 0.0, 41.0))
+    found = judged(BASE, LEVER, wall, joint=hinge(0.0, 60.0, kind="slide"))
+    # From the lever's top at 4.5 mm to the wall's underside at 40: 35.5 of 60 mm.
+    assert found.verdict == "refused"
+    assert found.value == pytest.approx(1.0 - 35.5 / 60.0, abs=0.01)
+    assert judged(BASE, LEVER, wall, joint=hinge(0.0, 35.0, kind="slide")).verdict == "passed"
+
+
+def test_other_links_are_left_out_and_parts_that_are_no_solid_are_named() -> None:
+    other = block("other", "foot", (4.0, 4.0, 5.0), (50.0, 0.0, 2.0))
+    assert judged(BASE, LEVER, other, joint=hinge(-1.0, 1.0)).verdict == "passed"
+    cube = trimesh.creation.box((4.0, 4.0, 4.0))
+    opened = Mesh(vertices=np.array(cube.vertices), faces=np.array(cube.faces)[1:])
+    broken = Part(name="board", kind="bought", mesh=opened, placements=BASE.placements)
+    found = judged(BASE, LEVER, broken, joint=hinge(-1.0, 1.0))
+    assert found.verdict == "noted"
+    assert "without board, no solid" in found.what
+
+
+def test_a_joint_without_parts_passes() -> None:
+    assert judged(BASE, joint=hinge(-1.0, 1.0)).verdict == "passed"
+
+
+def test_a_long_lever_costs_no_more_positions_than_allowed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    from print import clearance
+
+    asked: list[float] = []
+    shared = clearance._Sweep.shared
+
+    def counted(self: Any, position: float) -> Any:
+        asked.append(position)
+        return shared(self, position)
+
+    monkeypatch.setattr(clearance._Sweep, "shared", counted)
+    long = block("long", "hand", (2000.0, 10.0, 5.0), (1000.0, 0.0, 2.0))
+    assert judged(BASE, long, joint=hinge(-3.0, 3.0)).verdict == "passed"
+    assert len(asked) <= MOST_STEPS + 2
