@@ -63,7 +63,7 @@ def margins(
     printed: Robot,
     *,
     learned: tuple[Policy, Task] | None = None,
-    matched: Matched | None = None,
+    matched: Matched | tuple[Policy, Task] | None = None,
     seed: int = 0,
 ) -> tuple[Margin, ...]:
     """Return a margin for every motor of a hinge or slide, in the order of the robot.
@@ -74,7 +74,7 @@ def margins(
         designed: The body as it was designed.
         printed: The same with the masses that its parts have.
         learned: The policy as it was learned, and its task on the designed body.
-        matched: What became of it on the printed body.
+        matched: What became of it on the printed body: the policy there, and its task.
         seed: Of the noise of the runs.
 
     Raises:
@@ -82,7 +82,8 @@ def margins(
     """
     before, after = _held(designed), _held(printed)
     ran = {} if learned is None else _ran(*learned, seed)
-    runs = {} if matched is None else _ran(matched.policy, matched.task, seed)
+    now = (matched.policy, matched.task) if isinstance(matched, Matched) else matched
+    runs = {} if now is None else _ran(*now, seed)
     return tuple(
         Margin(
             actuator=motor.name,

@@ -104,6 +104,25 @@ def matched_again(
     return found, write_matched(folder / POLICY, found, printed)
 
 
+def policies_in(
+    folder: Path, designed: Robot, printed: Robot
+) -> tuple[tuple[Policy, Task], tuple[Policy, Task]]:
+    """Return a package's policy as it was learned and as it is now, each with its task.
+
+    Args:
+        folder: The package.
+        designed: The robot as designed.
+        printed: The robot as it is now.
+
+    Raises:
+        MorphError: A policy cannot be used.
+    """
+    learned = load_policy(folder / DESIGNED / POLICY, designed)
+    asked = task_of(folder / DESIGNED / POLICY, designed)
+    now = load_policy(folder / POLICY, printed)
+    return (learned, asked), (now, task_for(asked, printed))
+
+
 def write_matched(folder: Path, matched: Matched, robot: Robot) -> PackedPolicy:
     """Write a policy for a printed robot, export it, and replay both in that very robot.
 

@@ -66,12 +66,15 @@ def run_weigh(asked: Weigh) -> int:
 
 
 def _report(folder: Path, found: Weighed, seed: int) -> None:
-    from morph.app.report.print.page import print_page
-    from morph.files import write_whole
+    from morph.app.report.print.files import write_pages
     from morph.make.margins import margins
+    from morph.make.policies import policies_in
 
-    told = margins(found.designed, found.printed, matched=found.matched, seed=seed)
-    write_whole(folder / REPORT, print_page(found.package, told))
+    learned, now = None, None
+    if found.package.policy is not None:
+        learned, now = policies_in(folder, found.designed, found.printed)
+    told = margins(found.designed, found.printed, learned=learned, matched=now, seed=seed)
+    write_pages(folder, found.package, told)
 
 
 def _say(asked: Weigh, new: tuple[Reading, ...], found: Weighed) -> None:
