@@ -94,6 +94,32 @@ class Profile:
     clearance_mm: float = 0.2
     """Play on each side between what is to go together; a gauge measures it."""
 
+    def __post_init__(self) -> None:
+        """Check every number against what a printer of this nozzle can do."""
+        nozzle = self.printer.nozzle_mm
+        for name, low, high in (
+            ("layer_mm", 0.04, 0.8 * nozzle),
+            ("line_mm", 0.8 * nozzle, 2.0 * nozzle),
+            ("walls", 1, 20),
+            ("infill", 0.0, 1.0),
+            ("overhang_deg", 0.0, 90.0),
+            ("clearance_mm", 0.0, 2.0),
+        ):
+            value = getattr(self, name)
+            # A comparison with NaN is false, so this also finds what is not a number.
+            if not low <= value <= high:
+                raise ProfileError(
+                    f"{name} is {value:g}, not from {low:g} to {high:g}",
+                    where=f"the profile of {self.printer.name} and {self.material.name}",
+                    fix=f"give {name} a value within these bounds",
+                )
+        if not all(0 <= layers <= 1000 for layers in self.solid_layers):
+            raise ProfileError(
+                f"there are {self.solid_layers} solid layers",
+                where=f"the profile of {self.printer.name} and {self.material.name}",
+                fix="give solid_layers two counts from 0 to 1000",
+            )
+
     @property
     def thinnest_mm(self) -> float:
         """Least wall that prints as two lines, mm."""
