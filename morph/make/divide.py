@@ -15,8 +15,9 @@ from morph.make.hinges import hinges
 from morph.make.made import made
 from morph.make.names import Names, safe
 from morph.make.pieces import pieces, printed_links
+from morph.make.room import spared
 from morph.make.skeletons import skeletons
-from print.part import Check, Part
+from print.part import Part
 from print.printer import Profile
 
 
@@ -32,26 +33,25 @@ def divide(robot: Robot, profile: Profile) -> Division:
     """
     drawn = drawing(robot)
     things, notes = buying.items(drawn)
-    found = grouped(pieces(drawn, things, skeletons(drawn, things)))
+    joints = hinges(drawn)
+    bones = spared(drawn, skeletons(drawn, things), joints)
+    found = grouped(pieces(drawn, things, bones))
     names = Names()
-    parts: list[Part] = []
-    checks: list[Check] = []
-    missing: set[str] = set()
-    for group in found:
-        printed, failed = made(drawn, group, profile, names)
-        parts += printed
-        checks += failed
-        if failed:
-            missing |= {piece.link for piece, _ in group.members}
-            missing |= {piece.link for piece, _ in group.twin.members} if group.twin else set()
-    numbered = [replace(part, number=f"P-{at:02d}") for at, part in enumerate(parts, start=1)]
-    numbered += _bought(drawn, things, names)
+    results = [made(drawn, group, profile, names) for group in found]
+    printed = [part for result in results for part in result.parts]
+    missing = {
+        piece.link
+        for group, result in zip(found, results, strict=True)
+        if not result.parts
+        for piece in group.pieces
+    }
+    parts = [replace(part, number=f"P-{at:02d}") for at, part in enumerate(printed, start=1)]
     return Division(
         robot=robot,
-        parts=tuple(numbered),
-        hinges=hinges(drawn),
-        checks=(*buying.axes(things), *checks),
-        notes=(*drawn.unread, *notes),
+        parts=(*parts, *_bought(drawn, things, names)),
+        hinges=joints,
+        checks=(*buying.axes(things), *(check for result in results for check in result.checks)),
+        notes=(*drawn.unread, *notes, *(note for result in results for note in result.notes)),
         complete=_complete(drawn, things, missing),
     )
 

@@ -27,6 +27,12 @@ class Group:
     """What it is compared by."""
 
     @property
+    def pieces(self) -> tuple[Piece, ...]:
+        """All of them, the mirrored ones too."""
+        twins = self.twin.members if self.twin else []
+        return tuple(piece for piece, _ in (*self.members, *twins))
+
+    @property
     def first(self) -> Piece:
         """The piece after which it is made."""
         return self.members[0][0]

@@ -5,25 +5,30 @@ from __future__ import annotations
 import math
 
 from morph.make.drawing import MM, Drawing
+from morph.make.reach import reach
 from print.part import Hinge
 
 
 def hinges(drawing: Drawing) -> tuple[Hinge, ...]:
     """Return every hinge and slide between two links, in the world with all joints at zero.
 
-    A joint without limits turns all the way round; a slide without limits stays where it is.
-    What hangs from the world has no part to collide with, and is left out.
+    A joint without limits turns as far as its closed chain lets it, and without one all the way
+    round; a slide without limits stays where it is. What hangs from the world, or is free of
+    what it is counted from, has no part to collide with, and is left out.
     """
     robot, model, data = drawing.robot, drawing.model, drawing.data
     parents = {link.name: link.parent for link in robot.links}
+    free = {joint.link for joint in robot.joints if joint.kind in ("ball", "free")}
+    reached = reach(drawing)
     found = []
     for joint in robot.joints:
         still = parents[joint.link]
-        if joint.kind not in ("hinge", "slide") or still not in parents:
+        if joint.kind not in ("hinge", "slide") or still not in parents or joint.link in free:
             continue
         at = model.joint(joint.name).id
         unit = 1.0 if joint.kind == "hinge" else MM
-        low, high = joint.limits or ((-math.pi, math.pi) if joint.kind == "hinge" else (0.0, 0.0))
+        whole = (-math.pi, math.pi) if joint.kind == "hinge" else (0.0, 0.0)
+        low, high = joint.limits or reached.get(joint.name, whole)
         found.append(
             Hinge(
                 name=joint.name,

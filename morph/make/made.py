@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -16,55 +16,67 @@ from print.errors import PrintError
 from print.mesh import Mesh
 from print.part import Check, Part, Placement, Seat
 from print.printer import Profile
-from print.shell import shell
+from print.shell import Shell, shell
 
 Hand = Literal["left", "right"]
 
 
-def made(
-    drawn: Drawing, group: Group, profile: Profile, names: Names
-) -> tuple[list[Part], list[Check]]:
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Made:
+    """What came of pieces that are alike."""
+
+    parts: tuple[Part, ...]
+    """None, one, or two that are twins."""
+    checks: tuple[Check, ...] = ()
+    """Why there is none, or what was found."""
+    notes: tuple[str, ...] = ()
+    """What a reader should know."""
+
+
+def made(drawn: Drawing, group: Group, profile: Profile, names: Names) -> Made:
     """Return the parts of a group, its twin's too, or why there are none."""
     name = _name(group)
     try:
-        mesh, seats = _solid(group.first, profile)
+        grown, checks = _solid(group.first, profile, name)
     except PrintError as error:
-        return [], [
-            Check(
-                part=names.one(name),
-                name="shape",
-                verdict="refused",
-                what=error.what,
-                fix=error.fix,
-            )
-        ]
+        return Made(parts=(), checks=(_check(names.one(name), "refused", error),))
+    notes = tuple(f"{name}: {note}" for note in grown.notes)
     if group.twin is None or group.twin.mirror is None:
-        return [_part(drawn, group, mesh, seats, names.one(name))], []
+        parts = (_part(drawn, group, grown.mesh, grown.seats, names.one(name)),)
+        return Made(parts=parts, checks=checks, notes=notes)
     mirror = group.twin.mirror
     hands = _hands(drawn, group, group.twin)
-    other = _part(
-        drawn,
-        group.twin,
-        mesh.moved(mirror),
-        tuple(_moved(seat, mirror) for seat in seats),
-        names.one(f"{name}_{hands[1]}"),
-    )
-    one = _part(drawn, group, mesh, seats, names.one(f"{name}_{hands[0]}"))
-    return [replace(one, hand=hands[0]), replace(other, hand=hands[1])], []
+    plain = "_".join(word for word in name.split("_") if word not in ("left", "right"))
+    one = _part(drawn, group, grown.mesh, grown.seats, names.one(f"{plain}_{hands[0]}"))
+    seats = tuple(_moved(seat, mirror) for seat in grown.seats)
+    turned = grown.mesh.moved(mirror)
+    other = _part(drawn, group.twin, turned, seats, names.one(f"{plain}_{hands[1]}"))
+    pair = (replace(one, hand=hands[0]), replace(other, hand=hands[1]))
+    return Made(parts=pair, checks=checks, notes=notes)
+
+
+def _check(name: str, verdict: Literal["noted", "refused"], error: PrintError) -> Check:
+    return Check(part=name, name="shape", verdict=verdict, what=error.what, fix=error.fix)
 
 
 def _name(group: Group) -> str:
-    every = [*group.members, *(group.twin.members if group.twin else [])]
-    if group.first.file and all(piece.file == group.first.file for piece, _ in every):
+    if group.first.file and all(piece.file == group.first.file for piece in group.pieces):
         return group.first.name
-    return shared([piece.name for piece, _ in every])
+    return shared([piece.name for piece in group.pieces])
 
 
-def _solid(piece: Piece, profile: Profile) -> tuple[Mesh, tuple[Seat, ...]]:
+def _solid(piece: Piece, profile: Profile, name: str) -> tuple[Shell, tuple[Check, ...]]:
+    """Return a piece's solid; if neighbours leave no room for one, one that is in their way."""
     if isinstance(piece.source, Mesh):
-        return piece.source, ()
-    grown = shell(piece.source, profile)
-    return grown.mesh, grown.seats
+        return Shell(mesh=piece.source, seats=(), notes=()), ()
+    try:
+        return shell(piece.source, profile), ()
+    except PrintError as error:
+        if not piece.source.spared:
+            raise
+        # A part in the way is still a part: the clearance of its joints tells how far they turn.
+        grown = shell(replace(piece.source, spared=()), profile)
+        return grown, (_check(name, "noted", error),)
 
 
 def _part(drawn: Drawing, group: Group, mesh: Mesh, seats: tuple[Seat, ...], name: str) -> Part:

@@ -61,7 +61,7 @@ def seated(drawing: Drawing, drawn: Drawn, joint: str, servo: Servo) -> Seated:
         or _forward(to_box[:3, :3].T @ z)
     )
     x = np.zeros(3)
-    x[long] = -1.0 if anchor[long] > 0 else 1.0
+    x[long] = -_sign(anchor[long], 0.1) or _outward(to_box, long)
     case = placed(np.column_stack([x, np.cross(z, x), z]), np.zeros(3))
     origin = np.array([servo.axis_mm - servo.length_mm / 2, 0.0, servo.height_mm / 2])
     pose = case @ placed(np.eye(3), origin)
@@ -132,6 +132,13 @@ def _sign(value: float, least: float) -> float:
 def _forward(direction: Array) -> float:
     """Return the sign that turns a direction of the world forward, to the left or up."""
     return math.copysign(1.0, direction[int(np.argmax(np.abs(direction)))])
+
+
+def _outward(to_box: Array, side: int) -> float:
+    """Return which way along a side of the box leads away from the body's middle plane."""
+    across = float(to_box[side, 1])
+    left = -float((to_box[:3, :3].T @ to_box[:3, 3])[1])
+    return 1.0 if across * left >= 0.0 or abs(across) < LEVEL else -1.0
 
 
 def _inverse(pose: Array) -> Array:
