@@ -15,7 +15,7 @@ from print.arrays import Array, Integers, Mask
 from print.mesh import from_manifold
 from print.solid import ball, hull, union
 
-CELLS = 120_000
+CELLS = 60_000
 """How many cells the grid has at most."""
 
 FINEST_MM = 1.5

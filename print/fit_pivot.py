@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -78,12 +79,13 @@ def axle(name: str) -> Axle:
     )
 
 
-def pivot(which: Pivot, far_mm: float, profile: Profile) -> Fitting:
+def pivot(which: Pivot, beside: Sequence[Pivot], far_mm: float, profile: Profile) -> Fitting:
     """Return one part's half of a lap joint.
 
     Args:
         which: The joint.
-        far_mm: A length greater than the part: how far its other half is cleared.
+        beside: The part's other joints without a servo: half of the way to them is theirs.
+        far_mm: A length greater than the part: how far its other half is cleared otherwise.
         profile: How much play a bearing has.
     """
     about = axle(which.bearing)
@@ -92,14 +94,27 @@ def pivot(which: Pivot, far_mm: float, profile: Profile) -> Fitting:
     pose = frame(which.position, up)
     start = GAP_MM / 2
     boss = rod(about.radius_mm, start, start + about.thick_mm)
-    other_half = rod(about.radius_mm + FREE_MM, -far_mm, start)
-    holes = _bearing_hole(about, start, far_mm, profile) if which.side < 0 else _screw_hole(about)
+    below, above = _reach(pose, about, beside, far_mm)
+    other_half = rod(about.radius_mm + FREE_MM, -below, start)
+    holes = _bearing_hole(about, start, above, profile) if which.side < 0 else _screw_hole(about)
     return Fitting(
         name=f"the boss of a pivot on {about.screw.name}",
         added=(placed(boss, pose),),
         removed=(placed(other_half, pose), placed(holes, pose)),
         seats=(_seat(which, about, pose, start, profile),),
     )
+
+
+def _reach(pose: Array, about: Axle, beside: Sequence[Pivot], far: float) -> tuple[float, float]:
+    """Return how far along the axis, against it and with it, no other joint's axle is."""
+    back = np.linalg.inv(pose)
+    below = above = far
+    for other in beside:
+        x, y, z = (back @ np.append(other.position, 1.0))[:3]
+        if np.hypot(x, y) < about.radius_mm + axle(other.bearing).radius_mm:
+            below = min(below, -z / 2.0) if z < 0.0 else below
+            above = min(above, z / 2.0) if z > 0.0 else above
+    return max(below, about.thick_mm), max(above, 2.0 * about.thick_mm)
 
 
 def _bearing_hole(about: Axle, start: float, far: float, profile: Profile) -> Any:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,7 @@ from print.servo import (
     FREE_MM,
     Servo,
     Side,
+    case,
     horn_disc,
     horn_pattern,
     horn_reach,
@@ -37,6 +39,9 @@ UNDER_MM = 8.0
 FACETS = 0.9
 """Of the play, what a seat promises: facets and rounding take the rest."""
 
+CROWDED_MM3 = 50.0
+"""Room that two servos may share, as drawings round their sizes."""
+
 SIDES: tuple[Side, ...] = ("+z", "+y", "-y")
 """Where a pocket may be open, the one that holds best first."""
 
@@ -53,8 +58,21 @@ def pockets(mounts: Sequence[Mount], body: Any, profile: Profile) -> tuple[Fitti
     found = []
     for k, mount in enumerate(mounts):
         others = union([body, *(wall for j, wall in enumerate(walls) if j != k)])
-        found.append(_pocket(mount, walls[k], others, profile))
+        fitting = _pocket(mount, walls[k], others, profile)
+        found.append(replace(fitting, notes=(*fitting.notes, *_crowded(mounts, k))))
     return tuple(found)
+
+
+def _crowded(mounts: Sequence[Mount], k: int) -> list[str]:
+    """Return what to say of servos that are drawn where another one is, each pair once."""
+    mine = placed(case(servo(mounts[k].servo)).manifold, mounts[k].pose)
+    said = []
+    for other in mounts[:k]:
+        both = float((placed(case(servo(other.servo)).manifold, other.pose) ^ mine).volume())
+        if both > CROWDED_MM3:
+            names = f"a {other.servo} and a {mounts[k].servo}"
+            said.append(f"{names} are drawn into each other by {both / 1e3:.1f} cm3: move one")
+    return said
 
 
 def _pocket(mount: Mount, walls: Any, others: Any, profile: Profile) -> Fitting:

@@ -28,6 +28,9 @@ DISC_MM = 4.0
 RIM_MM = 1.5
 """How far that disc reaches beyond the horn."""
 
+ARM_WALL_MM = 2.4
+"""How much plastic there is around a horn that is an arm."""
+
 FREE_MM = 0.6
 """Room about what turns."""
 
@@ -61,7 +64,7 @@ def servo(name: str) -> Servo:
 def disc_radius(which: Servo) -> float:
     """Return the radius of the disc that is screwed to its horn, mm."""
     if which.horn.arm_mm is not None:
-        return which.horn.arm_mm[0] + RIM_MM
+        return which.horn.arm_mm[0] + ARM_WALL_MM
     return which.horn.diameter_mm / 2 + RIM_MM
 
 
@@ -170,9 +173,8 @@ def horn_disc(which: Servo) -> Any:
         return rod(disc_radius(which), low, high)
     length, tip, _ = which.horn.arm_mm
     # A plate along the arm: its whole circle would be thrice as wide as the servo.
-    wall = 2.4
-    hub = rod(which.horn.diameter_mm / 2 + wall, low, high)
-    return hull([hub, rod(tip + wall, low, high, (length - tip, 0.0))])
+    hub = rod(which.horn.diameter_mm / 2 + ARM_WALL_MM, low, high)
+    return hull([hub, rod(tip + ARM_WALL_MM, low, high, (length - tip, 0.0))])
 
 
 def _case(which: Servo, play: float) -> Any:

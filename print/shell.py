@@ -98,7 +98,10 @@ def _touching(solid: Any) -> Any:
 def _fittings(skeleton: Skeleton, body: Any, profile: Profile) -> tuple[Fitting, ...]:
     discs = tuple(horn(mount, profile) for mount in skeleton.horns)
     far = _size(skeleton)
-    bosses = tuple(pivot(each, far, profile) for each in skeleton.pivots)
+    bosses = tuple(
+        pivot(each, [other for other in skeleton.pivots if other is not each], far, profile)
+        for each in skeleton.pivots
+    )
     so_far = union([body, *all_added((*discs, *bosses))])
     held = pockets(skeleton.servos, so_far, profile)
     trays = tuple(tray(box, so_far, profile) for box in skeleton.boxes)
