@@ -23,6 +23,14 @@ if TYPE_CHECKING:
 DONE, STOPPED_SHORT = 0, 3
 
 
+VERDICTS = {
+    "holds": "holds on the printed robot",
+    "matched": "was matched to the printed robot",
+    "lost": "does not hold on the printed robot, and none was found in time",
+}
+"""What became of a policy, in words."""
+
+
 def run_print(asked: Print) -> int:
     """Make the package and return the exit status.
 
@@ -223,6 +231,8 @@ def _words(out: Path, package: Package) -> list[tuple[str, str]]:
         ),
         (f"it weighs {package.now_kg:.3f} kg; the model said {package.designed_kg:.3f} kg", ""),
     ]
+    if package.policy is not None:
+        said.append((f"the policy {VERDICTS[package.policy.verdict]}: {package.policy.what}", ""))
     for check in job.checks:
         if check.verdict == "refused":
             said.append((f"refused: {check.part}: {check.what}; {check.fix}", "red"))
