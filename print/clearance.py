@@ -18,6 +18,9 @@ from print.solid import frame
 NAME = "clearance"
 TOUCH_MM3 = 1.0
 """Volume of two parts in each other that counts as touching: facets and rounding."""
+FILM_MM = 0.1
+"""Two parts in each other by a film thinner than this touch, however large it is: a round pin in
+a round hole of its own size, both of facets."""
 STEP_MM = 4.0
 """Furthest that a point moves between two positions that are looked at."""
 MOST_STEPS = 48
@@ -168,7 +171,7 @@ class _Sweep:
             for moving, other in moved:
                 if _apart(solid, other):
                     continue
-                volume = float((solid ^ other).volume())
+                volume = _overlap(solid ^ other)
                 if volume > 0:
                     found[still, moving] = found.get((still, moving), 0.0) + volume
         return found
@@ -250,6 +253,17 @@ def _radius(solid: Any) -> float:
     """Return how far the furthest corner is from the axis, mm."""
     corners = np.asarray(solid.to_mesh64().vert_properties)[:, :2]
     return float(np.linalg.norm(corners, axis=1).max()) if len(corners) else 0.0
+
+
+def _overlap(both: Any) -> float:
+    """Return the volume of an intersection, mm3, or 0 of a film.
+
+    A film of thickness t and area A has the volume t A and a surface of 2 A.
+    """
+    volume = float(both.volume())
+    if volume > TOUCH_MM3 and 2.0 * volume < FILM_MM * float(both.surface_area()):
+        return 0.0
+    return volume
 
 
 def _apart(one: Any, other: Any) -> bool:

@@ -27,7 +27,7 @@ def overlap(subject: Subject) -> Check:
             f"its surface passes through itself: {100 * share:.1f} % of it ({area:.0f} mm2), "
             f"about ({', '.join(f'{x:g}' for x in at)}) mm, of which {100 * SHARE:g} % is allowed"
         )
-        fix = "join what overlaps in the CAD program, or export motors and plastic as parts apart"
+        fix = "export it anew, not thinned for a simulator, with motors and plastic as parts apart"
         return subject.says("overlap", "refused", what, fix, value=share, limit=SHARE)
     if share > TOLD:
         what = f"{100 * share:.2f} % of its surface passes through itself ({area:.1f} mm2)"

@@ -105,6 +105,23 @@ def test_a_part_that_fills_its_place_exactly_is_not_in_the_way() -> None:
     assert judged(arm, hand, joint=hinge(-math.inf, math.inf)).verdict == "passed"
 
 
+@pytest.mark.parametrize(("radius", "verdict"), [(10.0, "passed"), (10.5, "refused")])
+def test_a_pin_of_few_facets_turns_in_a_hole_of_its_own_size(radius: float, verdict: str) -> None:
+    # Corners reach 10 (1 - cos(pi / 24)) = 0.086 mm into the hole's 24 facets, over 20 mm: 48
+    # films of 26 mm2 that share 24 triangles of 2.61 * 0.086 / 4 mm2 and 20 mm, some 25 mm3. A pin
+    # thicker by half a millimetre lies in its hole by a film of that thickness.
+    hole = trimesh.creation.cylinder(10.0, 20.0, sections=24)
+    ring = trimesh.boolean.difference([trimesh.creation.box((40, 40, 20)), hole], engine="manifold")
+    pin = trimesh.creation.cylinder(radius, 20.0, sections=24)
+    pin.apply_transform(trimesh.transformations.rotation_matrix(math.pi / 24, [0, 0, 1]))
+    here = Placement(link="arm", pose=np.eye(4), world=np.eye(4))
+    arm = Part(name="ring", kind="printed", mesh=mesh_of(ring), placements=(here,))
+    there = Placement(link="hand", pose=np.eye(4), world=np.eye(4))
+    hand = Part(name="pin", kind="printed", mesh=mesh_of(pin), placements=(there,))
+    found = judged(arm, hand, joint=hinge(-0.5, 0.5))
+    assert found.verdict == verdict
+
+
 def test_a_horn_that_is_drawn_into_its_servo_is_told_and_not_in_the_way() -> None:
     round_horn = mesh_of(trimesh.creation.cylinder(4.0, 4.0, sections=64))
     horn = Part(name="horn", kind="bought", mesh=round_horn, placements=BASE.placements)
