@@ -170,7 +170,8 @@ def command(asked: View) -> str:
     parts = ["morph", "view", *asked.robots]
     told: dict[str, object] = {
         "--task": asked.task, "--root": asked.root, "--diagnosis": asked.diagnosis,
-        "--transfer": asked.transfer, "--package": asked.package, "--world": asked.world, "--seconds": asked.seconds,
+        "--transfer": asked.transfer, "--package": asked.package, "--world": asked.world,
+        "--seconds": asked.seconds,
         "--state": asked.state, "--first": asked.first, "--base": asked.base,
         "--folder": asked.folder, "--seed": asked.seed,
     }  # fmt: skip

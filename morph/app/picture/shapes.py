@@ -8,6 +8,7 @@ from typing import Any
 
 import mujoco
 import numpy as np
+from numpy.typing import NDArray
 
 from morph.arrays import Array, Integers
 
@@ -31,6 +32,9 @@ class Shape:
     """From 0, invisible, to 1."""
     flat: bool
     """Whether its faces are to be seen."""
+    colours: NDArray[np.uint8] | None = None
+    """Of each vertex, instead of `colour`, shape (vertices, 3); what is merged or thinned has
+    none."""
 
 
 def shapes(model: Any, groups: int = SHOWN_GROUPS) -> Iterator[Shape]:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import numpy as np
+from numpy.typing import NDArray
+
 from morph.app.viewer.content import Colour
 
 
@@ -12,3 +15,8 @@ def linear(colour: Colour) -> Colour:
     """
     red, green, blue = (round(255.0 * (each / 255.0) ** 2.2) for each in colour)
     return red, green, blue
+
+
+def linears(colours: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """Return many colours as corners of meshes want them, shape (..., 3)."""
+    return np.rint(255.0 * (colours / 255.0) ** 2.2).astype(np.uint8)

@@ -105,6 +105,8 @@ class Table:
     """Heads of the columns, the first over the names of the rows."""
     rows: tuple[tuple[str | Live | Marked, ...], ...]
     """Cells; all text, none of it HTML."""
+    words: bool = False
+    """Whether its cells are sentences rather than numbers."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -30,8 +30,9 @@ def table_html(table: Table, actors: Sequence[Actor], time: float) -> str:
         + "</tr>"
         for row in table.rows
     )
+    kind = "morph words" if table.words else "morph"
     return (
-        f'<table class="morph"><caption>{escape(table.title)}</caption>'
+        f'<table class="{kind}"><caption>{escape(table.title)}</caption>'
         f"<thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
     )
 

@@ -13,7 +13,7 @@ class Given:
     """Bodies, and what is to be seen of them."""
 
     robots: tuple[Robot, ...]
-    """Up to eight bodies; none if a transfer names them."""
+    """Up to eight bodies; none if a transfer or a package names them."""
     asked: tuple[str, ...]
     """What each was asked for by: a name on the shelf or a path."""
     task: str | None = None
@@ -28,6 +28,8 @@ class Given:
     """Folder of a diagnosis of the first body."""
     transfer: Path | None = None
     """Folder of a transfer or an alignment."""
+    package: Path | None = None
+    """Folder of a package for the printer."""
     world: str | None = None
     """Where they move."""
     seconds: float | None = None

@@ -6,7 +6,10 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from morph.app.picture.shapes import Shape
+from morph.app.viewer.colour import linears
 from morph.app.viewer.content import Actor, Colour
 from morph.app.viewer.layout import Layout, title
 from morph.app.viewer.mover import mover
@@ -78,7 +81,7 @@ class Player:
         self._chosen: int | None = None
         scene.add_frame(self._root, show_axes=False, position=self.place)
         self._links: dict[int, Any] = {}
-        self._meshes: dict[int, list[tuple[Any, Colour]]] = {}
+        self._meshes: dict[int, list[tuple[Any, Colour | None]]] = {}
         self._stand()
         links = len(actor.figure.links)
         self._position, self._turn = np.full((links, 3), np.inf), np.full((links, 4), np.inf)
@@ -136,21 +139,42 @@ class Player:
                 if body not in self._links:
                     self._links[body] = self._scene.add_frame(name, show_axes=False)
                 name = f"{name}/{number}"
-            colour = actor.tints.get(links[body], actor.colour or shape.colour)
-            opacity = shape.opacity * (GHOST if actor.ghost else 1.0)
-            mesh = self._scene.add_mesh_simple(
-                name,
-                shape.vertices.astype(np.float32),
-                shape.faces.astype(np.uint32),
-                color=colour,
-                opacity=opacity if opacity < 1.0 else None,
-                flat_shading=shape.flat,
-                side="double",
-                cast_shadow=not actor.ghost,
-                receive_shadow=not actor.ghost,
-            )
+            tint = actor.tints.get(links[body], actor.colour)
+            if shape.colours is not None and tint is None:
+                # What has a colour for each corner keeps them, whatever is pointed at.
+                mesh, colour = self._painted(name, shape, shape.colours), None
+            else:
+                colour = tint or shape.colour
+                mesh = self._plain(name, shape, colour)
             self._links.setdefault(body, mesh)
             self._meshes.setdefault(body, []).append((mesh, colour))
+
+    def _plain(self, name: str, shape: Shape, colour: Colour) -> Any:
+        """Put a shape of one colour on the scene."""
+        actor = self._actor
+        opacity = shape.opacity * (GHOST if actor.ghost else 1.0)
+        return self._scene.add_mesh_simple(
+            name,
+            shape.vertices.astype(np.float32),
+            shape.faces.astype(np.uint32),
+            color=colour,
+            opacity=opacity if opacity < 1.0 else None,
+            flat_shading=shape.flat,
+            side="double",
+            cast_shadow=not actor.ghost,
+            receive_shadow=not actor.ghost,
+        )
+
+    def _painted(self, name: str, shape: Shape, colours: NDArray[np.uint8]) -> Any:
+        """Put a shape on the scene that has a colour for each corner; a ghost is solid, too."""
+        from trimesh import Trimesh
+        from trimesh.visual import ColorVisuals
+
+        mesh = Trimesh(shape.vertices, shape.faces, process=False)
+        # Once asked for they are sent: without them a browser shows every face.
+        _ = mesh.vertex_normals
+        mesh.visual = ColorVisuals(mesh, vertex_colors=linears(colours))
+        return self._scene.add_mesh_trimesh(name, mesh)
 
     def _pose_links(self, picture: int) -> None:
         motion = self._actor.motion
@@ -185,7 +209,8 @@ class Player:
                 continue
             self._shown[body] = level
             for mesh, own in meshes:
-                mesh.color = own if level == -1 else colour_of(level)
+                if own is not None:
+                    mesh.color = own if level == -1 else colour_of(level)
 
 
 def colour_of(level: int) -> Colour:

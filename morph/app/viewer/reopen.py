@@ -100,6 +100,7 @@ def _resolved(saved: Saved, folder: Path) -> Saved:
             root=whole(given.root),
             diagnosis=whole(given.diagnosis),
             transfer=whole(given.transfer),
+            package=whole(given.package),
         ),
     )
 
@@ -155,6 +156,8 @@ class _Part:
     def sources(self) -> Sources:
         bodies = self.take("bodies", _some_objects, "a list of objects")
         text_or_null = _or_null(_text)
+        # Views that were saved before there were packages say nothing of them.
+        self._members.setdefault("package", None)
         found = Sources(
             bodies=tuple(
                 _Part(self._file, f"{self._place}.bodies[{at}]", body).body()
@@ -168,7 +171,16 @@ class _Part:
             seed=self.take("seed", _whole_number, "a whole number from 0 on"),
             **{
                 name: self.take(name, text_or_null, "a text or null")
-                for name in ("base", "folder", "task", "root", "diagnosis", "transfer", "world")
+                for name in (
+                    "base",
+                    "folder",
+                    "task",
+                    "root",
+                    "diagnosis",
+                    "transfer",
+                    "package",
+                    "world",
+                )
             },
         )
         self.done()

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 SCHEMA = "morph.view/1"
 
-NAMES = ("compare", "design", "align", "mismatch")
+NAMES = ("compare", "design", "align", "mismatch", "print")
 """What views are called."""
 
 LEARNED = "learned"
@@ -50,6 +50,7 @@ class Sources:
     root: str | None = None
     diagnosis: str | None = None
     transfer: str | None = None
+    package: str | None = None
     world: str | None = None
     seconds: float | None = None
     seed: int = 0
@@ -59,7 +60,7 @@ class Sources:
         """Every path in it, in order."""
         bodies = [body.asked for body in self.bodies if not is_name(body.asked)]
         policies = [policy for policy in self.policies if policy != LEARNED]
-        others = (self.folder, self.root, self.diagnosis, self.transfer)
+        others = (self.folder, self.root, self.diagnosis, self.transfer, self.package)
         return (*bodies, *policies, *self.recordings, *filter(None, others))
 
 
@@ -142,6 +143,7 @@ def sources(given: Given) -> Sources:
         root=_whole(given.root),
         diagnosis=_whole(given.diagnosis),
         transfer=_whole(given.transfer),
+        package=_whole(given.package),
         world=given.world,
         seconds=given.seconds,
         seed=given.seed,

@@ -9,7 +9,7 @@ from morph.app.viewer.given import Given
 from morph.app.viewer.view import View
 from morph.errors import ViewError
 
-VIEWS = ("compare", "design", "align", "mismatch")
+VIEWS = ("compare", "design", "align", "mismatch", "print")
 """Every view by name, in the order of the tabs; each is a module here, loaded when it is needed:
 they bring much along, and a page of two bodies needs little of it."""
 
@@ -28,16 +28,18 @@ def makers(given: Given, first: str | None = None) -> tuple[tuple[Callable[[], V
     # From the most particular to the most general: the first is what one most likely came for.
     needs = {
         "align": given.transfer is not None,
+        **({"print": True} if given.package is not None else {}),
         "mismatch": bool(given.robots) and (given.diagnosis is not None or bool(given.recordings)),
         "compare": bool(given.robots),
         "design": bool(given.robots),
+        **({"print": bool(given.robots)} if given.package is None else {}),
     }
     found = {name: _maker(name, given) for name, met in needs.items() if met}
     if not found:
         raise ViewError(
             "there is nothing to show",
             where="morph view",
-            fix="name a robot, or a folder by --transfer",
+            fix="name a robot, or a folder by --transfer or --package",
         )
     if first is not None and first not in found:
         raise ViewError(

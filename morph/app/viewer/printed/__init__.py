@@ -1,0 +1,1 @@
+"""What the view Print works with."""
