@@ -64,19 +64,20 @@ def _turns(
 ) -> list[Array]:
     """Return rotations, then mirrors, that lay two rare points of the one on like ones."""
     a, b = one[:, :3] - middles[0], other[:, :3] - middles[1]
-    alike = np.abs(reach[0][:, None] - reach[1][None, :]) < SAME if len(a) < 4000 else None
-    if alike is None:
-        return []
+    order = np.argsort(reach[1])
+    first_of, end_of = (np.searchsorted(reach[1][order], reach[0] + by) for by in (-SAME, SAME))
+    many = end_of - first_of
     # The fewer points a point could be laid on, the fewer motions there are to try.
-    order = np.lexsort((-np.linalg.norm(a, axis=1), alike.sum(axis=1)))
-    first = order[0]
-    across = np.linalg.norm(np.cross(a[first], a[order]), axis=1)
+    rare = np.lexsort((-np.linalg.norm(a, axis=1), many))
+    first = rare[0]
+    across = np.linalg.norm(np.cross(a[first], a[rare]), axis=1)
     if across.max() < SAME:
         return []
-    second = order[np.argmax(across > 0.1 * across.max())]
+    second = rare[np.argmax(across > 0.1 * across.max())]
+    firsts, seconds = (order[first_of[at] : end_of[at]] for at in (first, second))
     proper, mirrors = [], []
     frame = _frame(a[first], a[second])
-    for p, q in itertools.product(np.flatnonzero(alike[first]), np.flatnonzero(alike[second])):
+    for p, q in itertools.product(firsts, seconds):
         if abs(a[first] @ a[second] - b[p] @ b[q]) > SAME * np.linalg.norm(a[first]) * 2.0:
             continue
         to = _frame(b[p], b[q])

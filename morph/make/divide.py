@@ -10,6 +10,7 @@ from morph.make import bought as buying
 from morph.make.bought import Item
 from morph.make.division import Division
 from morph.make.drawing import Drawing, drawing
+from morph.make.fused import fused
 from morph.make.groups import grouped
 from morph.make.hinges import hinges
 from morph.make.made import made
@@ -48,12 +49,32 @@ def divide(robot: Robot, profile: Profile) -> Division:
     parts = [replace(part, number=f"P-{at:02d}") for at, part in enumerate(printed, start=1)]
     return Division(
         robot=robot,
-        parts=(*parts, *_bought(drawn, things, names)),
+        parts=(
+            *parts,
+            *fused(drawn, things, parts, names),
+            *_bought(drawn, things, names),
+        ),
         hinges=joints,
         checks=(*buying.axes(things), *(check for result in results for check in result.checks)),
-        notes=(*drawn.unread, *notes, *(note for result in results for note in result.notes)),
+        notes=(
+            *drawn.unread,
+            *_taken(robot),
+            *notes,
+            *(note for result in results for note in result.notes),
+        ),
         complete=_complete(drawn, things, missing),
     )
+
+
+def _taken(robot: Robot) -> tuple[str, ...]:
+    """Return what is taken for granted where no card says what is bought."""
+    if robot.card is not None and robot.card.print is not None:
+        return ()
+    servos = (
+        [] if robot.card is None else [m.actuator for m in robot.card.motor if m.model != "ideal"]
+    )
+    where = f", and where the servos of {', '.join(servos[:3])} sit is not known" if servos else ""
+    return (f"no card says what is bought: all that is drawn is taken to be printed{where}",)
 
 
 def _bought(drawn: Drawing, things: Sequence[Item], names: Names) -> list[Part]:

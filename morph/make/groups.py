@@ -9,6 +9,7 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.make.alike import motion
+from morph.make.moments import laid
 from morph.make.pieces import Piece
 from print.mesh import Mesh
 
@@ -52,12 +53,7 @@ def _joins(group: Group, piece: Piece, points: Array) -> bool:
     """Add a piece to a group or its twin if it is like it; return whether it was."""
     if isinstance(group.first.source, Mesh) != isinstance(piece.source, Mesh):
         return False
-    if piece.source is group.first.source:
-        found: Array | None = np.eye(4)
-    elif len(points) != len(group.points) or not _same_size(group, piece):
-        return False
-    else:
-        found = motion(group.points, points)
+    found = _motion(group, piece, points)
     if found is None:
         return False
     if np.linalg.det(found[:3, :3]) > 0:
@@ -69,9 +65,14 @@ def _joins(group: Group, piece: Piece, points: Array) -> bool:
     return True
 
 
-def _same_size(group: Group, piece: Piece) -> bool:
-    """Return whether volumes agree, where there are any: the quickest thing to compare."""
+def _motion(group: Group, piece: Piece, points: Array) -> Array | None:
     one, other = group.first.source, piece.source
+    if one is other:
+        return np.eye(4)
     if not isinstance(one, Mesh) or not isinstance(other, Mesh):
-        return True
-    return abs(one.volume - other.volume) <= 1e-3 * max(abs(one.volume), 1.0)
+        return motion(group.points, points)
+    # Volumes are the quickest thing to compare.
+    if abs(one.volume - other.volume) > 1e-3 * max(abs(one.volume), 1.0):
+        return None
+    found = motion(group.points, points)
+    return found if found is not None else laid(one, other)

@@ -93,7 +93,8 @@ def _part(drawn: Drawing, group: Group, mesh: Mesh, seats: tuple[Seat, ...], nam
 
 def _hands(drawn: Drawing, one: Group, other: Group) -> tuple[Hand, Hand]:
     """Return the hands of two twins: y points to the left."""
-    said = sided(piece.link for piece, _ in one.members)
+    said = sided(piece.name for piece, _ in one.members)
+    said = said or sided(piece.link for piece, _ in one.members)
     if said == "left":
         return ("left", "right")
     if said == "right":

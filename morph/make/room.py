@@ -113,7 +113,7 @@ def _yield(hinge: Hinge, still: _Body, moving: _Body, rooms: dict[str, list[Any]
 def _lost(body: _Body, room: Any) -> float:
     """Return how much of what is drawn of a part would be lost to a room, 0 to 1."""
     lost = sum(float((solid ^ room).volume()) for solid in body.solids)
-    return lost / max(body.volume, 1.0)
+    return float(lost / max(body.volume, 1.0))
 
 
 def _block(mount: Mount, grow: float) -> Any:

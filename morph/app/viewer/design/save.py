@@ -187,6 +187,7 @@ def _print(printed: Print | None, links: set[str]) -> Print | None:
     return Print(
         printed=tuple(link for link in printed.printed if link in links),
         bought=tuple(each for each in printed.bought if each.link in links),
+        fused=tuple(link for link in printed.fused if link in links),
     )
 
 
