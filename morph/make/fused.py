@@ -20,7 +20,7 @@ def fused(
     """Return what is drawn of each link that is one piece with another, in its own frame."""
     into = fusions(drawing, printed_links(drawing))
     made = {place.link: part.name for part in printed for place in part.placements}
-    found = []
+    found: list[Part] = []
     for link, root in into.items():
         shapes = [shape for shape in plastic(drawing, link, bought) if shape.kind != "mesh"]
         if not shapes or root not in made:

@@ -184,8 +184,9 @@ def test_a_link_without_a_joint_is_one_piece_with_the_one_it_hangs_from(tmp_path
     parts = {part.name: part for part in found.parts}
     assert parts["post"].kind == "fused"
     assert parts["post"].into == "base"
-    # 40 * 40 * 20 mm3, and 10 * 10 * 19.5 of the post, whose foot is in the base.
-    assert solid_volume(parts["base"]) == pytest.approx(32000 + 1950, rel=1e-9)
+    # 40 * 40 * 20 mm3, and 10 * 10 * 19.5 of the post, whose foot is in the base; a shell
+    # closes cracks of some micrometres by growing, on 6000 mm2 of surface less than 60 mm3.
+    assert solid_volume(parts["base"]) == pytest.approx(32000 + 1950, abs=60.0)
 
 
 def test_what_cannot_be_made_is_a_check_and_not_an_exception(tmp_path: Path) -> None:

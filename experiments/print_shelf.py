@@ -1,0 +1,168 @@
+"""Every body of the shelf made into parts, looked at by the gate, turned, weighed and laid out.
+
+A body is divided as `morph print` does it. Without `--slice` masses and hours are estimated; with
+it PrusaSlicer is asked for every part, which takes minutes a body.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import time
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from rich.console import Console
+from rich.table import Table
+
+from morph.body import shelf
+from morph.body.load import load
+from morph.errors import MorphError
+from morph.files import write_whole
+from morph.make.divide import divide
+from print.errors import PrintError
+from print.job import Job
+from print.part import Check
+from print.prepare import prepare
+from print.printer import Profile, material, printer
+from print.slicer import Slicer, find_slicer
+
+EXAMPLE = """example:
+  python -m experiments.print_shelf
+  python -m experiments.print_shelf humanoid quadruped_four_bar --slice --out out/print_shelf.json
+"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Row:
+    """One body."""
+
+    body: str
+    """Its name."""
+    parts: int
+    """Printed parts that differ, pieces of what was cut counted."""
+    copies: int
+    """Printed parts with all their copies."""
+    plates: int
+    """Plates without the gauges'."""
+    refused: tuple[str, ...]
+    """Each part or joint that was refused, and why."""
+    warnings: tuple[str, ...]
+    """What the slicer warned of."""
+    grams: float
+    """Plastic that stays."""
+    support_grams: float
+    """Plastic that is thrown away."""
+    hours: float
+    """Time of the printer, one part at a time."""
+    seconds: float
+    """Wall time of all of it."""
+    error: str = ""
+    """Why there is no job."""
+
+
+def row(body: str, profile: Profile, slicer: Slicer | None) -> Row:
+    """Return what becomes of one body."""
+    began = time.perf_counter()
+    try:
+        found = divide(load(body), profile)
+        job = prepare(found.parts, found.hinges, profile, slicer=slicer)
+    except (MorphError, PrintError) as error:
+        return _failed(body, error, time.perf_counter() - began)
+    printed = [part for part in job.parts if part.name in job.sliced]
+    support = sum(job.sliced[part.name].support_kg * part.count for part in printed)
+    return Row(
+        body=body,
+        parts=len(printed),
+        copies=sum(part.count for part in printed),
+        plates=sum(plate.name.startswith("plate") for plate in job.plates),
+        refused=_refused((*found.checks, *job.checks)),
+        warnings=_warnings(job),
+        grams=job.grams,
+        support_grams=1e3 * support,
+        hours=job.seconds / 3600.0,
+        seconds=time.perf_counter() - began,
+    )
+
+
+def _failed(body: str, error: Exception, seconds: float) -> Row:
+    return Row(
+        body=body,
+        parts=0,
+        copies=0,
+        plates=0,
+        refused=(),
+        warnings=(),
+        grams=0.0,
+        support_grams=0.0,
+        hours=0.0,
+        seconds=seconds,
+        error=str(error).splitlines()[0],
+    )
+
+
+def _refused(checks: Sequence[Check]) -> tuple[str, ...]:
+    return tuple(
+        f"{check.part}, {check.name}: {check.what}"
+        for check in checks
+        if check.verdict == "refused"
+    )
+
+
+def _warnings(job: Job) -> tuple[str, ...]:
+    return tuple(
+        f"{name}: {warning}" for name, sliced in job.sliced.items() for warning in sliced.warnings
+    )
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the study and return its exit status."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, epilog=EXAMPLE, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("bodies", nargs="*", help="bodies of the shelf; by default all")
+    parser.add_argument("--printer", default="mk4", help="the printer")
+    parser.add_argument("--material", default="pla", help="the plastic")
+    parser.add_argument("--slice", action="store_true", help="ask PrusaSlicer for every part")
+    parser.add_argument("--out", type=Path, help="write the rows to this file as JSON")
+    asked = parser.parse_args(arguments)
+    profile = Profile(printer=printer(asked.printer), material=material(asked.material))
+    slicer = find_slicer() if asked.slice else None
+    if asked.slice and slicer is None:
+        parser.error("there is no prusa-slicer here; install it, or leave out --slice")
+    rows = []
+    for body in asked.bodies or shelf.names():
+        print(body, file=sys.stderr, flush=True)
+        rows.append(row(body, profile, slicer))
+        if asked.out is not None:
+            write_whole(asked.out, json.dumps([asdict(each) for each in rows], indent=1))
+    _show(rows)
+    return 0
+
+
+def _show(rows: Sequence[Row]) -> None:
+    table = Table("body", "parts", "copies", "plates", "refused", "warnings")
+    for title in ("g", "support g", "h", "s"):
+        table.add_column(title, justify="right")
+    for each in rows:
+        table.add_row(
+            each.body,
+            *(str(number) for number in (each.parts, each.copies, each.plates)),
+            each.error or str(len(each.refused)),
+            str(len(each.warnings)),
+            f"{each.grams:.0f}",
+            f"{each.support_grams:.0f}",
+            f"{each.hours:.1f}",
+            f"{each.seconds:.0f}",
+        )
+    console = Console(width=120)
+    console.print(table)
+    for each in rows:
+        for what in (*each.refused, *each.warnings):
+            console.print(f"{each.body}: {what}", markup=False, soft_wrap=True)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
