@@ -13,12 +13,8 @@ than `TOLD` is told. Below that it is a sliver where two faces meet."""
 
 
 def overlap(subject: Subject) -> Check:
-    """Return whether just inside the surface is in the part once, and just outside not at all.
-
-    How often a point is in the part is the winding number of the surface about it: along any
-    ray from it, walls left less walls entered.
-    """
-    wrong = (subject.inward.depth != 1) | (subject.outward.depth != 0)
+    """Return whether just inside the surface is in the part once, and just outside not at all."""
+    wrong = (subject.depth(-1.0) != 1) | (subject.depth(1.0) != 0)
     share = float(wrong.mean())
     area = subject.surface.area * int(wrong.sum())
     if share > SHARE:

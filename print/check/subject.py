@@ -1,4 +1,4 @@
-"""A part under examination, and the rays that several checks look at."""
+"""A part under examination, and the points at which several checks look."""
 
 from __future__ import annotations
 
@@ -16,23 +16,23 @@ from print.printer import Profile
 from print.samples import Samples, samples
 
 RAYS = 1500
-"""Points of the surface from which rays are cast."""
+"""Points of the surface at which is looked."""
 SKIN_MM = 1e-3
 """How far from the surface a ray starts."""
+REACH_MM = 3.0
+"""How far walls are felt for."""
+TILT = 1.37e-3
+"""How much a ray along an axis leans to both sides."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Rays:
-    """What rays meet that leave a surface along its normals, inward or outward."""
+class Walls:
+    """What is behind each point of a surface: how thick the part is there."""
 
-    samples: Samples
-    """Where they start."""
-    first_mm: Array
-    """How far each goes before it meets the surface; infinite if it does not, shape (n,)."""
+    thickness_mm: Array
+    """From the point inward to where the part ends; infinite beyond `REACH_MM`, shape (n,)."""
     opposed: Array
-    """Cosine between ray and outward normal where it leaves: 1 is antiparallel, shape (n,)."""
-    depth: Array
-    """In how many solids it starts: walls left by it less walls entered, shape (n,)."""
+    """Cosine between that way and the outward normal at its end: 1 is antiparallel, shape (n,)."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -63,14 +63,40 @@ class Subject:
         return samples(self.mesh, RAYS)
 
     @cached_property
-    def inward(self) -> Rays:
-        """Rays from just inside its surface."""
-        return self._cast(-1.0)
+    def walls(self) -> Walls:
+        """How thick the part is behind each point of its surface."""
+        surface, solid = self.surface, self.mesh.manifold
+        starts = surface.points - SKIN_MM * surface.normals
+        ends = surface.points - REACH_MM * surface.normals
+        thickness = np.full(len(starts), np.inf)
+        opposed = np.zeros(len(starts))
+        for at, (start, end) in enumerate(zip(starts, ends, strict=True)):
+            hits = solid.ray_cast(start, end)
+            if hits:
+                thickness[at] = SKIN_MM + hits[0].distance * (REACH_MM - SKIN_MM)
+                opposed[at] = -surface.normals[at] @ hits[0].normal
+        return Walls(thickness_mm=thickness, opposed=opposed)
 
-    @cached_property
-    def outward(self) -> Rays:
-        """Rays from just outside its surface."""
-        return self._cast(1.0)
+    def depth(self, sign: float) -> Array:
+        """Return in how many solids it is just outside (1) or inside (-1) each point, shape (n,).
+
+        That is the winding number of the surface: along any way out, walls left less walls
+        entered. The way taken is nearly along an axis, because manifold3d looks at all triangles
+        in the upright box around a ray; not quite, so that it lies in no wall.
+        """
+        surface, solid = self.surface, self.mesh.manifold
+        starts = surface.points + sign * SKIN_MM * surface.normals
+        axis = np.abs(surface.normals).argmax(axis=1)
+        rows = np.arange(len(starts))
+        way = np.full_like(starts, TILT)
+        way[rows, axis] = np.sign(surface.normals[rows, axis])
+        ends = starts + (self.mesh.extent.max() + 1.0) * way
+        found = np.zeros(len(starts))
+        for at, (start, end) in enumerate(zip(starts, ends, strict=True)):
+            hits = solid.ray_cast(start, end)
+            if hits:
+                found[at] = np.sign(np.array([hit.normal for hit in hits]) @ way[at]).sum()
+        return found
 
     @cached_property
     def pieces(self) -> tuple[Mesh, ...]:
@@ -109,19 +135,3 @@ class Subject:
             value=value,
             limit=limit,
         )
-
-    def _cast(self, sign: float) -> Rays:
-        surface, solid = self.surface, self.mesh.manifold
-        reach = 1.1 * float(np.linalg.norm(self.mesh.extent)) + 1.0
-        starts = surface.points + sign * SKIN_MM * surface.normals
-        ends = starts + sign * reach * surface.normals
-        first = np.full(len(starts), np.inf)
-        opposed, depth = np.zeros(len(starts)), np.zeros(len(starts))
-        for at, (start, end) in enumerate(zip(starts, ends, strict=True)):
-            hits = solid.ray_cast(start, end)
-            if not hits:
-                continue
-            facing = np.array([hit.normal for hit in hits]) @ (sign * surface.normals[at])
-            first[at], opposed[at] = hits[0].distance * reach + SKIN_MM, facing[0]
-            depth[at] = np.sign(facing).sum()
-        return Rays(samples=surface, first_mm=first, opposed=opposed, depth=depth)

@@ -28,13 +28,12 @@ def wall(subject: Subject) -> Check:
     """
     two = subject.profile.thinnest_mm
     least = min(2.0 * NARROWEST * subject.profile.printer.nozzle_mm, two)
-    rays = subject.inward
-    walls = rays.opposed > OPPOSED
-    lost, thin = (float((walls & (rays.first_mm < limit)).mean()) for limit in (least, two))
+    thickness = np.where(subject.walls.opposed > OPPOSED, subject.walls.thickness_mm, np.inf)
+    lost, thin = (float((thickness < limit).mean()) for limit in (least, two))
     if max(lost, thin) <= TOLD:
         what = f"walls hold two lines ({two:g} mm)"
         return subject.says("wall", "passed", what, limit=two)
-    found = rays.first_mm[walls & (rays.first_mm < two)]
+    found = thickness[thickness < two]
     typical, area = float(np.median(found)), subject.surface.area * len(found)
     if lost > SHARE:
         typical = float(np.median(found[found < least]))
