@@ -50,8 +50,9 @@ def standing(corners: Array, profile: Profile, *, cells: int = CELLS) -> Standin
         profile: Names the angle that needs support, and the layer.
         cells: About how many columns.
     """
-    low = corners.min(axis=(0, 1))
-    size = corners.max(axis=(0, 1)) - low
+    points = corners.reshape(-1, 3)
+    low = points.min(axis=0)
+    size = points.max(axis=0) - low
     pitch = max(FINEST_MM, float(np.sqrt(size[0] * size[1] / cells)))
     column, height, leans = _met(corners - low, pitch, profile)
     order = np.lexsort((height, column))
@@ -70,28 +71,39 @@ def standing(corners: Array, profile: Profile, *, cells: int = CELLS) -> Standin
 
 def _met(corners: Array, pitch: float, profile: Profile) -> tuple[Integers, Array, Mask]:
     """Return where columns meet faces: which column, how high, and whether the face leans out."""
-    a, b, c = corners.transpose(1, 0, 2)
+    flat = corners[..., :2] / pitch - OFF
+    first = np.ceil(_least(flat)).astype(np.int64)
+    many = np.floor(-_least(-flat)).astype(np.int64) - first + 1
+    # Most faces of a fine mesh lie between columns, and are done with.
+    some = np.flatnonzero((many > 0).all(axis=1))
+    a, b, c = corners[some].transpose(1, 0, 2)
     normal = np.cross(b - a, c - a)
     length = np.linalg.norm(normal, axis=1)
     seen = np.abs(normal[:, 2]) > 1e-9 * np.maximum(length, 1e-30)
-    a, b, c, normal = a[seen], b[seen], c[seen], normal[seen]
-    leans = overhanging(normal / length[seen, None], profile)
-    flat = corners[seen][..., :2] / pitch - OFF
-    first = np.ceil(flat.min(axis=1)).astype(np.int64)
-    many = np.maximum(np.floor(flat.max(axis=1)).astype(np.int64) - first + 1, 0)
-    count = many.prod(axis=1)
-    face = np.repeat(np.arange(len(count)), count)
-    at = np.arange(len(face)) - np.repeat(np.cumsum(count) - count, count)
-    x = first[face, 0] + at % np.maximum(many[face, 0], 1)
-    y = first[face, 1] + at // np.maximum(many[face, 0], 1)
+    some, a, normal, length = some[seen], a[seen], normal[seen], length[seen]
+    flat, first, many = flat[some], first[some], many[some]
+    leans = overhanging(normal / length[:, None], profile)
+    face, x, y = _columns(first, many)
     inside = _inside(flat, face, np.stack([x, y], axis=1).astype(np.float64))
     face, x, y = face[inside], x[inside], y[inside]
-    point = (np.stack([x, y], axis=1) + OFF) * pitch
-    away = point - a[face, :2]
+    away = (np.stack([x, y], axis=1) + OFF) * pitch - a[face, :2]
     # A plane's height: n . (p - a) = 0, solved for z.
     height = a[face, 2] - (normal[face, :2] * away).sum(axis=1) / normal[face, 2]
     across = int(x.max(initial=0)) + 1
     return y * across + x, height, leans[face]
+
+
+def _least(flat: Array) -> Array:
+    """Return the least of each triangle's corners, shape (m, 2)."""
+    return np.minimum(np.minimum(flat[:, 0], flat[:, 1]), flat[:, 2])
+
+
+def _columns(first: Integers, many: Integers) -> tuple[Integers, Integers, Integers]:
+    """Return every column in the box around every face: the face, and the column's place."""
+    count = many.prod(axis=1)
+    face = np.repeat(np.arange(len(count)), count)
+    at = np.arange(len(face)) - np.repeat(np.cumsum(count) - count, count)
+    return face, first[face, 0] + at % many[face, 0], first[face, 1] + at // many[face, 0]
 
 
 def _inside(flat: Array, face: Integers, point: Array) -> Mask:
