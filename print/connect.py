@@ -48,40 +48,55 @@ def connected(
     if len(kept) < len(whole):
         lost = total - sum(piece.volume() for piece in kept)
         notes.append(f"{len(whole) - len(kept)} crumbs of {lost:.0f} mm3 in all are left out")
-    if len(kept) > 1:
-        notes.append(f"{len(kept)} separate pieces are joined by struts")
     # Faces that all but coincide leave slivers that no printer lays down.
-    return _joined(kept, forbidden, where).simplify(SLIVER_MM), tuple(notes)
+    loose = [_loose(piece, total, carriers) for piece in kept]
+    one, left = _joined(kept, loose, forbidden, where)
+    if len(kept) - len(left) > 1:
+        notes.append(f"{len(kept) - len(left)} separate pieces are joined by struts")
+    notes += [f"{_said(piece)} is left out: nothing can join it" for piece in left]
+    return pieces(one.simplify(SLIVER_MM))[0], tuple(notes)
 
 
 def _crumb(piece: Any, total: float, carriers: Sequence[Any]) -> bool:
-    volume = piece.volume()
-    if volume > min(CRUMB * total, CRUMB_MM3):
-        return False
+    return piece.volume() <= min(CRUMB * total, CRUMB_MM3) and _idle(piece, carriers)
+
+
+def _loose(piece: Any, total: float, carriers: Sequence[Any]) -> bool:
+    """Return whether a part may do without a piece: a small one that carries nothing."""
+    return bool(piece.volume() <= CRUMB * total) and _idle(piece, carriers)
+
+
+def _idle(piece: Any, carriers: Sequence[Any]) -> bool:
     # A boss may be small, but it is no crumb; a sliver of one is.
     return all((piece ^ each).volume() < 0.3 * each.volume() for each in carriers)
 
 
-def _joined(kept: list[Any], forbidden: Any, where: str) -> Any:
-    """Return pieces as one, the nearest joined first."""
-    one, rest = kept[0], [(piece, points(piece)) for piece in kept[1:]]
+def _joined(
+    kept: list[Any], loose: list[bool], forbidden: Any, where: str
+) -> tuple[Any, list[Any]]:
+    """Return pieces as one, the nearest joined first, and those that the part does without."""
+    one = kept[0]
+    rest = [(piece, points(piece), free) for piece, free in zip(kept, loose, strict=True)][1:]
     while rest:
         tree = KDTree(points(one))
         rest.sort(key=lambda other: float(tree.query(other[1])[0].min()))
-        for k, (piece, _) in enumerate(rest):
+        for k, (piece, *_) in enumerate(rest):
             between = strut(one, piece, forbidden)
             if between is not None:
                 one = pieces(union([one, piece, between]))[0]
                 del rest[k]
                 break
         else:
-            raise SolidError(
-                f"{_said(rest[0][0])} cannot be joined to the rest: what the part holds and what "
-                "others sweep lies between",
-                where=where,
-                fix="move what is in the way, or draw a piece that leads around it",
-            )
-    return one
+            break
+    stuck = [piece for piece, _, free in rest if not free]
+    if stuck:
+        raise SolidError(
+            f"{_said(stuck[0])} cannot be joined to the rest: what the part holds and what "
+            "others sweep lies between",
+            where=where,
+            fix="move what is in the way, or draw a piece that leads around it",
+        )
+    return one, [piece for piece, *_ in rest]
 
 
 def _said(piece: Any) -> str:

@@ -25,9 +25,9 @@ KEPT = 0.9
 
 
 def thickness(first: Any, second: Any) -> float:
-    """Return the radius of a strut between two pieces, mm: a fifth of the smaller one's size."""
+    """Return the radius of a strut between two pieces, mm: a third of the smaller one's size."""
     volume = min(first.volume(), second.volume())
-    return float(np.clip(0.2 * np.cbrt(volume), 3.0, 8.0))
+    return float(np.clip(0.35 * np.cbrt(volume), 3.0, 8.0))
 
 
 def strut(first: Any, second: Any, forbidden: Any) -> Any | None:

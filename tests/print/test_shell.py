@@ -97,6 +97,16 @@ def test_a_piece_that_is_walled_in_is_refused_with_its_place() -> None:
         shell(Skeleton(name="arm", solids=(inner, outer), spared=(cage,)), PROFILE)
 
 
+def test_a_small_piece_that_is_walled_in_and_holds_nothing_is_left_out() -> None:
+    inner, outer = block((-6, -6, -6), (6, 6, 6)), block((100, 0, 0), (160, 60, 60))
+    cage = from_manifold(box((-20, -20, -20), (20, 20, 20)) - box((-10, -10, -10), (10, 10, 10)))
+    grown = shell(Skeleton(name="arm", solids=(inner, outer), spared=(cage,)), PROFILE)
+    assert grown.mesh.volume == pytest.approx(60.0**3, rel=1e-3)
+    assert grown.notes == (
+        "a piece of 1.7 cm3 about (0, 0, 0) mm is left out: nothing can join it",
+    )
+
+
 def test_crumbs_are_left_out_and_told() -> None:
     body = block((0, 0, 0), (40, 40, 40))
     # A cut leaves a plate of 0.5 mm, 800 mm3, beyond what others sweep.
