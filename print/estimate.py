@@ -27,6 +27,13 @@ INFILL_RIM_MM = 0.74
 SOLID_RIM_MM = 0.03
 """Lines of solid layers overlap the wall: so wide a rim is filled once more."""
 
+WALL_SPEED, SOLID_SPEED, INFILL_SPEED, SUPPORT_SPEED = 23.0, 42.0, 99.0, 39.0
+"""Mean speeds along lines, mm/s, with all that goes on between them; fitted to PrusaSlicer."""
+LAYER_S = 2.0
+"""What each layer takes besides its lines, s; fitted with them."""
+COOLING_S, LEAST_SPEED = 15.0, 9.0
+"""Layers that take less time than this, s, are printed more slowly, down to so many mm/s."""
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Layers:
@@ -141,7 +148,8 @@ def _seconds(layers: Layers, support: float, profile: Profile) -> float:
     walls, solid, infill = (
         each[:, 0] / cross for each in (layers.walls, layers.solid, layers.infill)
     )
-    drawn = walls / 35.0 + solid / 70.0 + infill / 70.0
-    slowest = (walls + solid + infill) / 10.0
-    drawn = np.maximum(drawn, np.minimum(slowest, 15.0))
-    return float(drawn.sum() * 1.15 + support / (cross * profile.layer_mm) / 50.0)
+    drawn = walls / WALL_SPEED + solid / SOLID_SPEED + infill / INFILL_SPEED + LAYER_S
+    slowest = (walls + solid + infill) / LEAST_SPEED
+    drawn = np.maximum(drawn, np.minimum(slowest, COOLING_S))
+    held = support / (cross * profile.layer_mm * SUPPORT_SPEED)
+    return float(drawn.sum() + held)

@@ -10,6 +10,9 @@ import numpy as np
 from print.arrays import Array
 from print.mesh import Mesh
 
+FINE_MM = 0.01
+"""Corners nearer than this to a straight line are left out of sections."""
+
 Section = Any
 """A `manifold3d.CrossSection`: the area inside a solid at one height."""
 
@@ -26,7 +29,9 @@ def sections(mesh: Mesh, layer_mm: float) -> list[Section]:
     """
     solid = mesh.manifold
     count = int(np.ceil(mesh.bounds[1, 2] / layer_mm - 0.5 - 1e-6))
-    return [solid.slice((layer + 0.5) * layer_mm) for layer in range(max(count, 1))]
+    return [
+        solid.slice((layer + 0.5) * layer_mm).simplify(FINE_MM) for layer in range(max(count, 1))
+    ]
 
 
 def inset(section: Section, distance_mm: float) -> Section:
