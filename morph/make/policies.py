@@ -176,7 +176,8 @@ def task_of(folder: Path, robot: Robot) -> Task:
     usual = task(str(name), robot)
     if said.get("sha256") in ("", usual.sha256):
         return usual
-    for each in world_names():
+    # Water last: what it does to a body's shapes is reckoned for seconds.
+    for each in reversed(world_names()):
         try:
             there = replace(usual, world=each, effects=world(each, robot).effects)
         except MorphError:

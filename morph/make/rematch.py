@@ -181,7 +181,7 @@ def _found(case: Case, matchers: Sequence[Matcher]) -> Matched:
     )
     policy, by, kept = case.policy, UNCHANGED, unchanged
     record: list[Tried] = []
-    if not unchanged.close:
+    if not unchanged.close and case.left > 0.0:
         asked = [each for each in matchers if each.suits(case)]
         if unchanged.holds:
             asked = [each for each in asked if not each.dear]
@@ -211,6 +211,8 @@ def _best(
     best, way, score = case.policy, UNCHANGED, case.chosen(case.policy)
     record.append(_line(UNCHANGED, score, begun))
     for matcher in matchers:
+        if case.left <= 0.0 or _done(matcher, _with(unchanged, score)):
+            continue
         begun, own, note = time.monotonic(), None, ""
         try:
             for policy in matcher.proposals(case):
@@ -219,15 +221,18 @@ def _best(
                     own = found
                 if worth(found) < worth(score):
                     best, way, score = policy, matcher.name, found
-                if _with(unchanged, found).close or case.left <= 0.0:
+                if case.left <= 0.0 or _done(matcher, _with(unchanged, found)):
                     break
         except MorphError as error:
             note = error.what
         record.append(_line(matcher.name, own, begun, note or ("" if own else "no time")))
         case.told(f"{matcher.name}: loss {record[-1].loss:.3g}")
-        if _with(unchanged, score).close or case.left <= 0.0:
-            break
     return best, way
+
+
+def _done(matcher: Matcher, found: Comparison) -> bool:
+    """Return whether a policy does so well that a way need not be asked for another."""
+    return found.sure if matcher.dear else found.close
 
 
 def worth(score: Score) -> float:

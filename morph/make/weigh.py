@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+
+import numpy as np
 
 from morph.body.load import load
 from morph.body.robot import Robot
 from morph.errors import MakeError, OutputError
 from morph.make.content import Package
+from morph.make.link_mass import LinkMass
 from morph.make.masses import link_masses
 from morph.make.package import DESIGNED, ROBOT, write_content, write_printed
 from morph.make.packed import FILE
@@ -82,9 +85,9 @@ def write_weighed(
     content = read_packed(source / FILE)
     designed = _designed(source, package)
     after = weighed(package, designed, readings)
-    _copy(source, folder)
-    printed = write_printed(folder / ROBOT, designed, after)
-    same, found = printed.sha256 == package.made_sha256, None
+    same, found = _alike(package.links, after.links), None
+    _copy(source, folder, but=() if same else (ROBOT,))
+    printed = load(folder / ROBOT) if same else write_printed(folder / ROBOT, designed, after)
     after = replace(after, made_sha256=printed.sha256)
     if package.policy is not None and not (same and package.policy.verdict != "lost"):
         found, said = matched_again(source, folder, seconds=seconds, seed=seed, told=told)
@@ -118,11 +121,22 @@ def _designed(source: Path, package: Package) -> Robot:
     return robot
 
 
-def _copy(source: Path, folder: Path) -> None:
-    """Copy what a package holds but for its robot; that is written anew."""
+def _alike(one: Sequence[LinkMass], other: Sequence[LinkMass]) -> bool:
+    """Return whether every link weighs the same, number for number, and from the same source."""
+    return all(
+        a.source == b.source
+        and a.now.mass == b.now.mass
+        and np.array_equal(a.now.com, b.now.com)
+        and np.array_equal(a.now.inertia, b.now.inertia)
+        for a, b in zip(one, other, strict=True)
+    )
+
+
+def _copy(source: Path, folder: Path, *, but: Sequence[str]) -> None:
+    """Copy what a package holds, but for some of it."""
     try:
         for each in sorted(source.iterdir()):
-            if each.name == ROBOT or each.is_symlink():
+            if each.name in but or each.is_symlink():
                 continue
             if each.is_dir():
                 shutil.copytree(each, folder / each.name, symlinks=True)

@@ -58,6 +58,11 @@ class Comparison:
         return self.steady and self.growth <= ALLOWED
 
     @property
+    def sure(self) -> bool:
+        """Whether it holds with half of what is allowed to spare, for runs that only choose."""
+        return self.steady and self.growth <= 0.5 * ALLOWED
+
+    @property
     def close(self) -> bool:
         """Whether it does so well that there is nothing to match."""
         grown = self.printed.mean - self.designed.mean

@@ -26,6 +26,7 @@ class Replan(Matcher):
     """
 
     name: ClassVar[str] = "plan"
+    dear: ClassVar[bool] = True
 
     def suits(self, case: Case) -> bool:
         """Return whether the task is one for plans."""
