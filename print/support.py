@@ -59,7 +59,9 @@ def support_mm3(cuts: Sequence[Section], profile: Profile) -> float:
 
 def overhang(cut: Section, below: Section, profile: Profile) -> Section:
     """Return what of a layer needs support, given the layer below it."""
-    reach = profile.layer_mm * np.tan(np.radians(profile.overhang_deg))
+    # Upright to level: at 90 degrees nothing leans too far, and the tangent has no end.
+    lean = min(profile.overhang_deg, 89.0)
+    reach = profile.layer_mm * np.tan(np.radians(lean))
     beyond = cut - grown(below, reach)
     if beyond.is_empty():
         return beyond
