@@ -16,6 +16,11 @@ Found = TypeVar("Found")
 MOST_NAMED = 6
 """Links or joints that a step names; of more it says how many."""
 
+CENTRED = (
+    "Set each servo to its middle before its horn goes on, as drawn, and turn each joint by hand."
+)
+"""What is to be known before links are put onto each other."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Step:
@@ -49,7 +54,7 @@ def steps(parts: Sequence[Part], hinges: Sequence[Hinge], told: Explosion) -> tu
     )
     return (
         *(_make(contents, links) for contents, links in makes),
-        *(_join(found, told.parent) for _, found in joined),
+        *(_join(found, told.parent, first=not at) for at, found in enumerate(_chained(joined))),
     )
 
 
@@ -114,8 +119,21 @@ def _make(contents: Contents, links: Sequence[str]) -> Step:
     )
 
 
-def _join(found: Sequence[Hinge], parent: Mapping[str, str]) -> Step:
-    said = []
+def _chained(joined: Iterable[tuple[object, list[Hinge]]]) -> list[list[Hinge]]:
+    """Return joints by steps: those that are like no other go into the step before them."""
+    found: list[list[Hinge]] = []
+    single = False
+    for _, hinges in joined:
+        if single and len(hinges) == 1 and len(found[-1]) < MOST_NAMED:
+            found[-1] += hinges
+        else:
+            found.append(list(hinges))
+        single = len(hinges) == 1
+    return found
+
+
+def _join(found: Sequence[Hinge], parent: Mapping[str, str], *, first: bool) -> Step:
+    said = [CENTRED] if first else []
     for hinge in found[:MOST_NAMED]:
         way = "turns about" if hinge.kind == "hinge" else "slides along"
         closing = " This closes a chain." if parent.get(hinge.moving) != hinge.still else ""
@@ -123,7 +141,6 @@ def _join(found: Sequence[Hinge], parent: Mapping[str, str]) -> Step:
             f"The {short([hinge.moving])} goes onto the {short([hinge.still])}: it {way} the axis "
             f"of the joint {short([hinge.name])}.{closing}"
         )
-    said.append("Set each servo to its middle before its horn goes on, and turn the joint by hand.")
     return Step(
         title=f"Put on {short([hinge.moving for hinge in found])}",
         links=tuple(hinge.moving for hinge in found),

@@ -12,6 +12,7 @@ from markupsafe import Markup
 
 from print.assembly import Step, short, steps
 from print.explode import exploded
+from print.gauge import PLAYS_MM
 from print.job import Job
 from print.part import Hinge, Part
 from print.picture import Colour, Drawn, picture
@@ -75,6 +76,8 @@ def sheet(job: Job, hinges: Sequence[Hinge], *, title: str, command: str = "") -
         command=command,
         job=job,
         hours=_hours(job.seconds),
+        plates=sum(not plate.name.startswith("gauge") for plate in job.plates),
+        plays=", ".join(f"{play:g}" for play in PLAYS_MM),
         apart=Markup(_apart(job, hinges, title)),
         rows=[_row(part, job, colours, len(printed)) for part in printed],
         gauges=[_row(part, job, colours, len(job.gauges)) for part in job.gauges],

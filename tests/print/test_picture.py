@@ -8,6 +8,7 @@ import pytest
 import trimesh
 
 from print.callout import LINE, callouts, spread
+from print.lighten import lighter
 from print.mesh import Mesh
 from print.picture import Drawn, picture
 
@@ -70,6 +71,21 @@ def test_a_drawing_of_a_fine_mesh_is_light() -> None:
     mesh = Mesh(vertices=np.array(ball.vertices), faces=np.array(ball.faces, dtype=np.int64))
     assert len(mesh.faces) > 80_000
     assert len(picture([Drawn(mesh=mesh, colour=(1, 2, 3))] * 4, title="balls")) < 300_000
+
+
+def test_a_plate_that_is_full_of_holes_is_light_too() -> None:
+    holes = [
+        trimesh.creation.cylinder(1.0, 9.0, sections=64).apply_translation((3.0 * x, 3.0 * y, 0.0))
+        for x in range(8)
+        for y in range(4)
+    ]
+    plate = trimesh.creation.box((30.0, 20.0, 5.0)).apply_translation((10.5, 4.5, 0.0))
+    drilled = trimesh.boolean.difference([plate, *holes], engine="manifold")
+    mesh = Mesh(vertices=np.array(drilled.vertices), faces=np.array(drilled.faces, dtype=np.int64))
+    assert len(mesh.faces) > 4000
+    few = lighter(mesh, 300)
+    assert 100 < len(few.faces) <= 1300
+    np.testing.assert_allclose(few.extent, mesh.extent, atol=0.8)
 
 
 @pytest.mark.parametrize("wanted", [[50.0] * 5, [0.0, 1.0, 290.0, 300.0], [10.0, 200.0]])

@@ -127,7 +127,18 @@ def test_steps_fill_a_link_before_others_are_put_onto_it(job: Job) -> None:
     )
     # Two legs that are alike are one step, done twice.
     assert joined.links == ("left_leg", "right_leg")
-    assert "joint left hip" in joined.said[0]
+    assert "joint left hip" in joined.said[1]
+
+
+def test_joints_that_are_like_no_other_share_a_step_and_servos_are_centred_once() -> None:
+    chain = [part(name, {name: 30.0 * at}, block(6, 6, 6)) for at, name in enumerate("abcd")]
+    hinges = [
+        replace(HINGES[0], name=f"{still}{moving}", still=still, moving=moving)
+        for still, moving in ("ab", "bc", "cd")
+    ]
+    (joined,) = steps(chain, hinges, exploded(chain, hinges))
+    assert joined.links == ("b", "c", "d")
+    assert len(joined.said) == 4
 
 
 def test_pieces_of_a_part_are_put_together_first(job: Job) -> None:
