@@ -196,7 +196,7 @@ def _freer(axis: Axis, middle: float, solids: Solids, links: tuple[str, str]) ->
     cost = []
     for side in (1, -1):
         lost = 0.0
-        for link, way in zip(links, (side, -side), strict=True):
+        for link, way in zip(links, (-side, side), strict=True):
             # Each link keeps its side and loses what it has on the other.
             room = rod(8.0, -60.0, 0.0) if way > 0 else rod(8.0, 0.0, 60.0)
             body = union([mesh.manifold for mesh in solids.get(link, ())])

@@ -31,8 +31,8 @@ def spared(
 ) -> dict[str, Skeleton]:
     """Return skeletons with the room that their neighbours need.
 
-    Drawn plastic yields to servos and their pockets. Of the plastic of two neighbours, that
-    yields which loses less. Only neighbours are looked at.
+    Drawn plastic yields to servos, to their pockets and to the discs on their horns. Of the
+    plastic of two neighbours, that yields which loses less. Only neighbours are looked at.
     """
     fixed = roots(drawing.robot)
     bodies = {name: _Body(drawing, each) for name, each in skeletons.items()}
@@ -63,13 +63,12 @@ class _Body:
         self.world = drawing.world(skeleton.name)
         self.skeleton = skeleton
         self.solids = [self._placed(mesh.manifold) for mesh in skeleton.solids]
-        self.rough = [
-            rough(mesh.moved(self.world).vertices, GAP_MM)
-            for mesh in (*skeleton.solids, *skeleton.boxes)
-        ]
         self.blocks = [self._placed(_block(mount, WALL_MM)) for mount in skeleton.servos]
-        self.cases = [self._placed(_block(mount, WALL_MM + GAP_MM)) for mount in skeleton.servos]
+        self.firm = [self._placed(_block(mount, WALL_MM + GAP_MM)) for mount in skeleton.servos]
         self.discs = [self._placed(_disc(mount)) for mount in skeleton.horns]
+        self.firm += [rough(from_manifold(disc).vertices, GAP_MM) for disc in self.discs]
+        moving = [mesh.moved(self.world) for mesh in (*skeleton.solids, *skeleton.boxes)]
+        self.rough = [rough(mesh.vertices, GAP_MM) for mesh in moving]
         self.volume = sum(solid.volume() for solid in self.solids)
         everything = union([*self.solids, *self.blocks, *self.discs])
         low, high = np.reshape(everything.bounding_box(), (2, 3))
@@ -94,10 +93,10 @@ class _Body:
 def _yield(hinge: Hinge, still: _Body, moving: _Body, rooms: dict[str, list[Any]]) -> None:
     """Add the room that two neighbours need of each other."""
     kept = {body.name: union(body.kept) for body in (still, moving)}
-    if moving.cases:
-        rooms[still.name].append(swept(moving.cases, hinge, still.near) - kept[still.name])
-    if still.cases:
-        room = swept(still.cases, hinge, moving.near, back=True)
+    if moving.firm:
+        rooms[still.name].append(swept(moving.firm, hinge, still.near) - kept[still.name])
+    if still.firm:
+        room = swept(still.firm, hinge, moving.near, back=True)
         rooms[moving.name].append(room - kept[moving.name])
     if not (still.rough and moving.rough):
         return
