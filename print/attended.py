@@ -6,6 +6,8 @@ import contextlib
 import os
 import signal
 import subprocess
+import threading
+import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,19 +15,27 @@ from pathlib import Path
 LOG_BYTES = 1_000_000
 """No more than this is read of what a program says."""
 
+LOOK_S = 0.2
+"""How often it is looked whether a program is to stop."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Ran:
     """How a program ended."""
 
     status: int | None
-    """Its exit status, minus the number of the signal that ended it; None: out of time."""
+    """Its exit status, minus the number of the signal that ended it; None: it was killed."""
     said: str
     """What it wrote to its output and its error output."""
 
 
 def attended(
-    command: Sequence[str], *, folder: Path, environment: Mapping[str, str], timeout_s: float
+    command: Sequence[str],
+    *,
+    folder: Path,
+    environment: Mapping[str, str],
+    timeout_s: float,
+    stop: threading.Event | None = None,
 ) -> Ran:
     """Run a program to its end, or until its time is over, and return how it ended.
 
@@ -38,6 +48,7 @@ def attended(
         folder: Where it runs; `said.log` is written there.
         environment: Its environment.
         timeout_s: Seconds that it may take.
+        stop: Once this is set, by another thread, the program is killed.
 
     Raises:
         OSError: It cannot be started, or its folder cannot be written to.
@@ -54,12 +65,21 @@ def attended(
             start_new_session=True,
         )
         try:
-            status: int | None = process.wait(timeout=timeout_s)
-        except subprocess.TimeoutExpired:
-            status = None
+            status = _waited(process, time.monotonic() + timeout_s, stop or threading.Event())
         finally:
             with contextlib.suppress(ProcessLookupError, PermissionError):
                 os.killpg(process.pid, signal.SIGKILL)
             process.wait()
     with log.open("rb") as read:
         return Ran(status=status, said=read.read(LOG_BYTES).decode("utf-8", "replace"))
+
+
+def _waited(process: subprocess.Popen[bytes], end: float, stop: threading.Event) -> int | None:
+    """Return the status of a process, or None if its time is over or it is to stop."""
+    while not stop.is_set():
+        left = end - time.monotonic()
+        if left <= 0:
+            return process.poll()
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            return process.wait(timeout=min(left, LOOK_S))
+    return None

@@ -13,12 +13,12 @@ import numpy as np
 
 from print.arrays import Array
 from print.job import Orientation
+from print.lay import back, laid, mesh_of
 from print.part import Part
 from print.printer import Profile
 from print.sections import Section, inset, moments, sections
 from print.shells import shells
 from print.sliced import Sliced
-from print.slicer import back, laid, mesh_of
 from print.support import support_mm3
 from print.weight import MM, Weight
 
