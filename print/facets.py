@@ -88,31 +88,37 @@ def wound_alike(mesh: Mesh) -> Mesh:
     """Return the mesh with the faces of each connected patch wound as most of its area is.
 
     Most by area and not by the sign of the volume: the shell of a void is rightly inside out.
+    Each face stands in a graph twice, as it is and turned over, and is joined to those of its
+    neighbours that wind alike; so a patch falls into two components, of which one is chosen.
     """
-    import trimesh
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
-    found = trimesh.Trimesh(vertices=mesh.vertices, faces=mesh.faces.copy(), process=False)
-    trimesh.repair.fix_winding(found)  # type: ignore[no-untyped-call]
-    faces = np.asarray(found.faces, dtype=np.int64)
-    turned = ~_same_winding(mesh.faces, faces)
-    pairs = found.face_adjacency
-    graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(faces),) * 2)
+    one, other, alike = _neighbours(mesh)
+    count = len(mesh.faces)
+    rows = np.concatenate([one, one + count])
+    columns = np.concatenate([other, other + count])
+    columns = np.where(np.tile(alike, 2), columns, (columns + count) % (2 * count))
+    graph = coo_array((np.ones(len(rows)), (rows, columns)), shape=(2 * count, 2 * count))
     _, patch = connected_components(graph, directed=False)
-    area = np.asarray(found.area_faces)
-    balance = np.bincount(patch, weights=np.where(turned, area, -area))
-    wrong = balance[patch] > 0
-    faces[wrong] = faces[wrong][:, ::-1]
-    return Mesh(vertices=mesh.vertices, faces=faces)
+    a, b, c = mesh.corners.transpose(1, 0, 2)
+    area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    kept = np.bincount(patch[:count], weights=area, minlength=int(patch.max()) + 1)
+    wrong = kept[patch[count:]] > kept[patch[:count]]
+    return Mesh(
+        vertices=mesh.vertices, faces=np.where(wrong[:, None], mesh.faces[:, ::-1], mesh.faces)
+    )
 
 
-def _same_winding(before: Integers, after: Integers) -> Mask:
-    """Return whether the same three corners are named in the same cyclic order."""
-    start = np.argmax(after == before[:, :1], axis=1)
-    following = after[np.arange(len(after)), (start + 1) % 3]
-    same: Mask = following == before[:, 1]
-    return same
+def _neighbours(mesh: Mesh) -> tuple[Integers, Integers, Mask]:
+    """Return the pairs of faces that share an edge with no third, and whether they wind alike."""
+    found = edges(mesh)
+    order = np.argsort(found.edge, kind="stable")
+    shared = (found.along + found.against == 2)[found.edge[order]]
+    first, second = order[shared].reshape(-1, 2).T
+    # Neighbours that wind alike walk their edge in opposite directions.
+    alike = found.directed[first, 0] != found.directed[second, 0]
+    return first // 3, second // 3, alike
 
 
 def turned(mesh: Mesh) -> Mesh:

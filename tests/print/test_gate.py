@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import time
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -129,6 +130,16 @@ def test_a_bar_longer_than_the_bed_is_let_through_to_be_cut() -> None:
 def test_what_is_not_printed_by_itself_passes_unlooked_at(kind: str) -> None:
     given = replace(part(spoilt("nan")), kind=kind)
     assert check_part(given, PROFILE) == (given, ())
+
+
+def test_eighty_thousand_faces_aslant_are_looked_at_in_seconds() -> None:
+    ball = trimesh.creation.icosphere(subdivisions=6, radius=40.0)
+    fine = Mesh(vertices=np.array(ball.vertices), faces=np.array(ball.faces, dtype=np.int64))
+    began = time.process_time()
+    _, checks = check_part(part(fine), PROFILE)
+    # 0.7 s of one processor; along the normals, whose boxes hold most of the ball, it took 13 s.
+    assert time.process_time() - began < 5.0
+    assert verdicts(checks, "passed") == [check.name for check in checks]
 
 
 def test_a_library_that_fails_on_a_mesh_refuses_the_part_and_raises_nothing(
