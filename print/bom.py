@@ -46,8 +46,9 @@ def bill(job: Job) -> str:
             for each in fasteners(job.parts)
         ),
     ]
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
+    text = io.StringIO(newline="")
+    # Lines end as RFC 4180 says; only then is a lone carriage return in a cell quoted.
+    writer = csv.writer(text, lineterminator="\r\n")
     writer.writerow(COLUMNS)
     writer.writerows([harmless(cell) for cell in row] for row in rows)
     return text.getvalue()
