@@ -81,6 +81,8 @@ Example: morph transfer --from learned --chain cartpole rider_rigid_driven --out
 
 Example: morph print so101 --printer mk4 --material pla --out package
 
+Example: morph weigh package P-01=12.4
+
 Example: morph view cartpole rider_rigid_driven --task balance --policy learned
 
 Exit status: 0 done, 2 what was given cannot be used, 3 stopped short, 130 interrupted.
