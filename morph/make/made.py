@@ -68,7 +68,7 @@ def _name(group: Group) -> str:
 def _solid(piece: Piece, profile: Profile, name: str) -> tuple[Shell, tuple[Check, ...]]:
     """Return a piece's solid; if neighbours leave no room for one, one that is in their way."""
     if isinstance(piece.source, Mesh):
-        return Shell(mesh=piece.source, seats=(), notes=()), ()
+        return Shell(mesh=piece.source, seats=piece.seats, notes=()), ()
     try:
         return shell(piece.source, profile), ()
     except PrintError as error:

@@ -81,10 +81,10 @@ def _sides(size: Array, axis: Array, servo: Servo) -> tuple[int, int]:
     """Return along which sides of the box a servo's length and its height are."""
     wanted = np.array([servo.length_mm, servo.width_mm, servo.height_mm])
 
-    def misfit(order: tuple[int, ...]) -> tuple[float, float]:
+    def misfit(order: tuple[int, ...]) -> tuple[float, float, float]:
         # A millimetre is no difference: drawings round, and some servos are nearly square.
         worst = float(np.abs(2.0 * size[list(order)] - wanted).max())
-        return (round(worst / 2.0), -abs(float(axis[order[2]])))
+        return (round(worst / 2.0), -round(abs(float(axis[order[2]])), 6), worst)
 
     best = min(itertools.permutations(range(3)), key=misfit)
     return best[0], best[2]

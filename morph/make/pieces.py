@@ -11,7 +11,10 @@ from morph.arrays import Array
 from morph.make.alike import cloud
 from morph.make.bought import Item
 from morph.make.drawing import Drawing, Drawn
+from morph.make.names import of_file
+from morph.make.seats import seats
 from print.mesh import Mesh
+from print.part import Seat
 from print.skeleton import Mount, Skeleton
 
 
@@ -29,8 +32,8 @@ class Piece:
     """From its own frame into the link's, shape (4, 4), mm."""
     file: str = ""
     """The file that holds its mesh."""
-    fused: tuple[str, ...] = ()
-    """Other links that are one piece with it."""
+    seats: tuple[Seat, ...] = ()
+    """What is held in a mesh, in its own frame; a shell finds its own."""
 
     def points(self) -> Array:
         """Return points that tell it from others, shape (n, 4)."""
@@ -95,6 +98,7 @@ def pieces(
     found = []
     for link in printed_links(drawing):
         shapes = plastic(drawing, link, bought)
+        meshes = [shape for shape in shapes if shape.kind == "mesh"]
         found += [
             Piece(
                 name=_name(shape),
@@ -102,9 +106,9 @@ def pieces(
                 source=shape.mesh,
                 pose=shape.pose,
                 file=shape.file,
+                seats=seats(shape, meshes, bought),
             )
-            for shape in shapes
-            if shape.kind == "mesh"
+            for shape in meshes
         ]
         if link in skeletons:
             found.append(Piece(name=link, link=link, source=skeletons[link], pose=np.eye(4)))
@@ -112,6 +116,4 @@ def pieces(
 
 
 def _name(shape: Drawn) -> str:
-    from morph.make.names import of_file
-
     return of_file(shape.file) if shape.file else shape.name or shape.link

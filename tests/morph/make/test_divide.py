@@ -17,6 +17,8 @@ from morph.make.bought import axes, items
 from morph.make.divide import divide
 from morph.make.division import Division
 from morph.make.drawing import drawing
+from print.clearance import clearances
+from print.gate import check_part
 from print.part import Part
 from print.printer import Profile, material, printer
 
@@ -224,3 +226,18 @@ def test_real_twins_are_found_though_their_triangles_differ(real_robots: Path) -
     hands = {part.name: part.hand for part in found.parts}
     assert hands["roll_to_pitch_left"] == "left"
     assert hands["roll_to_pitch_right"] == "right"
+
+
+@pytest.mark.parametrize("name", ["so101", "quadruped_printed", "cartpole"])
+def test_parts_stay_clear_of_their_neighbours_over_the_whole_range_of_each_joint(name: str) -> None:
+    found = division(name)
+    checks = clearances(found.parts, found.hinges, PROFILE)
+    assert [check.what for check in checks if check.verdict != "passed"] == []
+
+
+def test_servos_go_into_the_meshes_of_the_printed_quadruped() -> None:
+    for part in printed(division("quadruped_printed")):
+        _, checks = check_part(part, PROFILE)
+        assert [check.what for check in checks if check.verdict == "refused"] == []
+    seats = {part.name: len(part.seats) for part in printed(division("quadruped_printed"))}
+    assert seats == {"body": 4, "upper_leg": 1, "lower_leg": 0}
