@@ -77,6 +77,15 @@ PICTURES = (
         # A stretch in which the ghost has left the recording.
         keys=("Home", *("Shift+ArrowRight",) * 4, *("ArrowRight",) * 48),
     ),
+    Picture(
+        name="print",
+        before=(
+            "print so101 --printer mk4 --material pla --slicer none --out {folder}/package --quiet",
+        ),
+        words="--package {folder}/package",
+        # The body is apart at two seconds.
+        keys=("Home", *("Shift+ArrowRight",) * 2),
+    ),
 )
 """Every picture, in the order of the views."""
 

@@ -69,6 +69,16 @@ def test_what_is_written_is_by_its_own_schema(saw: Saved) -> None:
     jsonschema.validate(json.loads(saw.text()), SCHEMA)
 
 
+def test_a_package_is_shown_again_and_older_files_say_nothing_of_one(file: Path) -> None:
+    packed = replace(SAW, given=replace(SAW.given, package="/made/arm"))
+    file.write_text(packed.text(), encoding="utf-8")
+    assert read_state(file) == packed
+    older = json.loads(SAW.text())
+    del older["given"]["package"]
+    jsonschema.validate(older, SCHEMA)
+    assert read_state(written(file, older)).given.package is None
+
+
 def test_paths_are_relative_to_the_folder_of_the_file(file: Path) -> None:
     saw = replace(
         SAW,
