@@ -14,13 +14,17 @@ from print.printer import Profile
 DRAWN = 3000
 """Of how many faces the first look takes notice."""
 
-SUPPORT_SHARE = 0.2
-"""Part of the supported volume that is filled with plastic: thin lines 2 to 2.5 mm apart."""
+SUPPORT_SHARE = 0.16
+"""Part of the supported volume that is filled with plastic: thin lines 2.5 mm apart."""
 
-FACE_MM = 0.8
-"""Thickness of the dense layers between support and part, in mm of plastic."""
+FACE_MM = 0.4
+"""Thickness of the dense layers between support and part, in mm of plastic.
 
-WASTE = 3.0
+Both were fitted to what PrusaSlicer 2.5.0 gives six parts of Open Duck Mini in 36 orientations;
+half of them are within 38 %, since it bridges some of what hangs over.
+"""
+
+WASTE = 1.0
 """What support costs beside its time, in its time: it is thrown away, and leaves scars."""
 
 OUTLINE_S = 0.048
