@@ -16,7 +16,10 @@ stamp := $(VENV)/.installed-$(shell cksum < pyproject.toml | cut -d ' ' -f 1)
 browsers := chromium chromium-browser google-chrome google-chrome-stable
 debs := chromium libgl1-mesa-dri libegl1 libgles2
 
-.PHONY: help demo test install lint types arrows browser fuzz clean
+# What is printed is sliced by the real slicer.
+slicers := prusa-slicer PrusaSlicer
+
+.PHONY: help demo test install lint types arrows browser slicer fuzz clean
 
 help: ## Show this list
 	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1|\2/p' Makefile | awk -F '|' '{printf "%-16s%s\n", $$1, $$2}'
@@ -24,7 +27,7 @@ help: ## Show this list
 demo: $(stamp) ## Conceal a piece of physics, diagnose it, and compare the finding with the truth
 	@$(bin)/python -m experiments.demo
 
-test: lint types arrows browser ## Check style, types and imports, then run every test
+test: lint types arrows browser slicer ## Check style, types and imports, then run every test
 	$(bin)/python -m pytest -n 2
 
 lint: $(stamp) ## Check style
@@ -44,6 +47,14 @@ browser: ## See that there is a browser to test the viewer in; as root on Debian
 		apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $(debs) >/dev/null && exit 0; \
 	fi; \
 	echo "There is no browser, so the viewer is not tested in one. On Debian: sudo apt-get install $(debs)" >&2
+
+slicer: ## See that there is a slicer to test prints with; as root on Debian, install one
+	@for each in $(slicers); do command -v $$each >/dev/null && exit 0; done; \
+	if [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null; then \
+		echo "Installing prusa-slicer, which the tests of prints slice with ..."; \
+		apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends prusa-slicer >/dev/null && exit 0; \
+	fi; \
+	echo "There is no slicer, so what is printed is only estimated and no G-code is tested. On Debian: sudo apt-get install prusa-slicer" >&2
 
 fuzz: $(stamp) ## Feed every reader with spoiled files for an hour; what crashes is kept in out/fuzz
 	$(bin)/python -m experiments.fuzz_readers all --seconds 3600 --out out/fuzz

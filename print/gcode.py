@@ -22,6 +22,8 @@ REFUSED = {
 REMARKS = (b"TYPE", b"WIDTH", b"HEIGHT")
 """What PrusaSlicer says of the lines that follow."""
 AXES = b"XYZE"
+BLANK = np.isin(np.arange(256), np.frombuffer(b" \t\n\r\v\f", dtype=np.uint8))
+"""Which bytes separate words: those at which `bytes.split` divides."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -103,7 +105,7 @@ def _words(gcode: bytes, breaks: Integers, where: str) -> _Words:
     """Return the commands that matter, read in one pass over all words of the text."""
     bare = re.sub(rb";[^\n]*", lambda remark: b" " * len(remark.group()), gcode)
     letters = np.frombuffer(bare, dtype=np.uint8)
-    blank = letters <= ord(" ")
+    blank = BLANK[letters]
     starts = np.flatnonzero(~blank & np.concatenate([[True], blank[:-1]]))
     if not len(starts):
         return _Words(

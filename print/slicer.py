@@ -90,6 +90,8 @@ class Slicer:
                 writes what cannot be used.
         """
         where = ", ".join(list(meshes)[:3]) + (" ..." if len(meshes) > 3 else "")
+        if shutil.which(self.program) is None:
+            raise SlicerError(f"{self.program} is no program", where=where, fix=INSTALL)
         on_bed(meshes, profile)
         brim = BRIM_MM if any(slim(mesh) for mesh in meshes.values()) else 0.0
         try:
@@ -97,9 +99,9 @@ class Slicer:
                 return self._code(Path(name), meshes, profile, brim, timeout_s, where)
         except OSError as error:
             raise SlicerError(
-                f"{self.name} cannot be run: {error.strerror or error}",
+                f"{self.name} cannot be run in {tempfile.gettempdir()}: {error.strerror or error}",
                 where=where,
-                fix=f"see that {self.program} can be run and that {tempfile.gettempdir()} has room",
+                fix="make room there, or name another folder by TMPDIR",
             ) from error
 
     def _code(
