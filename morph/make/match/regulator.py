@@ -6,13 +6,18 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
+import numpy as np
+
 from morph.make.match.case import Case
 from morph.make.match.matcher import Matcher
 from morph.policy.linear import Linear
 from morph.policy.policy import Policy
 from morph.search.lqr import Lqr
-from morph.search.search import Problem
+from morph.search.plan.ground import held
+from morph.search.plan.policy import linear_of
+from morph.search.regulator.rest import rest
 from morph.search.searches import default
+from morph.search.trajectory.plant import Plant
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,5 +37,7 @@ class Regulator(Matcher):
 
     def proposals(self, case: Case) -> Iterator[Policy]:
         """Yield the regulator."""
-        problem = Problem(task=case.printed, simulator=case.bench)
-        yield Lqr().run(problem, seed=case.seed).policy
+        task = case.printed
+        plant = Plant(case.bench, task.period)
+        still = rest(task, plant, np.random.default_rng(case.seed))
+        yield linear_of(task, plant, still, held(task, plant, still))

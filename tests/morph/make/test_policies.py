@@ -30,7 +30,7 @@ from morph.search.search import Problem
 from morph.task.task import Task
 from morph.task.tasks import task
 
-SHORT = 30.0
+SHORT = 60.0
 """Seconds that matching may take; it ends when a policy does, far before."""
 
 
