@@ -22,8 +22,8 @@ from print.sliced import Sliced
 from print.support import support_mm3
 from print.weight import MM, Weight
 
-INFILL_RIM_MM = 0.74
-"""Lines of infill end in an anchor along the wall: so wide a rim is filled once more."""
+ANCHORS = ((0.0, 0.1, 0.4, 0.8, 1.0), (0.0, 0.115, 0.115, 0.035, 0.03))
+"""Lines of infill end in an anchor along the wall: how wide a rim that fills, mm, by infill."""
 SOLID_RIM_MM = 0.03
 """Lines of solid layers overlap the wall: so wide a rim is filled once more."""
 
@@ -104,7 +104,7 @@ def divided(cuts: list[Section], profile: Profile) -> Layers:
     return Layers(
         walls=_moments([inset(cut, edge) for cut in cuts]) - inside,
         solid=inside - thin + _rims(solid, SOLID_RIM_MM),
-        infill=profile.infill * (thin + _rims(sparse, INFILL_RIM_MM)),
+        infill=profile.infill * thin + _rims(sparse, float(np.interp(profile.infill, *ANCHORS))),
     )
 
 
