@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import Any
 
@@ -38,51 +39,50 @@ STEPS = [
 """From a cell to its neighbours across faces and edges; each is walked both ways."""
 
 
-def bent(a: Array, b: Array, forbidden: Any, radius: float) -> Any | None:
-    """Return balls in a row from one piece to another, hulled in pairs, around what is forbidden.
+def bent(a: Array, b: Array, forbidden: Any, radii: Sequence[float]) -> Iterator[Any]:
+    """Yield struts from one piece to another around what is forbidden: balls in a row, hulled.
 
     Args:
         a: Points all over the surface of one piece, shape (n, 3).
         b: Points of the other.
         forbidden: Room that must stay empty; it is cut from the strut.
-        radius: Of the strut, mm.
-
-    Returns:
-        A solid, or None if there is no way.
+        radii: Of the struts to try, mm, the best first; one for which there is no way is left out.
     """
     low = np.minimum(a.min(axis=0), b.min(axis=0)) - MARGIN_MM
     high = np.maximum(a.max(axis=0), b.max(axis=0)) + MARGIN_MM
     width = max(FINEST_MM, float(np.cbrt(np.prod(high - low) / CELLS)))
     shape = np.ceil((high - low) / width).astype(np.int64)
     cells = low + (np.stack(np.meshgrid(*map(np.arange, shape), indexing="ij"), -1) + 0.5) * width
-    free = _free(cells, forbidden, radius, width)
+    clear = _clear(cells, forbidden, width)
     reach = 0.9 * width
-    near_a = free & (KDTree(a).query(cells)[0] < reach)
-    near_b = free & (KDTree(b).query(cells)[0] < reach)
-    way = _shortest(free, near_a, near_b)
-    if way is None:
-        return None
-    places = cells.reshape(-1, 3)[way]
-    ends = (a[KDTree(a).query(places[0])[1]], b[KDTree(b).query(places[-1])[1]])
-    row = np.vstack([ends[0], places, ends[1]])
-    row = row[_thinned(row, 0.8 * radius)]
-    balls = [ball(radius, at) for at in row]
-    if len(balls) == 1:
-        return balls[0] - forbidden
-    return union([hull([p, q]) for p, q in pairwise(balls)]) - forbidden
+    near = [KDTree(each).query(cells, distance_upper_bound=reach)[0] < reach for each in (a, b)]
+    for radius in radii:
+        free = clear > radius
+        way = _shortest(free, free & near[0], free & near[1])
+        if way is not None:
+            places = cells.reshape(-1, 3)[way]
+            ends = (a[KDTree(a).query(places[0])[1]], b[KDTree(b).query(places[-1])[1]])
+            yield _along(np.vstack([ends[0], places, ends[1]]), radius) - forbidden
 
 
-def _free(cells: Array, forbidden: Any, radius: float, width: float) -> Mask:
-    """Return which cells are so far from what is forbidden that a strut fits, shape of the grid."""
+def _along(row: Array, radius: float) -> Any:
+    """Return the hulls of balls in a row, two by two, as one."""
+    balls = [ball(radius, at) for at in row[_thinned(row, 0.8 * radius)]]
+    return union([hull([p, q]) for p, q in pairwise(balls)])
+
+
+def _clear(cells: Array, forbidden: Any, width: float) -> Array:
+    """Return how far each cell is from what is forbidden, mm, shape of the grid."""
     shape = cells.shape[:3]
+    everywhere: Array = np.full(shape, np.inf)
     if forbidden.is_empty():
-        return np.ones(shape, dtype=bool)
+        return everywhere
     mesh = from_manifold(forbidden).trimesh
     inside = mesh.contains(cells.reshape(-1, 3)).reshape(shape)
     if not inside.any():
-        return np.ones(shape, dtype=bool)
-    clear: Mask = distance_transform_edt(~inside) * width > radius
-    return clear
+        return everywhere
+    away: Array = distance_transform_edt(~inside) * width
+    return away
 
 
 def _shortest(free: Mask, start: Mask, end: Mask) -> Integers | None:

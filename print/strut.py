@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -9,10 +10,16 @@ from scipy.spatial import KDTree
 
 from print.arrays import Array
 from print.bend import bent
-from print.solid import ball, hull, pieces
+from print.solid import ball, hull, pieces, union
 
 DENSE_MM = 3.0
 """Greatest length of an edge where pieces are measured."""
+
+SLIM_MM = 3.0
+"""Radius of a strut that takes what room there is."""
+
+THINNEST_MM = 2.2
+"""Least radius of a strut, where there is little room."""
 
 MANY = 4000
 """How many patches of that size a large surface is divided into at most, some points each."""
@@ -40,9 +47,21 @@ def strut(first: Any, second: Any, forbidden: Any) -> Any | None:
     """
     radius = thickness(first, second)
     a, b = points(first), points(second)
+    for thin in (radius, max(0.7 * radius, SLIM_MM)):
+        found = _straight(first, second, _pairs(a, b, 2.0 * thin), thin, forbidden)
+        if found is not None:
+            return found
+    ways = bent(a, b, forbidden, (radius, max(0.6 * radius, SLIM_MM), THINNEST_MM))
+    return next((way for way in ways if _joins(first, second, way)), None)
+
+
+def _straight(
+    first: Any, second: Any, ends: Sequence[tuple[Array, Array]], radius: float, forbidden: Any
+) -> Any | None:
+    """Return the straight strut of which least is forbidden; None if all lose too much."""
     best: tuple[float, Any] | None = None
-    for start, end in _pairs(a, b, 2.0 * radius):
-        whole = _straight(first, second, start, end, radius)
+    for start, end in ends:
+        whole = _between(first, second, start, end, radius)
         left = whole - forbidden
         share = left.volume() / whole.volume()
         if share >= KEPT and _joins(first, second, left):
@@ -51,13 +70,7 @@ def strut(first: Any, second: Any, forbidden: Any) -> Any | None:
                 return left
             if best is None or share > best[0]:
                 best = (share, left)
-    if best is not None:
-        return best[1]
-    for thin in (radius, 0.5 * radius + 1.0):
-        found = bent(a, b, forbidden, thin)
-        if found is not None and _joins(first, second, found):
-            return found
-    return None
+    return None if best is None else best[1]
 
 
 def points(solid: Any) -> Array:
@@ -92,7 +105,7 @@ def _pairs(a: Array, b: Array, apart: float) -> list[tuple[Array, Array]]:
     return found
 
 
-def _straight(first: Any, second: Any, start: Array, end: Array, radius: float) -> Any:
+def _between(first: Any, second: Any, start: Array, end: Array, radius: float) -> Any:
     """Return the hull of what two pieces have near the ends of a strut, with a ball at each."""
     near = first ^ ball(1.6 * radius, start)
     far = second ^ ball(1.6 * radius, end)
@@ -100,4 +113,6 @@ def _straight(first: Any, second: Any, start: Array, end: Array, radius: float) 
 
 
 def _joins(first: Any, second: Any, between: Any) -> bool:
-    return len(pieces(first + second + between)) < len(pieces(first)) + len(pieces(second))
+    """Return whether two pieces are one with what is between them."""
+    largest = pieces(union([first, second, between]))[0]
+    return all(bool((largest ^ each).volume() > 0.99 * each.volume()) for each in (first, second))
