@@ -39,7 +39,7 @@ def bill(job: Job) -> str:
     """
     rows = [
         *_parts(job.parts, job, folder="parts"),
-        *_parts(job.refused, job, folder="parts", kind="refused"),
+        *_parts(job.refused, job, folder="refused", kind="refused"),
         *_parts(job.gauges, job, folder="gauges", kind="gauge"),
         *(
             ["", each.name, each.kind, "", each.count, "", "", " ".join(each.links), "", ""]
@@ -65,7 +65,8 @@ def _parts(
 ) -> Iterable[Sequence[object]]:
     for part in parts:
         made = part.kind != "bought"
-        file = f"{folder}/{part.name}.stl" if part.mesh is not None else ""
+        lies = folder if made else "bought"
+        file = f"{lies}/{part.name}.stl" if part.mesh is not None else ""
         yield (
             part.number,
             part.name,

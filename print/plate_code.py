@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from functools import partial
+from threading import Event
 
 from print.job import Job, Plate
 from print.mesh import Mesh
-from print.prepare import AT_ONCE
+from print.prepare import at_once
 from print.slicer import Code, Slicer, mesh_of
 
 
@@ -31,18 +33,14 @@ def codes(
     """
     meshes = {part.name: mesh_of(part) for part in (*job.parts, *job.gauges) if part.mesh}
 
+    mine = replace(slicer, stop=Event())
+
     def ask(plate: Plate) -> Code:
         tell(f"slicing {plate.name}")
         limit = timeout_s * max(1, len(plate.laid))
-        return slicer.code(_lying(plate, meshes), job.profile, timeout_s=limit)
+        return mine.code(_lying(plate, meshes), job.profile, timeout_s=limit)
 
-    pool = ThreadPoolExecutor(AT_ONCE)
-    try:
-        asked = {plate.name: pool.submit(ask, plate) for plate in job.plates}
-        return {name: future.result() for name, future in asked.items()}
-    finally:
-        # After a failure nobody waits for what was not begun.
-        pool.shutdown(wait=True, cancel_futures=True)
+    return at_once({plate.name: partial(ask, plate) for plate in job.plates}, mine)
 
 
 def _lying(plate: Plate, meshes: dict[str, Mesh]) -> dict[str, Mesh]:

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass, field, replace
+from functools import partial
+from threading import Event
+from typing import TypeVar
 
 from print.clearance import clearances
 from print.errors import SplitError
@@ -19,6 +22,8 @@ from print.printer import Profile
 from print.sliced import Sliced
 from print.slicer import Slicer
 from print.split import split
+
+T = TypeVar("T")
 
 AT_ONCE = 2
 """Slicers that run at the same time; each takes one core and some 200 MB."""
@@ -132,16 +137,33 @@ def _weighed(
             found[part.name] = estimated(part, turned[part.name], profile)
         return found
 
+    mine = replace(slicer, stop=Event())
+
     def ask(part: Part) -> Sliced:
         tell(f"slicing {part.name}")
-        return slicer.sliced(part, turned[part.name], profile, timeout_s=timeout_s)
+        return mine.sliced(part, turned[part.name], profile, timeout_s=timeout_s)
 
+    return at_once({part.name: partial(ask, part) for part in parts}, mine)
+
+
+def at_once(asked: Mapping[str, Callable[[], T]], slicer: Slicer) -> dict[str, T]:
+    """Return what each call comes to, some at a time; after a failure the others are stopped.
+
+    Args:
+        asked: What to call, by its name.
+        slicer: The slicer that they all ask; a failure, or Ctrl-C, stops it for good.
+    """
     pool = ThreadPoolExecutor(AT_ONCE)
     try:
-        asked = {part.name: pool.submit(ask, part) for part in parts}
-        return {name: future.result() for name, future in asked.items()}
+        begun = {name: pool.submit(call) for name, call in asked.items()}
+        for future in as_completed(begun.values()):
+            # The first that fails is told, not the first in order.
+            future.result()
+        return {name: future.result() for name, future in begun.items()}
+    except BaseException:
+        slicer.stop.set()
+        raise
     finally:
-        # After a failure nobody waits for what was not begun.
         pool.shutdown(wait=True, cancel_futures=True)
 
 

@@ -13,6 +13,7 @@ from morph.make.drawing import Drawing, drawing
 from morph.make.fused import fused
 from morph.make.groups import grouped
 from morph.make.hinges import hinges
+from morph.make.lost import lost, lost_links
 from morph.make.made import made
 from morph.make.names import Names, safe
 from morph.make.pieces import pieces, printed_links
@@ -55,14 +56,18 @@ def divide(robot: Robot, profile: Profile) -> Division:
             *_bought(drawn, things, names),
         ),
         hinges=joints,
-        checks=(*buying.axes(things), *(check for result in results for check in result.checks)),
+        checks=(
+            *lost(robot, drawn.shapes),
+            *buying.axes(things),
+            *(check for result in results for check in result.checks),
+        ),
         notes=(
             *drawn.unread,
             *_taken(robot),
             *notes,
             *(note for result in results for note in result.notes),
         ),
-        complete=_complete(drawn, things, missing),
+        complete=_complete(drawn, things, missing | lost_links(robot)),
     )
 
 

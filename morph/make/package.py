@@ -67,14 +67,16 @@ def write_printed(folder: Path, robot: Robot, package: Package) -> Robot:
 def write_parts(folder: Path, job: Job, metadata: Mapping[str, str]) -> dict[str, str]:
     """Write every part and plate, and return their files in the package by their names.
 
-    Parts lie as they are printed; plates are 3MF, with the metadata given.
+    Parts lie as they are printed; plates are 3MF, with the metadata given. What was refused
+    lies apart, so that nobody prints it by mistake.
 
     Raises:
         MakeError: A plate cannot be written.
         OutputError: The folder cannot be written to.
     """
     files = {}
-    for room, parts in (("parts", (*job.parts, *job.refused)), ("gauges", job.gauges)):
+    rooms = (("parts", job.parts), ("refused", job.refused), ("gauges", job.gauges))
+    for room, parts in rooms:
         for part in parts:
             if part.mesh is not None:
                 folded = "bought" if part.kind == "bought" else room

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import shlex
 import sys
 from collections.abc import Callable
@@ -48,8 +49,10 @@ def run_print(asked: Print) -> int:
     check_out(out)
     try:
         profile, slicer = _profile(asked), _slicer(asked)
+        _check_times(asked)
         with stages(asked.quiet) as told:
             robot = _robot(asked)
+            _check_policy(asked, robot)
             package = _package(asked, robot, profile, slicer, told.now)
             with aside(out) as folder:
                 package = _write(asked, folder, robot, package, slicer, told.now)
@@ -66,7 +69,29 @@ def run_print(asked: Print) -> int:
         )
     lost = package.policy is not None and package.policy.verdict == "lost"
     refused = any(check.verdict == "refused" for check in package.job.checks)
-    return STOPPED_SHORT if refused or lost else DONE
+    return STOPPED_SHORT if refused or lost or not package.job.sliced else DONE
+
+
+def _check_times(asked: Print) -> None:
+    for name in ("seconds", "timeout"):
+        value = getattr(asked, name)
+        if not 0 <= value < math.inf or (name == "timeout" and value == 0):
+            raise MakeError(
+                f"{value:g} is no time that can be waited",
+                where=f"--{name}",
+                fix=f"say how many seconds, such as {getattr(Print, name):g}",
+            )
+
+
+def _check_policy(asked: Print, robot: Robot) -> None:
+    """Refuse a policy that cannot be used now, not after all the parts were sliced."""
+    if asked.policy is None:
+        return
+    from morph.make.policies import task_of
+    from morph.policy.store import load_policy
+
+    load_policy(Path(asked.policy), robot)
+    task_of(Path(asked.policy), robot)
 
 
 def _profile(asked: Print) -> Profile:
@@ -222,14 +247,18 @@ def _words(out: Path, package: Package) -> list[tuple[str, str]]:
     copies = sum(part.count for part in printed)
     source = "sliced" if any(s.source == "gcode" for s in job.sliced.values()) else "estimated"
     plates = sum(plate.name.startswith("plate") for plate in job.plates)
+    sorts = "" if copies == len(printed) else f" of {_counted(len(printed), 'sort')}"
+    refused = len({check.part for check in job.checks if check.verdict == "refused"})
+    but = f"; {refused} refused" if refused else ""
     said = [
         (
-            f"{package.title}: {_counted(copies, 'part')}, {len(printed)} of them different, "
-            f"on {_counted(plates, 'plate')}, "
-            f"{job.grams:.0f} g and {_hours(job.seconds)} ({source})",
+            f"{package.title}: {_counted(copies, 'part')}{sorts} on {_counted(plates, 'plate')}, "
+            f"{job.grams:.0f} g and {_hours(job.seconds)} ({source}){but}"
+            if printed
+            else f"{package.title}: there is nothing to print{but}",
             "bold",
         ),
-        (f"it weighs {package.now_kg:.3f} kg; the model said {package.designed_kg:.3f} kg", ""),
+        (_weighs(package), ""),
     ]
     if package.policy is not None:
         said.append((f"the policy {VERDICTS[package.policy.verdict]}: {package.policy.what}", ""))
@@ -239,9 +268,18 @@ def _words(out: Path, package: Package) -> list[tuple[str, str]]:
     noted = sum(check.verdict == "noted" for check in job.checks)
     if noted:
         said.append((f"{_counted(noted, 'thing')} to look at, in report.html", ""))
-    said += [(note, "") for note in job.notes]
+    said += [(note, "") for note in (*package.notes, *job.notes)]
     said.append((f"wrote {out}", ""))
     return said
+
+
+def _weighs(package: Package) -> str:
+    if all(each.source == "description" for each in package.links):
+        return (
+            f"the robot keeps the {package.designed_kg:.3f} kg of its model: of no link all that "
+            "weighs is known"
+        )
+    return f"it weighs {package.now_kg:.3f} kg; the model said {package.designed_kg:.3f} kg"
 
 
 def _hours(seconds: float) -> str:

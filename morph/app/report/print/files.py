@@ -21,6 +21,7 @@ def write_pages(folder: Path, package: Package, margins: Sequence[Margin] = ()) 
     Raises:
         OutputError: The folder cannot be written to.
     """
-    write_whole(folder / REPORT, print_page(package, margins))
+    sliced = {path.stem for path in (folder / "plates").glob("*.gcode")}
+    write_whole(folder / REPORT, print_page(package, margins, sliced))
     page = sheet(package.job, package.hinges, title=package.title, command=package.command)
     write_whole(folder / ASSEMBLY, page)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -15,6 +15,7 @@ from morph.app.report.align.page import environment, style
 from morph.app.report.page import _hash
 from morph.app.report.print import words
 from morph.app.report.print.solids import solids
+from morph.app.report.print.steps import advised, plate_rows, steps
 from morph.make.content import Package
 
 if TYPE_CHECKING:
@@ -24,7 +25,9 @@ if TYPE_CHECKING:
 FOLDER = Path(__file__).parent
 
 
-def print_page(package: Package, margins: Sequence[Margin] = ()) -> str:
+def print_page(
+    package: Package, margins: Sequence[Margin] = (), sliced: Collection[str] = ()
+) -> str:
     """Return the report as one HTML page.
 
     The page loads nothing, and its own policy forbids browsers to do so: only the scripts
@@ -32,7 +35,8 @@ def print_page(package: Package, margins: Sequence[Margin] = ()) -> str:
 
     Args:
         package: What is printed, and what became of it.
-        margins: What each actuator needs and has; none without a policy.
+        margins: What each actuator needs and has.
+        sliced: Names of the plates that have a G-code in the package.
     """
     drawn = solids(package)
     scripts = _scripts() if drawn else ()
@@ -44,14 +48,16 @@ def print_page(package: Package, margins: Sequence[Margin] = ()) -> str:
         f"script-src {hashes}; base-uri 'none'; form-action 'none'",
         style=Markup(style(FOLDER / "page.css")),
         headline=words.headline(package),
-        failed=bool(package.job.refused)
+        failed=bool(words.refusals(package)) or not package.job.sliced
         or (package.policy is not None and package.policy.verdict == "lost"),
         summary=words.summary(package),
+        steps=steps(package, sliced),
+        plates=plate_rows(package, sliced),
         links=words.link_rows(package),
         parts=words.part_rows(package),
-        gauges=package.job.gauges,
         margins=[words.margin_row(each) for each in margins],
         refused=[check for check in checks if check.verdict == "refused"],
+        mended=advised(check for check in checks if check.verdict == "refused"),
         noted=[check for check in checks if check.verdict == "noted"],
         passed=[check for check in checks if check.verdict == "passed"],
         solids=htmlsafe_json_dumps(drawn, dumps=_dumps),

@@ -65,13 +65,19 @@ class MarginRow:
 
 def headline(package: Package) -> str:
     """Return what the page says first."""
-    refused = len(package.job.refused)
+    refused = len(refusals(package))
     parts = [part for part in package.job.parts if part.name in package.job.sliced]
     if not parts:
         return f"No part of {package.title} can be printed"
     copies = sum(part.count for part in parts)
-    said = f"{package.title}: {_counted(copies, 'part')} to print"
+    said = f"{package.title}: {counted(copies, 'part')} to print"
     return f"{said}, {refused} refused" if refused else said
+
+
+def refusals(package: Package) -> tuple[str, ...]:
+    """Return the names of the parts, links and joints of which something was refused."""
+    checks = package.job.checks
+    return tuple(dict.fromkeys(each.part for each in checks if each.verdict == "refused"))
 
 
 def summary(package: Package) -> list[str]:
@@ -84,18 +90,32 @@ def summary(package: Package) -> list[str]:
     if job.sliced:
         said.append(
             f"{job.grams:.0f} g of {job.profile.material.name.upper()} on "
-            f"{_counted(len(plates), 'plate')} of the {job.profile.printer.title}, "
+            f"{counted(len(plates), 'plate')} of the {job.profile.printer.title}, "
             f"{hours(job.seconds)} in all, {how}."
         )
-    known = sum(each.source != "description" for each in package.links)
-    said.append(
-        f"The model weighs {package.designed_kg:.3f} kg; with what its parts weigh it is "
-        f"{package.now_kg:.3f} kg. {known} of {len(package.links)} links have such masses; "
-        "the others keep what was described."
-    )
+    said.append(_known(package))
     if package.policy is not None:
         said.append(package.policy.what)
     return said
+
+
+def _known(package: Package) -> str:
+    every = len(package.links)
+    known = sum(each.source != "description" for each in package.links)
+    if not known:
+        return (
+            f"It keeps the {package.designed_kg:.3f} kg that were described: of none of its links "
+            "all that it weighs is known."
+        )
+    others = (
+        ""
+        if known == every
+        else f" {known} of {every} links have such masses; the others keep what was described."
+    )
+    return (
+        f"The model weighs {package.designed_kg:.3f} kg; with what its parts weigh it is "
+        f"{package.now_kg:.3f} kg.{others}"
+    )
 
 
 def link_rows(package: Package) -> list[LinkRow]:
@@ -169,7 +189,7 @@ def _part_row(part: Part, package: Package) -> PartRow:
     if lies is not None and sliced is not None:
         first, after = lies.first_support_mm3 / 1e3, lies.support_mm3 / 1e3
         saved = f"{1e3 * sliced.support_kg:.1f} g" + (
-            f" (turned: {first:.0f} → {after:.0f} cm³)" if first - after >= 1 else ""
+            f" (as drawn {first:.0f} cm³, turned {after:.0f})" if first - after >= 1 else ""
         )
     links = list(dict.fromkeys(at.link for at in part.placements))
     return PartRow(
@@ -190,5 +210,6 @@ def _grams(weight: Weight) -> str:
     return f"{1e3 * weight.mass:.1f} g"
 
 
-def _counted(count: int, what: str) -> str:
+def counted(count: int, what: str) -> str:
+    """Return how many there are, such as `1 part`."""
     return f"{count} {what}" if count == 1 else f"{count} {what}s"

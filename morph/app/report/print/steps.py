@@ -1,0 +1,163 @@
+"""What to do with a package, one step after the other, and what its plates hold."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Sequence
+from dataclasses import dataclass
+
+from morph.app.report.print.words import counted, hours, refusals
+from morph.make.content import Package
+from print.job import Job, Plate
+from print.part import Check
+
+
+@dataclass(frozen=True, kw_only=True)
+class Step:
+    """One thing to do."""
+
+    what: str
+    """It, in few words."""
+    how: str
+    """What to know for it."""
+    command: str = ""
+    """What to type; empty if nothing."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlateRow:
+    """One plate, in words."""
+
+    name: str
+    file: str
+    copies: int
+    grams: str
+    time: str
+    holds: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Advice:
+    """What is to be done about several checks, and what they found."""
+
+    fix: str
+    checks: tuple[Check, ...]
+
+
+def steps(package: Package, sliced: Collection[str] = ()) -> list[Step]:
+    """Return what to do, in order.
+
+    Args:
+        package: What is printed.
+        sliced: Names of the plates that have a G-code in the package.
+    """
+    job = package.job
+    plates = [plate for plate in job.plates if not _tries(plate)]
+    found = []
+    mend = refusals(package)
+    if mend:
+        rest = "the package holds only the others" if plates else "nothing can be printed before"
+        lies = " What was refused lies in refused/." if job.refused else ""
+        found.append(
+            Step(
+                what=f"Mend {counted(len(mend), 'thing')}",
+                how=f"The reasons are below; {rest}.{lies}",
+            )
+        )
+    if len(plates) < len(job.plates):
+        play = job.profile.clearance_mm
+        found.append(
+            Step(
+                what="Print the gauges and try in them what you bought",
+                how=f"These parts leave a play of {play:g} mm on each side. If another notch of "
+                "a gauge fits better, say its play and print with that: --play MM.",
+            )
+        )
+    if plates:
+        found.append(_printing(job, plates, sliced))
+        found.append(
+            Step(
+                what="Buy the rest and put it together",
+                how="bom.csv counts what is bought; assembly.html shows each step.",
+            )
+        )
+        found.append(_weighing(package))
+    found.append(_using(package))
+    return found
+
+
+def _printing(job: Job, plates: Sequence[Plate], sliced: Collection[str]) -> Step:
+    with_code = all(plate.name in sliced for plate in plates)
+    ready = (
+        "Their G-code lies beside them."
+        if with_code
+        else f"Open each in a slicer: layers of {job.profile.layer_mm:g} mm, "
+        f"{counted(job.profile.walls, 'wall')}, {100 * job.profile.infill:.0f} % infill, with "
+        "support; the masses hold for these settings alone."
+    )
+    return Step(
+        what=f"Print {counted(len(plates), 'plate')}",
+        how=f"{ready} Everything lies as it is to be printed.",
+    )
+
+
+def _weighing(package: Package) -> Step:
+    part = next((part for part in package.job.parts if part.name in package.job.sliced), None)
+    name = "PART" if part is None else part.number or part.name
+    tried = ", and tries the policy on it" if package.policy is not None else ""
+    return Step(
+        what="Weigh what came off the printer",
+        how=f"One copy of a part is enough. It corrects the robot in robot/{tried}.",
+        command=f"morph weigh DIR {name}=GRAMS",
+    )
+
+
+def _using(package: Package) -> Step:
+    if package.policy is None:
+        return Step(
+            what="Learn and simulate on the robot in robot/, not on the model",
+            how="It has the masses of its parts, as far as they are known.",
+            command="morph simulate DIR/robot",
+        )
+    lost = "It does not hold there yet. " if package.policy.verdict == "lost" else ""
+    return Step(
+        what="See the policy on the robot as printed",
+        how=f"{lost}policy/ is made for robot/, and for no other.",
+        command="morph simulate DIR/robot --policy DIR/policy",
+    )
+
+
+def plate_rows(package: Package, sliced: Collection[str] = ()) -> list[PlateRow]:
+    """Return a row for each plate, the gauges first."""
+    return [_row(plate, package.job, plate.name in sliced) for plate in package.job.plates]
+
+
+def _row(plate: Plate, job: Job, sliced: bool) -> PlateRow:
+    lying = [job.sliced[laid.part] for laid in plate.laid if laid.part in job.sliced]
+    counts: dict[str, int] = {}
+    for laid in plate.laid:
+        counts[laid.part] = counts.get(laid.part, 0) + 1
+    numbers = {part.name: part.number for part in job.parts}
+    holds = (
+        f"{count} × {numbers.get(name) or name}" if count > 1 else numbers.get(name) or name
+        for name, count in counts.items()
+    )
+    return PlateRow(
+        name=plate.name,
+        file=f"{plate.name}.3mf" + (", .gcode" if sliced else ""),
+        copies=len(plate.laid),
+        grams=f"{1e3 * sum(each.weight.mass + each.support_kg for each in lying):.0f}",
+        time=hours(sum(each.seconds for each in lying)),
+        holds=", ".join(holds),
+    )
+
+
+def advised(checks: Iterable[Check]) -> list[Advice]:
+    """Return checks together that ask for the same, in the order in which they come."""
+    found: dict[str, list[Check]] = {}
+    for check in checks:
+        found.setdefault(check.fix, []).append(check)
+    return [Advice(fix=fix, checks=tuple(each)) for fix, each in found.items()]
+
+
+def _tries(plate: Plate) -> bool:
+    return plate.name.startswith("gauges")
