@@ -38,7 +38,7 @@ MOST_LABELS = 45
 LEANING = np.array([0.55, -1.0, 0.75])
 """From a part on the bed to who looks."""
 
-SMALL, SMALL_IN_ALL = 500, 20_000
+SMALL, SMALL_IN_ALL = 900, 20_000
 """Faces of the picture of one part, and of those of all parts."""
 
 
