@@ -249,7 +249,7 @@ def _words(out: Path, package: Package) -> list[tuple[str, str]]:
     plates = sum(plate.name.startswith("plate") for plate in job.plates)
     sorts = "" if copies == len(printed) else f" of {_counted(len(printed), 'sort')}"
     refused = len({check.part for check in job.checks if check.verdict == "refused"})
-    but = f"; {refused} refused" if refused else ""
+    but = f"; {_counted(refused, 'thing')} refused" if refused else ""
     said = [
         (
             f"{package.title}: {_counted(copies, 'part')}{sorts} on {_counted(plates, 'plate')}, "

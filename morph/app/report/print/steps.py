@@ -55,12 +55,12 @@ def steps(package: Package, sliced: Collection[str] = ()) -> list[Step]:
     found = []
     mend = refusals(package)
     if mend:
-        rest = "the package holds only the others" if plates else "nothing can be printed before"
-        lies = " What was refused lies in refused/." if job.refused else ""
+        lies = " Refused parts lie in refused/, and on no plate." if job.refused else ""
+        none = "" if plates else " Before that, nothing can be printed."
         found.append(
             Step(
-                what=f"Mend {counted(len(mend), 'thing')}",
-                how=f"The reasons are below; {rest}.{lies}",
+                what=f"Mend {counted(len(mend), 'thing')} and make the package anew",
+                how=f"What and why is below.{lies}{none}",
             )
         )
     if len(plates) < len(job.plates):

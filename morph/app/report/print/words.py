@@ -71,7 +71,7 @@ def headline(package: Package) -> str:
         return f"No part of {package.title} can be printed"
     copies = sum(part.count for part in parts)
     said = f"{package.title}: {counted(copies, 'part')} to print"
-    return f"{said}, {refused} refused" if refused else said
+    return f"{said}, {counted(refused, 'thing')} refused" if refused else said
 
 
 def refusals(package: Package) -> tuple[str, ...]:

@@ -120,8 +120,8 @@ def test_where_nothing_can_be_printed_nothing_is_to_be_printed() -> None:
         orientations={},
     )
     said = steps(package(none))
-    assert said[0].what == "Mend 1 thing"
-    assert "nothing can be printed before" in said[0].how
+    assert said[0].what == "Mend 1 thing and make the package anew"
+    assert "Before that, nothing can be printed." in said[0].how
     assert len(said) == 2
 
 
