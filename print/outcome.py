@@ -14,6 +14,8 @@ FILAMENT = re.compile(rb"^; filament used \[mm\] = ([0-9.]+)", re.MULTILINE)
 END = b"; prusaslicer_config = end"
 """The last line of every G-code that PrusaSlicer finished."""
 WARNING = re.compile(r"^(?:print|print_object) warning: (.+)$|^\[.*?\[(?:warning|error)\]\s*(.+)$")
+SETTLED = ("Detected missing Voronoi vertex, input polygons will be rotated back and forth.",)
+"""What it says while it helps itself; had that been in vain, it would say so in another line."""
 AGREE = 0.005
 """Our sum of the filament and the slicer's own may differ by this part."""
 
@@ -96,4 +98,5 @@ def seconds(gcode: bytes) -> float:
 def warnings(said: str) -> tuple[str, ...]:
     """Return what a slicer warned of, each warning once."""
     found = (WARNING.match(line.strip()) for line in said.splitlines())
-    return tuple(dict.fromkeys((each.group(1) or each.group(2)) for each in found if each))
+    words = (each.group(1) or each.group(2) for each in found if each)
+    return tuple(dict.fromkeys(each for each in words if each not in SETTLED))

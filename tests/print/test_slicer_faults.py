@@ -86,6 +86,14 @@ def test_what_it_warns_of_is_passed_on_once(ask: Ask) -> None:
     assert found.warnings == ("Empty layer between 5 and 8.2.", "odd")
 
 
+def test_what_it_put_right_itself_is_no_warning(ask: Ask) -> None:
+    first = "[t] [0x7f] [warning] Detected missing Voronoi vertex"
+    log = f"{first}, input polygons will be rotated back and forth."
+    vain = f"{first} even after the rotation of input."
+    found = ask(f"echo '{log}'; echo '{vain}'; {OUT}; {WHOLE} > $out")
+    assert found.warnings == ("Detected missing Voronoi vertex even after the rotation of input.",)
+
+
 @pytest.mark.parametrize(
     ("text", "seconds"), [("1d 2h 3m 4s", 93784.0), ("13m 45s", 825.0), ("7s", 7.0)]
 )
