@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 import trimesh
 
-from print.clearance import MOST_STEPS, clearances
+from print.clearance import clearances
+from print.joint_sweep import MOST_STEPS, Sweep
 from print.mesh import Mesh
 from print.part import Check, Hinge, Part, Placement
 from print.printer import Profile, material, printer
@@ -170,16 +171,36 @@ def test_a_joint_without_parts_passes() -> None:
 def test_a_long_lever_costs_no_more_positions_than_allowed(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    from print import clearance
-
     asked: list[float] = []
-    shared = clearance._Sweep.shared
+    shared = Sweep.shared
 
     def counted(self: Any, position: float) -> Any:
         asked.append(position)
         return shared(self, position)
 
-    monkeypatch.setattr(clearance._Sweep, "shared", counted)
+    monkeypatch.setattr(Sweep, "shared", counted)
     long = block("long", "hand", (2000.0, 10.0, 5.0), (1000.0, 0.0, 2.0))
     assert judged(BASE, long, joint=hinge(-3.0, 3.0)).verdict == "passed"
     assert len(asked) <= MOST_STEPS + 2
+
+
+def test_bought_bodies_that_are_drawn_into_each_other_are_told_as_that() -> None:
+    one = block("motor", "arm", (20.0, 20.0, 10.0), (0.0, 0.0, 0.0), kind="bought")
+    other = block("battery", "hand", (40.0, 4.0, 10.0), (28.0, 0.0, 0.0), kind="bought")
+    found = judged(BASE, LEVER, one, other, joint=hinge(-1.0, 1.0))
+    # 8 to 10 mm along x, 4 along y and 10 along z: 80 mm3; towards the corner it is more.
+    assert found.verdict == "refused"
+    assert "bought, and drawn into each other by 0.08 cm3" in found.what
+    assert "description" in found.fix
+
+
+def test_a_joint_that_bought_bodies_stop_says_so_and_how_far_it_goes() -> None:
+    motor = replace(post(20.0), name="motor", kind="bought")
+    arm = replace(LEVER, name="battery", kind="bought")
+    found = judged(motor, arm, joint=hinge(-1.0, 1.0))
+    # The lever's far corner (48..52, 5) meets the post's near side, 20 mm off: see above.
+    assert found.verdict == "refused"
+    assert "both are bought and drawn in each other's way" in found.what
+    # A printed part that is in the way much earlier is itself to blame.
+    nearer = replace(post(8.0), name="near")
+    assert judged(motor, arm, nearer, joint=hinge(-1.0, 1.0)).what.startswith("battery meets near")
