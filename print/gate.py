@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 from print.check.checks import CHECKS, Rule
-from print.check.extent import extent
 from print.check.subject import Subject
 from print.errors import PrintError
 from print.part import Check, Part
@@ -25,7 +24,9 @@ def check_part(part: Part, profile: Profile) -> tuple[Part, tuple[Check, ...]]:
     """
     if part.kind != "printed":
         return part, ()
-    sized = _look(CHECKS[0], Subject(part=part, profile=profile))
+    # What is mended is judged in millimetres, so the size is looked at first.
+    size, *others = CHECKS
+    sized = _look(size, Subject(part=part, profile=profile))
     if sized.verdict == "refused" or part.mesh is None:
         return part, (sized,)
     try:
@@ -45,9 +46,7 @@ def check_part(part: Part, profile: Profile) -> tuple[Part, tuple[Check, ...]]:
     )
     checks = [sized, repair]
     subject = Subject(part=mended, profile=profile)
-    for rule in CHECKS:
-        if rule.look is extent:
-            continue
+    for rule in others:
         checks.append(_look(rule, subject))
         if rule.first and checks[-1].verdict == "refused":
             break

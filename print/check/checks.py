@@ -37,4 +37,4 @@ CHECKS = (
     Rule(name="bed fit", look=bed_fit),
     Rule(name="seat fit", look=seat_fit),
 )
-"""In the order in which they are made and told."""
+"""In the order in which they are made and told; the first is made before anything is mended."""
