@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 from print.part import Seat
@@ -22,7 +22,7 @@ class Fitting:
     """What must be empty."""
     seats: tuple[Seat, ...] = ()
     """What is held, and where."""
-    notes: tuple[str, ...] = field(default=())
+    notes: tuple[str, ...] = ()
     """What a reader should know."""
 
 

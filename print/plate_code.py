@@ -8,9 +8,10 @@ from functools import partial
 from threading import Event
 
 from print.job import Job, Plate
+from print.lay import mesh_of
 from print.mesh import Mesh
 from print.prepare import at_once
-from print.slicer import Code, Slicer, mesh_of
+from print.slicer import Code, Slicer
 
 
 def codes(

@@ -15,8 +15,7 @@ from print.deposit import deposit
 from print.errors import SlicerError
 from print.gcode import lines
 from print.job import Orientation
-from print.lay import back, laid, on_bed, room, slim
-from print.lay import mesh_of as mesh_of
+from print.lay import back, laid, mesh_of, on_bed, room, slim
 from print.mesh import Mesh
 from print.outcome import agree, ended_well, seconds, warnings, whole
 from print.part import Part
