@@ -27,8 +27,8 @@ FALL_S = 1200.0
 def orient(mesh: Mesh, profile: Profile) -> Orientation:
     """Return how a part should lie.
 
-    Every face of the convex hull that it could stand on is tried, and directions spread over the
-    sphere. All are judged by faces alone, the best of them column by column, by the time that
+    As it was given is tried, then the largest faces of its convex hull, and directions spread over
+    the sphere. All are judged by faces alone, the best of them column by column, by the time that
     outlines, layers and support cost.
 
     Raises:
