@@ -20,6 +20,9 @@ FILLED_MM3 = 1.0
 """Most plastic that may stand in a pocket: rounding and facets, no more."""
 ROUNDING_MM = 0.1
 """How much narrower than stated a bore may be anywhere: the chord of a coarse circle."""
+SKIN_MM = 0.05
+"""How far inside a pocket's surface is looked from: pockets are cut out of the part exactly there,
+and one that is promised a little smaller must not have its walls behind it."""
 NEAR_MM = 5.0
 """Within this distance around a pocket or a bore there is something that holds."""
 HELD = 0.05
@@ -69,7 +72,7 @@ def _pocket(mesh: Mesh, pocket: Mesh) -> str:
         return f"is filled by {filled:.3g} mm3 of plastic, {FILLED_MM3:g} mm3 is allowed"
     found = samples(pocket, 200)
     # From a little inside: a pocket that was cut out of the part has its walls where they are.
-    beside = _met(mesh, found.points - ROUNDING_MM * found.normals, found.normals, NEAR_MM)
+    beside = _met(mesh, found.points - SKIN_MM * found.normals, found.normals, NEAR_MM)
     if float(np.isfinite(beside).mean()) < HELD:
         return f"has nothing around it that holds, within {NEAR_MM:g} mm"
     return ""
