@@ -11,12 +11,15 @@ from morph.arrays import Array
 from morph.make.drawing import Drawing
 from morph.make.groups import Group
 from morph.make.names import Names, shared, sided
-from morph.make.pieces import Piece
 from print.errors import PrintError
 from print.mesh import Mesh
 from print.part import Check, Part, Placement, Seat
 from print.printer import Profile
 from print.shell import Shell, shell
+from print.skeleton import Skeleton
+
+TRIES = 4
+"""How many rooms are left out one by one, before all are."""
 
 Hand = Literal["left", "right"]
 
@@ -37,7 +40,7 @@ def made(drawn: Drawing, group: Group, profile: Profile, names: Names) -> Made:
     """Return the parts of a group, its twin's too, or why there are none."""
     name = _name(group)
     try:
-        grown, checks = _solid(group.first, profile, name)
+        grown, checks = _solid(group, profile, name)
     except PrintError as error:
         return Made(parts=(), checks=(_check(names.one(name), "refused", error),))
     notes = tuple(f"{name}: {note}" for note in grown.notes)
@@ -65,18 +68,46 @@ def _name(group: Group) -> str:
     return shared([piece.name for piece in group.pieces])
 
 
-def _solid(piece: Piece, profile: Profile, name: str) -> tuple[Shell, tuple[Check, ...]]:
+def _solid(group: Group, profile: Profile, name: str) -> tuple[Shell, tuple[Check, ...]]:
     """Return a piece's solid; if neighbours leave no room for one, one that is in their way."""
+    piece = group.first
     if isinstance(piece.source, Mesh):
         return Shell(mesh=piece.source, seats=piece.seats, notes=()), ()
+    rooms = (*piece.source.spared, *_others(group))
+    body = replace(piece.source, spared=rooms)
     try:
-        return shell(piece.source, profile), ()
+        return shell(body, profile), ()
     except PrintError as error:
-        if not piece.source.spared:
+        if not rooms:
             raise
         # A part in the way is still a part: the clearance of its joints tells how far they turn.
-        grown = shell(replace(piece.source, spared=()), profile)
-        return grown, (_check(name, "noted", error),)
+        return _in_the_way(body, profile), (_check(name, "noted", error),)
+
+
+def _others(group: Group) -> list[Mesh]:
+    """Return the room that neighbours of its copies and of its twin need, as the first sees it."""
+    twin = group.twin
+    mirror = np.eye(4) if twin is None or twin.mirror is None else twin.mirror
+    members = [*group.members[1:]]
+    members += [(piece, move @ mirror) for piece, move in (twin.members if twin else ())]
+    return [
+        room.moved(np.asarray(np.linalg.inv(move), dtype=np.float64))
+        for piece, move in members
+        if isinstance(piece.source, Skeleton)
+        for room in piece.source.spared
+    ]
+
+
+def _in_the_way(body: Skeleton, profile: Profile) -> Shell:
+    """Return a part without the one room that it cannot leave, or without any."""
+    # The last is what drawn plastic sweeps, which another part may print thinner.
+    for left_out in range(len(body.spared) - 1, max(-1, len(body.spared) - 1 - TRIES), -1):
+        rooms = tuple(room for at, room in enumerate(body.spared) if at != left_out)
+        try:
+            return shell(replace(body, spared=rooms), profile)
+        except PrintError:
+            continue
+    return shell(replace(body, spared=()), profile)
 
 
 def _part(drawn: Drawing, group: Group, mesh: Mesh, seats: tuple[Seat, ...], name: str) -> Part:

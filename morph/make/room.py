@@ -13,9 +13,10 @@ from morph.make.drawing import Drawing
 from morph.make.rigid import roots
 from morph.make.sweep import rough, swept
 from print.fit_pivot import FREE_MM, axle
+from print.joint_sweep import Sweep
 from print.mesh import Mesh, from_manifold
 from print.part import Hinge
-from print.servo import servo
+from print.servo import DISC_MM, case, disc_radius, servo, turning_room
 from print.skeleton import Mount, Skeleton
 from print.solid import box, frame, placed, rod, union
 
@@ -23,7 +24,10 @@ GAP_MM = 0.6
 """Room between what moves and what stays."""
 
 WALL_MM = 3.0
-"""Walls of a servo's pocket with their play: others keep out of these too."""
+"""Walls of a servo's pocket or a tray with their play: others keep out of these too."""
+
+NEAR_MM = 12.0
+"""How far about a part others' sweep still matters: struts may go there."""
 
 
 def spared(
@@ -31,28 +35,25 @@ def spared(
 ) -> dict[str, Skeleton]:
     """Return skeletons with the room that their neighbours need.
 
-    Drawn plastic yields to servos, to their pockets and to the discs on their horns. Of the
-    plastic of two neighbours, that yields which loses less. Only neighbours are looked at.
+    All plastic yields to what is bought and to the discs on horns; drawn plastic yields to pockets
+    and trays too. Of two walls, and of the drawn plastic of two neighbours, that yields which
+    loses less. Only neighbours are looked at, and only as far as what is bought lets them turn.
     """
     fixed = roots(drawing.robot)
     bodies = {name: _Body(drawing, each) for name, each in skeletons.items()}
-    rooms: dict[str, list[Any]] = {name: [] for name in skeletons}
+    rooms: dict[str, list[tuple[int, Any]]] = {name: [] for name in skeletons}
     for hinge in hinges:
         for still in _group(fixed, hinge.still, skeletons):
             for moving in _group(fixed, hinge.moving, skeletons):
                 _yield(hinge, bodies[still], bodies[moving], rooms)
     return {
-        name: replace(each, spared=_meshes(rooms[name], drawing.world(name)))
+        name: replace(each, spared=_meshes(_ranked(rooms[name]), drawing.world(name)))
         for name, each in skeletons.items()
     }
 
 
 def _group(fixed: Mapping[str, str], link: str, skeletons: Mapping[str, Skeleton]) -> list[str]:
     return [each for each in skeletons if fixed[each] == fixed[link]]
-
-
-NEAR_MM = 12.0
-"""How far about a part others' sweep still matters: struts may go there."""
 
 
 class _Body:
@@ -62,13 +63,21 @@ class _Body:
         self.name = skeleton.name
         self.world = drawing.world(skeleton.name)
         self.skeleton = skeleton
+        servos = [servo(mount.servo) for mount in skeleton.servos]
+        held = zip(servos, skeleton.servos, strict=True)
+        self.bought = [self._placed(placed(case(s).manifold, mount.pose)) for s, mount in held]
+        self.bought += [self._placed(mesh.manifold) for mesh in skeleton.boxes]
         self.solids = [self._placed(mesh.manifold) for mesh in skeleton.solids]
         self.blocks = [self._placed(_block(mount, WALL_MM)) for mount in skeleton.servos]
-        self.firm = [self._placed(_block(mount, WALL_MM + GAP_MM)) for mount in skeleton.servos]
         self.discs = [self._placed(_disc(mount)) for mount in skeleton.horns]
-        self.firm += [rough(from_manifold(disc).vertices, GAP_MM) for disc in self.discs]
-        moving = [mesh.moved(self.world) for mesh in (*skeleton.solids, *skeleton.boxes)]
-        self.rough = [rough(mesh.vertices, GAP_MM) for mesh in moving]
+        boxes = [mesh.moved(self.world).vertices for mesh in skeleton.boxes]
+        self.hard = [self._placed(_block(mount, GAP_MM)) for mount in skeleton.servos]
+        self.hard += [rough(corners, GAP_MM) for corners in boxes]
+        self.hard += [self._placed(_turning(mount)) for mount in skeleton.horns]
+        self.walls = [self._placed(_block(mount, WALL_MM + GAP_MM)) for mount in skeleton.servos]
+        self.walls += [rough(corners, WALL_MM + GAP_MM) for corners in boxes]
+        drawn = [mesh.moved(self.world).vertices for mesh in skeleton.solids]
+        self.rough = [rough(corners, GAP_MM) for corners in drawn]
         self.volume = sum(solid.volume() for solid in self.solids)
         everything = union([*self.solids, *self.blocks, *self.discs])
         low, high = np.reshape(everything.bounding_box(), (2, 3))
@@ -78,8 +87,13 @@ class _Body:
         return placed(solid, self.world)
 
     @property
-    def kept(self) -> list[Any]:
-        """What others' plastic never takes: pockets, discs and its own half of each pivot."""
+    def kept(self) -> Any:
+        """What other parts' plastic never takes: discs, and its own half of each pivot."""
+        return union([*self.discs, self.halves])
+
+    @property
+    def halves(self) -> Any:
+        """Its own half of each pivot."""
         halves = []
         for pivot in self.skeleton.pivots:
             radius = axle(pivot.bearing).radius_mm + FREE_MM
@@ -87,26 +101,49 @@ class _Body:
             halves.append(
                 self._placed(placed(half, frame(pivot.position, pivot.side * pivot.axis)))
             )
-        return [*self.blocks, *self.discs, *halves]
+        return union(halves)
 
 
-def _yield(hinge: Hinge, still: _Body, moving: _Body, rooms: dict[str, list[Any]]) -> None:
+def _yield(
+    hinge: Hinge, still: _Body, moving: _Body, rooms: dict[str, list[tuple[int, Any]]]
+) -> None:
     """Add the room that two neighbours need of each other."""
-    kept = {body.name: union(body.kept) for body in (still, moving)}
-    if moving.firm:
-        rooms[still.name].append(swept(moving.firm, hinge, still.near) - kept[still.name])
-    if still.firm:
-        room = swept(still.firm, hinge, moving.near, back=True)
-        rooms[moving.name].append(room - kept[moving.name])
-    if not (still.rough and moving.rough):
-        return
-    to_still = swept(moving.rough, hinge, still.near) - kept[still.name]
-    to_moving = swept(still.rough, hinge, moving.near, back=True) - kept[moving.name]
+    hinge = _limited(hinge, still, moving)
+
+    def room(of: str, on: _Body) -> Any:
+        """Return what solids of a kind sweep of the other of the two, as that one sees it."""
+        other, back = (moving, False) if on is still else (still, True)
+        solids = getattr(other, of)
+        return swept(solids, hinge, on.near, back=back) if solids else union([])
+
+    pockets = {body.name: union(body.blocks) for body in (still, moving)}
+    walls = [(on, room("walls", on) - on.kept) for on in (still, moving)]
+    # Of two walls that want one place, one stays whole.
+    yields = min(walls, key=lambda each: _share(pockets[each[0].name], each[1]))[0]
+    for on, taken in walls:
+        rooms[on.name].append((0, room("hard", on) - on.halves))
+        rooms[on.name].append((1, taken if on is yields else taken - pockets[on.name]))
+    drawn = [(on, room("rough", on) - on.kept - pockets[on.name]) for on in (still, moving)]
     # A finger that loses half of itself is worse off than a palm that loses as much.
-    yields = _lost(still, to_still) <= _lost(moving, to_moving)
-    # What does not yield keeps all that is drawn, but grows no struts where the other moves.
-    rooms[still.name].append(to_still if yields else to_still - union(still.rough))
-    rooms[moving.name].append(to_moving - union(moving.rough) if yields else to_moving)
+    yields = min(drawn, key=lambda each: _lost(each[0], each[1]))[0]
+    for on, taken in drawn:
+        # What does not yield keeps all that is drawn, but grows no struts where the other moves.
+        rooms[on.name].append((2, taken if on is yields else taken - union(on.rough)))
+
+
+def _limited(hinge: Hinge, still: _Body, moving: _Body) -> Hinge:
+    """Return a joint with the range that what is bought leaves it: beyond, room is no use."""
+    sides = [[(body.name, solid) for solid in body.bought] for body in (still, moving)]
+    if not all(sides):
+        return hinge
+    sweep = Sweep(hinge, *sides)
+    ends = sorted(sweep.free_to(end)[0] for end in (hinge.low, hinge.high))
+    return replace(hinge, low=ends[0], high=ends[1])
+
+
+def _share(walls: Any, room: Any) -> float:
+    """Return how much of a part's pockets a room would take, 0 to 1."""
+    return float((walls ^ room).volume()) / max(float(walls.volume()), 1.0)
 
 
 def _lost(body: _Body, room: Any) -> float:
@@ -129,10 +166,18 @@ def _block(mount: Mount, grow: float) -> Any:
 def _disc(mount: Mount) -> Any:
     """Return the room of the disc that is screwed to a horn."""
     which = servo(mount.servo)
-    from print.servo import DISC_MM, disc_radius
-
     top = which.horn.top_mm
     return placed(rod(disc_radius(which), top - 1.0, top + DISC_MM), mount.pose)
+
+
+def _turning(mount: Mount) -> Any:
+    """Return where that disc turns, from the face of what is under it."""
+    return placed(turning_room(servo(mount.servo)), mount.pose)
+
+
+def _ranked(rooms: Sequence[tuple[int, Any]]) -> list[Any]:
+    """Return rooms, those first that matter most."""
+    return [room for _, room in sorted(rooms, key=lambda each: each[0])]
 
 
 def _meshes(rooms: Sequence[Any], world: Array) -> tuple[Mesh, ...]:
