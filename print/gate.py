@@ -9,7 +9,7 @@ from print.check.subject import Subject
 from print.errors import PrintError
 from print.part import Check, Part
 from print.printer import Profile
-from print.repair import repaired
+from print.repair import Repair, repaired
 
 
 def check_part(part: Part, profile: Profile) -> tuple[Part, tuple[Check, ...]]:
@@ -36,12 +36,11 @@ def check_part(part: Part, profile: Profile) -> tuple[Part, tuple[Check, ...]]:
     except FOREIGN as error:
         return part, (sized, _refused(part, "repair", f"it cannot be mended: {error}", ODD))
     mended = replace(part, mesh=found.mesh)
-    done = "; ".join(found.steps)
     repair = Check(
         part=part.name,
         name="repair",
         verdict="noted" if set(found.steps) - HARMLESS else "passed",
-        what=f"{done}; moved by {found.distance_mm:.2g} mm at most" if done else "nothing to mend",
+        what=_told(found),
         value=found.distance_mm,
     )
     checks = [sized, repair]
@@ -51,6 +50,16 @@ def check_part(part: Part, profile: Profile) -> tuple[Part, tuple[Check, ...]]:
         if rule.first and checks[-1].verdict == "refused":
             break
     return mended, tuple(checks)
+
+
+def _told(found: Repair) -> str:
+    """Return what was mended, and how far the part is now from what was given."""
+    if not found.steps:
+        return "nothing to mend"
+    far = f"its surface moved by {found.distance_mm:.2g} mm at most"
+    if found.volume_change is not None:
+        far += f", its volume changed by {100 * found.volume_change:.2g} %"
+    return f"{'; '.join(found.steps)}; {far}"
 
 
 HARMLESS = frozenset({"merged coinciding corners"})

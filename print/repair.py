@@ -40,9 +40,9 @@ def repaired(mesh: Mesh, *, where: str) -> Repair:
 
     In this order, until manifold3d takes it: coinciding corners become one, and those of open
     edges beside each other; double and degenerate faces go, faces are wound alike, flat holes are
-    filled. That a
-    mesh is closed afterwards proves nothing, so each repair is held against the mesh that was
-    given: by `VOLUME` and `DISTANCE_MM`. Shells that overlap a little are joined by the same rule.
+    filled. That a mesh is closed afterwards proves nothing, so each repair is held against the
+    mesh that was given: by `VOLUME` and `DISTANCE_MM`. Shells that overlap a little are joined
+    by the same rule.
 
     Args:
         mesh: What was given, mm.

@@ -47,6 +47,7 @@ def test_a_part_that_was_mended_comes_back_mended_and_told() -> None:
     assert found.mesh.volume == pytest.approx(8000.0)
     assert verdicts(checks, "noted") == ["repair"]
     assert "turned inside out" in checks[1].what
+    assert "its volume changed by 0 %" in checks[1].what
 
 
 def test_what_every_stl_needs_is_no_note() -> None:
