@@ -21,8 +21,6 @@ class Screw:
     """Diameter of a hole in plastic that it cuts its thread into."""
     head_mm: float
     """Diameter of its head."""
-    head_height_mm: float
-    """Height of its head."""
 
 
 SCREWS = (
@@ -30,15 +28,15 @@ SCREWS = (
     # pitch (ISO 261: 0.4, 0.45, 0.5, 0.7, 0.8, 1.25 mm), as printed holes come out narrower.
     # Heads: cap screws, ISO 4762. ISO 273 from kapycad.com/en/learn/standards/metric-fasteners
     # (M3 to M5); the others and the heads from memory, not checked.
-    Screw(name="M2", thread_mm=2.0, clear_mm=2.4, tap_mm=1.7, head_mm=3.8, head_height_mm=2.0),
-    Screw(name="M2.5", thread_mm=2.5, clear_mm=2.9, tap_mm=2.1, head_mm=4.5, head_height_mm=2.5),
-    Screw(name="M3", thread_mm=3.0, clear_mm=3.4, tap_mm=2.6, head_mm=5.5, head_height_mm=3.0),
-    Screw(name="M4", thread_mm=4.0, clear_mm=4.5, tap_mm=3.4, head_mm=7.0, head_height_mm=4.0),
-    Screw(name="M5", thread_mm=5.0, clear_mm=5.5, tap_mm=4.3, head_mm=8.5, head_height_mm=5.0),
-    Screw(name="M8", thread_mm=8.0, clear_mm=9.0, tap_mm=7.0, head_mm=13.0, head_height_mm=8.0),
+    Screw(name="M2", thread_mm=2.0, clear_mm=2.4, tap_mm=1.7, head_mm=3.8),
+    Screw(name="M2.5", thread_mm=2.5, clear_mm=2.9, tap_mm=2.1, head_mm=4.5),
+    Screw(name="M3", thread_mm=3.0, clear_mm=3.4, tap_mm=2.6, head_mm=5.5),
+    Screw(name="M4", thread_mm=4.0, clear_mm=4.5, tap_mm=3.4, head_mm=7.0),
+    Screw(name="M5", thread_mm=5.0, clear_mm=5.5, tap_mm=4.3, head_mm=8.5),
+    Screw(name="M8", thread_mm=8.0, clear_mm=9.0, tap_mm=7.0, head_mm=13.0),
     # Not a screw: the rivet of ROBOTIS' OLLO series, which sits in a hole of 4 mm
     # (jgrizou/robotis-scad at 4c391d3, ollo/ollo_def.scad).
-    Screw(name="OLLO", thread_mm=4.0, clear_mm=4.2, tap_mm=4.0, head_mm=6.0, head_height_mm=1.5),
+    Screw(name="OLLO", thread_mm=4.0, clear_mm=4.2, tap_mm=4.0, head_mm=6.0),
 )
 """Every screw known by name."""
 
