@@ -61,7 +61,7 @@ def on_bed(meshes: Mapping[str, Mesh], profile: Profile) -> None:
             )
 
 
-def room(meshes: Mapping[str, Mesh], profile: Profile) -> float:
+def edge_room(meshes: Mapping[str, Mesh], profile: Profile) -> float:
     """Return the least distance from what is printed to an edge of the bed, mm."""
     low = np.min([mesh.bounds[0] for mesh in meshes.values()], axis=0)
     high = np.max([mesh.bounds[1] for mesh in meshes.values()], axis=0)

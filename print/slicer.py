@@ -15,7 +15,7 @@ from print.deposit import deposit
 from print.errors import SlicerError
 from print.gcode import lines
 from print.job import Orientation
-from print.lay import back, laid, mesh_of, on_bed, room, slim
+from print.lay import back, edge_room, laid, mesh_of, on_bed, slim
 from print.mesh import Mesh
 from print.outcome import agree, ended_well, seconds, warnings, whole
 from print.part import Part
@@ -112,7 +112,7 @@ class Slicer:
         timeout_s: float,
         where: str,
     ) -> Code:
-        skirt = room(meshes, profile) > SKIRT_MM + brim + 2.0 * profile.line_mm
+        skirt = edge_room(meshes, profile) > SKIRT_MM + brim + 2.0 * profile.line_mm
         config, output = folder / "profile.ini", folder / "out.gcode"
         config.write_text(settings(profile, brim_mm=brim, skirt=skirt))
         inputs = [folder / f"{name}.stl" for name in meshes]
