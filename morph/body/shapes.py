@@ -20,7 +20,10 @@ MOST_FACES = 100_000
 """Most faces of a mesh that is handed on; MuJoCo's reader of STL refuses more than 200 000."""
 
 MOST_TOGETHER, COARSE = 1_500_000, 500
-"""Most faces of all shapes together, and of each further mesh once there are so many."""
+"""Most faces of all meshes together, and of each further mesh once there are so many."""
+
+MOST_DRAWN = 4 * MOST_TOGETHER
+"""Most faces of all shapes, a mesh counted as often as it is drawn: MuJoCo holds it once."""
 
 
 def read_shapes(draft: Draft, files: Files) -> tuple[Draft, list[Finding]]:
@@ -43,7 +46,8 @@ class _Reader:
         self.read: dict[Path, Mesh | MeshError] = {}
         self.thin: set[Path] = set()
         self.coarse: dict[Path, Mesh] = {}
-        self.bytes = self.faces = 0
+        self.counted: set[int] = set()
+        self.bytes = self.faces = self.drawn = 0
         self.told: set[tuple[str, str, str]] = set()
 
     def link(self, link: DraftLink) -> DraftLink:
@@ -73,7 +77,7 @@ class _Reader:
                 content.fix,
             )
             return replace(shape, path=found.path)
-        if self.faces + len(content.faces) > MOST_TOGETHER and len(content.faces) > COARSE:
+        if self.too_many(content) and len(content.faces) > COARSE:
             content = self.coarsened(found.path, content)
             what = f"the shapes up to {found.path.name} have more than {MOST_TOGETHER} faces"
             self.tell(
@@ -88,8 +92,17 @@ class _Reader:
                 f"it was thinned to {len(content.faces)}",
                 "export it coarser",
             )
-        self.faces += len(content.faces)
+        self.drawn += len(content.faces)
+        # A mesh lives as long as the reader, so that no other has its identity.
+        if id(content) not in self.counted:
+            self.counted.add(id(content))
+            self.faces += len(content.faces)
         return replace(shape, path=found.path, mesh=content)
+
+    def too_many(self, mesh: Mesh) -> bool:
+        """Return whether a further shape of this mesh is too much beside all that were read."""
+        more = 0 if id(mesh) in self.counted else len(mesh.faces)
+        return self.faces + more > MOST_TOGETHER or self.drawn + len(mesh.faces) > MOST_DRAWN
 
     def coarsened(self, path: Path, mesh: Mesh) -> Mesh:
         if path not in self.coarse:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -126,6 +127,26 @@ def test_shapes_of_too_many_faces_together_are_thinned_from_there_on(
     faces = spec_of(reading.robot).compile().mesh_facenum
     assert sorted(faces.tolist())[1:] == [1280, 1280]
     assert 0 < min(faces) <= 500
+
+
+def test_a_mesh_that_is_drawn_often_counts_once(
+    bench: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # 1280 faces, drawn three times, are within 3000: one mesh. Four times more is too much to draw.
+    monkeypatch.setattr("morph.body.shapes.MOST_TOGETHER", 3000)
+    monkeypatch.setattr("morph.body.shapes.MOST_DRAWN", 4 * 1280)
+    ball = stl(trimesh.creation.icosphere(subdivisions=3, radius=0.1))
+
+    def chain(links: str) -> Any:
+        pairs = pairwise(links)
+        return bench.read(
+            *(bench.link(name, bench.mesh(CUBE)) for name in links),
+            *(bench.joint(one + two, one, two, xyz="0 0 0.3") for one, two in pairs),
+            files={CUBE: ball},
+        )
+
+    assert not any(finding.code == "mesh-too-large" for finding in chain("abc").findings)
+    assert chain("abcde").stands("mesh-too-large", "repaired", "link", "e")
 
 
 def test_other_capitals_are_told_and_the_file_is_taken(bench: Any) -> None:
