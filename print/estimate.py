@@ -17,8 +17,8 @@ from print.lay import back, laid, mesh_of
 from print.part import Part
 from print.printer import Profile
 from print.sections import Section, inset, moments, sections
-from print.shells import shells
 from print.sliced import Sliced
+from print.solid_layers import shells
 from print.support import support_mm3
 from print.weight import MM, Weight
 
