@@ -11,7 +11,7 @@ from morph.arrays import Array
 from morph.model.crossvalidate import MATERIAL, gain, probabilities, validated
 from morph.model.fit import Fit, fit
 from morph.model.hypothesis import Hypothesis
-from morph.model.screen import Suspect, suspects
+from morph.model.screen import Suspect, screened, suspects
 from morph.model.search import Contender, Search
 from morph.model.trial import try_all
 from morph.physics import EFFECTS
@@ -53,7 +53,7 @@ def standings(search: Search, best: Contender, seed: int) -> tuple[Contender, li
         best, without = _needed(search, best)
         kept: list[Standing] = []
         better: Contender | None = None
-        for index, absent in enumerate(without):
+        for index, absent in without.items():
             if search.out_of_time():
                 break
             label = best.fit.hypothesis.effects[index].label
@@ -68,18 +68,28 @@ def standings(search: Search, best: Contender, seed: int) -> tuple[Contender, li
         best, swaps = better, swaps + 1
 
 
-def _needed(search: Search, best: Contender) -> tuple[Contender, list[Contender]]:
-    """Return the model without needless findings, and that model without each of its own."""
+def _needed(search: Search, best: Contender) -> tuple[Contender, dict[int, Contender]]:
+    """Return the model without needless findings, and that model without each of its own.
+
+    Links that were found to be off together were each asked beside the others already.
+    """
     search.progress("taking each finding out in turn", 0.78)
-    without: list[Contender] = []
-    while len(without) < len(best.fit.hypothesis.effects) and not search.out_of_time():
-        absent = _without(search, best.fit, len(without))
+    without: dict[int, Contender] = {}
+    while not search.out_of_time():
+        left = [
+            index
+            for index, effect in enumerate(best.fit.hypothesis.effects)
+            if index not in without and effect.label not in search.grouped
+        ]
+        if not left:
+            break
+        absent = _without(search, best.fit, left[0])
         worth = gain(absent.losses, best.losses, max(search.tries, 1))
         needless = not (worth.sure and worth.mean >= MATERIAL)
         if needless and len(best.fit.hypothesis.effects) > 1:
-            best, without = absent, []
+            best, without = absent, {}
         else:
-            without.append(absent)
+            without[left[0]] = absent
     return best, without
 
 
@@ -96,7 +106,8 @@ def _better(search: Search, best: Contender, stand: Standing) -> Contender | Non
 def _without(search: Search, found: Fit, index: int) -> Contender:
     effects = found.hypothesis.effects_at(found.point)
     fewer = replace(found.hypothesis, effects=effects[:index] + effects[index + 1 :])
-    return _fitted(search, found, fewer, 3, found.cost)
+    # What all links weigh can stand for a motor's strength, far along a valley.
+    return _fitted(search, found, fewer, 10 if search.grouped else 3, found.cost)
 
 
 def _fitted(
@@ -137,7 +148,7 @@ def _stand(search: Search, best: Contender, without: Contender, index: int, seed
 
 def _rivals(search: Search, without: Fit, effect: Effect) -> list[Effect]:
     """Return the best other effects in a finding's place, its twins at its part first."""
-    listed = suspects(without.hypothesis, without.point, search.episodes)
+    listed = suspects(screened(without.hypothesis, without.point, search.episodes))
     tried = try_all(without, search.segments, _of_interest(listed, effect))
     others = [t.effect for t in tried if t.effect.label != effect.label]
     twins = [o for o in others if o.where == effect.where and o.name in related(effect)]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from morph.model.conclude import Standing, experiment
 from morph.model.diagnosis import Estimate, Finding, Rival
 from morph.model.evidence import Evidence
 from morph.model.fit import Fit
+from morph.model.together import instead
 from morph.physics.effect import SLIDING, Effect
 
 
@@ -21,8 +22,10 @@ def findings(e: Evidence) -> tuple[Finding, ...]:
     low, high = found.intervals()
     at = len(found.hypothesis.knobs)
     listed = []
-    for index, effect in enumerate(effects):
-        stand = e.stands[index] if index < len(e.stands) else None
+    by_label = {stand.effect.label: stand for stand in e.stands}
+    beside = _of_links(e)
+    for effect in effects:
+        stand = by_label.get(effect.label)
         estimates = {}
         slide = _on_slide(e, effect)
         for known in effect.free():
@@ -33,8 +36,22 @@ def findings(e: Evidence) -> tuple[Finding, ...]:
                 unit=SLIDING.get(known.unit, known.unit) if slide else known.unit,
             )
             at += 1
-        listed.append(_finding(e, effect, estimates, stand))
+        listed.append(_finding(e, effect, estimates, stand, beside.get(effect.label, ())))
     return tuple(sorted(listed, key=lambda finding: -finding.gain))
+
+
+def _of_links(e: Evidence) -> dict[str, list[Rival]]:
+    """Return what could be said instead of each link that was found off together with others."""
+    if not e.search.grouped:
+        return {}
+    found = instead(e.searched[1].fit, e.search.segments, e.search.grouped)
+    return {
+        label: [
+            Rival(effect=other.name, kind=other.kind, where=other.where, probability=chance)
+            for other, chance in others
+        ]
+        for label, others in found.items()
+    }
 
 
 def _on_slide(e: Evidence, effect: Effect) -> bool:
@@ -43,9 +60,13 @@ def _on_slide(e: Evidence, effect: Effect) -> bool:
 
 
 def _finding(
-    e: Evidence, effect: Effect, estimates: Mapping[str, Estimate], stand: Standing | None
+    e: Evidence,
+    effect: Effect,
+    estimates: Mapping[str, Estimate],
+    stand: Standing | None,
+    beside: Sequence[Rival],
 ) -> Finding:
-    rivals: list[Rival] = []
+    rivals = list(beside)
     episodes: tuple[str, ...] = tuple(episode.name for episode in e.train)
     share, chance = 0.0, _by_rounds(e, effect)
     if stand is not None:
@@ -119,7 +140,11 @@ def chances(e: Evidence, verdict: str) -> dict[str, float]:
 def _by_rounds(e: Evidence, effect: Effect) -> float:
     """Return how often a finding beat the model before it; 0 if no round says."""
     for asked in e.search.rounds:
-        if asked.accepted and asked.finalists[0].fit.hypothesis.effects[-1].label == effect.label:
+        if not asked.accepted:
+            continue
+        had = asked.before.fit.hypothesis.effects
+        new = asked.finalists[0].fit.hypothesis.effects[len(had) :]
+        if effect.label in {each.label for each in new}:
             return float(np.mean(_drawn(e, asked.before.losses, asked.finalists[0].losses)))
     return 0.0
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -74,13 +74,12 @@ class Room:
 
 
 def room(hypothesis: Hypothesis, point: Array) -> Room:
-    """Return a hypothesis' room: knobs are drawn to the description, effects to nowhere."""
-    known = len(hypothesis.knobs)
+    """Return a hypothesis' room: knobs are drawn to the description, most effects to nowhere."""
     return Room(
         low=hypothesis.low,
         high=hypothesis.high,
         trust=hypothesis.trust,
-        centre=np.concatenate([np.zeros(known), point[known:]]),
+        centre=np.where(np.isnan(hypothesis.likely), point, hypothesis.likely),
     )
 
 
@@ -115,11 +114,18 @@ class Fit:
         The sandwich estimate (White 1980, Econometrica 48(4), eq. 3) holds also where
         errors within a segment are correlated and the model is not exactly right.
         """
-        bread = np.linalg.pinv(self.quadratic.hessian.sum(axis=0) + np.diag(self.hypothesis.trust))
+        low, high = self.hypothesis.low, self.hypothesis.high
+        free = low < high
+        whole = self.quadratic.hessian.sum(axis=0) + np.diag(self.hypothesis.trust)
+        bread = np.zeros_like(whole)
+        bread[np.ix_(free, free)] = np.linalg.pinv(whole[np.ix_(free, free)])
         pull = self.quadratic.slope - self.quadratic.slope.mean(axis=0)
         meat = pull.T @ pull * len(pull) / max(len(pull) - 1, 1)
+        # Where no segment says anything, what was known of an effect beforehand is all there is.
+        known = len(self.hypothesis.knobs)
+        told = ~np.isnan(self.hypothesis.likely) & (np.arange(len(self.point)) >= known)
+        meat += np.diag(np.where(told, self.hypothesis.trust, 0.0))
         width = 1.645 * np.sqrt(np.clip(np.diag(bread @ meat @ bread), 0.0, None))
-        low, high = self.hypothesis.low, self.hypothesis.high
         return np.clip(self.point - width, low, high), np.clip(self.point + width, low, high)
 
 
@@ -149,7 +155,8 @@ def fit(
         beaten_by: A cost already reached elsewhere; a fit that is far from it after two
             steps is left where it is.
     """
-    point = hypothesis.start if point is None else point.copy()
+    point = hypothesis.start if point is None else point
+    point = np.clip(point, hypothesis.low, hypothesis.high)
     start = segments.start if start is None else start
     space = room(hypothesis, point)
     around = sensitivity(hypothesis, segments, point, start, scale)
@@ -184,6 +191,13 @@ def fit(
         quadratic=quadratic(segments, around, weight),
         weight=weight,
     )
+
+
+def rescaled(found: Fit, segments: Segments, scale: Array, weight: Array) -> Fit:
+    """Return a fit as it stands, its errors in other units; nothing is simulated."""
+    around = found.around.in_units(found.scale / scale)
+    curve = quadratic(segments, around, weight)
+    return replace(found, scale=scale, weight=weight, around=around, quadratic=curve)
 
 
 def measure(segments: Segments, predicted: Array) -> tuple[Array, Array]:

@@ -85,25 +85,43 @@ class Hypothesis:
     @cached_property
     def low(self) -> Array:
         """The least value of each entry."""
-        return np.array([k.bounds[0] for k in self.knobs] + [k.low for _, k in self._slots])
+        return np.array([self._bounds(k)[0] for k in self.knobs] + [k.low for _, k in self._slots])
 
     @cached_property
     def high(self) -> Array:
         """The greatest value of each entry."""
-        return np.array([k.bounds[1] for k in self.knobs] + [k.high for _, k in self._slots])
+        return np.array([self._bounds(k)[1] for k in self.knobs] + [k.high for _, k in self._slots])
+
+    def _bounds(self, knob: Knob) -> tuple[float, float]:
+        # What an effect says of a link, its own figure need not say too: the two together
+        # would be one number told twice.
+        said = any(knob.part == e.where and knob.kind in e.stands_for for e in self.effects)
+        return (0.0, 0.0) if said else knob.bounds
 
     @cached_property
     def trust(self) -> Array:
         """One over the variance that each entry has before any data, about its nominal."""
         of_knobs = [1.0 / knob.fraction**2 for knob in self.knobs]
         # The effects' own bounds are wide: as good as no prior, yet never singular.
-        return np.array(of_knobs + [1.0 / (k.high - k.low) ** 2 for _, k in self._slots])
+        widths = [k.spread or k.high - k.low for _, k in self._slots]
+        return np.array(of_knobs + [1.0 / width**2 for width in widths])
+
+    @cached_property
+    def likely(self) -> Array:
+        """What is known beforehand: each entry's likeliest value, NaN where all are alike."""
+        of_effects = [
+            k.neutral if k.spread and k.neutral is not None else np.nan for _, k in self._slots
+        ]
+        return np.array([0.0] * len(self.knobs) + of_effects)
 
     def nudge(self, point: Array) -> Array:
         """Return the step of a finite difference at a point, one for each entry."""
         knobs = np.full(len(self.knobs), 1e-3)
         widths = np.array([k.high - k.low for _, k in self._slots])
-        step = np.concatenate([knobs, 0.02 * np.abs(point[len(knobs) :]) + 1e-5 * widths])
+        wide = 0.02 * np.abs(point[len(knobs) :]) + 1e-5 * widths
+        # Of what links weigh only sums show: a coarse step would seem to tell them apart.
+        fine = np.array([1e-3 * (k.spread or 0.0) for _, k in self._slots])
+        step = np.concatenate([knobs, np.where(fine > 0.0, fine, wide)])
         return np.where(point + step > self.high, -step, step)
 
     def effects_at(self, point: Array) -> tuple[Effect, ...]:

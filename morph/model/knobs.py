@@ -157,6 +157,8 @@ def that_matter(robot: Robot, found: list[Knob]) -> list[Knob]:
     def forces(model: Any) -> np.ndarray[Any, Any]:
         data, rows = mujoco.MjData(model), []
         model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONSTRAINT.value
+        # At its limit a servo hides what its gain changes.
+        model.actuator_forcelimited[:] = False
         for position in positions:
             data.qpos[:], data.qvel[:], data.qacc[:] = position, 1.0, 1.0
             data.ctrl[:] = 0.5

@@ -60,7 +60,7 @@ def locate(
 
 
 def _states(hypothesis: Hypothesis, point: Array, episodes: Sequence[Episode]) -> str:
-    parts = all_needed(hypothesis, point, episodes)
+    parts = all_needed(hypothesis, point, episodes, suspects=False)
     missing = np.concatenate([part.missing for part in parts])
     position = np.concatenate([part.motion.position for part in parts])
     velocity = np.concatenate([part.motion.velocity for part in parts])

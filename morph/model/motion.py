@@ -13,7 +13,7 @@ from morph.arrays import Array
 from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis
 from morph.physics import EFFECTS
-from morph.physics.body_motion import BodyMotion, body_motions
+from morph.physics.body_motion import body_motions
 from morph.physics.fluid.kernel import flowing
 from morph.physics.motion import Motion
 from morph.sim.drive import received, unsensed
@@ -53,8 +53,17 @@ def low_pass(values: Array, time: Array, cutoff: float) -> Array:
     return np.asarray(sosfiltfilt(sections, values, axis=0, padlen=min(15, len(time) - 1)))
 
 
-def needed(hypothesis: Hypothesis, point: Array, episode: Episode) -> Needed:
-    """Return an episode's motion and the force missing from the model at a point."""
+def needed(
+    hypothesis: Hypothesis, point: Array, episode: Episode, *, suspects: bool = True
+) -> Needed:
+    """Return an episode's motion and the force missing from the model at a point.
+
+    Args:
+        hypothesis: The robot and effects.
+        point: Where.
+        episode: What to look at.
+        suspects: Whether to tell how links move on which only suspects would act.
+    """
     effects = hypothesis.effects_at(point)
     # What acts step by step is told by its regressor, whole, not by its edit.
     stepped = [effect for effect in effects if effect.stepped]
@@ -87,7 +96,10 @@ def needed(hypothesis: Hypothesis, point: Array, episode: Episode) -> Needed:
     )
     velocity = episode.velocity[::stride]
     acceleration = episode.acceleration[::stride]
-    motion, missing = _forces(hypothesis, variant, time, position, velocity, acceleration, command)
+    links = _links(hypothesis, suspects)
+    motion, missing = _forces(
+        hypothesis, variant, time, position, velocity, acceleration, command, links
+    )
     found = Needed(episode=episode, time=time, motion=motion, missing=missing)
     smooth_drive = found.smooth(motion.drive)
     missing = missing - (smooth_drive - motion.drive).sum(axis=1)
@@ -134,6 +146,7 @@ def _forces(
     velocity: Array,
     acceleration: Array,
     command: Array,
+    links: list[str],
 ) -> tuple[Motion, Array]:
     model = variant.model
     data = mujoco.MjData(model)
@@ -180,23 +193,18 @@ def _forces(
         stiffness=stiff,
         joints=joints,
         actuators={a.name: i for i, a in enumerate(hypothesis.robot.actuators)},
-        bodies=_bodies(hypothesis, model, position, velocity, acceleration),
+        bodies=body_motions(model, links, position, velocity, acceleration) if links else {},
     )
     return motion, need
 
 
-def _bodies(
-    hypothesis: Hypothesis, model: mujoco.MjModel, q: Array, v: Array, a: Array
-) -> dict[str, BodyMotion]:
-    """Return how the links move on which some effect may act."""
-    names = {
-        place
-        for kind in EFFECTS
-        if kind.kind == "body"
-        for place in kind.suspects(hypothesis.robot)
-    }
-    names |= {effect.where for effect in hypothesis.effects if effect.kind == "body"}
-    return body_motions(model, sorted(names), q, v, a) if names else {}
+def _links(hypothesis: Hypothesis, suspects: bool) -> list[str]:
+    """Return the links on which some effect acts or, among suspects, may act."""
+    names = {effect.where for effect in hypothesis.effects if effect.kind == "body"}
+    if suspects:
+        bodies = [kind for kind in EFFECTS if kind.kind == "body"]
+        names |= {place for kind in bodies for place in kind.suspects(hypothesis.robot)}
+    return sorted(names)
 
 
 def _moments(model: mujoco.MjModel) -> Array:
@@ -209,7 +217,7 @@ def _moments(model: mujoco.MjModel) -> Array:
 
 
 def all_needed(
-    hypothesis: Hypothesis, point: Array, episodes: Sequence[Episode]
+    hypothesis: Hypothesis, point: Array, episodes: Sequence[Episode], *, suspects: bool = True
 ) -> tuple[Needed, ...]:
     """Return `needed` of every episode."""
-    return tuple(needed(hypothesis, point, episode) for episode in episodes)
+    return tuple(needed(hypothesis, point, each, suspects=suspects) for each in episodes)

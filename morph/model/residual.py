@@ -91,7 +91,7 @@ def learned(
     hypothesis: Hypothesis, point: Array, episodes: Sequence[Episode], seed: int
 ) -> LearnedResidual:
     """Return the residual that explains what a fitted model leaves on its training episodes."""
-    parts = all_needed(hypothesis, point, episodes)
+    parts = all_needed(hypothesis, point, episodes, suspects=False)
     state = np.concatenate(
         [np.concatenate([p.motion.position, p.motion.velocity], axis=1) for p in parts]
     )

@@ -28,9 +28,51 @@ class Suspect:
     """Share of the missing force's square that it explains beyond the robot's own figures."""
 
 
-def suspects(
-    hypothesis: Hypothesis, point: Array, episodes: Sequence[Episode]
-) -> tuple[Suspect, ...]:
+@dataclass(frozen=True, kw_only=True)
+class Screen:
+    """Recorded motion as forces, and what of them is missing from a fitted model."""
+
+    hypothesis: Hypothesis
+    """The model."""
+    parts: Sequence[Needed]
+    """The motion, an episode each."""
+    weights: Sequence[Array]
+    """Of each sample and degree of freedom, (samples, dofs) an episode."""
+    target: Array
+    """The missing force in units of its size, shape (rows,)."""
+    own: Array
+    """What each entry of the hypothesis would explain, shape (rows, entries)."""
+    price: Array
+    """What trust in each entry costs in units of the rows' squares, shape (entries,)."""
+    independent: float
+    """How many of the samples of one degree of freedom are independent."""
+
+    def columns(self, effect: Effect) -> Array:
+        """Return an effect's regressor as columns, shape (rows, strengths)."""
+        raw = [part.smooth(effect.regressor(part.motion)) for part in self.parts]
+        return _stack(raw, self.weights)
+
+
+def screened(hypothesis: Hypothesis, point: Array, episodes: Sequence[Episode]) -> Screen:
+    """Return the forces along recordings that a model at a point cannot account for."""
+    parts = all_needed(hypothesis, point, episodes)
+    weights = _weights(parts)
+    own = _own_columns(hypothesis, point, episodes, parts, weights)
+    target = _stack([part.missing for part in parts], weights)
+    # The trust in the description, in units of the samples that are independent.
+    independent = max(_independent(parts), 1.0)
+    return Screen(
+        hypothesis=hypothesis,
+        parts=parts,
+        weights=weights,
+        target=target,
+        own=own,
+        price=hypothesis.trust[: own.shape[1]] * len(target) / independent,
+        independent=independent,
+    )
+
+
+def suspects(screen: Screen) -> tuple[Suspect, ...]:
     """Return every effect at every place, the one that explains most first.
 
     The force missing from the model along the recording is projected off what a
@@ -39,25 +81,20 @@ def suspects(
 
     Source: Swevers, Verdonck and De Schutter 2007, eq. 7, with both sides smoothed alike.
     """
-    parts = all_needed(hypothesis, point, episodes)
-    weights = _weights(parts)
-    target = _stack([part.missing for part in parts], weights)
-    forces = float(np.sqrt(np.mean(_stack([_at_work(part) for part in parts], weights) ** 2)))
-    own = _own_columns(hypothesis, point, episodes, parts, weights)
-    # The trust in the description, in units of the samples that are independent.
-    independent = _independent(parts)
-    price = hypothesis.trust[: own.shape[1]] * len(target) / max(independent, 1.0)
-    inner = own.T @ own + np.diag(price + 1e-12)
+    at_work = [_at_work(part) for part in screen.parts]
+    forces = float(np.sqrt(np.mean(_stack(at_work, screen.weights) ** 2)))
+    own = screen.own
+    inner = own.T @ own + np.diag(screen.price + 1e-12)
 
     def off_own(columns: Array) -> Array:
         return columns - own @ np.linalg.solve(inner, own.T @ columns)
 
-    rest = off_own(target)
+    rest = off_own(screen.target)
     found = []
-    for effect in _all(hypothesis):
+    for effect in _all(screen.hypothesis):
         best: Suspect | None = None
         for shaped in _shapes(effect):
-            raw = _stack([part.smooth(shaped.regressor(part.motion)) for part in parts], weights)
+            raw = screen.columns(shaped)
             suspect = _fitted(shaped, off_own(raw), rest, _sizes(raw, forces))
             if best is None or suspect.gain > best.gain:
                 best = suspect
@@ -149,9 +186,10 @@ def _own_columns(
     for entry in range(hypothesis.size):
         moved = point.copy()
         moved[entry] += nudge[entry]
+        after_it = all_needed(hypothesis, moved, episodes, suspects=False)
         change = [
             (before.missing - after.missing) / nudge[entry]
-            for before, after in zip(parts, all_needed(hypothesis, moved, episodes), strict=True)
+            for before, after in zip(parts, after_it, strict=True)
         ]
         columns.append(_stack(change, weights))
     return np.stack(columns, axis=1) if columns else np.zeros((0, 0))

@@ -12,11 +12,12 @@ import numpy as np
 from morph.arrays import Array, Integers
 from morph.model.crossvalidate import MATERIAL, Gain, folds, gain, validated
 from morph.model.episodes import Episode
-from morph.model.fit import Fit, fit, measure
+from morph.model.fit import Fit, fit, measure, rescaled
 from morph.model.hypothesis import Hypothesis
-from morph.model.screen import Suspect, suspects
+from morph.model.screen import Suspect, screened, suspects
 from morph.model.segments import Segments
 from morph.model.shooting import predict
+from morph.model.together import Together, together
 from morph.model.trial import Tried, try_all
 from morph.physics.effect import Effect
 
@@ -24,6 +25,8 @@ FINALISTS = 3
 """Suspects that are fitted in full each round."""
 SCREENED = 20
 """Suspects that screening passes on to rollouts each round."""
+ROUGHLY = 1.5
+"""How far a cost to first order may be off where much is to change."""
 MOST_FINDINGS = 2
 """Findings a joint, and no fewer than six in all: what lacks more lacks a model."""
 AT_NOISE = 1.1
@@ -72,6 +75,8 @@ class Search:
     deadline: float
     rounds: list[Round] = field(default_factory=list)
     looked_at: set[str] = field(default_factory=set)
+    grouped: set[str] = field(default_factory=set)
+    """Effects on links that were found together: each was asked beside all others."""
 
     @property
     def tries(self) -> int:
@@ -114,11 +119,14 @@ class Search:
         found = best.fit
         known = len(found.hypothesis.effects)
         self.progress(f"looking for what is missing (round {known + 1})", 0.75 - 0.55 * 0.8**known)
-        listed = suspects(found.hypothesis, found.point, self.episodes)
+        listed = suspects(screened(found.hypothesis, found.point, self.episodes))
         self.looked_at |= {suspect.effect.label for suspect in listed}
         tried = try_all(found, self.segments, _shortlist(listed))
+        links = together(found, self.segments)
+        if links is not None and tried and links.cost > ROUGHLY * tried[0].cost:
+            links = None
         finalists: list[Contender] = []
-        for candidate in _with_simpler(tried):
+        for candidate in _with_simpler(tried) if links is None else tried[:1]:
             if self.out_of_time():
                 break
             least = min((c.fit.cost for c in finalists), default=math.inf)
@@ -127,9 +135,15 @@ class Search:
         finalists = _simplest_first(finalists, self.tries)
         if not finalists:
             return Round(before=best, finalists=(), gain=None, accepted=False)
+        if links is not None and not self.out_of_time():
+            whole = self._fit_links(found, links)
+            if self._beats(whole, finalists[0]):
+                finalists = [whole, *finalists]
         won = gain(best.losses, finalists[0].losses, self.tries)
-        felt = _felt(finalists[0].fit)
+        new = [effect.label for effect in finalists[0].fit.hypothesis.effects[known:]]
+        felt = _felt(finalists[0].fit, len(new))
         accepted = won.sure and won.mean >= MATERIAL and felt
+        self.grouped |= set(new) if accepted and len(new) > 1 else set()
         return Round(before=best, finalists=tuple(finalists), gain=won, accepted=accepted)
 
     def _with(self, found: Fit, effect: Effect, point: Array, least: float = math.inf) -> Contender:
@@ -146,6 +160,30 @@ class Search:
             beaten_by=least,
         )
         return Contender(fit=fitted, losses=validated(fitted, self.segments, self.fold))
+
+    def _fit_links(self, found: Fit, links: Together) -> Contender:
+        """Return the model with effects on many links at once, fitted in full."""
+        fitted = fit(
+            links.hypothesis,
+            self.segments,
+            found.scale,
+            found.weight,
+            point=links.point,
+            start=found.start,
+        )
+        return Contender(fit=fitted, losses=validated(fitted, self.segments, self.fold))
+
+    def _beats(self, whole: Contender, alone: Contender) -> bool:
+        """Return whether many effects surely do better than one, in units of what they leave."""
+        read = predict(whole.fit.hypothesis, self.segments, [whole.fit.point], [whole.fit.start])
+        units = measure(self.segments, read[0])
+        one, all_ = (
+            validated(rescaled(each.fit, self.segments, *units), self.segments, self.fold)
+            for each in (alone, whole)
+        )
+        extra = len(whole.fit.hypothesis.effects) - len(alone.fit.hypothesis.effects)
+        better = gain(one, all_, self.tries)
+        return better.sure and better.mean >= min(MATERIAL * extra, 0.5)
 
     def _polished(self, found: Fit) -> Contender:
         """Return a fit carried to its end, with each joint's error in units of its present size.
@@ -188,12 +226,11 @@ def _shortlist(listed: Sequence[Suspect]) -> list[Suspect]:
     return kept
 
 
-def _felt(found: Fit) -> bool:
-    """Return whether the last effect has a strength whose 90 % interval leaves neutral out."""
-    effect = found.hypothesis.effects[-1]
+def _felt(found: Fit, new: int) -> bool:
+    """Return whether a new effect has a strength whose 90 % interval leaves neutral out."""
+    free = [known for effect in found.hypothesis.effects[-new:] for known in effect.free()]
     low, high = found.intervals()
-    count = len(effect.free())
-    bounds = zip(effect.free(), low[-count:], high[-count:], strict=True)
+    bounds = zip(free, low[-len(free) :], high[-len(free) :], strict=True)
     return any(p.neutral is not None and not (a <= p.neutral <= b) for p, a, b in bounds)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -155,6 +155,16 @@ class Sensitivity:
     """Change of the prediction with each start, (segments, readings x joints, 2 joints)."""
     start: Array
     """The starts, shape (segments, 2 joints)."""
+
+    def in_units(self, factor: Array) -> Sensitivity:
+        """Return errors and derivatives times a factor for each joint, shape (joints,)."""
+        each = np.tile(factor, self.error.shape[1] // len(factor))
+        return replace(
+            self,
+            error=self.error * each,
+            by_point=self.by_point * each[:, None],
+            by_start=self.by_start * each[:, None],
+        )
 
     def loss(self, segments: Segments) -> Array:
         """Return each segment's squared error with its start's own cost, (segments,)."""

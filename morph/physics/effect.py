@@ -38,6 +38,8 @@ class Parameter:
     """Values to try where a gradient misleads: delays, and shapes of curves."""
     free: bool
     """Whether a diagnosis may move it; geometry that is known stays."""
+    spread: float | None
+    """How far from neutral it is likely to be; None: anywhere within its bounds."""
 
 
 def parameter(
@@ -49,9 +51,11 @@ def parameter(
     neutral: float | None = None,
     scan: tuple[float, ...] = (),
     free: bool = True,
+    spread: float | None = None,
 ) -> Any:
     """Return a dataclass field that is a parameter of an effect."""
     known = {"unit": unit, "low": low, "high": high, "neutral": neutral, "scan": scan, "free": free}
+    known["spread"] = spread
     return field(default=default, metadata=known)
 
 
@@ -98,6 +102,8 @@ class Effect(ABC):
     """The parameters in which its generalized force is linear."""
     dissipative: ClassVar[bool] = False
     """Whether it can only take energy away."""
+    stands_for: ClassVar[tuple[str, ...]] = ()
+    """Kinds of figures of its own part that the description need no longer be refitted in."""
     simpler: ClassVar[str] = ""
     """The effect that it becomes when its extra parameters have no say."""
     twins: ClassVar[tuple[str, ...]]

@@ -26,6 +26,7 @@ class ComOffset(BodyEffect):
 
     name: ClassVar[str] = "com_offset"
     strengths: ClassVar[tuple[str, ...]] = ("x", "y", "z")
+    stands_for: ClassVar[tuple[str, ...]] = ("com",)
     twins: ClassVar[tuple[str, ...]] = (
         "sensor_bias",
         "joint_stiffness",
@@ -42,11 +43,11 @@ class ComOffset(BodyEffect):
 
     body: str
     """Link it acts on."""
-    x: float = parameter(0.0, unit="m", low=-0.5, high=0.5, neutral=0.0)
+    x: float = parameter(0.0, unit="m", low=-0.5, high=0.5, neutral=0.0, spread=0.01)
     """How far along the link's x."""
-    y: float = parameter(0.0, unit="m", low=-0.5, high=0.5, neutral=0.0)
+    y: float = parameter(0.0, unit="m", low=-0.5, high=0.5, neutral=0.0, spread=0.01)
     """How far along the link's y."""
-    z: float = parameter(0.0, unit="m", low=-0.5, high=0.5, neutral=0.0)
+    z: float = parameter(0.0, unit="m", low=-0.5, high=0.5, neutral=0.0, spread=0.01)
     """How far along the link's z."""
 
     def edit(self, spec: Any) -> None:

@@ -26,6 +26,7 @@ class LinkInertia(BodyEffect):
 
     name: ClassVar[str] = "link_inertia"
     strengths: ClassVar[tuple[str, ...]] = ("mass", "inertia")
+    stands_for: ClassVar[tuple[str, ...]] = ("mass", "inertia")
     twins: ClassVar[tuple[str, ...]] = ("torque_scale", "armature", "com_offset", "payload")
     excited_by: ClassVar[str] = "Rest in postures where gravity pulls differently, fast reversals."
     separate_by: ClassVar[dict[str, str]] = {
@@ -39,9 +40,9 @@ class LinkInertia(BodyEffect):
 
     body: str
     """Link it acts on."""
-    mass: float = parameter(1.0, unit="-", low=0.02, high=20.0, neutral=1.0)
+    mass: float = parameter(1.0, unit="-", low=0.02, high=20.0, neutral=1.0, spread=0.5)
     """True mass over the described."""
-    inertia: float = parameter(1.0, unit="-", low=0.02, high=20.0, neutral=1.0)
+    inertia: float = parameter(1.0, unit="-", low=0.02, high=20.0, neutral=1.0, spread=0.5)
     """True moments of inertia about the centre of mass over the described."""
 
     def edit(self, spec: Any) -> None:

@@ -1,0 +1,1 @@
+"""Does a diagnosis say of a printed robot which links weigh other than designed?"""
