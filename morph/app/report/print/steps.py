@@ -113,9 +113,13 @@ def _weighing(package: Package) -> Step:
 
 def _using(package: Package) -> Step:
     if package.policy is None:
+        known = any(each.source != "description" for each in package.links)
         return Step(
             what="Learn and simulate on the robot in robot/, not on the model",
-            how="It has the masses of its parts, as far as they are known.",
+            how="It has the masses of its parts, as far as they are known."
+            if known
+            else "It keeps the masses that were described, until a card.toml beside the "
+            "description says what of it is bought.",
             command="morph simulate DIR/robot",
         )
     lost = "It does not hold there yet. " if package.policy.verdict == "lost" else ""
