@@ -21,6 +21,12 @@ if TYPE_CHECKING:
     from print.printer import Profile
     from print.slicer import Slicer
 
+CHOSEN = (
+    *("policy", "seconds", "slicer", "timeout", "layer", "walls", "infill", "play"),
+    *("base", "folder", "seed"),
+)
+"""Options that stand in the command by which a package is got again."""
+
 DONE, STOPPED_SHORT = 0, 3
 
 
@@ -234,11 +240,11 @@ def _metadata(package: Package) -> dict[str, str]:
 def _command(asked: Print) -> str:
     said = ["morph", "print", asked.robot, "--printer", asked.printer]
     said += ["--material", asked.material, "--out", asked.out]
-    for name in ("policy", "seconds", "slicer", "layer", "walls", "infill", "play", "base", "seed"):
+    for name in CHOSEN:
         value = getattr(asked, name)
         if value is not None and value != getattr(Print, name, None):
             said += [f"--{name}", str(value)]
-    return shlex.join(said)
+    return shlex.join(said if asked.gcode else [*said, "--no-gcode"])
 
 
 def _words(out: Path, package: Package) -> list[tuple[str, str]]:

@@ -20,20 +20,13 @@
     }));
   }
 
-  // One frame for every share, so that the body does not jump as it comes apart.
-  function range(axis, index) {
-    let low = Infinity, high = -Infinity;
-    for (const s of solids) for (const v of s[axis]) for (const m of [0, s.moved[index]]) {
-      low = Math.min(low, v + m); high = Math.max(high, v + m);
-    }
-    return [low, high];
-  }
-  const hidden = { visible: false };
-  const scene = {
-    xaxis: { ...hidden, range: range("x", 0) }, yaxis: { ...hidden, range: range("y", 1) }, zaxis: { ...hidden, range: range("z", 2) },
-    aspectmode: "data", camera: { eye: { x: 1.5, y: -1.8, z: 1.0 } },
+  const layout = {
+    scene: {
+      xaxis: { visible: false }, yaxis: { visible: false }, zaxis: { visible: false },
+      aspectmode: "data", camera: { eye: { x: 1.1, y: -1.5, z: 0.8 } },
+    },
+    margin: { l: 0, r: 0, t: 0, b: 0 }, paper_bgcolor: "rgba(0,0,0,0)", showlegend: false, uirevision: "same",
   };
-  const layout = { scene, margin: { l: 0, r: 0, t: 0, b: 0 }, paper_bgcolor: "rgba(0,0,0,0)", showlegend: false, uirevision: "same" };
 
   function draw() {
     Plotly.react(place, traces(), layout, { responsive: true, displayModeBar: false });

@@ -69,7 +69,8 @@ def steps(package: Package, sliced: Collection[str] = ()) -> list[Step]:
             Step(
                 what="Print the gauges and try in them what you bought",
                 how=f"These parts leave a play of {play:g} mm on each side. If another notch of "
-                "a gauge fits better, say its play and print with that: --play MM.",
+                "a gauge fits better, make the package anew with its play, --play MM: it changes "
+                "what morph drew, not parts that came as meshes.",
             )
         )
     if plates:
@@ -120,13 +121,13 @@ def _using(package: Package) -> Step:
             if known
             else "It keeps the masses that were described, until a card.toml beside the "
             "description says what of it is bought.",
-            command="morph simulate DIR/robot",
+            command="morph view DIR/robot",
         )
     lost = "It does not hold there yet. " if package.policy.verdict == "lost" else ""
     return Step(
         what="See the policy on the robot as printed",
         how=f"{lost}policy/ is made for robot/, and for no other.",
-        command="morph simulate DIR/robot --policy DIR/policy",
+        command=f"morph view DIR/robot --task {package.policy.task} --policy DIR/policy",
     )
 
 
