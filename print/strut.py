@@ -10,7 +10,7 @@ from scipy.spatial import KDTree
 
 from print.arrays import Array
 from print.bend import bent
-from print.solid import ball, hull, pieces, union
+from print.solid import ball, hull, pieces
 
 DENSE_MM = 3.0
 """Greatest length of an edge where pieces are measured."""
@@ -26,6 +26,9 @@ MANY = 4000
 
 TRIES = 10
 """How many straight struts are tried before a bent one is looked for."""
+
+HELD_MM3 = 1.0
+"""How much of a strut is at least in each of the pieces that it joins."""
 
 KEPT = 0.9
 """Part of a straight strut that must be left where nothing may be cut from it."""
@@ -113,6 +116,8 @@ def _between(first: Any, second: Any, start: Array, end: Array, radius: float) -
 
 
 def _joins(first: Any, second: Any, between: Any) -> bool:
-    """Return whether two pieces are one with what is between them."""
-    largest = pieces(union([first, second, between]))[0]
-    return all(bool((largest ^ each).volume() > 0.99 * each.volume()) for each in (first, second))
+    """Return whether two pieces are one with what is between them: a piece of it is in both."""
+    return any(
+        all(float((piece ^ each).volume()) > HELD_MM3 for each in (first, second))
+        for piece in pieces(between)
+    )

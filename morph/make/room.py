@@ -73,7 +73,8 @@ class _Body:
         boxes = [mesh.moved(self.world).vertices for mesh in skeleton.boxes]
         self.hard = [self._placed(_block(mount, GAP_MM)) for mount in skeleton.servos]
         self.hard += [rough(corners, GAP_MM) for corners in boxes]
-        self.hard += [self._placed(_turning(mount)) for mount in skeleton.horns]
+        self.horns = [self.world @ mount.pose for mount in skeleton.horns]
+        self.turning = [self._placed(_turning(mount)) for mount in skeleton.horns]
         self.walls = [self._placed(_block(mount, WALL_MM + GAP_MM)) for mount in skeleton.servos]
         self.walls += [rough(corners, WALL_MM + GAP_MM) for corners in boxes]
         drawn = [mesh.moved(self.world).vertices for mesh in skeleton.solids]
@@ -114,7 +115,12 @@ def _yield(
         """Return what solids of a kind sweep of the other of the two, as that one sees it."""
         other, back = (moving, False) if on is still else (still, True)
         solids = getattr(other, of)
-        return swept(solids, hinge, on.near, back=back) if solids else union([])
+        round_ = []
+        if of == "hard":
+            about = [_about(pose, hinge) for pose in other.horns]
+            round_ = [disc for disc, yes in zip(other.turning, about, strict=True) if yes]
+            solids = solids + [d for d, yes in zip(other.turning, about, strict=True) if not yes]
+        return union([*round_, swept(solids, hinge, on.near, back=back)])
 
     pockets = {body.name: union(body.blocks) for body in (still, moving)}
     walls = [(on, room("walls", on) - on.kept) for on in (still, moving)]
@@ -139,6 +145,13 @@ def _limited(hinge: Hinge, still: _Body, moving: _Body) -> Hinge:
     sweep = Sweep(hinge, *sides)
     ends = sorted(sweep.free_to(end)[0] for end in (hinge.low, hinge.high))
     return replace(hinge, low=ends[0], high=ends[1])
+
+
+def _about(pose: Array, hinge: Hinge) -> bool:
+    """Return whether a disc lies about a joint's axis, so that it sweeps nothing but itself."""
+    off = np.cross(pose[:3, 3] - hinge.position, hinge.axis)
+    along = np.cross(pose[:3, 2], hinge.axis)
+    return bool(np.linalg.norm(off) < 0.1 and np.linalg.norm(along) < 1e-3)
 
 
 def _share(walls: Any, room: Any) -> float:

@@ -18,6 +18,9 @@ from print.solid import placed as moved
 STEP = math.radians(20.0)
 """Turn between two poses whose hull is taken, with a third between them, moved outward."""
 
+COARSE_MM = 0.1
+"""How far surfaces may be moved to have fewer triangles: of hulls that cross there are many."""
+
 WAYS = 74
 """Directions in which a rough solid reaches as far as what it stands for."""
 
@@ -37,7 +40,7 @@ def swept(solids: Sequence[Any], hinge: Hinge, near: Array, *, back: bool = Fals
         for solid in solids
         for three in zip(poses[::2], poses[1::2], poses[2::2], strict=False)
     ]
-    return union(each for each in hulls if _meets(each, near))
+    return union(each for each in hulls if _meets(each, near)).simplify(COARSE_MM)
 
 
 def rough(points: Array, grow: float) -> Any:

@@ -207,7 +207,7 @@ def test_what_cannot_be_made_is_a_check_and_not_an_exception(tmp_path: Path) -> 
     ("path", "parts", "joints"),
     [
         ("poppy_humanoid/robots/Poppy_Humanoid.URDF", 26, 25),
-        ("open_duck_mini_v2/urdf/robot.urdf", 50, 16),
+        ("open_duck_mini_v2/urdf/robot.urdf", 44, 16),
     ],
 )
 def test_real_descriptions_divide_into_their_meshes(
