@@ -57,8 +57,10 @@ def test_every_file_of_a_package_is_on_the_page_and_the_other_way_round(package:
         for row in re.findall(r"^\| (`.*?) \|", table, re.MULTILINE)
         for name in re.findall(r"`([^`]+)`", row)
     }
-    # This body holds nothing in seats, so that there are no gauges; and no policy was given.
-    assert {path.name for path in package.iterdir()} | {"gauges"} == named - {"policy"}
+    # This body holds nothing in seats, so that there are no gauges; nothing of it is refused, and
+    # no policy was given.
+    unseen = {"gauges", "refused"}
+    assert {path.name for path in package.iterdir()} | unseen == named - {"policy"}
     assert {REPORT, ASSEMBLY} <= named
     assert f"`{SCHEMA}`" in TEXT
 
