@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from morph.arrays import Array
+from morph.body.card import Print
 from morph.body.load import load
 from morph.body.robot import Robot
 from morph.body.spec import bare_spec
@@ -50,7 +51,7 @@ def subject(name: str) -> Subject:
         return Subject(robot=robot, effort=effort, links=links)
     if name == "double_pendulum":
         return Subject(
-            robot=load(name),
+            robot=printable(name, "upper", "lower"),
             effort={"shoulder": (0.0, 0.7), "elbow": (0.0, 0.3)},
             links=("upper", "lower"),
             speed=2.0,
@@ -58,7 +59,7 @@ def subject(name: str) -> Subject:
         )
     if name == "cartpole":
         return Subject(
-            robot=load(name),
+            robot=printable(name, "cart", "pole"),
             effort={"slide": (0.0, 4.0)},
             links=("cart", "pole"),
             speed=2.0,
@@ -70,6 +71,14 @@ def subject(name: str) -> Subject:
         links=("front_left_upper_leg", "front_left_lower_leg"),
         speed=2.0,
     )
+
+
+def printable(name: str, *links: str) -> Robot:
+    """Return a body of the shelf as if its card said that links are printed."""
+    robot = load(name)
+    if robot.card is None:
+        return robot
+    return replace(robot, card=replace(robot.card, print=Print(printed=links)))
 
 
 def leg() -> Robot:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from morph.arrays import Array
+from morph.body.robot import Robot
 from morph.model.crossvalidate import MATERIAL, gain, probabilities, validated
 from morph.model.fit import Fit, fit
 from morph.model.hypothesis import Hypothesis
@@ -149,22 +150,36 @@ def _stand(search: Search, best: Contender, without: Contender, index: int, seed
 def _rivals(search: Search, without: Fit, effect: Effect) -> list[Effect]:
     """Return the best other effects in a finding's place, its twins at its part first."""
     listed = suspects(screened(without.hypothesis, without.point, search.episodes))
-    tried = try_all(without, search.segments, _of_interest(listed, effect))
+    asked = _of_interest(without.hypothesis.robot, listed, effect)
+    tried = try_all(without, search.segments, asked)
     others = [t.effect for t in tried if t.effect.label != effect.label]
-    twins = [o for o in others if o.where == effect.where and o.name in related(effect)]
+    robot = without.hypothesis.robot
+    twins = [o for o in others if near(robot, o, effect) and o.name in related(effect)]
     rest = [o for o in others if o not in twins]
     if len(without.hypothesis.effects) >= MANY:
         return (twins or rest)[:1]
     return (twins + rest)[:RIVALS]
 
 
-def _of_interest(listed: Sequence[Suspect], effect: Effect) -> list[Suspect]:
+def near(robot: Robot, one: Effect, other: Effect) -> bool:
+    """Return whether two effects act on one part, or on a link and on what moves it."""
+    if one.where == other.where:
+        return True
+    places = {
+        joint.link: {joint.name, f"{joint.name}.position"}
+        | {motor.name for motor in robot.actuators if motor.joint == joint.name}
+        for joint in robot.joints
+    }
+    return one.where in places.get(other.where, ()) or other.where in places.get(one.where, ())
+
+
+def _of_interest(robot: Robot, listed: Sequence[Suspect], effect: Effect) -> list[Suspect]:
     """Return the twins at the finding's own part, and the first suspects elsewhere."""
     return [
         suspect
         for rank, suspect in enumerate(listed)
         if rank < 6
-        or (suspect.effect.where == effect.where and suspect.effect.name in related(effect))
+        or (near(robot, suspect.effect, effect) and suspect.effect.name in related(effect))
     ]
 
 

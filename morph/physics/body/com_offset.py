@@ -9,13 +9,13 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.physics.body.inertial import pull, spatial, steiner
+from morph.physics.body.weighed import WeighedEffect
 from morph.physics.effect import parameter
-from morph.physics.kinds import BodyEffect
 from morph.physics.motion import Motion
 
 
 @dataclass(frozen=True, kw_only=True)
-class ComOffset(BodyEffect):
+class ComOffset(WeighedEffect):
     """A link's centre of mass lies (x, y, z) from where it is described, in the link's axes.
 
     Its mass, and its inertia about the centre of mass, stay.

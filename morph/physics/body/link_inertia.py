@@ -9,13 +9,13 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.physics.body.inertial import pull, spatial, steiner
+from morph.physics.body.weighed import WeighedEffect
 from morph.physics.effect import parameter
-from morph.physics.kinds import BodyEffect
 from morph.physics.motion import Motion
 
 
 @dataclass(frozen=True, kw_only=True)
-class LinkInertia(BodyEffect):
+class LinkInertia(WeighedEffect):
     """A link has `mass` times its mass, and `inertia` times its inertia about its centre of mass.
 
     Its centre of mass stays. A part of another density has both factors alike; one that is

@@ -10,13 +10,13 @@ import numpy as np
 from morph.arrays import Array
 from morph.body.vary.pseudo import pseudo_inertia, set_pseudo_inertia
 from morph.physics.body.inertial import pull, spatial, steiner
+from morph.physics.body.weighed import WeighedEffect
 from morph.physics.effect import parameter
-from morph.physics.kinds import BodyEffect
 from morph.physics.motion import Motion
 
 
 @dataclass(frozen=True, kw_only=True)
-class Payload(BodyEffect):
+class Payload(WeighedEffect):
     """A link carries m at the point (x, y, z) of its frame.
 
     Source: Atkeson, An and Hollerbach 1986, Int. J. Robotics Research 5(3), section 4.

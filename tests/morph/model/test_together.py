@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from morph.arrays import Array
+from morph.body.card import Print
 from morph.body.load import load
 from morph.body.robot import Robot
 from morph.model.episodes import episode, step_for
@@ -30,7 +31,9 @@ TRUSTED = {"mass": 0.0, "com": 0.0, "inertia": 0.0}
 
 @pytest.fixture(scope="module")
 def arm() -> Robot:
-    return load("double_pendulum")
+    robot = load("double_pendulum")
+    assert robot.card is not None
+    return replace(robot, card=replace(robot.card, print=Print(printed=("upper", "lower"))))
 
 
 def fitted(arm: Robot, recorded: Recorded, *effects: Effect) -> tuple[Fit, Segments]:
