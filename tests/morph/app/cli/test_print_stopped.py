@@ -68,7 +68,9 @@ def test_a_faulty_slicer_ends_it_with_one_message_and_no_package(
 
 def test_ctrl_c_while_slicing_is_obeyed_at_once_and_leaves_nothing(place: Path) -> None:
     slicer(place, f"touch {place}/begun; sleep 60")
-    call = "from morph.app.cli.main import entry; entry()"
+    # A shell that starts things in its background has them ignore interrupts.
+    hears = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
+    call = f"{hears}; from morph.app.cli.main import entry; entry()"
     with subprocess.Popen(
         [sys.executable, "-c", call, "print", str(place / "r.xml"), *WORDS],
         stderr=subprocess.PIPE,
