@@ -122,6 +122,10 @@ class MakeError(MorphError):
     """A body cannot be made, or what was made of it cannot be used."""
 
 
+class StudyError(MorphError):
+    """A study cannot be run, resumed or compared."""
+
+
 class OutputError(MorphError):
     """A result cannot be written."""
 

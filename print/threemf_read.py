@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -14,8 +15,8 @@ from print.arrays import Array
 from print.errors import PlateError
 from print.mesh import Mesh
 
-LARGEST = 2 << 30
-"""Bytes of the largest file that is read."""
+LARGEST = 1 << 28
+"""Bytes of the largest file that is read; a plate of a million triangles has some ten million."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -73,6 +74,9 @@ def _content(source: Path | bytes) -> bytes:
     if isinstance(source, bytes):
         return source
     try:
+        # A pipe would be waited for, and of a device one would read for ever.
+        if source.exists() and not source.is_file():
+            raise OSError(errno.EINVAL, "it is no plain file")
         size = source.stat().st_size
         content = source.read_bytes() if 0 < size <= LARGEST else b""
     except OSError as error:

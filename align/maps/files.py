@@ -78,6 +78,11 @@ def read(path: Path) -> BodyMap:
 
 def _measured(path: Path) -> None:
     """Check what an archive says that it holds before any of it is unpacked."""
+    # A pipe would be waited for, and of a device one would read for ever.
+    if path.exists() and not path.is_file():
+        raise ValueError("it is no plain file")
+    if path.stat().st_size > 2 * MOST_BYTES:
+        raise ValueError(f"it has {path.stat().st_size} bytes")
     with zipfile.ZipFile(path) as archive:
         members = archive.infolist()
     size = sum(member.file_size for member in members)

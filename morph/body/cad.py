@@ -10,8 +10,7 @@ import numpy as np
 from morph.arrays import Array
 from morph.body.cad_table import UNITS, AssemblyTable, JointTable, PartTable, read_assembly
 from morph.body.draft import Draft, DraftJoint, DraftLink, Pose, Shape
-from morph.body.mesh import Mesh, read_mesh
-from morph.body.mesh.limits import LARGEST, too_large
+from morph.body.mesh import Mesh, mesh_content, read_mesh
 from morph.body.numbers import rotation
 from morph.body.paths import Files
 from morph.body.solids import solid
@@ -73,7 +72,7 @@ def _link(
 ) -> DraftLink:
     path = _file(part, place, files)
     if path not in meshes:
-        meshes[path] = _mesh(path, place)
+        meshes[path] = _mesh(path)
     metres = 1.0 if path.suffix.lower() in METRIC else UNITS[part.unit or assembly.unit]
     line = _line(place, "name")
     pose = Pose() if origin is None else Pose(position=-origin)
@@ -125,19 +124,8 @@ def _file(part: PartTable, place: Place, files: Files) -> Path:
     return found.path
 
 
-def _mesh(path: Path, place: Place) -> Mesh:
-    try:
-        if path.stat().st_size > LARGEST:
-            raise too_large(
-                f"has {path.stat().st_size} bytes, of which {LARGEST} may be", str(path)
-            )
-        return read_mesh(path.read_bytes(), path.suffix, str(path))
-    except OSError as error:
-        raise RobotError(
-            f"the mesh {path.name!r} cannot be read: {error.strerror or error}",
-            where=place.key("mesh"),
-            fix="allow reading it",
-        ) from error
+def _mesh(path: Path) -> Mesh:
+    return read_mesh(mesh_content(path), path.suffix, str(path))
 
 
 def _joint(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import tomllib
 from collections import Counter
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -11,6 +10,7 @@ from pathlib import Path
 from morph.body.draft import MOVING
 from morph.body.table import Place, read_table
 from morph.errors import RobotError
+from morph.toml_file import load_toml
 
 SCHEMA = "morph.assembly/1"
 """The only schema of assemblies so far."""
@@ -113,24 +113,14 @@ def read_assembly(path: Path) -> tuple[AssemblyTable, Place]:
             is not one allowed; the line is named.
     """
     try:
-        with path.open("rb") as file:
-            content = file.read(LARGEST_FILE + 1)
-        if len(content) > LARGEST_FILE:
-            raise RobotError(
-                f"has more than {LARGEST_FILE} bytes",
-                where=str(path),
-                fix="describe one body, with its shapes in mesh files",
-            )
-        text = content.decode()
-        table = tomllib.loads(text)
+        table, text = load_toml(path, LARGEST_FILE)
     except OSError as error:
         raise RobotError(
             f"cannot be read: {error.strerror or error}", where=str(path), fix="give the table"
         ) from error
-    except (ValueError, RecursionError) as error:
-        words = "nests too deeply" if isinstance(error, RecursionError) else error
+    except ValueError as error:
         raise RobotError(
-            f"is not TOML: {words}", where=str(path), fix="correct the line it names"
+            f"is not TOML: {error}", where=str(path), fix="correct the line it names"
         ) from error
     place = Place(file=str(path), text=text)
     assembly = read_table(AssemblyTable, table, place)

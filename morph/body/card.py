@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-import tomllib
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from morph.body.table import Place, read_table
 from morph.errors import RobotError
+from morph.toml_file import load_toml
 
 SCHEMA = "morph.card/1"
 """The only schema of cards so far."""
@@ -19,9 +19,6 @@ BASES = ("fixed", "floating", "board")
 MOST_BYTES = 2**18
 """Largest card; the longest on the shelf has a few thousand bytes."""
 
-LONGEST_LINE = 1024
-"""Longest line, bytes: time to read a key with a thousand dots grows with their square."""
-
 
 @dataclass(frozen=True, kw_only=True)
 class Source:
@@ -31,6 +28,8 @@ class Source:
     """The numbers."""
     from_: str
     """The publication, file or measurement; the key is `from`."""
+    licence: str = ""
+    """SPDX name of the licence of a public file, `NOASSERTION` if it states none; else empty."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -184,9 +183,9 @@ def load_card(path: Path) -> Card:
             the line is named.
     """
     try:
-        text = _read(path)
+        table, text = load_toml(path, MOST_BYTES)
         place = Place(file=str(path), text=text)
-        card = read_table(Card, tomllib.loads(text), place)
+        card = read_table(Card, table, place)
     except OSError as error:
         raise RobotError(
             f"cannot read the card: {error.strerror or error}",
@@ -196,10 +195,6 @@ def load_card(path: Path) -> Card:
     except ValueError as error:
         raise RobotError(
             f"is not TOML: {error}", where=str(path), fix="correct the line it names"
-        ) from error
-    except RecursionError as error:
-        raise RobotError(
-            "nests too deeply", where=str(path), fix="write only the keys that cards have"
         ) from error
     _check(card.schema, (SCHEMA,), "schema", place)
     _check(card.base, BASES, "base", place)
@@ -211,27 +206,6 @@ def load_card(path: Path) -> Card:
     _check_inside(path.parent, card.description, place)
     _check_masses(card, place)
     return card
-
-
-def _read(path: Path) -> str:
-    if path.exists() and not path.is_file():
-        raise RobotError("is no file", where=str(path), fix="write the card into a file")
-    with path.open("rb") as file:
-        content = file.read(MOST_BYTES + 1)
-    if len(content) > MOST_BYTES:
-        raise RobotError(
-            f"has more than {MOST_BYTES} bytes, the most that a card has",
-            where=str(path),
-            fix="write only the keys that cards have",
-        )
-    for number, line in enumerate(content.split(b"\n"), start=1):
-        if len(line) > LONGEST_LINE:
-            raise RobotError(
-                f"the line has {len(line)} bytes; a card's has {LONGEST_LINE} at most",
-                where=f"{path}:{number}",
-                fix="break the line, or write only the keys that cards have",
-            )
-    return content.decode()
 
 
 def _check_inside(folder: Path, description: str, place: Place) -> None:

@@ -16,6 +16,7 @@ from morph.body.urdf_shapes import file_name
 from morph.body.urdf_text import urdf_text
 from morph.errors import OutputError
 from morph.files import write_whole
+from morph.regular_file import read_regular
 
 FORMATS = {"mjcf": ("robot.xml", "assets"), "urdf": ("robot.urdf", "meshes")}
 """The description's name in each format, and its folder of meshes: two formats share a folder."""
@@ -129,10 +130,7 @@ def _unwritable(folder: Path, error: OSError) -> OutputError:
 
 def _ours(path: Path) -> bool:
     try:
-        # A pipe would be waited for, and a folder may be a stranger's.
-        if not path.is_file() or path.stat().st_size > MOST_BYTES:
-            return False
-        return bool(json.loads(path.read_text())["schema"] == SCHEMA)
+        return bool(json.loads(read_regular(path, MOST_BYTES))["schema"] == SCHEMA)
     except (OSError, ValueError, KeyError, TypeError, RecursionError):
         return False
 

@@ -5,14 +5,12 @@ from __future__ import annotations
 import struct
 from pathlib import Path
 
-from morph.body.mesh import as_stl, read_mesh, thinned
-from morph.body.mesh.limits import LARGEST, too_large, unreadable
+from morph.body.mesh import as_stl, mesh_content, read_mesh, thinned
+from morph.body.mesh.limits import unreadable
 from morph.body.mjcf_bounds import MOST_PIXELS
+from morph.body.png import SIGNATURE, why_not_png
 from morph.body.shapes import MOST_FACES
 from morph.errors import MeshError
-
-PNG = b"\x89PNG\r\n\x1a\n"
-"""How a PNG begins."""
 
 STL_HEAD, STL_FACE = 84, 50
 """Bytes of a binary STL before its faces, and of each face."""
@@ -28,17 +26,9 @@ def asset_content(tag: str, path: Path) -> tuple[bytes, str, str]:
     Raises:
         MeshError: It cannot be used; `code` says why.
     """
-    try:
-        size = path.stat().st_size
-        if size > LARGEST:
-            raise too_large(f"has {size} bytes, of which {LARGEST} are allowed", str(path))
-        content = path.read_bytes()
-    except OSError as error:
-        raise unreadable(
-            f"cannot be read: {error.strerror or error}", str(path), "allow reading it"
-        ) from error
+    content = mesh_content(path)
     ending = path.suffix.lower()
-    if tag == "texture" or (tag == "hfield" and content.startswith(PNG)):
+    if tag == "texture" or (tag == "hfield" and content.startswith(SIGNATURE)):
         _check_picture(content, str(path))
     elif tag == "hfield":
         _check_heights(content, str(path))
@@ -68,11 +58,9 @@ def _mesh(content: bytes, ending: str, where: str) -> tuple[bytes, str, str]:
 
 
 def _check_picture(content: bytes, where: str) -> None:
-    if content.startswith(PNG) and len(content) > 24:
-        width, height = struct.unpack(">II", content[16:24])
-        if width * height <= MOST_PIXELS:
-            return
-    raise unreadable("is no PNG picture of a usual size", where, "give a PNG")
+    why = why_not_png(content, MOST_PIXELS)
+    if why:
+        raise unreadable(why, where, "give a PNG as a drawing program saves it")
 
 
 def _check_heights(content: bytes, where: str) -> None:

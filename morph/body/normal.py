@@ -8,15 +8,17 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from morph.body.card import Card
+from morph.body.card import MOST_BYTES, Card
 from morph.body.finding import Finding, Where
 from morph.body.follow import followers, from_zero
 from morph.body.fulltext import fulltext
+from morph.body.mesh import mesh_content
 from morph.body.quiet import quiet
 from morph.body.robot import Actuator, Joint, Link, Loop, Mimic, Robot, Sensor
 from morph.body.weight import check_model
-from morph.errors import RobotError
+from morph.errors import MeshError, RobotError
 from morph.files import sha256
+from morph.regular_file import read_regular
 
 UNNAMED = "MuJoCo Model"
 """What MuJoCo calls a model whose description names none."""
@@ -71,7 +73,7 @@ def robot_of(
     _settle_inertias(spec, model)
     follows, _ = followers(model)
     name = spec.modelname if spec.modelname not in ("", UNNAMED) else source.stem
-    card_text = (source.parent / "card.toml").read_bytes() if card else b""
+    card_text = read_regular(source.parent / "card.toml", MOST_BYTES) if card else b""
     return Robot(
         name=card.name if card else name,
         links=tuple(_link(model, index, sources[index]) for index in range(1, model.nbody)),
@@ -157,10 +159,10 @@ def _embed(spec: Any, source: Path) -> dict[str, bytes]:
 
 def _bytes(path: Path, source: Path) -> bytes:
     try:
-        return path.read_bytes()
-    except OSError as error:
+        return mesh_content(path)
+    except MeshError as error:
         raise RobotError(
-            f"names {path}, which cannot be read: {error.strerror or error}",
+            f"names {path}, which {error.what}",
             where=str(source),
             fix="put the file there, or correct its name in the description",
         ) from error

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path, PurePosixPath
 
+from morph.regular_file import open_regular
+
 MARKS = ("package.xml", "manifest.xml", "model.config", "card.toml", "CMakeLists.txt")
 """Files that mark a description's outermost folder."""
 
@@ -91,7 +93,7 @@ class Files:
             if not (self._mine(path) and path.is_file()):
                 continue
             try:
-                with path.open("rb") as file:
+                with open_regular(path) as file:
                     content = file.read(MOST_MARK)
                 if b"<!" not in content.replace(b"<!--", b""):
                     found = ElementTree.fromstring(content).findtext("name")

@@ -8,8 +8,8 @@ from pathlib import Path
 
 from morph.body.draft import Draft, DraftLink, Shape
 from morph.body.finding import Finding, Severity, Where
-from morph.body.mesh import Mesh, read_mesh, thinned
-from morph.body.mesh.limits import LARGEST, too_large
+from morph.body.mesh import Mesh, mesh_content, read_mesh, thinned
+from morph.body.mesh.limits import too_large
 from morph.body.paths import Files, Found
 from morph.errors import MeshError
 
@@ -111,23 +111,14 @@ class _Reader:
 
     def content(self, path: Path) -> Mesh | MeshError:
         try:
-            size = path.stat().st_size
-            if size > LARGEST:
-                raise too_large(f"has {size} bytes, of which {LARGEST} are allowed", str(path))
-            self.bytes += size
+            content = mesh_content(path)
+            self.bytes += len(content)
             if self.bytes > MOST_BYTES:
                 what = f"makes the meshes hold more than {MOST_BYTES} bytes"
                 raise too_large(what, str(path))
-            mesh = read_mesh(path.read_bytes(), path.suffix, str(path))
+            mesh = read_mesh(content, path.suffix, str(path))
         except MeshError as error:
             return error
-        except OSError as error:
-            return MeshError(
-                f"cannot be read: {error.strerror or error}",
-                where=str(path),
-                fix="allow reading it",
-                code="mesh-unreadable",
-            )
         if len(mesh.faces) > MOST_FACES:
             self.thin.add(path)
         # What does not fit beside the others as a whole is thinned once and not twice.

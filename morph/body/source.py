@@ -7,6 +7,7 @@ from pathlib import Path
 from morph.body.paths import Files
 from morph.body.xml import MOST_BYTES, Element, parse
 from morph.errors import RobotError
+from morph.regular_file import read_regular
 
 
 def source_tree(path: Path, files: Files) -> Element:
@@ -29,21 +30,14 @@ def read_text(path: Path) -> bytes:
     """Return a description's bytes.
 
     Raises:
-        RobotError: The file cannot be read, is no plain file, or is too large.
+        RobotError: The file cannot be read, is no regular file, or is too large.
     """
     try:
-        if path.exists() and not path.is_file():
-            raise RobotError("is no file", where=str(path), fix="give the file itself")
-        if path.stat().st_size > MOST_BYTES:
-            raise RobotError(
-                f"has {path.stat().st_size} bytes; a description has {MOST_BYTES} at most",
-                where=str(path),
-                fix="describe shapes in mesh files, not in the description",
-            )
-        return path.read_bytes()
+        return read_regular(path, MOST_BYTES)
     except (OSError, ValueError) as error:
         raise RobotError(
             f"cannot be read: {getattr(error, 'strerror', None) or error}",
             where=str(path),
-            fix="give a file that exists, or a name that `morph list robots` shows",
+            fix="give the file of a description, with its shapes in mesh files, or a name that "
+            "`morph list robots` shows",
         ) from error

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import tomllib
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -11,9 +10,10 @@ from pathlib import Path
 from morph.errors import EffectError
 from morph.physics import effect_class
 from morph.physics.effect import Effect
+from morph.toml_file import load_toml
 
-MOST_CHARACTERS = 2**22
-"""Longest file of effects; a thousand of the longest effects have a million characters."""
+MOST_BYTES = 2**22
+"""Longest file of effects; a thousand of the longest effects have a million bytes."""
 
 
 def effects_text(effects: Sequence[Effect]) -> str:
@@ -34,11 +34,7 @@ def load_effects(path: Path) -> tuple[Effect, ...]:
     """
     fix = "write it as corrected.toml of a diagnosis is written"
     try:
-        with path.open(encoding="utf-8") as file:
-            text = file.read(MOST_CHARACTERS + 1)
-        if len(text) > MOST_CHARACTERS:
-            raise ValueError(f"it has more than {MOST_CHARACTERS} characters")
-        content = tomllib.loads(text)
+        content, _ = load_toml(path, MOST_BYTES)
     # A number of thousands of digits is refused by Python itself, as a ValueError.
     except (OSError, ValueError) as error:
         raise EffectError(f"cannot be read: {error}", where=str(path), fix=fix) from error

@@ -80,7 +80,8 @@ def channels_of(
 
 def hash_of_arrays(tables: Iterable[Table]) -> str:
     """Return the hash of one episode's arrays: its file holds others too."""
-    return sha256(*(np.asarray(column).tobytes() for table in tables for column in table.columns))
+    columns = (column for table in tables for column in table.columns)
+    return sha256(*(each.tobytes() for each in columns if isinstance(each, np.ndarray)))
 
 
 def check_overlap(recording: Recording) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -12,8 +11,9 @@ from typing import Any
 from morph.errors import RecordingError
 from morph.record.column import Column, read_column
 from morph.record.entry import Entry
-from morph.record.read.file import read_bytes
+from morph.record.limits import MOST_BINDING
 from morph.record.read.rosbag import is_bag
+from morph.toml_file import load_toml
 
 HOLDS = ("zero-order",)
 """How commands on a clock of their own continue between their samples."""
@@ -108,18 +108,21 @@ def _check_clock(top: Entry, episodes: tuple[Episode, ...], rate: bool, time: bo
 
 
 def _parse(path: Path) -> Entry:
-    data = read_bytes(path)
     try:
-        text = data.decode("utf-8")
-        table = tomllib.loads(text)
+        table, text = load_toml(path, MOST_BINDING)
+    except OSError as error:
+        raise RecordingError(
+            f"the binding cannot be read: {error.strerror or error}",
+            where=str(path),
+            fix="name the recording.toml itself",
+        ) from error
     except UnicodeDecodeError as error:
         raise RecordingError(
             f"the binding is not UTF-8 text: {error.reason} at byte {error.start}",
             where=str(path),
             fix="save it as UTF-8",
         ) from error
-    # Deep nesting ends tomllib with a RecursionError.
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
+    except ValueError as error:
         line = re.search(r"at line (\d+)", str(error))
         raise RecordingError(
             f"the binding is not valid TOML: {error}",

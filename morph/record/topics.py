@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from morph.errors import RecordingError
 from morph.record.bind import channels_of
 from morph.record.quantities import is_channel, parse_channel
@@ -61,7 +63,7 @@ def _named(table: Table) -> dict[str, str]:
             parse_channel(name, where=table.place(0))
         return names
     name = table.topic.strip("/").replace("/", ".")
-    (numbers,) = table.columns
+    (numbers,) = map(np.asarray, table.columns)
     if len(numbers[0]) != 1 or not is_channel(name):
         return {}
     return {name: table.topic}

@@ -17,6 +17,7 @@ from morph.physics.fluid.settle import batches
 from morph.sim.drive import received
 from morph.sim.rollout import Rows, quiet
 from morph.sim.simulator import Simulator
+from morph.sim.threads import batch_threads
 
 Act = Callable[[Array, Array, float], Array]
 """From `qpos` (rows, nq), `qvel` (rows, nv) and the time, s, to commands (rows, nu)."""
@@ -67,7 +68,7 @@ def closed_loop(
     _check_fluid(simulator)
     model: Any = simulator.model
     rows = len(position)
-    batch = Batch(model, rows, 2 if rows > 1 else 1)
+    batch = Batch(model, rows, batch_threads(rows))
     batch.reset(stage=mujoco.mjtStage.mjSTAGE_NONE.value)
     q, v = batch.bind("qpos"), batch.bind("qvel")
     q[:], v[:] = position, velocity

@@ -17,6 +17,7 @@ from morph.errors import SimulationFailed
 from morph.physics.effect import Effect, stacked
 from morph.physics.fluid.settle import batches
 from morph.sim.one_by_one import one_by_one
+from morph.sim.threads import batch_threads
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -83,7 +84,7 @@ def rollout(
     if not all(batches(variant.model) for variant in variants):
         with quiet():
             return _without_kernel(variants, which, position, velocity, command, strict)
-    batch = Batch(variants[0].model, rows, 2 if rows > 1 else 1)
+    batch = Batch(variants[0].model, rows, batch_threads(rows))
     if len(variants) == 1:
         batch.set_models(variants[0].model)
     else:

@@ -76,7 +76,8 @@ def _link(
     mass = link.mass or 0.0
     if mass < 0:
         return _negative(draft, link)
-    if mass == 0 or (alone and not _is_heavy(link)):
+    # A mass that is stated stays: where its inertia alone is next to none, that is mended.
+    if mass == 0 or (alone and not _is_heavy(replace(link, inertia=None))):
         return _massless(draft, link, alone)
     if link.inertia is None or not np.any(link.inertia):
         return _no_inertia(draft, link, mass)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import errno
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 
@@ -15,6 +17,7 @@ from morph.body.mesh.step import read_step
 from morph.body.mesh.stl import read_stl
 from morph.body.mesh.threemf import read_3mf
 from morph.errors import MeshError
+from morph.regular_file import read_regular
 
 READERS: dict[str, Callable[[bytes, str], Mesh]] = {
     "stl": read_stl,
@@ -29,6 +32,26 @@ READERS: dict[str, Callable[[bytes, str], Mesh]] = {
 
 STUB = b"version https://git-lfs"
 """How the pointer begins that Git LFS leaves where a file should be."""
+
+
+def mesh_content(path: Path) -> bytes:
+    """Return the bytes of a mesh file, or of another file that a description names.
+
+    Raises:
+        MeshError: It has more than 64 MiB, is no regular file, or cannot be read.
+    """
+    try:
+        return read_regular(path, LARGEST)
+    except (OSError, ValueError) as error:
+        if getattr(error, "errno", None) == errno.EFBIG:
+            raise too_large(
+                f"is too large: {getattr(error, 'strerror', error)}", str(path)
+            ) from error
+        raise unreadable(
+            f"cannot be read: {getattr(error, 'strerror', None) or error}",
+            str(path),
+            "put the plain file there, and allow reading it",
+        ) from error
 
 
 def read_mesh(content: bytes, ending: str, where: str) -> Mesh:

@@ -32,6 +32,10 @@ UNITS = {
 ENTRIES = 10_000
 """Most files in the archive; Python's list of them takes half a kilobyte each."""
 
+FREE, RATIO = 8 * 2**20, 50
+"""Bytes to which any file may unpack, and how many times its own size beyond that: what CAD writes
+packs to a tenth."""
+
 ENTRY = b"PK\x01\x02"
 """How the entry of a file in an archive's list begins."""
 
@@ -50,14 +54,15 @@ def read_3mf(content: bytes, where: str) -> Mesh:
     Source: 3MF Core Specification 1.3, and the paths of its Production Extension.
 
     Raises:
-        MeshError: It is no 3MF, unpacks to more than 64 MiB, or refers to what
-            it does not hold.
+        MeshError: It is no 3MF, unpacks to more than 64 MiB or than 50 times its size, or
+            refers to what it does not hold.
     """
     if content.count(ENTRY) > ENTRIES:
         raise too_large(f"holds more than the {ENTRIES} files allowed", where)
     try:
         with zipfile.ZipFile(io.BytesIO(content)) as archive:
-            return _Package(archive, where).mesh()
+            most = min(LARGEST, FREE + RATIO * len(content))
+            return _Package(archive, where, most).mesh()
     except expat.ExpatError as error:
         raise unreadable(f"its model is not XML: {error}", where) from error
     except (
@@ -78,8 +83,8 @@ def read_3mf(content: bytes, where: str) -> Mesh:
 class _Package:
     """The models in an archive, each read once, and what they put on the plate."""
 
-    def __init__(self, archive: zipfile.ZipFile, where: str) -> None:
-        self.archive, self.where = archive, where
+    def __init__(self, archive: zipfile.ZipFile, where: str, most: int) -> None:
+        self.archive, self.where, self.most = archive, where, most
         self.unpacked = 0
         self.models: dict[str, _Model] = {}
         self.gathering = Gathering(where)
@@ -105,8 +110,8 @@ class _Package:
     def _content(self, path: str) -> bytes:
         info = self.archive.getinfo(posixpath.normpath(path).lstrip("/"))
         self.unpacked += info.file_size
-        if self.unpacked > LARGEST:
-            raise too_large(f"unpacks to more than the {LARGEST} bytes allowed", self.where)
+        if self.unpacked > self.most:
+            raise too_large(f"unpacks to more than the {self.most} bytes allowed", self.where)
         # Never more than the archive's list says, whatever the stream holds.
         with self.archive.open(info) as file:
             return file.read(info.file_size)

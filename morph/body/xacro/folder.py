@@ -5,13 +5,13 @@ from __future__ import annotations
 import fnmatch
 import os
 import re
-import stat
 from functools import cached_property
 from pathlib import Path, PurePosixPath
 
 from morph.body.paths import Files
 from morph.body.xml import MOST_BYTES
 from morph.errors import RobotError
+from morph.regular_file import read_regular
 
 MOST_ENTRIES = 20_000
 """Most files and folders looked at in a search; more is not a robot's folder but a disk."""
@@ -109,25 +109,16 @@ class Folder:
 
         Raises:
             FileNotFoundError: It is not there.
-            RobotError: It leads out, is no plain file, or is longer than any description.
+            RobotError: It leads out, is no regular file, or is longer than any description.
         """
         real = self.inside(path, where)
         try:
-            # Without O_NONBLOCK a pipe would hold us for ever.
-            handle = os.open(real, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
+            # All links were followed; one that is put here now may lead anywhere.
+            return read_regular(real, MOST_BYTES, follow=False)
         except FileNotFoundError:
             raise
         except (OSError, ValueError) as error:
             raise _unusable(str(path), str(error), where) from error
-        about = os.fstat(handle)
-        if not stat.S_ISREG(about.st_mode):
-            os.close(handle)
-            raise _unusable(str(path), "it is no plain file", where)
-        with os.fdopen(handle, "rb") as file:
-            content = file.read(MOST_BYTES + 1)
-        if len(content) > MOST_BYTES:
-            raise _unusable(str(path), f"it has more than {MOST_BYTES} bytes", where)
-        return content
 
     def _near(self, path: Path, where: str) -> Path:
         """Return a path, or, if it is not there, the one file whose path ends as it does."""

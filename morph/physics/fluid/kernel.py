@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
 import functools
 import itertools
@@ -24,6 +25,8 @@ from morph.files import sha256
 from morph.physics.fluid import reference
 from morph.physics.fluid.compiler import compilers, processor
 from morph.physics.fluid.numbers import SIGNATURE, WIDTH
+from morph.physics.fluid.private import changed_by_others, make_private
+from morph.regular_file import read_regular
 
 SOURCE = Path(__file__).with_name("kernel.c")
 FLAGS = ("-O3", "-fPIC", "-shared", "-std=c99")
@@ -114,7 +117,14 @@ def _kernel() -> Any:
     if named == "numpy":
         return None
     try:
-        return load(Path(named) if named else build())
+        if named:
+            return load(Path(named))
+        home = _home()
+        if home is not None:
+            return load(build(home))
+        # What lies in a folder of others may be theirs; once loaded, the file is not needed.
+        with tempfile.TemporaryDirectory(prefix="morph-") as folder:
+            return load(build(Path(folder)))
     except KernelError as error:
         message = f"the fluid runs in numpy, slowly and without batches: {error}"
         warnings.warn(message, RuntimeWarning, stacklevel=3)
@@ -125,11 +135,20 @@ def load(path: Path) -> Any:
     """Return the fluid's function in a library, bound to the MuJoCo of this process.
 
     Raises:
-        KernelError: It is no library, not this one, or built for another MuJoCo.
+        KernelError: It is no library, not this one, built for another MuJoCo, or others could
+            have put it there.
     """
     fix = f"delete it, so that it is built again, or unset {NAMED}"
     try:
-        library = ctypes.CDLL(str(path))
+        why = changed_by_others(path)
+        if why:
+            raise KernelError(
+                f"is not loaded, as it may not be yours: {why}",
+                where=str(path),
+                fix=f"unset {NAMED}, or let it name a copy in a folder that you alone may write to",
+            )
+        # All links are followed, so that none can be turned after that look.
+        library = ctypes.CDLL(str(path.resolve()))
         version, width = library.morph_fluid_version(), library.morph_fluid_width()
         library.morph_fluid_signature.restype = ctypes.c_double
         signature = library.morph_fluid_signature()
@@ -150,19 +169,33 @@ def load(path: Path) -> Any:
     return function
 
 
-def build() -> Path:
-    """Return the compiled kernel, built first where the cache does not hold it yet.
+def _home() -> Path | None:
+    """Return the folder of kernels in the cache, or None if others could change what is in it."""
+    folder = cache_folder() / "kernel"
+    with contextlib.suppress(OSError):
+        make_private(folder)
+        if not changed_by_others(folder):
+            return folder
+    return None
+
+
+def build(folder: Path | None = None) -> Path:
+    """Return the compiled kernel, built first where a folder does not hold it yet.
 
     Its key is the content of the source and of MuJoCo's headers, and the processor: a new MuJoCo
     builds a new one, and so does another machine that shares the cache.
 
+    Args:
+        folder: By default that of the cache.
+
     Raises:
-        KernelError: There is no C compiler, or it fails, or the cache cannot be written.
+        KernelError: There is no C compiler, or it fails, or the folder cannot be written to.
     """
     headers = Path(mujoco.HEADERS_DIR).parent
     held = sorted(headers.glob("mujoco/*.h"))
     key = sha256(SOURCE, *held, " ".join(FLAGS), platform.platform(), processor())
-    path = cache_folder() / "kernel" / f"fluid-{mujoco.mj_version()}-{key[:20]}.so"
+    place = cache_folder() / "kernel" if folder is None else folder
+    path = place / f"fluid-{mujoco.mj_version()}-{key[:20]}.so"
     if not _sound(path):
         _compile(path, headers)
     return path
@@ -175,7 +208,7 @@ def _sum_of(path: Path) -> Path:
 def _sound(path: Path) -> bool:
     """Return whether a library is as it was built: one cut short would end this process."""
     try:
-        return sha256(path) == _sum_of(path).read_text()
+        return sha256(path) == read_regular(_sum_of(path), 100).decode()
     except (OSError, ValueError):
         return False
 
@@ -185,7 +218,7 @@ def _compile(path: Path, headers: Path) -> None:
     tried = []
     for compiler, extra in itertools.product(compilers(), (NATIVE, ())):
         try:
-            path.parent.mkdir(parents=True, exist_ok=True)
+            make_private(path.parent)
             with tempfile.TemporaryDirectory(dir=path.parent) as folder:
                 made = Path(folder) / path.name
                 flags = (*FLAGS, *extra, f"-I{headers}")

@@ -21,7 +21,7 @@ import numpy as np
 
 from morph.arrays import Array, Integers
 from morph.errors import RecordingError
-from morph.record.read.file import MOST_COLUMNS
+from morph.record.limits import MOST_COLUMNS
 from morph.record.read.messages import ARRAY, NAMED, POSE, plain
 from morph.record.read.table import Table, listed
 from morph.record.read.topic import Topic

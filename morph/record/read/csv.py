@@ -3,24 +3,27 @@
 from __future__ import annotations
 
 import csv
-import gzip
 import io
-import zlib
-from collections.abc import Sequence
+from array import array
+from collections import Counter
+from collections.abc import Iterator
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
 
 from morph.arrays import Array
 from morph.errors import RecordingError
-from morph.record.read.file import read_bytes
-from morph.record.read.table import Column, Table, number
+from morph.record.limits import MOST_COLUMNS, most_unpacked, too_much
+from morph.record.read.file import size_of
+from morph.record.read.table import Column, Table, Text, listed, number
+from morph.record.read.text import read_text
 
-MOST_TEXT = 512 * 2**20
-"""Most bytes of text, once unpacked."""
+BLOCK = 100_000
+"""Cells that are held as texts at once; each takes ten times what its number does."""
 
-MOST_LINES = 5_000_000
-"""Most lines: an hour at 1 kHz has 3.6 million."""
+Row = tuple[int, list[str]]
+"""The number of a line, from 1, and its fields."""
 
 
 def read_csv(path: Path) -> Table:
@@ -30,134 +33,173 @@ def read_csv(path: Path) -> Table:
     A first line of numbers alone is data: the columns then have no names.
 
     Raises:
-        RecordingError: The file is missing, empty, truncated or not text, or its
-            lines differ in their number of fields.
+        RecordingError: The file is missing, empty, truncated or not text, its lines differ in
+            their number of fields, or it has more columns or numbers than are read.
     """
-    text = _text(path)
-    lines = text.split("\n")
-    while lines and not lines[-1].strip():
-        lines.pop()
-    if not lines:
+    text = read_text(path)
+    if not text or text.isspace():
         raise RecordingError(
             "the file is empty", where=str(path), fix="record the episode again, or leave it out"
         )
-    delimiter = max(",;\t", key=lines[0].count)
-    header = _rows(path, lines[:1], delimiter)[0][1]
+    start = text[: text.find(b"\n")] if b"\n" in text else text
+    delimiter = max(",;\t", key=lambda each: start.count(each.encode()))
+    _check_width(path, start.count(delimiter.encode()) + 1)
+    header = next(_rows(path, start, delimiter), (1, [start.decode()]))[1]
     names = () if _all_numbers(header) else tuple(cell.strip() for cell in header)
     _check_names(path, names)
     first = 1 if names else 0
-    if len(lines) == first:
+    lines = text.count(b"\n") + 1
+    if lines == first:
         raise RecordingError(
             "the file has a header and no samples",
             where=f"{path}, line 1",
             fix="record the episode again, or leave it out",
         )
-    plain = _plain(lines, first, len(header), delimiter)
+    needed, most = lines * len(header) * 8, most_unpacked(size_of(path))
+    if needed > most:
+        raise too_much(
+            f"{lines} lines of {len(header)} columns take {needed} bytes, of which {most} are read",
+            str(path),
+        )
+    plain = _plain(text, first, lines, len(header), delimiter)
     if plain is not None:
-        numbers = np.arange(first + 1, len(lines) + 1, dtype=np.int64)
+        numbers = np.arange(first + 1, lines + 1, dtype=np.int64)
         return Table(path=path, names=names, columns=tuple(plain.T), lines=numbers)
-    rows = _rows(path, lines, delimiter)[first:]
-    if not rows:
-        raise RecordingError(
-            "the file has a header and not one sample",
-            where=str(path),
-            fix="record the episode again, or leave it out",
-        )
-    return _careful(path, names, rows, len(header))
+    return _careful(path, names, islice(_rows(path, text, delimiter), first, None), len(header))
 
 
-def _text(path: Path) -> str:
-    data = read_bytes(path)
-    try:
-        if data[:2] == b"\x1f\x8b" or path.suffix == ".gz":
-            with gzip.open(io.BytesIO(data)) as packed:
-                data = packed.read(MOST_TEXT + 1)
-        _check_size(path, len(data), data.count(b"\n"))
-        text = data.decode("utf-8-sig")
-    except (EOFError, OSError, zlib.error) as error:
+def _check_width(path: Path, width: int) -> None:
+    if width > MOST_COLUMNS:
         raise RecordingError(
-            f"the compressed file is truncated or damaged: {error}",
-            where=str(path),
-            fix="copy the file again; what is left of it is not read",
-        ) from error
-    except UnicodeDecodeError as error:
-        raise RecordingError(
-            f"the file is not text: byte {error.start} is {error.object[error.start]:#04x}",
-            where=str(path),
-            fix="give a CSV file in UTF-8, or name the file by what it holds",
-        ) from error
-    return text.replace("\r\n", "\n").replace("\r", "\n")
-
-
-def _check_size(path: Path, size: int, lines: int) -> None:
-    if size > MOST_TEXT or lines > MOST_LINES:
-        raise RecordingError(
-            f"the text has more than {MOST_TEXT} bytes or {MOST_LINES} lines",
-            where=str(path),
-            fix="cut the recording into episodes, or save it as Parquet",
+            f"the first line has {width} fields; a file has {MOST_COLUMNS} columns at most",
+            where=f"{path}, line 1",
+            fix="write a line for each sample, or leave out the columns that nobody needs",
         )
 
 
-def _plain(lines: list[str], first: int, width: int, delimiter: str) -> Array | None:
+def _plain(text: bytes, first: int, lines: int, width: int, delimiter: str) -> Array | None:
     """Return the numbers, shape (rows, columns), or None if a line is anything else."""
     try:
         data: Array = np.loadtxt(
-            lines, delimiter=delimiter, skiprows=first, comments=None, ndmin=2, quotechar='"'
-        )
+            _stream(text), delimiter=delimiter, skiprows=first, comments=None, ndmin=2,
+            quotechar='"',
+        )  # fmt: skip
     except ValueError:
         return None
-    return data if data.shape == (len(lines) - first, width) else None
+    return data if data.shape == (lines - first, width) else None
 
 
-def _rows(path: Path, lines: Sequence[str], delimiter: str) -> list[tuple[int, list[str]]]:
-    """Return the fields of each line that is not blank, with its number from 1."""
-    source = io.StringIO("\n".join(lines), newline="\n")
-    reader = csv.reader(source, delimiter=delimiter, skipinitialspace=True)
-    rows = []
+def _stream(text: bytes) -> io.TextIOWrapper:
+    return io.TextIOWrapper(io.BytesIO(text), encoding="utf-8", newline="\n")
+
+
+def _rows(path: Path, text: bytes, delimiter: str) -> Iterator[Row]:
+    """Give the fields of each line that is not blank, with its number from 1.
+
+    Raises:
+        RecordingError: A line cannot be split.
+    """
+    reader = csv.reader(_stream(text), delimiter=delimiter, skipinitialspace=True)
     try:
         for row in reader:
             if any(cell.strip() for cell in row):
-                rows.append((reader.line_num, row))
+                yield reader.line_num, row
     except csv.Error as error:
         raise RecordingError(
             f"the line cannot be split into fields: {error}",
             where=f"{path}, line {reader.line_num}",
             fix="correct the quotes on this line",
         ) from error
-    return rows or [(1, list(lines[:1]))]
 
 
-def _careful(
-    path: Path, names: tuple[str, ...], rows: list[tuple[int, list[str]]], width: int
-) -> Table:
-    for at, (line, row) in enumerate(rows):
-        if len(row) != width:
-            last = at == len(rows) - 1
-            raise RecordingError(
-                f"the {'last ' if last else ''}line has {len(row)} fields, the first has {width}"
-                + ("; the file seems to be truncated" if last else ""),
-                where=f"{path}, line {line}",
-                fix="copy the file again, or remove this line by hand",
-            )
-    cells = zip(*(row for _, row in rows), strict=True)
+def _careful(path: Path, names: tuple[str, ...], rows: Iterator[Row], width: int) -> Table:
+    cells = [_Cells() for _ in range(width)]
+    lines = array("q")
+    while block := list(islice(rows, max(2, BLOCK // width))):
+        for line, row in block:
+            if len(row) != width:
+                last = (line, row) == block[-1] and next(rows, None) is None
+                raise _ragged(path, line, len(row), width, last)
+        lines.extend(line for line, _ in block)
+        for column, texts in zip(cells, zip(*(row for _, row in block), strict=True), strict=True):
+            column.extend(texts)
+    if not lines:
+        raise RecordingError(
+            "the file has a header and not one sample",
+            where=str(path),
+            fix="record the episode again, or leave it out",
+        )
+    columns = tuple(column.column() for column in cells)
     return Table(
-        path=path,
-        names=names,
-        columns=tuple(_column(column) for column in cells),
-        lines=np.array([line for line, _ in rows], dtype=np.int64),
+        path=path, names=names, columns=columns, lines=np.frombuffer(lines, dtype=np.int64)
     )
 
 
-def _column(cells: tuple[str, ...]) -> Column:
-    lists = all(cell.startswith("[") and cell.rstrip().endswith("]") for cell in cells)
+def _ragged(path: Path, line: int, fields: int, width: int, last: bool) -> RecordingError:
+    return RecordingError(
+        f"the {'last ' if last else ''}line has {fields} fields, the first has {width}"
+        + ("; the file seems to be truncated" if last else ""),
+        where=f"{path}, line {line}",
+        fix="copy the file again, or remove this line by hand",
+    )
+
+
+class _Cells:
+    """The cells of one column as numbers, up to the first that is none."""
+
+    def __init__(self) -> None:
+        self.values = array("d")
+        self.rows = 0
+        self.width = 0
+        """Numbers in each cell; 0 until there is one."""
+        self.lists = False
+        self.text: Text | None = None
+
+    def extend(self, cells: tuple[str, ...]) -> None:
+        """Take in the next cells."""
+        if self.text is not None:
+            return
+        if self.rows == 0:
+            self.lists = _is_list(cells[0])
+        try:
+            if self.lists:
+                for cell in cells:
+                    self._list(cell)
+            else:
+                self.values.extend([number(cell) for cell in cells])
+        except ValueError:
+            at = 0 if self.lists else next(at for at, cell in enumerate(cells) if _is_text(cell))
+            self.text = Text(cell=cells[at][:60], row=self.rows + at)
+            self.values = array("d")
+        self.rows += len(cells)
+
+    def column(self) -> Column:
+        """Return the numbers, the lists of numbers, or that it is text."""
+        if self.text is not None:
+            return self.text
+        values = np.frombuffer(self.values, dtype=np.float64)
+        return values.reshape(self.rows, -1) if self.lists else values
+
+    def _list(self, cell: str) -> None:
+        if not _is_list(cell):
+            raise ValueError(cell)
+        parts = cell.strip()[1:-1].split(",")
+        if not all(map(str.strip, parts)) or self.width not in (0, len(parts)):
+            raise ValueError(cell)
+        self.width = len(parts)
+        self.values.extend([number(part) for part in parts])
+
+
+def _is_list(cell: str) -> bool:
+    return cell.startswith("[") and cell.rstrip().endswith("]")
+
+
+def _is_text(cell: str) -> bool:
     try:
-        if not lists:
-            return np.array([number(cell) for cell in cells])
-        inner = [cell.strip()[1:-1] for cell in cells]
-        data: Array = np.loadtxt(inner, delimiter=",", comments=None, ndmin=2)
+        number(cell)
     except ValueError:
-        return cells
-    return data if len(data) == len(cells) else cells
+        return True
+    return False
 
 
 def _all_numbers(cells: list[str]) -> bool:
@@ -168,10 +210,10 @@ def _all_numbers(cells: list[str]) -> bool:
 
 
 def _check_names(path: Path, names: tuple[str, ...]) -> None:
-    twice = sorted({name for name in names if names.count(name) > 1})
+    twice = sorted(name for name, count in Counter(names).items() if count > 1)
     if twice:
         raise RecordingError(
-            f"the header names a column twice: {', '.join(map(repr, twice))}",
+            f"the header names a column twice: {listed(map(repr, twice))}",
             where=f"{path}, line 1",
             fix="rename one of the two columns",
         )

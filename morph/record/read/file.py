@@ -1,78 +1,84 @@
-"""The bytes of a file, or an error of ours."""
+"""A file that is open, or an error of ours; and the hash of files."""
 
 from __future__ import annotations
 
 import hashlib
+import os
 from collections.abc import Iterable
 from pathlib import Path
+from typing import BinaryIO
 
 from morph.errors import RecordingError
-
-MOST_BYTES = 2 * 1024**3
-"""The most that a file's numbers, or its messages, may take once they are unpacked."""
-MOST_COLUMNS = 10_000
-"""The most columns, topics or data sets of a file."""
+from morph.regular_file import open_regular
 
 
-def read_bytes(path: Path) -> bytes:
-    """Return a file's bytes.
+def opened(path: Path, most: int | None = None) -> BinaryIO:
+    """Return a file that is not empty, open for reading bytes.
+
+    Args:
+        path: The file.
+        most: Most bytes that it may have; None if its reader takes it in piece by piece.
 
     Raises:
-        RecordingError: It is missing, empty, or cannot be read.
+        RecordingError: It is missing, empty, too large, no regular file, or cannot be read.
     """
     try:
-        data = path.read_bytes()
+        file = open_regular(path, most)
     except (OSError, ValueError) as error:
-        raise _unreadable(path, error) from error
-    if not data:
-        raise _empty(path)
-    return data
+        raise RecordingError(
+            f"the file cannot be read: {getattr(error, 'strerror', None) or error}",
+            where=str(path),
+            fix="check the path and, in a recording.toml, its root; name the plain file that the "
+            "logger wrote, or fetch it first",
+        ) from error
+    if not os.fstat(file.fileno()).st_size:
+        file.close()
+        raise RecordingError(
+            "the file is empty", where=str(path), fix="record the episode again, or leave it out"
+        )
+    return file
+
+
+def read_bytes(path: Path, most: int) -> bytes:
+    """Return the bytes of a file that has no more than `most`.
+
+    Raises:
+        RecordingError: As for `opened`.
+    """
+    with opened(path, most) as file:
+        return file.read(most)
 
 
 def size_of(path: Path) -> int:
-    """Return a file's size, in bytes, for readers that do not take it in as a whole.
+    """Return a file's size, in bytes, for readers that open it by its name.
 
     Raises:
-        RecordingError: It is missing, empty, or no plain file.
+        RecordingError: It is missing, empty, no regular file, or cannot be read.
     """
-    try:
-        size = path.stat().st_size
-        plain = path.is_file()
-    except (OSError, ValueError) as error:
-        raise _unreadable(path, error) from error
-    if not plain:
-        raise RecordingError(
-            "this is no plain file", where=str(path), fix="name the file that the logger wrote"
-        )
-    if not size:
-        raise _empty(path)
-    return size
+    with opened(path) as file:
+        return os.fstat(file.fileno()).st_size
 
 
 def hash_of(paths: Iterable[Path]) -> str:
     """Return one SHA-256 over files in the order given; a folder stands for all files in it.
 
-    It is that of `morph.files.sha256_of_files`, which takes files in as a whole.
+    It is that of `morph.files.sha256_of_files`.
+
+    Raises:
+        RecordingError: One cannot be read.
     """
     digest = hashlib.sha256()
     for path in paths:
         inside = sorted(one for one in path.iterdir() if one.is_file()) if path.is_dir() else [path]
         for one in inside:
-            with one.open("rb") as file:
-                while part := file.read(1 << 20):
-                    digest.update(part)
+            try:
+                with open_regular(one) as file:
+                    while part := file.read(1 << 20):
+                        digest.update(part)
+            except OSError as error:
+                raise RecordingError(
+                    f"the file cannot be read: {error.strerror or error}",
+                    where=str(one),
+                    fix="allow reading it, or take it out of the bag's folder",
+                ) from error
     return digest.hexdigest()
-
-
-def _unreadable(path: Path, error: OSError | ValueError) -> RecordingError:
-    return RecordingError(
-        f"the file cannot be read: {getattr(error, 'strerror', None) or error}",
-        where=str(path),
-        fix="check the path and, in a recording.toml, its root; or fetch the file first",
-    )
-
-
-def _empty(path: Path) -> RecordingError:
-    return RecordingError(
-        "the file is empty", where=str(path), fix="record the episode again, or leave it out"
-    )

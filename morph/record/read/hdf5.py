@@ -17,7 +17,8 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.errors import RecordingError
-from morph.record.read.file import MOST_BYTES, size_of
+from morph.record.limits import MEMORY, most_unpacked
+from morph.record.read.file import size_of
 from morph.record.read.table import Table
 from morph.record.recording import Note
 
@@ -65,7 +66,7 @@ def read_episodes(path: Path) -> tuple[tuple[str | None, Table], ...]:
 
 def _ask(path: Path, request: dict[str, Any]) -> tuple[tuple[str | None, Table], ...]:
     """Return what the process finds in a file."""
-    size_of(path)
+    most = most_unpacked(size_of(path))
     try:
         process = subprocess.Popen(
             [sys.executable, "-I", "-S", "-B", "-X", "utf8", "-c", COMMAND, json.dumps(_paths())],
@@ -73,7 +74,7 @@ def _ask(path: Path, request: dict[str, Any]) -> tuple[tuple[str | None, Table],
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
             # Threads that only reckon would take address space from the limit.
-            env={key: os.environ[key] for key in ("LD_LIBRARY_PATH",) if key in os.environ}
+            env={key: os.environ[key] for key in ("LD_LIBRARY_PATH", MEMORY) if key in os.environ}
             | {"OPENBLAS_NUM_THREADS": "1"},
             start_new_session=True,
         )
@@ -89,20 +90,20 @@ def _ask(path: Path, request: dict[str, Any]) -> tuple[tuple[str | None, Table],
                 return ()
             with contextlib.suppress(BrokenPipeError), process.stdin as stdin:
                 stdin.write(json.dumps({"path": str(path), **request}).encode())
-            return tuple(_tables(process.stdout, path))
+            return tuple(_tables(process.stdout, path, most))
         finally:
             with contextlib.suppress(ProcessLookupError, PermissionError):
                 os.killpg(process.pid, signal.SIGKILL)
 
 
-def _tables(answer: Any, path: Path) -> Iterator[tuple[str | None, Table]]:
+def _tables(answer: Any, path: Path, most: int) -> Iterator[tuple[str | None, Table]]:
     """Give each episode of an answer.
 
     Raises:
         RecordingError: The answer is an error, or breaks off.
     """
     while "end" not in (line := _line(answer, path)):
-        columns = [_numbers(answer, path) for _ in line["names"]]
+        columns = [_numbers(answer, path, most) for _ in line["names"]]
         names = tuple(line["names"])
         if not line["named"]:
             names = ()
@@ -111,10 +112,10 @@ def _tables(answer: Any, path: Path) -> Iterator[tuple[str | None, Table]]:
         yield line["key"], Table(path=path, names=names, columns=tuple(columns), notes=notes)
 
 
-def _numbers(answer: BinaryIO, path: Path) -> Array:
+def _numbers(answer: BinaryIO, path: Path, most: int) -> Array:
     """Return the next column of an answer."""
     shape = tuple(_line(answer, path)["shape"])
-    if math.prod(shape) * 8 > MOST_BYTES:
+    if math.prod(shape) * 8 > most:
         raise _damaged(path, f"a column of {shape} numbers")
     numbers = np.empty(shape)
     left = numbers.reshape(-1).view(np.uint8).data

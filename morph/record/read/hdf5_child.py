@@ -7,8 +7,8 @@ import sys
 from pathlib import Path
 from typing import Any
 
-MEMORY_BYTES = 6 * 2**30
-"""Address space of the process: a column as it is stored and as numbers, and the libraries."""
+LIBRARIES_BYTES = 2 * 2**30
+"""Address space that the libraries take, beside a column as it is stored and as numbers."""
 CPU_SECONDS = 10
 """Time of computing after which the system ends the process, for a small file."""
 BYTES_A_SECOND = 10_000_000
@@ -59,9 +59,12 @@ def _say(line: dict[str, Any]) -> None:
 def _limit(path: Path) -> None:
     import resource
 
-    seconds = CPU_SECONDS + path.stat().st_size // BYTES_A_SECOND
+    from morph.record.limits import most_unpacked
+
+    size = path.stat().st_size
+    seconds = CPU_SECONDS + size // BYTES_A_SECOND
     for what, most in (
-        (resource.RLIMIT_AS, MEMORY_BYTES),
+        (resource.RLIMIT_AS, LIBRARIES_BYTES + 2 * most_unpacked(size)),
         (resource.RLIMIT_CPU, seconds),
         (resource.RLIMIT_FSIZE, 0),
         (resource.RLIMIT_CORE, 0),

@@ -18,8 +18,8 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.errors import RecordingError
+from morph.record.limits import MOST_COLUMNS, most_unpacked, too_much
 from morph.record.nearest import nearest
-from morph.record.read.file import MOST_BYTES, MOST_COLUMNS
 from morph.record.read.inflate import check_chunks
 from morph.record.read.table import listed
 
@@ -61,13 +61,13 @@ def numbers_of(block: Block, path: Path) -> Iterator[Array]:
     Raises:
         RecordingError: Their sizes, or how they are packed, are not to be trusted.
     """
-    total = 0
+    total, most = 0, most_unpacked(path.stat().st_size)
     for name, one in block.columns.items():
         total += math.prod(one.shape) * max(one.dtype.itemsize, 8)
-        if total > MOST_BYTES:
+        if total > most:
             shape = " x ".join(map(str, one.shape))
-            why = f"with its {shape} numbers the columns take more than {MOST_BYTES >> 30} GiB"
-            raise _refused(name, why, path)
+            why = f"with its {shape} numbers the columns take more than {most} bytes"
+            raise too_much(f"{name} cannot be read: {why}", f"{path}, {name}")
         why = check_chunks(one)
         if why:
             raise _refused(name, why, path)

@@ -9,8 +9,8 @@ import math
 import zlib
 from typing import Any
 
-MOST_CHUNK = 256 * 1024**2
-"""The greatest chunk, unpacked, in bytes; HDF5's own default is 1 MiB."""
+from morph.record.limits import MOST_CHUNK
+
 MOST_CHUNKS = 1_000_000
 """The most chunks of one data set."""
 DEFLATE, SHUFFLE, FLETCHER32, LZF = 1, 2, 3, 32000

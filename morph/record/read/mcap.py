@@ -7,6 +7,7 @@ index in it is believed, and every size that it declares is checked before memor
 
 from __future__ import annotations
 
+import os
 import struct
 import zlib
 from collections.abc import Iterator
@@ -15,16 +16,13 @@ from pathlib import Path
 from typing import BinaryIO
 
 from morph.errors import RecordingError
-from morph.record.read.file import size_of
+from morph.record.limits import MOST_CHUNK, most_unpacked, too_much
+from morph.record.read.file import opened
 from morph.record.read.topic import Messages, Topic
 from morph.record.read.unpack import unpack
 
 MAGIC = b"\x89MCAP0\r\n"
 HEADER, FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, DATA_END = 0x01, 0x02, 0x03, 0x04, 0x05, 0x06, 0x0F
-MOST_CHUNK = 256 * 1024**2
-"""The greatest size of one chunk, packed or unpacked, in bytes; writers' own are far less."""
-MOST_RATIO = 200
-"""How many times its own size a file may unpack to, beyond one chunk of the greatest size."""
 
 
 def scan_mcap(path: Path, messages: Messages) -> None:
@@ -34,15 +32,9 @@ def scan_mcap(path: Path, messages: Messages) -> None:
         RecordingError: The file is missing, empty, truncated or damaged, or has
             records of absurd size.
     """
-    size = size_of(path)
-    scan = _Scan(path=path, size=size, messages=messages)
-    try:
-        with path.open("rb") as file:
-            scan.file(file)
-    except OSError as error:
-        raise scan.damaged(0, f"it cannot be read: {error.strerror or error}") from error
-    except (struct.error, UnicodeDecodeError, IndexError) as error:
-        raise scan.damaged(scan.at, f"a record does not hold what it should: {error}") from error
+    with opened(path) as file:
+        scan = _Scan(path=path, size=os.fstat(file.fileno()).st_size, messages=messages)
+        scan.run(file)
 
 
 @dataclass(kw_only=True)
@@ -64,6 +56,17 @@ class _Scan:
             where=f"{self.path}, byte {at}",
             fix="copy the file again; if its recorder was stopped short, `mcap recover` mends it",
         )
+
+    def run(self, file: BinaryIO) -> None:
+        """Read the file; what cannot be used is an error of ours."""
+        try:
+            self.file(file)
+        except OSError as error:
+            raise self.damaged(0, f"it cannot be read: {error.strerror or error}") from error
+        except (struct.error, UnicodeDecodeError, IndexError) as error:
+            raise self.damaged(
+                self.at, f"a record does not hold what it should: {error}"
+            ) from error
 
     def file(self, file: BinaryIO) -> None:
         """Read the records of the file up to the end of its data."""
@@ -121,10 +124,13 @@ class _Scan:
         (packed,) = struct.unpack_from("<Q", data, after)
         body = data[after + 8 :]
         self.unpacked += declared
-        if declared > MOST_CHUNK or self.unpacked > MOST_CHUNK + MOST_RATIO * self.size:
-            raise self.damaged(
-                self.at, f"a chunk declares {declared} bytes; a file of {self.size} has no such"
-            )
+        # By what was read of the file so far, so that a bomb is known before it is unpacked.
+        most = most_unpacked(file.tell())
+        if declared > MOST_CHUNK or self.unpacked > most:
+            raise too_much(
+                f"a chunk declares {declared} bytes, {self.unpacked} in all so far, of which "
+                f"{min(most, MOST_CHUNK)} are read", f"{self.path}, byte {self.at}",
+            )  # fmt: skip
         if packed != len(body):
             raise self.damaged(self.at, f"a chunk declares {packed} bytes and has {len(body)}")
         if codec:

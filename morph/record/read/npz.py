@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-import io
+import os
 from pathlib import Path
 
 import numpy as np
 
 from morph.arrays import Array
 from morph.errors import RecordingError
+from morph.npz import load_npz
+from morph.record.limits import most_unpacked, too_much
 from morph.record.nearest import nearest
-from morph.record.read.file import read_bytes
+from morph.record.read.file import opened
 from morph.record.read.table import Table
 
 
@@ -41,23 +43,25 @@ def read_npz(path: Path, key: str | None = None) -> Table:
 
 
 def _arrays(path: Path) -> dict[str, Array]:
-    data = read_bytes(path)
-    try:
-        with np.load(io.BytesIO(data), allow_pickle=False) as file:
-            loaded = {name: np.asarray(file[name]) for name in file.files}
-    # numpy and zipfile raise a dozen unrelated errors on damaged bytes.
-    except Exception as error:
-        raise RecordingError(
-            f"the file is truncated, damaged or not an NPZ of plain numbers: {error}",
-            where=str(path),
-            fix="copy the file again, or save it with numpy.savez and without objects",
-        ) from error
+    with opened(path) as file:
+        most = most_unpacked(os.fstat(file.fileno()).st_size)
+        try:
+            loaded = load_npz(file, most)
+        except OSError as error:
+            raise too_much(error.strerror or str(error), str(path)) from error
+        except ValueError as error:
+            raise RecordingError(
+                f"the file is truncated, damaged or not an NPZ of plain numbers: {error}",
+                where=str(path),
+                fix="copy the file again, or save it with numpy.savez and without objects",
+            ) from error
+    kept: dict[str, Array] = {}
     with np.errstate(over="ignore"):
-        kept = {
-            name: array.astype(np.float64)
-            for name, array in loaded.items()
-            if array.dtype.kind in "fiub" and array.ndim in (1, 2)
-        }
+        for name in tuple(loaded):
+            # Taken out, so that what is converted is not held twice.
+            array = loaded.pop(name)
+            if array.dtype.kind in "fiub" and array.ndim in (1, 2):
+                kept[name] = array.astype(np.float64, copy=False)
     if not kept or not any(array.size for array in kept.values()):
         raise RecordingError(
             "the file holds no array of numbers of one or two dimensions",

@@ -10,9 +10,10 @@ from dataclasses import replace
 from pathlib import Path, PurePosixPath
 
 from morph.errors import RecordingError
+from morph.record.limits import most_unpacked
 from morph.record.nearest import nearest
 from morph.record.read.clocked import KINDS, is_read, tables_of
-from morph.record.read.file import size_of
+from morph.record.read.file import read_bytes, size_of
 from morph.record.read.mcap import scan_mcap
 from morph.record.read.sqlite import scan_sqlite
 from morph.record.read.table import Table, listed
@@ -51,7 +52,9 @@ def read_rosbag(path: Path, wanted: Collection[str] | None = None) -> tuple[Tabl
     """
     files, codec = _files(path)
     messages = Messages(
-        wants=lambda topic: is_read(topic) and _is_wanted(topic, wanted), codec=codec
+        wants=lambda topic: is_read(topic) and _is_wanted(topic, wanted),
+        most=most_unpacked(sum(map(size_of, files))),
+        codec=codec,
     )
     for file in files:
         (scan_mcap if file.name.lower().endswith(".mcap") else scan_sqlite)(file, messages)
@@ -80,10 +83,9 @@ def _files(path: Path) -> tuple[list[Path], str]:
     if not path.is_dir():
         return [path], ""
     metadata = path / METADATA
-    if size_of(metadata) > MOST_METADATA:
-        raise _metadata(metadata, f"it has more than {MOST_METADATA} bytes")
+    data = read_bytes(metadata, MOST_METADATA)
     try:
-        lines = metadata.read_text(encoding="utf-8").splitlines()
+        lines = data.decode().splitlines()
     except UnicodeDecodeError as error:
         raise _metadata(metadata, f"byte {error.start} is no UTF-8") from error
     said = {key.strip(): value for key, _, value in (line.partition(":") for line in lines)}

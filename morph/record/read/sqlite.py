@@ -12,11 +12,10 @@ from pathlib import Path
 from urllib.parse import quote
 
 from morph.errors import RecordingError
+from morph.record.limits import MOST_CHUNK
 from morph.record.read.file import size_of
 from morph.record.read.topic import Messages, Topic
 
-MOST_CELL = 256 * 1024**2
-"""The greatest message or text in the file, in bytes."""
 COLUMNS = {
     "topics": {"id", "name", "type", "serialization_format"},
     "messages": {"topic_id", "timestamp", "data"},
@@ -38,7 +37,7 @@ def scan_sqlite(path: Path, messages: Messages) -> None:
     try:
         name = quote(str(path.absolute()))
         with closing(sqlite3.connect(f"file:{name}?mode=ro&immutable=1", uri=True)) as database:
-            database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, MOST_CELL)
+            database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, MOST_CHUNK)
             database.execute("PRAGMA trusted_schema = OFF")
             _check_tables(database, path)
             _scan(database, path, messages)

@@ -6,15 +6,24 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
 from morph.arrays import Array, Integers
 from morph.errors import RecordingError
 from morph.record.nearest import nearest
 from morph.record.recording import Note
 
-Column = Array | tuple[str, ...]
-"""Numbers of shape (rows,), lists of shape (rows, elements), or cells that are neither."""
+
+@dataclass(frozen=True, kw_only=True)
+class Text:
+    """A column that is not all numbers."""
+
+    cell: str
+    """The first cell that is no number; its first 60 letters."""
+    row: int
+    """In which row it is, from 0."""
+
+
+Column = Array | Text
+"""Numbers of shape (rows,), lists of shape (rows, elements), or text."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,7 +66,7 @@ class Table:
         """
         index = self._index(which)
         column = self.columns[index]
-        if isinstance(column, tuple):
+        if isinstance(column, Text):
             raise self._not_numbers(which, column)
         if element is None:
             if column.ndim == 1:
@@ -89,11 +98,10 @@ class Table:
             fix=f"name a column that is there; the nearest are {near}",
         )
 
-    def _not_numbers(self, which: str | int, cells: tuple[str, ...]) -> RecordingError:
-        row = next((at for at, cell in enumerate(cells) if not _is_number(cell)), 0)
+    def _not_numbers(self, which: str | int, text: Text) -> RecordingError:
         return RecordingError(
-            f"the cell {cells[row][:60]!r} in column {which!r} is not a number",
-            where=self.place(row),
+            f"the cell {text.cell!r} in column {which!r} is not a number",
+            where=self.place(text.row),
             fix="correct the cell, leave it empty if the sample is missing, "
             "or bind another column; cells that hold lists must all be equally long",
         )
@@ -115,10 +123,3 @@ def number(cell: str) -> float:
     if "_" in cell:
         raise ValueError(cell)
     return float(cell) if cell.strip() else float("nan")
-
-
-def _is_number(cell: str) -> bool:
-    try:
-        return bool(np.isfinite(number(cell)))
-    except ValueError:
-        return False

@@ -7,11 +7,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from morph.errors import RecordingError
-from morph.record.read.file import MOST_BYTES, MOST_COLUMNS
+from morph.record.limits import MOST_CHUNK, MOST_COLUMNS, too_much
 from morph.record.read.unpack import unpack
-
-MOST_MESSAGE = 256 * 1024**2
-"""The greatest message, unpacked, in bytes."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,6 +33,8 @@ class Messages:
 
     wants: Wants
     """Whether a topic's messages are to be read."""
+    most: int
+    """Most bytes that they may take."""
     codec: str = ""
     """How each message is compressed by itself; empty if none is."""
     found: dict[Topic, list[tuple[int, bytes]]] = field(default_factory=dict)
@@ -73,19 +72,18 @@ class Messages:
             data = self._unpacked(topic, data, path)
         # Python's own objects around a message take about as much as a small one.
         self.held += len(data) + 128
-        if self.held > MOST_BYTES:
-            raise RecordingError(
-                f"the messages on the topics to be read take more than {MOST_BYTES >> 30} GiB",
-                where=f"{path}, topic {topic.name}",
-                fix="split the bag into episodes, or bind fewer topics",
+        if self.held > self.most:
+            raise too_much(
+                f"the messages on the topics to be read take more than {self.most} bytes",
+                f"{path}, topic {topic.name}",
             )
         self.found[topic].append((time, data))
 
     def _unpacked(self, topic: Topic, data: bytes, path: Path) -> bytes:
-        unpacked = unpack(data, self.codec, MOST_MESSAGE)
+        unpacked = unpack(data, self.codec, min(MOST_CHUNK, self.most))
         if unpacked is None:
             raise RecordingError(
-                f"a message is damaged, has more than {MOST_MESSAGE} bytes, "
+                f"a message is damaged, has more than {min(MOST_CHUNK, self.most)} bytes, "
                 f"or is not compressed by {self.codec}",
                 where=f"{path}, topic {topic.name}, message {len(self.found[topic]) + 1}",
                 fix="copy the bag again, or record it without compression",

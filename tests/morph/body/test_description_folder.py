@@ -19,11 +19,13 @@ from pathlib import Path
 from morph.body.description import read_description
 from morph.errors import MorphError
 
+WATCHED_FOR = ("open", "os.listdir", "os.scandir", "os.mkdir", "os.rename", "os.remove",
+               "os.symlink", "subprocess.Popen", "socket.connect")
 folder, opened, watching = Path(sys.argv[1]).resolve(), [], False
 
 def watch(event, arguments):
-    if watching and event in ("open", "os.listdir", "os.scandir", "os.mkdir", "os.rename",
-                              "os.remove", "os.symlink", "subprocess.Popen", "socket.connect"):
+    # A number is a file that is open: its path was told when it was opened.
+    if watching and not isinstance(arguments[0], int) and event in WATCHED_FOR:
         opened.append((event, str(arguments[0])))
 
 sys.addaudithook(watch)

@@ -7,6 +7,7 @@ import json
 import random
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -124,16 +125,19 @@ print(json.dumps((results, int(peak.split()[1]))))
 
 
 @pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="needs Linux to tell memory")
-def test_what_is_hostile_is_refused_within_a_second_and_200_mb(tmp_path: Path) -> None:
+def test_what_is_hostile_is_refused_within_a_second_and_200_mb(
+    tmp_path: Path, slowness: Callable[[], float]
+) -> None:
     (tmp_path / CANARY).write_text('<!ENTITY a "the canary sang">')
     hostile = refused()
     for name, content in {**hostile, **loaded()}.items():
         written = content if isinstance(content, bytes) else content.encode()
         (tmp_path / f"{name}.urdf").write_bytes(written)
     command = [sys.executable, "-c", READ, str(tmp_path)]
-    done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=120)
+    done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=600)
     results, peak = json.loads(done.stdout)
-    assert {name: took for name, (took, _, _) in results.items() if took > 1.0} == {}
+    given = 2.0 * slowness()
+    assert {name: took for name, (took, _, _) in results.items() if took > given} == {}
     messages = {name: said for name, (_, said, _) in results.items() if said != "loaded"}
     assert messages.keys() == hostile.keys()
     assert all("fix:" in said for said in messages.values())

@@ -43,8 +43,12 @@ def starts(rows: int) -> tuple[Array, Array, Array]:
     return position, velocity, rng.normal(size=(rows, 300, 2))
 
 
+@pytest.mark.parametrize("threads", ["1", "2"])
 @pytest.mark.parametrize("effects", [held_by_mujoco, stepped])
-def test_each_row_is_bit_for_bit_the_run_alone(robot: Robot, effects: object) -> None:
+def test_each_row_is_bit_for_bit_the_run_alone(
+    robot: Robot, effects: object, threads: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("OMP_NUM_THREADS", threads)
     assert callable(effects)
     variants = [compiled(spec_of(robot), effects(row), robot) for row in range(4)]
     # Rows out of order, one variant twice, one not at all.

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import contextlib
 import io
-import zipfile
 from collections.abc import Callable, Mapping
+from pathlib import Path
 
 import numpy as np
 
@@ -13,9 +13,13 @@ from morph.arrays import Array
 from morph.body.pieces import cache_folder
 from morph.errors import MorphError
 from morph.files import sha256, write_whole
+from morph.npz import load_npz
 
 EDITION = "5"
 """Part of every key; raised when the same shapes and settings come to give other figures."""
+
+MOST_STORED = 2**26
+"""Most bytes of what is kept of one body; a hull and its tables have some hundred thousand."""
 
 Values = Mapping[str, Array | float | str]
 
@@ -28,13 +32,13 @@ def kept(parts: tuple[bytes | str, ...], compute: Callable[[], Values]) -> dict[
         compute: Computes them; what it raises goes through.
     """
     path = cache_folder() / "fluid" / f"{sha256(EDITION, *parts)}.npz"
-    found = _stored(path.read_bytes) if path.is_file() else None
+    found = _stored(path)
     if found is None:
         data = _packed(compute())
         # A cache that cannot be written to costs time, not the result.
         with contextlib.suppress(MorphError):
             write_whole(path, data)
-        found = _stored(lambda: data) or {}
+        found = _stored(data) or {}
     return found
 
 
@@ -45,10 +49,9 @@ def _packed(values: Values) -> bytes:
     return sink.getvalue()
 
 
-def _stored(read: Callable[[], bytes]) -> dict[str, Array] | None:
-    """Return the values in a file of the cache, or None if it is damaged."""
+def _stored(source: Path | bytes) -> dict[str, Array] | None:
+    """Return the values in a file of the cache, or None if there is none, or a damaged one."""
     try:
-        with np.load(io.BytesIO(read()), allow_pickle=False) as stored:
-            return {name: stored[name] for name in stored.files}
-    except (OSError, ValueError, EOFError, zipfile.BadZipFile):
+        return load_npz(source, MOST_STORED)
+    except (OSError, ValueError):
         return None

@@ -6,6 +6,7 @@ import io
 import subprocess
 import sys
 import zipfile
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -196,7 +197,7 @@ for case, (ending, content, _, _) in cases.CASES.items():
     except cases.MeshError:
         pass
     seconds = time.process_time() - start
-    if seconds > 1.0:
+    if seconds > float(sys.argv[2]):
         print(f"{case} took {seconds:.2f} s")
 if peak() - before > 200.0:
     print(f"took {peak() - before:.0f} MB above {before:.0f} MB")
@@ -204,9 +205,11 @@ if peak() - before > 200.0:
 
 
 @pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="peaks are read from /proc")
-def test_each_refusal_takes_under_a_second_and_200_megabytes() -> None:
-    command = [sys.executable, "-c", MEASURE, __file__]
-    ended = subprocess.run(command, capture_output=True, text=True, timeout=60, check=True)
+def test_each_refusal_takes_under_a_second_and_200_megabytes(
+    slowness: Callable[[], float],
+) -> None:
+    command = [sys.executable, "-c", MEASURE, __file__, str(2.0 * slowness())]
+    ended = subprocess.run(command, capture_output=True, text=True, timeout=600, check=True)
     assert ended.stdout == ""
 
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import importlib.metadata
 import io
-import time
+from collections.abc import Callable
+from contextlib import AbstractContextManager
 from pathlib import Path
 
 import numpy as np
@@ -55,19 +56,16 @@ def test_trimesh_finds_the_same_volume_centre_and_inertia(real_robots: Path) -> 
     assert compared > 100
 
 
-def test_the_meshes_of_poppy_and_their_facts_take_under_half_a_second(real_robots: Path) -> None:
+def test_the_meshes_of_poppy_and_their_facts_take_a_second(
+    real_robots: Path, processor: Callable[[float], AbstractContextManager[None]]
+) -> None:
     contents = meshes(real_robots / "poppy_humanoid")
-    best, faces = np.inf, 0
-    # Seconds of the processor, the best of three, for the machine may be doing other things.
-    for _ in range(3):
-        start = time.process_time()
+    # Half of it on a machine that does nothing else.
+    with processor(1.0):
         found = [read_mesh(content, path.suffix, str(path)) for path, content in contents.items()]
         facts = [(mesh.volume, mesh.com, mesh.inertia, mesh.watertight) for mesh in found]
-        best = min(best, time.process_time() - start)
-        faces = sum(len(mesh.faces) for mesh in found)
     assert len(facts) >= 52
-    assert faces > 120_000
-    assert best < 0.5
+    assert sum(len(mesh.faces) for mesh in found) > 120_000
 
 
 def test_collada_of_another_makers_robots_has_the_extent_that_trimesh_finds() -> None:

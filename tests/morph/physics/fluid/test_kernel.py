@@ -37,7 +37,7 @@ from morph.sim.simulator import Simulator
 
 if "nothing" in sys.argv:
     kernel.compilers = lambda: ()
-robot = load("swimmer_three_links")
+robot, seconds = load("swimmer_three_links"), float(sys.argv[1])
 water = tuple(
     effect
     for link in robot.links
@@ -49,7 +49,7 @@ water = tuple(
 with warnings.catch_warnings(record=True) as told:
     warnings.simplefilter("always")
     runs = [
-        Simulator(robot, effects).run(seconds=1.0, command={"front": 1.5, "rear": -1.0})
+        Simulator(robot, effects).run(seconds=seconds, command={"front": 1.5, "rear": -1.0})
         for effects in (water, (), water)
     ]
 ends = [[float(run[f"{j.name}.position"][-1]) for j in robot.joints] for run in runs]
@@ -58,10 +58,10 @@ print(json.dumps({"ends": ends, "told": [str(each.message) for each in told]}))
 """A swimmer swims, then in no water at all, then again."""
 
 
-def swum(*arguments: str, **environment: str) -> dict[str, Any]:
+def swum(*arguments: str, seconds: float = 0.02, **environment: str) -> dict[str, Any]:
     """Return how a swimmer ends in a process of its own, and which warnings it gave."""
     done = subprocess.run(
-        [sys.executable, "-c", SWIM, *arguments],
+        [sys.executable, "-c", SWIM, str(seconds), *arguments],
         env={**os.environ, **environment},
         capture_output=True,
         text=True,
@@ -73,7 +73,7 @@ def swum(*arguments: str, **environment: str) -> dict[str, Any]:
 
 
 def test_the_numpy_fluid_swims_as_the_compiled_one() -> None:
-    fast, slow = swum(), swum(MORPH_FLUID_KERNEL="numpy")
+    fast, slow = swum(seconds=1.0), swum(seconds=1.0, MORPH_FLUID_KERNEL="numpy")
     assert fast["told"] == slow["told"] == []
     # 500 steps of sums in another order, each 1e-16 of its terms.
     assert np.array(slow["ends"]) == pytest.approx(np.array(fast["ends"]), abs=1e-9)
@@ -123,14 +123,6 @@ def test_a_dry_variant_beside_wet_ones_does_not_dry_them() -> None:
     assert np.abs(found[0] - found[1]).max() > 0.01
     # And it is gone when nobody swims: MuJoCo compiles nothing while a function in Python stands.
     assert mujoco.get_mjcb_passive() is None
-
-
-@pytest.fixture
-def compiler() -> tuple[str, ...]:
-    """A C compiler."""
-    if not compilers():
-        pytest.skip("there is no C compiler")
-    return compilers()[0]
 
 
 def library(folder: Path, compiler: tuple[str, ...], text: str) -> Path:

@@ -1,7 +1,7 @@
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
+from contextlib import AbstractContextManager
 from pathlib import Path
 
 import h5py
@@ -182,8 +182,8 @@ def words(file: h5py.File, folder: Path) -> None:
         (outside, "lies outside the file: it is a link to 'other.h5'"),
         (virtual, "lies outside the file: it is a view"),
         (raw, "lies outside the file: it is a view"),
-        (vast, "with its 35184372088832 numbers the columns take more than 2 GiB"),
-        (many, "with its 67108864 numbers the columns take more than 2 GiB"),
+        (vast, "with its 35184372088832 numbers the columns take more than 6[0-9]{7} bytes"),
+        (many, "with its 67108864 numbers the columns take more than 6[0-9]{7} bytes"),
         (wide, "its chunks declare 2147483648 bytes each"),
         (bomb, "a chunk unpacks to more than the 2097152 bytes that it declares"),
         (fat, "a chunk of 160 bytes takes 200000 bytes packed"),
@@ -195,18 +195,19 @@ def words(file: h5py.File, folder: Path) -> None:
     ],
 )
 def test_a_file_that_cannot_be_used_is_refused_at_once(
-    tmp_path: Path, spoil: Callable[[h5py.File, Path], None], what: str
+    tmp_path: Path,
+    spoil: Callable[[h5py.File, Path], None],
+    what: str,
+    processor: Callable[[float], AbstractContextManager[None]],
 ) -> None:
     path = tmp_path / "run.h5"
     with h5py.File(path, "w") as file:
         canonical(file)
         spoil(file, tmp_path)
     before = sorted(tmp_path.iterdir())
-    begun = time.perf_counter()
-    with pytest.raises(RecordingError, match=what) as caught:
+    # The 2^45 numbers of one would be read for ever.
+    with processor(3.0), pytest.raises(RecordingError, match=what) as caught:
         load(path)
-    # A process of its own takes 0.2 s; the bomb would take as long again, 2^45 numbers for ever.
-    assert time.perf_counter() - begun < 3.0
     assert str(path) in caught.value.where
     assert caught.value.fix
     assert sorted(tmp_path.iterdir()) == before

@@ -1,9 +1,10 @@
 from __future__ import annotations
 
 import struct
-import time
 import tracemalloc
 import zlib
+from collections.abc import Callable
+from contextlib import AbstractContextManager
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -102,7 +103,7 @@ SPOILT = {
     "only the magic": (MAGIC, "ends without the record", "byte 8"),
     "huge record": (whole(record(9, b"", HUGE)), f"record of {HUGE} bytes is declared", "byte 29"),
     "huge chunk": (whole(chunk(b"a" * 99, "zstd", HUGE)), f"declares {HUGE} bytes", "byte 29"),
-    "large chunk": (whole(chunk(b"a" * 99, "lz4", 2**27)), "cannot be unpacked|differ", "byte 29"),
+    "large chunk": (whole(chunk(b"a" * 99, "lz4", 2**27)), "134217728 in all so far", "byte 29"),
     "chunk too small": (whole(chunk(START, "zstd", 20)), "cannot be unpacked", "byte 29"),
     "other codec": (
         whole(record(6, bytes(28) + text("bz2") + bytes(8))),
@@ -138,13 +139,14 @@ SPOILT = {
 
 
 @pytest.mark.parametrize("name", SPOILT)
-def test_a_spoilt_file_is_refused_at_its_byte_in_little_memory(tmp_path: Path, name: str) -> None:
+def test_a_spoilt_file_is_refused_at_its_byte_in_little_memory(
+    tmp_path: Path, name: str, processor: Callable[[float], AbstractContextManager[None]]
+) -> None:
     data, what, place = SPOILT[name]
     path = tmp_path / "run.mcap"
     path.write_bytes(data)
     tracemalloc.start()
-    begun = time.perf_counter()
-    with pytest.raises(RecordingError, match=what) as caught:
+    with processor(2.0), pytest.raises(RecordingError, match=what) as caught:
         load(path)
     taken = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
@@ -153,7 +155,6 @@ def test_a_spoilt_file_is_refused_at_its_byte_in_little_memory(tmp_path: Path, n
     assert caught.value.fix
     # The declared sizes are up to 2^62 bytes; rosbags' definitions of messages take some 10^7.
     assert taken < 60e6
-    assert time.perf_counter() - begun < 2.0
 
 
 @pytest.mark.parametrize("cut", [0.2, 0.5, 0.9, 0.99])
