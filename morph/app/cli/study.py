@@ -1,0 +1,164 @@
+"""`morph study`: run the cells of a file, keep each result, compare two runs."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections import Counter
+from collections.abc import Sequence
+from pathlib import Path
+
+from morph.app.cli.study_arguments import Study
+from morph.app.cli.words import harmless, say
+from morph.arrays import JSON
+from morph.errors import StudyError
+from morph.files import write_whole
+from morph.study.cell import check_function
+from morph.study.compare import RowDifference, StudyComparison, compare
+from morph.study.encoding import encode_row
+from morph.study.engine import EngineOptions
+from morph.study.file import load_study
+from morph.study.live import in_words, live
+from morph.study.manifest import ROWS, ROWS_SCHEMA, identities
+from morph.study.run import run
+from morph.study.store import FINAL, Result, count
+
+DONE, STOPPED_SHORT, INTERRUPTED = 0, 3, 130
+
+SHOWN = 20
+"""Cells that are listed one by one; JSON has all."""
+
+
+def run_study(asked: Study) -> int:
+    """Run a study's cells, write its rows, and return the exit status.
+
+    Raises:
+        StudyError: The file, the folder or the engine cannot be used.
+        OutputError: A result cannot be written.
+    """
+    study = load_study(asked.file)
+    options = EngineOptions(
+        engine=asked.engine, workers=asked.workers, scheduler=asked.scheduler, job=_job(asked.job)
+    )
+    out = _out(asked, study.name)
+    sys.path[:0] = [str(folder) for folder in study.path]
+    # Before the cells are made: there may be many.
+    check_function(study.function)
+    try:
+        with live(quiet=asked.quiet) as watch:
+            results = run(
+                study.cells,
+                folder=out,
+                name=study.name,
+                options=options,
+                resume=asked.resume,
+                fresh=asked.fresh,
+                stale=asked.stale,
+                watch=watch,
+            )
+    except KeyboardInterrupt:
+        saved = count(out)
+        sys.stderr.write(f"interrupted; {saved} results are saved in {out}: go on with --resume\n")
+        return INTERRUPTED
+    rows = json.dumps({"schema": ROWS_SCHEMA, "rows": [_row(each) for each in results]}, indent=1)
+    write_whole(out / ROWS, rows + "\n")
+    as_before = True
+    if asked.against:
+        as_before = _compare(out, asked.against, asked)
+    elif asked.json:
+        sys.stdout.write(rows + "\n")
+    else:
+        _say_results(results, out)
+    return DONE if as_before and all(each.status in FINAL for each in results) else STOPPED_SHORT
+
+
+def _out(asked: Study, name: str) -> Path:
+    """Return the folder of the results; what it is compared with is looked at before any work."""
+    if asked.out == "":
+        raise StudyError("--out is empty", where="--out", fix="name a folder")
+    out = Path(asked.out) if asked.out else Path("out") / name
+    if asked.against:
+        identities(asked.against)
+        if out.resolve() == asked.against.resolve():
+            raise StudyError(
+                f"{out} would be compared with itself",
+                where="--against",
+                fix="name the folder of another run, or another --out",
+            )
+    return out
+
+
+def _job(options: Sequence[str]) -> dict[str, str | int]:
+    pairs = [each.partition("=") for each in options]
+    for option, (name, equals, _) in zip(options, pairs, strict=True):
+        if not (name.isidentifier() and equals):
+            raise StudyError(
+                f"--job must be NAME=VALUE, got {option!r}",
+                where="--job",
+                fix="write, for example, --job timeout_min=60",
+            )
+    return {name: int(value) if value.isdecimal() else value for name, _, value in pairs}
+
+
+def _row(result: Result) -> JSON:
+    return {
+        "function": result.cell.function,
+        "case": result.cell.encoded,
+        "status": result.status,
+        "row": encode_row(result.row),
+        "error": result.error,
+        "seconds": result.seconds,
+        "stale": result.stale,
+    }
+
+
+def _say_results(results: Sequence[Result], out: Path) -> None:
+    counts = Counter(each.status for each in results)
+    lines = [f"{len(results)} cells: {', '.join(f'{n} {status}' for status, n in counts.items())}"]
+    stale = sum(each.stale for each in results)
+    if stale:
+        lines.append(f"{stale} rows were made by other code and are marked stale")
+    lines += _listed([in_words(each) for each in results if each.status != "done"])
+    lines.append(f"rows: {out / ROWS}")
+    say((harmless(line), "") for line in lines)
+
+
+def _compare(out: Path, against: Path, asked: Study) -> bool:
+    """Say how the rows differ from another run's, and return whether they are equal."""
+    comparison = compare(out, against, without=frozenset(asked.ignore))
+    if asked.json:
+        sys.stdout.write(json.dumps(encode_row(comparison), indent=1) + "\n")
+    else:
+        _say_comparison(comparison)
+    return comparison.equal
+
+
+def _say_comparison(comparison: StudyComparison) -> None:
+    different = [
+        f"{words}: {each.entry} {_difference(each)}"
+        for words, differences in comparison.different
+        for each in differences
+    ]
+    lines = [
+        f"{comparison.same} cells the same, {len(comparison.different)} different, "
+        f"{len(comparison.missing_first)} missing in this run, "
+        f"{len(comparison.missing_second)} in --against",
+        *_listed(different),
+        *_listed([f"missing in this run: {words}" for words in comparison.missing_first]),
+        *_listed([f"missing in --against: {words}" for words in comparison.missing_second]),
+    ]
+    say((harmless(line), "") for line in lines)
+
+
+def _difference(each: RowDifference) -> str:
+    if each.only == "first":
+        return f"{each.first!r} in this run only"
+    if each.only == "second":
+        return f"{each.second!r} in --against only"
+    apart = "" if each.by is None else f", {each.by:.3g} apart"
+    return f"{each.first!r} and {each.second!r}{apart}"
+
+
+def _listed(lines: Sequence[str]) -> list[str]:
+    more = [f"and {len(lines) - SHOWN} more"] if len(lines) > SHOWN else []
+    return [f"  {line}" for line in [*lines[:SHOWN], *more]]
