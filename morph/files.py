@@ -9,13 +9,20 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from morph.errors import OutputError
+from morph.regular_file import open_regular
 
 
-def write_whole(path: Path, content: str | bytes) -> Path:
+def write_whole(path: Path, content: str | bytes, *, durable: bool = True) -> Path:
     """Write a file under a temporary name beside it, then rename it into place.
 
     A reader sees the old file or the new one, never a part: rename within one
     folder is atomic on POSIX file systems.
+
+    Args:
+        path: The file.
+        content: What it will hold.
+        durable: Whether it is on the disk when this returns, which takes some milliseconds.
+            If not, a power failure may leave it empty.
 
     Returns:
         The path written.
@@ -30,8 +37,9 @@ def write_whole(path: Path, content: str | bytes) -> Path:
         handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
         with os.fdopen(handle, "wb") as file:
             file.write(data)
-            file.flush()
-            os.fsync(file.fileno())
+            if durable:
+                file.flush()
+                os.fsync(file.fileno())
         os.chmod(temporary, 0o644)
         os.replace(temporary, path)
     except OSError as error:
@@ -50,8 +58,12 @@ def sha256(*parts: bytes | str | Path) -> str:
     """Return the SHA-256 of texts, bytes and files' contents in order, as hex."""
     digest = hashlib.sha256()
     for part in parts:
-        data = part.read_bytes() if isinstance(part, Path) else part
-        digest.update(data.encode() if isinstance(data, str) else data)
+        if isinstance(part, Path):
+            with open_regular(part) as file:
+                while piece := file.read(1 << 20):
+                    digest.update(piece)
+        else:
+            digest.update(part.encode() if isinstance(part, str) else part)
     return digest.hexdigest()
 
 

@@ -8,16 +8,16 @@ from typing import Any
 
 import numpy as np
 
-from morph.body.mesh import read_mesh
-from morph.body.mesh.limits import LARGEST
+from morph.body.mesh import mesh_content, read_mesh
 from morph.body.table import Place, read_table
 from morph.errors import MakeError, MeshError, RobotError
 from morph.make.content import Package
 from morph.make.packed import FILE, SCHEMA, Packed, PackedPart
 from morph.make.unpack import unpacked
+from morph.regular_file import open_regular, read_regular
 from print.mesh import Mesh
 
-MOST_BYTES = 32 * 2**20
+MOST_BYTES = 8 * 2**20
 """Largest `package.json`; that of the humanoid has about one million bytes."""
 
 MOST_PARTS = 5000
@@ -40,7 +40,7 @@ def read_package(folder: str | Path) -> Package:
 def is_package(folder: Path) -> bool:
     """Return whether a folder holds a package of ours, however damaged."""
     try:
-        with (folder / FILE).open("rb") as file:
+        with open_regular(folder / FILE) as file:
             return SCHEMA.encode() in file.read(4096)
     except OSError:
         return False
@@ -53,15 +53,13 @@ def read_packed(path: Path) -> Packed:
         MakeError: There is none, or it is damaged or too large.
     """
     try:
-        if not path.is_file():
-            raise MakeError(
-                "there is no package",
-                where=str(path),
-                fix="name a folder that `morph print` wrote",
-            )
-        if path.stat().st_size > MOST_BYTES:
-            raise _bad(path, f"it has more than {MOST_BYTES} bytes")
-        said = json.loads(path.read_bytes(), parse_constant=_no_number)
+        said = json.loads(read_regular(path, MOST_BYTES), parse_constant=_no_number)
+    except FileNotFoundError as error:
+        raise MakeError(
+            "there is no package",
+            where=str(path),
+            fix="name a folder that `morph print` wrote",
+        ) from error
     except OSError as error:
         raise _bad(path, f"it cannot be read: {error.strerror or error}") from error
     except (ValueError, RecursionError) as error:
@@ -94,9 +92,7 @@ def _mesh(folder: Path, part: PackedPart) -> Mesh | None:
     try:
         if not path.resolve().is_relative_to(folder.resolve()):
             raise _bad(folder / FILE, f"the file {part.file!r} is not in the package")
-        if path.stat().st_size > LARGEST:
-            raise _bad(path, f"it has more than {LARGEST} bytes")
-        found = read_mesh(path.read_bytes(), ".stl", str(path)).merged
+        found = read_mesh(mesh_content(path), ".stl", str(path)).merged
     except MeshError as error:
         raise MakeError(error.what, where=error.where, fix=error.fix) from error
     except OSError as error:

@@ -16,6 +16,7 @@ from morph.make.content import Package
 from morph.make.link_mass import LinkMass
 from morph.make.masses import link_masses
 from morph.make.package import DESIGNED, ROBOT, write_content, write_printed
+from morph.make.package_folder import CONTENT
 from morph.make.packed import FILE
 from morph.make.policies import matched_again
 from morph.make.reading import read_packed
@@ -136,7 +137,7 @@ def _copy(source: Path, folder: Path, *, but: Sequence[str]) -> None:
     """Copy what a package holds, but for some of it."""
     try:
         for each in sorted(source.iterdir()):
-            if each.name in but or each.is_symlink():
+            if each.name not in CONTENT or each.name in but or each.is_symlink():
                 continue
             if each.is_dir():
                 shutil.copytree(each, folder / each.name, symlinks=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
+from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -30,17 +31,21 @@ def run_align(asked: Align) -> int:
     """
     from morph.app.cli.align_learn import check_map, learned
     from morph.app.cli.loop_beat import beating
+    from morph.run_folder import lock_run_folder
 
     # Whatever the command line got wrong is told before any work is done.
     began = time.monotonic()
     _check_numbers(asked)
     check_map(asked.map)
     out = _out(asked)
-    with beating(asked.quiet) as told:
-        source, target = _sides(asked, told)
-        found = learned(asked, source, target, told, began=began, command=command(asked))
-    if out is not None:
-        _write(found, out, fresh=asked.fresh)
+    with nullcontext() if out is None else lock_run_folder(out):
+        # What held it before may have left an alignment.
+        _out(asked)
+        with beating(asked.quiet) as told:
+            source, target = _sides(asked, told)
+            found = learned(asked, source, target, told, began=began, command=command(asked))
+        if out is not None:
+            _write(found, out, fresh=asked.fresh)
     _say(asked, found)
     return UNSAFE if found.guard.verdict == "unsafe" else DONE
 
@@ -75,11 +80,11 @@ def _out(asked: Align) -> Path | None:
     """Return the folder to write to, once it may be written to; None if there is none."""
     if asked.out is None:
         return None
-    from morph.app.cli.transfer_folder import ALIGN, check_out
+    from morph.app.cli.outputs import ALIGN, check_out
     from morph.errors import OutputError
 
     out = check_out(asked.out, ALIGN)
-    if (out / ALIGN.marks[0]).is_file() and not asked.fresh:
+    if (out / ALIGN.results[0]).is_file() and not asked.fresh:
         raise OutputError(
             "the folder holds an alignment already",
             where=asked.out,
@@ -111,17 +116,17 @@ def _sides(asked: Align, told: Stages) -> tuple[Side, Side]:
 
 
 def _write(found: Aligned, out: Path, *, fresh: bool) -> None:
-    from morph.app.cli.transfer_folder import ALIGN, alone, clear
+    from morph.app.cli.outputs import ALIGN, claim, clear
     from morph.app.report.align.files import write_align
 
-    with alone(out):
-        if fresh:
-            clear(out, ALIGN, kept=True)
-        try:
-            write_align(found, out)
-        except BaseException:
-            clear(out, ALIGN, kept=True)
-            raise
+    if fresh:
+        clear(out, ALIGN, progress=True)
+    claim(out, ALIGN, results=True)
+    try:
+        write_align(found, out)
+    except BaseException:
+        clear(out, ALIGN, progress=True)
+        raise
 
 
 def _say(asked: Align, found: Aligned) -> None:

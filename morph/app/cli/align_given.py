@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import io
-import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,6 +14,7 @@ from align.samples import Pairs, Transitions
 from morph.app.cli.words import harmless
 from morph.errors import TransferError
 from morph.files import sha256
+from morph.npz import load_npz
 from morph.transfer.body import Body
 from morph.transfer.parts import Names, Spreads, names_of
 from morph.transfer.relay import tried
@@ -144,33 +143,10 @@ def _some(whole: Transitions, which: slice) -> Transitions:
 
 def _arrays(path: Path, option: str) -> dict[str, Any]:
     try:
-        data = _bytes(path)
-        # Objects would be pickles, which may run anything.
-        with np.load(io.BytesIO(data), allow_pickle=False) as held:
-            arrays = {name: held[name] for name in held.files}
-    # numpy and zipfile raise a dozen unrelated errors on damaged bytes.
-    except Exception as error:
-        told = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
-        raise _refused(path, option, f"it cannot be read: {told or 'it is damaged'}") from error
-    for name, value in arrays.items():
-        if not isinstance(value, np.ndarray):
-            raise _refused(path, option, f"{name} is no array")
-    return arrays
-
-
-def _bytes(path: Path) -> bytes:
-    """Return a file's bytes, once it is small enough, and also what is packed in it."""
-    # Of a pipe one would wait for ever.
-    if path.exists() and not path.is_file():
-        raise ValueError("it is no file")
-    if path.stat().st_size > MOST_BYTES:
-        raise ValueError(f"it is larger than {MOST_BYTES} bytes")
-    data = path.read_bytes()
-    with zipfile.ZipFile(io.BytesIO(data)) as archive:
-        size = sum(each.file_size for each in archive.infolist())
-    if size > MOST_BYTES:
-        raise ValueError(f"it is larger than {MOST_BYTES} bytes")
-    return data
+        return load_npz(path, MOST_BYTES)
+    except (OSError, ValueError) as error:
+        told = getattr(error, "strerror", None) or str(error)
+        raise _refused(path, option, f"it cannot be read: {told}") from error
 
 
 def _numbers(path: Path, option: str, name: str, value: Any) -> Any:

@@ -26,10 +26,22 @@ def run_diagnose(asked: Diagnose) -> int:
         MorphError: An input cannot be used or the result cannot be written.
     """
     from morph.app.report.files import check_out, diagnosis_text, write_diagnosis
+    from morph.run_folder import lock_run_folder
 
     # Whatever the command line got wrong is told before any work is done.
     check_out(asked.out)
     horizon, vary = _horizon(asked.horizon), _vary(asked.vary)
+    with lock_run_folder(asked.out, beside=True):
+        found = _diagnosed(asked, horizon, vary)
+        write_diagnosis(found, asked.out)
+    if asked.json:
+        sys.stdout.write(diagnosis_text(found))
+    else:
+        sys.stdout.write(in_words(found, asked.out) + "\n")
+    return 3 if found.stopped_short else 0
+
+
+def _diagnosed(asked: Diagnose, horizon: float | None, vary: dict[str, float]) -> Diagnosis:
     robot = load_robot(asked.robot)
     fitted, aside = _recordings(asked, robot)
     from morph.model.diagnose import diagnose
@@ -44,13 +56,7 @@ def run_diagnose(asked: Diagnose) -> int:
         seed=asked.seed,
         progress=None if asked.quiet else _Progress(),
     )
-    found = replace(found, provenance={**found.provenance, "command": _command(asked)})
-    write_diagnosis(found, asked.out)
-    if asked.json:
-        sys.stdout.write(diagnosis_text(found))
-    else:
-        sys.stdout.write(in_words(found, asked.out) + "\n")
-    return 3 if found.stopped_short else 0
+    return replace(found, provenance={**found.provenance, "command": _command(asked)})
 
 
 def in_words(found: Diagnosis, out: Path) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from morph.app.cli.kept import STATE, Before
+from morph.app.cli.search_checkpoint import STATE, Before
 from morph.errors import OutputError, StateError
 
 SPOILT = (

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import shlex
 import sys
 import time
@@ -12,10 +11,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from morph.app.cli.arguments import Learn
-from morph.errors import OutputError, SearchError
+from morph.errors import SearchError
 
 if TYPE_CHECKING:
-    from morph.app.cli.kept import Before, Kept
+    from morph.app.cli.search_checkpoint import Before, Checkpoint
     from morph.app.report.learn.outcome import Outcome
     from morph.search.search import Learned, Search, State, Trial
     from morph.task.task import Task
@@ -30,34 +29,47 @@ def run_learn(asked: Learn) -> int:
         MorphError: An input cannot be used, the search cannot be made, or a result cannot be
             written.
     """
-    from morph.app.cli.kept import OURS, RESULTS, Before, Kept, check_out, clear
+    from morph.app.cli.outputs import LEARN, check_out
+    from morph.run_folder import lock_run_folder
 
     # Whatever the command line got wrong is told before any work is done.
-    out = _checked(asked)
-    check_out(out)
+    _check_numbers(asked)
+    out = check_out(asked.out, LEARN)
     # Both names are checked before a robot is read, which takes longer.
     _check_names(asked)
     task = _task(asked)
     search = _search(asked, task)
-    kept = Kept(out, _key(asked, task, search))
-    before = Before() if asked.fresh else kept.before()
+    with lock_run_folder(out):
+        # What held it before may have left something else there.
+        check_out(asked.out, LEARN)
+        return _run(asked, task, search, out)
+
+
+def _run(asked: Learn, task: Task, search: Search, out: Path) -> int:
+    """Search in a folder that nobody else works in, and return the exit status."""
+    from morph.app.cli.outputs import LEARN, claim, clear
+    from morph.app.cli.search_checkpoint import Before, Checkpoint
+
+    checkpoint = Checkpoint(out, _key(asked, task, search))
+    before = Before() if asked.fresh else checkpoint.before()
     status = None if asked.fresh else _already(asked, out)
     if status is not None:
         return status
     try:
-        learned, took = _searched(asked, task, search, kept, before)
+        learned, took = _searched(asked, task, search, checkpoint, before)
         if asked.fresh:
             # Had the search told nothing, what is there would still be the earlier one's.
-            clear(out, (*RESULTS, *OURS))
-        kept.write()
-        outcome = _written(asked, task, search, learned, kept.trials, took)
+            clear(out, LEARN, progress=True)
+        claim(out, LEARN, results=True)
+        checkpoint.write()
+        outcome = _written(asked, task, search, learned, checkpoint.trials, took)
     except KeyboardInterrupt:
-        return _interrupted(out, kept)
+        return _interrupted(out, checkpoint)
     _say(asked, outcome)
     return DONE if outcome.succeeded else STOPPED_SHORT
 
 
-def _checked(asked: Learn) -> Path:
+def _check_numbers(asked: Learn) -> None:
     if asked.trials is not None and asked.trials < 1:
         raise SearchError(
             f"a search of {asked.trials} trials learns nothing",
@@ -66,10 +78,6 @@ def _checked(asked: Learn) -> Path:
         )
     if asked.seed < 0:
         raise SearchError(f"{asked.seed} is no seed", where="--seed", fix="give 0 or more")
-    if not asked.out.strip():
-        # As a path it would be the folder where one stands.
-        raise OutputError("no folder is named", where="--out", fix="name a new or an empty folder")
-    return Path(asked.out)
 
 
 def _task(asked: Learn) -> Task:
@@ -117,27 +125,14 @@ def _key(asked: Learn, task: Task, search: Search) -> dict[str, str]:
 
 def _already(asked: Learn, out: Path) -> int | None:
     """Return the status of a finished search, told once more; None if there is more to do."""
-    from morph.app.cli.kept import RECORD, STATE
+    from morph.app.cli.search_checkpoint import record_of
     from morph.app.cli.words import harmless
 
-    if not (out / RECORD).is_file():
+    before = record_of(out)
+    if before is None:
         return None
-    try:
-        text = (out / RECORD).read_text(encoding="utf-8")
-        said = json.loads(text)
-        same, succeeded = said["asked_trials"] == asked.trials, bool(said["succeeded"])
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise OutputError(
-            f"it is no record of a search: {error}",
-            where=str(out / RECORD),
-            fix="begin anew by --fresh, or name a new folder",
-        ) from error
-    if not (out / STATE).is_file():
-        raise OutputError(
-            "the folder holds a finished search without its state",
-            where=str(out),
-            fix="begin anew by --fresh, or name a new folder",
-        )
+    text, said = before
+    same, succeeded = said.get("asked_trials") == asked.trials, bool(said.get("succeeded"))
     if not same:
         return None
     if asked.json:
@@ -152,7 +147,7 @@ def _already(asked: Learn, out: Path) -> int | None:
 
 
 def _searched(
-    asked: Learn, task: Task, search: Search, kept: Kept, before: Before
+    asked: Learn, task: Task, search: Search, checkpoint: Checkpoint, before: Before
 ) -> tuple[Learned, float]:
     """Return what the search found, and how long it took, the time before an interrupt too."""
     from morph.app.cli.going_on import going_on
@@ -170,15 +165,15 @@ def _searched(
         def told(trial: Trial, state: State) -> None:
             # By this clock, which has run on since before the interrupt.
             trial = replace(trial, seconds=time.perf_counter() - began)
-            kept.add(trial, state)
+            checkpoint.add(trial, state)
             show(trial)
 
-        with going_on(kept.out, before):
+        with going_on(checkpoint.out, before):
             learned = search.run(
                 problem, seed=asked.seed, trials=asked.trials, told=told, state=before.state
             )
-    known = {trial.number for trial in kept.trials}
-    kept.trials += [trial for trial in learned.trials if trial.number not in known]
+    known = {trial.number for trial in checkpoint.trials}
+    checkpoint.trials += [trial for trial in learned.trials if trial.number not in known]
     return learned, time.perf_counter() - began
 
 
@@ -212,14 +207,14 @@ def _written(
     return write_learned(outcome, Path(asked.out), see=_see(asked, task))
 
 
-def _interrupted(out: Path, kept: Kept) -> int:
+def _interrupted(out: Path, checkpoint: Checkpoint) -> int:
     from morph.app.cli.words import harmless
 
-    kept.write()
+    checkpoint.write()
     sys.stderr.write(
-        f"interrupted after {len(kept.trials)} trials; the same command goes on from there, "
+        f"interrupted after {len(checkpoint.trials)} trials; the same command goes on from there, "
         f"by {harmless(str(out))}/state.npz\n"
-        if kept.trials
+        if checkpoint.trials
         else "interrupted; nothing was written\n"
     )
     return INTERRUPTED

@@ -30,13 +30,14 @@ def run_loop(asked: Loop) -> int:
             written.
     """
     from morph.app.cli.aim import check_choice, live_aim, told_aim
-    from morph.app.cli.loop_folder import RECORDED, check_out
-    from morph.app.cli.loop_key import alone, check_fresh
+    from morph.app.cli.loop_key import check_fresh
+    from morph.app.cli.outputs import LOOP, RECORDED, check_out
+    from morph.run_folder import lock_run_folder
 
     # Whatever the command line got wrong is told before any work is done.
     _check_numbers(asked)
     kind = check_choice(asked)
-    out = check_out(asked.out)
+    out = check_out(asked.out, LOOP)
     check_fresh(asked, out)
     task = _task(asked)
     if kind == "recorded":
@@ -50,19 +51,20 @@ def run_loop(asked: Loop) -> int:
         aim = told_aim(asked, task)
     elif kind == "live":
         aim = live_aim(asked, task, out / RECORDED)
-    with alone(out):
+    with lock_run_folder(out):
         return _run(asked, task, given, aim, out)
 
 
 def _run(asked: Loop, task: Task, given: Policy | None, aim: Aim | None, out: Path) -> int:
     """Carry a policy in a folder that nobody else works in, and return the exit status."""
     from morph.app.cli.loop_beat import beating
-    from morph.app.cli.loop_folder import clear
     from morph.app.cli.loop_key import keep_of, key_of
     from morph.app.cli.loop_said import already
+    from morph.app.cli.outputs import LOOP, claim, clear
 
     if asked.fresh:
-        clear(out, trials=True)
+        clear(out, LOOP, progress=True)
+    claim(out, LOOP, results=False)
     keep = keep_of(out, task, key_of(asked, task, given, aim))
     status = already(asked, out, task)
     if status is not None:
@@ -134,8 +136,8 @@ def _carried(
 ) -> Outcome:
     """Return what came of all trials, written."""
     from morph.app.cli.aim import conduct_notes, live_of, sealed_aim
-    from morph.app.cli.loop_folder import clear
     from morph.app.cli.loop_source import source
+    from morph.app.cli.outputs import LOOP, claim, clear
     from morph.app.report.loop.files import write_loop
     from morph.app.report.loop.words import round_said
     from morph.transfer.loop import Loop as Trials
@@ -172,7 +174,8 @@ def _carried(
     outcome = _judged(asked, task, policy, aim, done, stopped, (*notes, *noticed))
     told.now("writing the report")
     # Results of fewer trials would be taken for these.
-    clear(keep.out, trials=False)
+    clear(keep.out, LOOP, progress=False)
+    claim(keep.out, LOOP, results=True)
     return write_loop(outcome, keep.out)
 
 
@@ -221,12 +224,13 @@ def _ended(error: BaseException, out: Path) -> int:
     Raises:
         MorphError: It was not interrupted, but cannot go on.
     """
-    from morph.app.cli.loop_folder import SOURCE, clear, finished
+    from morph.app.cli.loop_said import finished
+    from morph.app.cli.outputs import LOOP, SOURCE, clear
     from morph.app.cli.words import harmless
 
     tried, learned = finished(out), (out / SOURCE[0]).is_file()
     if not tried and not (learned and isinstance(error, KeyboardInterrupt)):
-        clear(out, trials=True)
+        clear(out, LOOP, progress=True)
     pressed = isinstance(error, TrialStopped) and error.pressed
     if not (pressed or isinstance(error, KeyboardInterrupt)):
         raise error

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import fcntl
-import os
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import IO, TYPE_CHECKING
+from typing import TYPE_CHECKING
 
 from morph.app.cli.arguments import Loop
-from morph.app.cli.loop_folder import LOCK, RESULTS, cannot
+from morph.app.cli.outputs import LOOP
 from morph.errors import OutputError
 
 if TYPE_CHECKING:
@@ -68,7 +65,7 @@ def check_fresh(asked: Loop, out: Path) -> None:
     if not asked.fresh:
         return
     here = out.resolve()
-    results = {here / name for name in RESULTS}
+    results = {here / name for name in LOOP.results}
     lost = [("--robot", asked.robot), ("--effects", asked.effects)]
     given = [name for name, path in lost if path is not None and Path(path).resolve() in results]
     if asked.policy is not None and Path(asked.policy).resolve().is_relative_to(here):
@@ -79,45 +76,3 @@ def check_fresh(asked: Loop, out: Path) -> None:
             where=str(out),
             fix="name another folder by --out, or copy it elsewhere first",
         )
-
-
-@contextmanager
-def alone(out: Path) -> Iterator[None]:
-    """Hold a folder, so that no other loop works in it; one that it made goes again if empty.
-
-    Raises:
-        OutputError: Another process holds it, or nothing can be written there.
-    """
-    made = not out.exists()
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-        lock = _held(out)
-    except OSError as error:
-        raise cannot(out, error) from error
-    try:
-        yield
-    finally:
-        # Removed while it is held: whoever waits at the old file sees that it is gone.
-        (out / LOCK).unlink(missing_ok=True)
-        lock.close()
-        if made and out.is_dir() and not any(out.iterdir()):
-            out.rmdir()
-
-
-def _held(out: Path) -> IO[bytes]:
-    path = out / LOCK
-    while True:
-        lock = path.open("ab")
-        try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError as error:
-            lock.close()
-            raise OutputError(
-                "another loop works in this folder now",
-                where=str(out),
-                fix="wait until it has ended, or name another folder",
-            ) from error
-        # Between opening and locking, the loop before may have ended and removed the file.
-        if path.exists() and os.path.samestat(os.fstat(lock.fileno()), path.stat()):
-            return lock
-        lock.close()

@@ -8,9 +8,9 @@ import numpy as np
 
 from morph.app.cli.arguments import Loop
 from morph.app.cli.loop_beat import beating
-from morph.app.cli.loop_folder import RESULTS, clear
-from morph.app.cli.loop_key import alone, keep_of, key_of_recordings
+from morph.app.cli.loop_key import keep_of, key_of_recordings
 from morph.app.cli.loop_said import command, say_outcome
+from morph.app.cli.outputs import LOOP, claim, clear
 from morph.app.cli.stages import Stages
 from morph.app.report.loop.files import write_loop
 from morph.app.report.loop.outcome import Outcome
@@ -19,6 +19,7 @@ from morph.model.kwik.judge import Verdict, judge
 from morph.model.latent.run import Run
 from morph.model.latent.unknowns import unknowns
 from morph.record.load import load
+from morph.run_folder import lock_run_folder
 from morph.search.target import Experience
 from morph.search.threads import one_thread
 from morph.task.task import Task
@@ -35,20 +36,22 @@ def run_recorded(asked: Loop, task: Task, out: Path) -> int:
     recordings = [each for path in asked.recorded for each in load(path, robot=task.robot)]
     recorded = Recorded(task=task, recordings=tuple(recordings))
     runs = recorded.runs()
-    with alone(out):
+    with lock_run_folder(out):
         if asked.fresh:
-            clear(out, trials=True)
+            clear(out, LOOP, progress=True)
+        claim(out, LOOP, results=False)
         # A loop's trials, its policy and its record are not to be overwritten by recordings.
         keep_of(out, task, key_of_recordings(asked, recordings))
         try:
             with beating(asked.quiet) as told:
                 outcome = _diagnosed(asked, task, runs, recorded.repeated(), told)
                 told.now("writing the report")
-                clear(out, trials=False)
+                clear(out, LOOP, progress=False)
+                claim(out, LOOP, results=True)
                 outcome = write_loop(outcome, out)
         except BaseException:
-            if not (out / RESULTS[0]).is_file():
-                clear(out, trials=True)
+            if not (out / LOOP.results[0]).is_file():
+                clear(out, LOOP, progress=True)
             raise
     say_outcome(asked, outcome)
     return 0

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from morph.app.cli.arguments import Loop
-from morph.app.cli.loop_folder import SOURCE
+from morph.app.cli.outputs import SOURCE
 from morph.app.cli.stages import Stages
 from morph.policy.policy import Policy
 from morph.policy.store import load_policy, write_policy

@@ -24,6 +24,7 @@ from morph.app.cli.arguments import (
     Simulate,
 )
 from morph.app.cli.print_arguments import Print
+from morph.app.cli.study_arguments import Study
 from morph.app.cli.view_arguments import View
 from morph.app.cli.weigh_arguments import Weigh
 from morph.app.cli.words import harmless
@@ -44,6 +45,7 @@ Command = (
     | Print
     | Weigh
     | View
+    | Study
     | List
 )
 """What is asked: one command with its options."""
@@ -60,6 +62,7 @@ Asked = (
     | Annotated[Print, tyro.conf.subcommand("print")]
     | Annotated[Weigh, tyro.conf.subcommand("weigh")]
     | Annotated[View, tyro.conf.subcommand("view")]
+    | Annotated[Study, tyro.conf.subcommand("study")]
     | Annotated[List, tyro.conf.subcommand("list")]
 )
 
@@ -84,6 +87,8 @@ Example: morph print so101 --printer mk4 --material pla --out package
 Example: morph weigh package P-01=12.4
 
 Example: morph view cartpole rider_rigid_driven --task balance --policy learned
+
+Example: morph study swing.toml --workers 2 --out swing
 
 Exit status: 0 done, 2 what was given cannot be used, 3 stopped short, 130 interrupted.
 `morph --version` says which morph this is; `morph COMMAND --help` says more."""
@@ -199,6 +204,10 @@ def _run(asked: Command) -> int:
         from morph.app.cli.view import run_view
 
         return run_view(asked)
+    if isinstance(asked, Study):
+        from morph.app.cli.study import run_study
+
+        return run_study(asked)
     from morph.app.cli.diagnose import run_diagnose
 
     return run_diagnose(asked)

@@ -44,8 +44,9 @@ def run_print(asked: Print) -> int:
     Raises:
         MorphError: An input cannot be used, or the package cannot be written.
     """
-    from morph.make.aside import aside, check_out
+    from morph.make.package_folder import check_out, package_folder
     from morph.make.packed import FILE
+    from morph.run_folder import lock_run_folder
     from print.errors import PrintError
 
     if not asked.out.strip():
@@ -56,11 +57,11 @@ def run_print(asked: Print) -> int:
     try:
         profile, slicer = _profile(asked), _slicer(asked)
         _check_times(asked)
-        with stages(asked.quiet) as told:
+        with lock_run_folder(out, beside=True), stages(asked.quiet) as told:
             robot = _robot(asked)
             _check_policy(asked, robot)
             package = _package(asked, robot, profile, slicer, told.now)
-            with aside(out) as folder:
+            with package_folder(out) as folder:
                 package = _write(asked, folder, robot, package, slicer, told.now)
     except PrintError as error:
         raise MakeError(error.what, where=error.where, fix=error.fix) from error

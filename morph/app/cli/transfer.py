@@ -37,9 +37,10 @@ def run_transfer(asked: Transfer) -> int:
         MorphError: An input cannot be used, or a result cannot be written.
         AlignError: No map of the first hop can be learned.
     """
+    from morph.app.cli.outputs import TRANSFER, check_out
     from morph.app.cli.transfer_bodies import body_of, check_task, given
-    from morph.app.cli.transfer_folder import TRANSFER, alone, check_out
     from morph.app.cli.transfer_way import check_over, chosen_way
+    from morph.run_folder import lock_run_folder
     from morph.transfer.balancers import seen_with
 
     # Whatever the command line got wrong is told before any work is done.
@@ -56,7 +57,7 @@ def run_transfer(asked: Transfer) -> int:
     bodies = [seen_with(each, asked.noise) for each in bodies]
     check_periods(bodies)
     start = given(asked.policy, bodies[0])
-    with alone(out):
+    with lock_run_folder(out):
         return _run(asked, bodies, start, out, began)
 
 
@@ -128,19 +129,21 @@ def check_periods(bodies: Sequence[Body]) -> None:
 def _run(asked: Transfer, bodies: list[Body], start: Given, out: Path, began: float) -> int:
     """Carry the policy in a folder that nobody else works in, and return the exit status."""
     from morph.app.cli.loop_beat import beating
-    from morph.app.cli.transfer_folder import TRANSFER, clear
+    from morph.app.cli.outputs import TRANSFER, claim, clear
     from morph.app.cli.transfer_said import say_outcome
     from morph.app.report.transfer.words import done
     from morph.transfer.hops_kept import HopsKept
 
     if asked.fresh:
-        clear(out, TRANSFER, kept=True)
+        clear(out, TRANSFER, progress=True)
+    claim(out, TRANSFER, results=False)
     kept = HopsKept(out, key_of(asked, bodies, start))
     hops: list[Kept] = []
     try:
         with beating(asked.quiet) as told:
             stopped = _hops(asked, bodies, start, kept, hops, told)
             told.now("writing the report")
+            claim(out, TRANSFER, results=True)
             record = _written(asked, bodies, start, hops, stopped, out, began)
     except BaseException as error:
         return _ended(error, out, len(hops))
@@ -257,11 +260,11 @@ def _ended(error: BaseException, out: Path, hops: int) -> int:
     Raises:
         BaseException: It was not interrupted, but cannot go on.
     """
-    from morph.app.cli.transfer_folder import TRANSFER, clear
+    from morph.app.cli.outputs import TRANSFER, clear
     from morph.app.cli.words import harmless
 
     if not hops:
-        clear(out, TRANSFER, kept=True)
+        clear(out, TRANSFER, progress=True)
     if not isinstance(error, KeyboardInterrupt):
         raise error
     sys.stderr.write(

@@ -34,29 +34,32 @@ def run_weigh(asked: Weigh) -> int:
     Raises:
         MorphError: A reading makes no sense, or the package cannot be used or written.
     """
-    from morph.make.aside import aside
+    from morph.make.package_folder import package_folder
     from morph.make.packed import FILE
     from morph.make.reading import read_package
     from morph.make.scale import readings, taken
     from morph.make.weigh import write_weighed
+    from morph.run_folder import lock_run_folder
 
     if not 0.0 <= asked.seconds < float("inf"):
         raise MakeError(f"{asked.seconds:g} s is no time", where="--seconds", fix="give 0 or more")
     place = Path(asked.package)
-    package = read_package(place)
-    new = readings(package, asked.reading, anyway=asked.anyway)
-    with stages(asked.quiet) as told, aside(place) as folder:
-        found = write_weighed(
-            place,
-            folder,
-            package,
-            taken(package.readings, new),
-            seconds=asked.seconds if asked.match else 0.0,
-            seed=asked.seed,
-            told=told.now,
-        )
-        told.now("writing the report")
-        _report(folder, found, asked.seed)
+    # Read while it is held: of two readings at once, one would be lost.
+    with lock_run_folder(place, beside=True):
+        package = read_package(place)
+        new = readings(package, asked.reading, anyway=asked.anyway)
+        with stages(asked.quiet) as told, package_folder(place) as folder:
+            found = write_weighed(
+                place,
+                folder,
+                package,
+                taken(package.readings, new),
+                seconds=asked.seconds if asked.match else 0.0,
+                seed=asked.seed,
+                told=told.now,
+            )
+            told.now("writing the report")
+            _report(folder, found, asked.seed)
     if asked.json:
         sys.stdout.write((place / FILE).read_text(encoding="utf-8"))
     else:

@@ -37,6 +37,7 @@ def test_a_search_that_succeeds_leaves_a_policy_a_record_and_a_report(
     assert said["controls"]["random"]["success"] == 0.0
     assert sum(said["judged"]["terms"].values()) == pytest.approx(said["judged"]["loss"]["mean"])
     assert {path.name for path in Path("out").iterdir()} == {
+        ".morph.files",
         *("policy", "record.json", "report.html", "state.npz"),
     }
 

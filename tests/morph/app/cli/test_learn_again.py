@@ -10,6 +10,8 @@ from typing import Any
 
 import pytest
 
+from morph.run_folder import LOCK, OWNED
+
 BALANCE = ("balance", "--robot", "cartpole", "--search", "growing", "--out", "out")
 
 
@@ -20,7 +22,7 @@ def test_an_interrupted_search_goes_on_to_what_it_would_have_found(
     monkeypatch.setattr(growing, "interrupted", 3)
     bench.learn(*BALANCE, "--quiet", status=130)
     assert "after 2 trials; the same command goes on from there" in capsys.readouterr().err
-    assert sorted(bench.content()) == ["out/state.npz"]
+    assert sorted(bench.content()) == [f"out/{OWNED}", "out/state.npz"]
     monkeypatch.setattr(growing, "interrupted", 0)
     bench.learn(*BALANCE)
     lines = capsys.readouterr().err.splitlines()
@@ -64,7 +66,8 @@ sys.exit(module.main({["learn", *BALANCE, "--trials", "100"]!r}))
         time.sleep(0.02)
     process.send_signal(signal.SIGKILL)
     assert process.wait() == -signal.SIGKILL
-    assert sorted(bench.content()) == ["out/state.npz"]
+    # The lock's file stays after a kill, and holds nobody.
+    assert set(bench.content()) - {f"out/{LOCK}", f"out/{OWNED}"} == {"out/state.npz"}
     bench.learn(*BALANCE)
     told = capsys.readouterr().err
     assert "trial 1," not in told
@@ -104,4 +107,5 @@ def test_a_killed_search_leaves_no_record_of_the_one_before(
     bench.learn(*BALANCE, "--quiet", "--trials", "1", status=3)
     monkeypatch.setattr(growing, "interrupted", 3)
     bench.learn(*BALANCE, "--quiet", "--trials", "4", status=130)
-    assert sorted(bench.content()) == ["out/state.npz"]
+    # The lock's file stays after a kill, and holds nobody.
+    assert set(bench.content()) - {f"out/{LOCK}", f"out/{OWNED}"} == {"out/state.npz"}

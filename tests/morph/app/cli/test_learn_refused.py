@@ -170,3 +170,54 @@ def test_a_state_of_spoilt_arrays_is_one_message(
         found = bench.refused(*asked, "--trials", "2")
         assert found["where"] == "out/state.npz"
         assert "--fresh" in found["fix"]
+
+
+@pytest.mark.parametrize("name", ["report.html", "strip.jpg", "record.json", "policy/policy.json"])
+def test_a_user_s_file_under_the_name_of_a_result_is_never_replaced(
+    name: str,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    bench: Any,
+    growing: Any,
+) -> None:
+    # Interrupted after its second trial, a search leaves its state alone.
+    monkeypatch.setattr(growing, "interrupted", 2)
+    bench.learn(*BALANCE, "--quiet", status=130)
+    monkeypatch.setattr(growing, "interrupted", 0)
+    assert {each.name for each in Path("out").iterdir()} == {"state.npz", ".morph.files"}
+    mine = Path("out", name)
+    mine.parent.mkdir(exist_ok=True)
+    mine.write_text("mine")
+    capsys.readouterr()
+    for options in ((), ("--fresh",)):
+        refusal = bench.refused(*BALANCE, "--trials", "1", *options)
+        assert refusal["where"] == f"out/{name}"
+        assert "move it elsewhere" in refusal["fix"]
+        assert mine.read_text() == "mine"
+
+
+def test_results_whose_writing_was_interrupted_are_replaced(
+    monkeypatch: pytest.MonkeyPatch, bench: Any
+) -> None:
+    def interrupt(outcome: object) -> str:
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr("morph.app.report.learn.files.record_text", interrupt)
+        bench.learn(*BALANCE, "--quiet", "--trials", "1", status=130)
+    assert Path("out/report.html").is_file()
+    assert not Path("out/record.json").exists()
+    bench.learn(*BALANCE, "--quiet", "--trials", "1", "--fresh", status=3)
+    assert bench.record()["trials"]
+
+
+def test_a_policy_that_is_a_file_is_refused_before_the_search(
+    capsys: pytest.CaptureFixture[str], bench: Any
+) -> None:
+    bench.learn(*BALANCE, "--quiet", "--trials", "1", status=3)
+    for each in sorted(Path("out/policy").iterdir()):
+        each.unlink()
+    Path("out/policy").rmdir()
+    Path("out/policy").write_text("mine")
+    capsys.readouterr()
+    assert bench.refused(*BALANCE, "--trials", "2", "--fresh")["where"] == "out/policy"

@@ -15,6 +15,7 @@ import morph.make
 from morph.app.cli.main import main
 from morph.body.load import load
 from morph.make.reading import read_package
+from morph.run_folder import OWNED
 from print.threemf import read_3mf
 
 SCHEMA = json.loads((Path(morph.make.__file__).parent / "package.schema.json").read_text())
@@ -136,12 +137,12 @@ def test_each_plate_is_valid_in_millimetres_and_every_copy_is_on_one(written: Pa
 def test_a_package_holds_what_it_names_and_nothing_unknown(written: Path) -> None:
     said = json.loads((written / "package.json").read_text())
     named = {each["file"] for each in (*said["parts"], *said["gauges"], *said["plates"])}
-    known = {"assembly.html", "bom.csv", "package.json", "report.html"}
+    known = {"assembly.html", "bom.csv", "package.json", "report.html", OWNED}
     found = {path.relative_to(written) for path in written.rglob("*") if path.is_file()}
     # What the folders of robots hold is their descriptions' to say.
     beside = {str(path) for path in found if path.parts[0] not in ("robot", "designed")}
     assert beside == (named - {""}) | known
-    assert all(path.name[0] != "." for path in found)
+    assert {str(path) for path in found if path.name[0] == "."} == {OWNED}
 
 
 def test_the_robot_of_a_package_is_inspected_and_simulated(written: Path, tmp_path: Path) -> None:

@@ -44,7 +44,7 @@ def slicer(place: Path, script: str) -> None:
     [
         ("echo no room for a support; exit 1", (), "ended with status 1; it said: no room"),
         ("kill -SEGV $$", (), "died of SIGSEGV"),
-        ("sleep 60", ("--timeout", "0.3"), "did not end within 0.3 s and was killed"),
+        ("sleep 600", ("--timeout", "0.3"), "did not end within 0.3 s and was killed"),
         (f"{OUT}; echo G1 X1 > $out", (), "wrote 6 bytes without the end of a G-code"),
         ("exit 0", (), "wrote no G-code"),
     ],
@@ -67,7 +67,7 @@ def test_a_faulty_slicer_ends_it_with_one_message_and_no_package(
 
 
 def test_ctrl_c_while_slicing_is_obeyed_at_once_and_leaves_nothing(place: Path) -> None:
-    slicer(place, f"touch {place}/begun; sleep 60")
+    slicer(place, f"touch {place}/begun; sleep 600")
     # A shell that starts things in its background has them ignore interrupts.
     hears = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
     call = f"{hears}; from morph.app.cli.main import entry; entry()"
@@ -79,10 +79,8 @@ def test_ctrl_c_while_slicing_is_obeyed_at_once_and_leaves_nothing(place: Path) 
         while not (place / "begun").exists():
             assert running.poll() is None, running.communicate()[1]
             time.sleep(0.05)
-        begun = time.monotonic()
+        # The slicer would sleep on for ten minutes.
         running.send_signal(signal.SIGINT)
-        said = running.communicate(timeout=30)[1]
+        said = running.communicate(timeout=120)[1]
     assert (running.returncode, said) == (130, "interrupted; nothing was written\n")
-    # The slicer would have slept for a minute.
-    assert time.monotonic() - begun < 20
     assert {each.name for each in place.iterdir()} == {*GIVEN, "begun"}

@@ -31,7 +31,7 @@ Out = pytest.CaptureFixture[str]
         ("no_such_body --seed -1", "--seed: it is -1"),
         ("no_such_body --html .", "--html .: it is a folder"),
         ("no_such_body --html /proc/none/page.html", "nothing can be written there"),
-        ("no_such_body --state none.json", "--state none.json: there is no such file"),
+        ("no_such_body --state none.json", "--state none.json: cannot be read: No such file"),
         ("pendulum --first align", "there is no view 'align' of what was given"),
     ],
 )

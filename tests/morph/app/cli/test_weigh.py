@@ -11,10 +11,10 @@ import pytest
 
 from morph.app.cli.main import main
 from morph.body.load import load
-from morph.make.aside import aside
 from morph.make.content import Package
 from morph.make.link_mass import LinkMass
 from morph.make.package import write_content, write_parts, write_robots
+from morph.make.package_folder import package_folder
 from morph.make.policies import matched_in
 from morph.make.printed import designed
 from morph.policy.linear import Linear
@@ -88,7 +88,7 @@ def folder(tmp_path: Path) -> Path:
         spring, tmp_path / "learned", robot, task=asked.name, task_sha256=asked.sha256
     )
     place = tmp_path / "package"
-    with aside(place) as made:
+    with package_folder(place) as made:
         found = write_robots(made, robot, package)
         _, said = matched_in(made, learned, robot, seconds=2.0)
         assert said.verdict == "holds"

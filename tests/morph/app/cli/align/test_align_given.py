@@ -88,7 +88,7 @@ def test_a_damaged_file_is_refused_as_what_cannot_be_read(tmp_path: Path, name: 
 def test_a_pipe_is_refused_and_not_waited_for(tmp_path: Path) -> None:
     path = tmp_path / "pipe.npz"
     os.mkfifo(path)
-    with pytest.raises(TransferError, match=r"it is no file"):
+    with pytest.raises(TransferError, match=r"it is a pipe, no regular file"):
         read(path, "--target")
 
 

@@ -32,6 +32,7 @@ def test_a_loop_that_succeeds_leaves_a_policy_a_model_a_record_and_a_report(
         "what differs from the description: pole is 1.20 times as long (1.19 to 1.21)" in told.err
     )
     assert {path.name for path in Path("out").iterdir()} == {
+        ".morph.files",
         *("policy", "transfer.json", "report.html", "corrected.xml", "corrected.toml"),
         *("trials", "loop.json"),
     }

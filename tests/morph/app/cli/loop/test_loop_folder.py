@@ -17,10 +17,9 @@ import pytest
 from morph.app.cli.aim import live_aim
 from morph.app.cli.arguments import Loop
 from morph.app.cli.loop_beat import beating
-from morph.app.cli.loop_folder import LOCK
-from morph.app.cli.loop_key import alone, key_of
+from morph.app.cli.loop_key import key_of
 from morph.body.load import load
-from morph.errors import OutputError
+from morph.run_folder import LOCK
 from morph.task.tasks import task
 
 LONG = ("--change", "length:pole=1.2")
@@ -58,24 +57,10 @@ def test_a_folder_in_which_a_loop_works_is_refused_to_a_second(bench: Any) -> No
     with (Path("out") / LOCK).open("ab") as held:
         fcntl.flock(held, fcntl.LOCK_EX)
         found = bench.refused(*bench.words("--policy", "weak", *ONE))
-        assert "another loop works in this folder" in found["what"]
+        assert "another morph works in this folder" in found["what"]
     # The file alone, as after a kill, holds nobody.
     bench.loop(*ONE, status=3)
     assert not (Path("out") / LOCK).exists()
-
-
-def test_a_folder_is_held_once_and_goes_if_nothing_came_of_it(tmp_path: Path) -> None:
-    out = tmp_path / "new"
-    with alone(out):
-        with pytest.raises(OutputError, match=r"another loop works"), alone(out):
-            pass
-        assert (out / LOCK).is_file()
-    assert not out.exists()
-    out.mkdir()
-    with alone(out):
-        pass
-    # An empty folder that was there before stays.
-    assert list(out.iterdir()) == []
 
 
 def test_beginning_anew_does_not_remove_what_the_loop_is_given(bench: Any) -> None:
@@ -129,22 +114,35 @@ def test_with_a_single_trial_nothing_is_said_of_what_a_search_found(bench: Any) 
 def test_a_pipe_is_told_what_is_done_and_not_of_every_stage(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    written = threading.Event()
+    alone = threading.active_count()
+    now, looked, written = [0.0], [0], threading.Event()
     write = sys.stderr.write
+
+    def clock() -> float:
+        looked[0] += 1
+        return now[0]
 
     def noticed(text: str) -> int:
         written.set()
         return write(text)
 
+    def looks(times: int) -> None:
+        until = looked[0] + times
+        while looked[0] < until:
+            time.sleep(0.001)
+
+    monkeypatch.setattr("morph.app.cli.loop_beat.time", SimpleNamespace(monotonic=clock))
     monkeypatch.setattr(sys.stderr, "write", noticed)
     with beating(False, every=0.2) as told:
         told.now("short")
         told.now("long")
-        assert written.wait(10.0)
+        now[0] = 0.2
+        assert written.wait(60.0)
         # The same stage is told once more after a minute, not after 0.2 s.
-        time.sleep(0.5)
+        now[0] = 59.0
+        looks(5)
     assert capsys.readouterr().err == "[0 s] long\n"
     with beating(True, every=0.01) as told:
         told.now("long")
-        time.sleep(0.1)
+        assert threading.active_count() == alone
     assert capsys.readouterr().err == ""

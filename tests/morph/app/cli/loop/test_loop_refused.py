@@ -65,7 +65,7 @@ def test_a_folder_of_something_else_is_refused(bench: Any) -> None:
     Path("out").mkdir()
     Path("out/notes.txt").write_text("mine")
     found = bench.refused(*bench.words(*WEAK, "--sealed", "1"))
-    assert "holds no earlier loop" in found["what"]
+    assert "holds nothing of morph loop" in found["what"]
 
 
 def test_a_live_target_that_dies_in_its_first_trial_is_one_message_and_its_states_are_kept(
@@ -112,7 +112,8 @@ def test_recordings_are_diagnosed_and_nothing_is_tried_or_learned(
     assert hop["gate"]["verdict"] in {"good", "cannot say"}
     assert [trial["origin"] for trial in hop["trials"]] == ["recorded"]
     assert {path.name for path in Path("said").iterdir()} == {
-        *("transfer.json", "report.html", "corrected.xml", "corrected.toml", "loop.json")
+        ".morph.files",
+        *("transfer.json", "report.html", "corrected.xml", "corrected.toml", "loop.json"),
     }
     # A loop's own folder is not for what recordings say, and its policy stays.
     found = bench.refused(*bench.words("--recorded", "out/recorded"))

@@ -28,7 +28,8 @@ def test_a_chain_leaves_a_policy_maps_a_record_and_a_report(
     assert re.search(r"ankle +-+> +hinge +-100 %", told.out)
     assert "hop 1: cartpole to rider_rigid_driven: 20 transitions, " in told.err
     assert {path.name for path in Path("out").iterdir()} == {
-        *("policy", "maps", "hops", "relay.json", "transfer.json", "report.html")
+        ".morph.files",
+        *("policy", "maps", "hops", "relay.json", "transfer.json", "report.html"),
     }
     said = bench.record()
     assert said["chain"] == ["cartpole", "rider_rigid_driven", "rider_two_links_driven"]
