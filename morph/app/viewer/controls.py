@@ -12,6 +12,7 @@ from morph.app.viewer.keeping import keep_page, keep_view
 from morph.app.viewer.style import style
 from morph.app.viewer.transport import KEYS, Transport
 from morph.app.viewer.view import View
+from morph.app.viewer.widget import add_widget, hear_in_order, set_value
 
 if TYPE_CHECKING:
     from morph.app.viewer.session import Session
@@ -42,15 +43,16 @@ class Controls:
     def build(self) -> None:
         """Add what every view has."""
         gui, session = self._session.client.gui, self._session
+        hear_in_order(gui)
         self._look(dark=False)
         gui.main_panel.dock_right()
         gui.add_html(style())
         self._now = gui.add_html("")
         if len(session.views) > 1:
             names = tuple(view.title for view in session.views)
-            tabs = gui.add_button_group("view", names)
-            self._on(tabs.on_click, lambda: self._turn(names.index(tabs.value)))
-        self._transport = Transport(session, self._on)
+            given = (gui.add_button_group, "view", names)
+            add_widget(session, *given, then=lambda name: self._turn(names.index(name)))
+        self._transport = Transport(session)
         self._told = gui.add_folder("Shown")
         self._page(gui)
 
@@ -102,8 +104,8 @@ class Controls:
     def resume(self) -> None:
         """Show what something else than a hand has set."""
         self._transport.resume()
-        self._loop.value = self._session.clock.looping
-        self._follow.value = self._session.stage.following
+        set_value(self._loop, self._session.clock.looping)
+        set_value(self._follow, self._session.stage.following)
 
     def _page(self, gui: Any) -> None:
         """Add what belongs to the page rather than to a view; folded, for it is rarely used."""
@@ -114,21 +116,26 @@ class Controls:
                 "Save page": partial(keep_page, session),
                 "Save view": partial(keep_view, session),
             }
-            buttons = gui.add_button_group("actions", tuple(does), hint=KEEP)
-            self._on(buttons.on_click, lambda: does[str(buttons.value)]())
-            self._follow = gui.add_checkbox(
-                "follow", True, hint="Whether the camera goes with bodies that travel."
+            add = partial(add_widget, session)
+            add(
+                gui.add_button_group,
+                "actions",
+                tuple(does),
+                hint=KEEP,
+                then=lambda action: does[action](),
             )
-            self._on(self._follow.on_update, self._following)
-            self._loop = gui.add_checkbox("repeat", True)
-            self._on(
-                self._loop.on_update, lambda: setattr(session.clock, "looping", self._loop.value)
+            self._follow = add(
+                gui.add_checkbox,
+                "follow",
+                True,
+                hint="Whether the camera goes with bodies that travel.",
+                then=partial(setattr, session.stage, "following"),
             )
-            dark = gui.add_checkbox("dark", False)
-            self._on(dark.on_update, lambda: self._look(dark=dark.value))
+            looping = partial(setattr, session.clock, "looping")
+            self._loop = add(gui.add_checkbox, "repeat", True, then=looping)
+            add(gui.add_checkbox, "dark", False, then=lambda dark: self._look(dark=dark))
             gui.add_html(keys_html([*KEYS.values(), ("f", None, "see all")]))
-        command = gui.add_command("see all", hotkey="F")
-        self._on(command.on_trigger, self._see)
+        add(gui.add_command, "see all", hotkey="F", then=lambda _: self._see())
 
     def _turn(self, number: int) -> None:
         """Show another view; the one that is shown already stays as it is."""
@@ -139,22 +146,7 @@ class Controls:
     def _see(self) -> None:
         self._session.stage.aim(self._session.client.camera)
 
-    def _following(self) -> None:
-        self._session.stage.following = self._follow.value
-
     def _look(self, *, dark: bool) -> None:
         self._session.client.gui.configure_theme(
             show_logo=False, show_share_button=False, control_width="large", dark_mode=dark
         )
-
-    def _on(self, event: Any, what: Callable[[], None]) -> None:
-        """Have something done in the session's thread when a person does something.
-
-        What the program sets by itself is no event.
-        """
-
-        def happened(event: Any) -> None:
-            if event.client_id is not None:
-                self._session.do(what)
-
-        event(happened)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import gzip
 import hashlib
+import json
 import re
 from dataclasses import dataclass
 from functools import cache
@@ -20,6 +21,17 @@ SCRIPT = re.compile(r"<script\b([^>]*)>(.*?)</script>", re.DOTALL)
 
 PACKED = re.compile(r'data-p="([^"]*)" data-ss="(\d+)" data-cs="(\d+)"')
 """viser's program: packed, with the lengths of its style sheet and of its code."""
+
+THROTTLED = re.compile(
+    r"(?P<ready>(?P<sender>[\w$]+)\.sendMessage!==null&&)"
+    r"(?P<keep>\((?P<last>[\w$]+)=(?P<input>[\w$]+),[\w$]+\?"
+    r"\((?P=sender)\.sendMessage\((?P=input)\),(?P<waits>[\w$]+)=!1,)"
+)
+"""Where viser's program sends at most one input in 50 ms, of all widgets together, and keeps the
+last of those that come between."""
+
+UNPACKED = "td.decode(heap.subarray(up+ss,up+sz))"
+"""Where viser's page has unpacked its program."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,29 +84,55 @@ def front_page() -> FrontPage:
 
     path = Path(viser.__file__).parent / "client" / "build" / "index.html"
     text = path.read_text(encoding="utf-8").replace("<title>Viser</title>", "<title>morph</title>")
+    text, program = _lossless(text)
     script = page_script()
     if script:
         # What ends a script must not stand inside one.
         script = script.replace("</", "<\\/")
         text = text.replace("</head>", f"<script>{script}</script></head>")
     plain = text.encode()
-    return FrontPage(plain=plain, packed=gzip.compress(plain, 6), scripts=allowed(text))
+    return FrontPage(plain=plain, packed=gzip.compress(plain, 6), scripts=allowed(text, program))
 
 
-def allowed(text: str) -> tuple[str, ...]:
+def allowed(text: str, program: str | None) -> tuple[str, ...]:
     """Return the hashes of the page's scripts, and of the program that the first one unpacks."""
-    hashes = [script_hash(body.encode()) for _, body in SCRIPT.findall(text)]
-    packed = PACKED.search(text)
-    if packed is None:
+    if program is None:
         # Another viser than we know: it may run what it brings, as it does without us.
         return ("'unsafe-inline'",)
+    hashes = [script_hash(body.encode()) for _, body in SCRIPT.findall(text)]
+    return (*hashes, script_hash(program.encode()))
+
+
+def viser_program(text: str) -> str | None:
+    """Return the program that viser's page unpacks; None if it is packed in a way unknown here."""
+    packed = PACKED.search(text)
+    if packed is None:
+        return None
     import zstandard
 
     styles, code = int(packed[2]), int(packed[3])
     unpacked = zstandard.ZstdDecompressor().decompress(
         unpack(packed[1]), max_output_size=styles + code
     )
-    return (*hashes, script_hash(unpacked[styles:]))
+    return unpacked[styles:].decode()
+
+
+def _lossless(text: str) -> tuple[str, str | None]:
+    """Return viser's page such that no input is lost, and the program that it runs then.
+
+    Of several inputs within 50 ms viser 1.1 sends the first and the last, even where those
+    between were of other widgets: a number typed between two movements of the pointer is seen on
+    the page and never sent. Here what waits is sent as soon as another widget has something.
+    """
+    program = viser_program(text)
+    found = None if program is None else THROTTLED.search(program)
+    if program is None or found is None or text.count(UNPACKED) != 1:
+        return text, program
+    sender, last, now = found["sender"], found["last"], found["input"]
+    flush = f"{found['waits']}&&{last}.uuid!=={now}.uuid&&{sender}.sendMessage({last}),"
+    mended = f"{found['ready']}({flush}{found['keep'][1:]}"
+    mend = f".replace({json.dumps(found[0])},()=>{json.dumps(mended)})"
+    return text.replace(UNPACKED, UNPACKED + mend), program.replace(found[0], mended, 1)
 
 
 def unpack(text: str) -> bytes:

@@ -15,6 +15,7 @@ from morph.app.viewer.state import LEARNED, NAMES, SCHEMA, Body, Saved, Sources,
 from morph.arrays import JSON
 from morph.errors import ViewError
 from morph.record.nearest import nearest
+from morph.regular_file import read_regular
 
 MOST_BYTES = 1_000_000
 """Of such a file; an honest one has a few thousand."""
@@ -43,26 +44,13 @@ def read_state(path: Path) -> Saved:
 
 def _loaded(path: Path) -> Any:
     try:
-        if not path.is_file():
-            raise ViewError(
-                "there is no such file" if not path.exists() else "it is no file",
-                where=f"--state {path}",
-                fix="name a view that was saved by the viewer's `save view`",
-            )
-        with path.open("rb") as file:
-            data = file.read(MOST_BYTES + 1)
+        data = read_regular(path, MOST_BYTES)
     except OSError as error:
         raise ViewError(
             f"cannot be read: {error.strerror or error}",
             where=f"--state {path}",
-            fix="name a file that can be read",
+            fix="name a view that was saved by the viewer's `save view`, and that can be read",
         ) from error
-    if len(data) > MOST_BYTES:
-        raise ViewError(
-            f"it has more than {MOST_BYTES} bytes, which no saved view has",
-            where=str(path),
-            fix="name a view that was saved by the viewer's `save view`",
-        )
     try:
         return json.loads(data.decode("utf-8"), parse_constant=_no_number)
     except (ValueError, RecursionError) as error:

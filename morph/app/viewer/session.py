@@ -209,8 +209,7 @@ class Session:
                 asked = self._asked.get_nowait()
             except queue.Empty:
                 return
-            # What is asked for is sent when all of it is done: a knob that came before it is
-            # listened to could be moved in vain.
+            # What is asked for is sent when all of it is done.
             with self.client.atomic():
                 self._safely(asked)
             self._controls.stale = True

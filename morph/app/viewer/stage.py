@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from morph.app.viewer.camera import turn
 from morph.app.viewer.content import Content
 from morph.app.viewer.framing import ASPECT, FIELD, Frame, framed
 from morph.app.viewer.layout import Layout, laid_out
@@ -117,8 +118,7 @@ class Stage:
         frame = framed(points, layout.towards, aspect)
         self._aimed, self._anew = (aspect, frame), False
         camera.fov = FIELD
-        camera.position = frame.position
-        camera.look_at = frame.target
+        turn(camera, frame.position, frame.target)
         camera.near, camera.far = 0.01 * frame.distance, 100.0 * frame.distance
 
     def reaim(self) -> None:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from morph.app.viewer.clock import SPEEDS
 from morph.app.viewer.content import Content, Moment
 from morph.app.viewer.motion import RATE
+from morph.app.viewer.widget import add_widget, set_value
 
 if TYPE_CHECKING:
     from morph.app.viewer.session import Session
@@ -48,30 +48,35 @@ class Transport:
 
     Args:
         session: Whose clock.
-        on: Has something done in the session's thread when a person uses a knob.
     """
 
-    def __init__(self, session: Session, on: Callable[[Any, Callable[[], None]], None]) -> None:
+    def __init__(self, session: Session) -> None:
         """Add them to the page."""
-        gui, self._session, self._on = session.client.gui, session, on
+        gui, self._session = session.client.gui, session
+        add = partial(add_widget, session)
         self._touched = 0.0
         self._moments: tuple[Moment, ...] = ()
-        self._play = gui.add_button("Pause", icon="player-pause-filled", hint="space")
-        self._on(self._play.on_click, lambda: self.press("play"))
-        self._steps = gui.add_button_group(
-            "step", tuple(STEPS), hint="A picture or a second: the arrow keys, with shift a second."
+        self._play = add(
+            gui.add_button,
+            "Pause",
+            icon="player-pause-filled",
+            hint="space",
+            then=lambda _: self.press("play"),
         )
-        self._on(self._steps.on_click, lambda: self.press(str(self._steps.value)))
-        self._slider = gui.add_slider("time (s)", 0.0, 1.0, 1e-3, 0.0)
-        self._on(self._slider.on_update, self._scrub)
+        self._steps = add(
+            gui.add_button_group,
+            "step",
+            tuple(STEPS),
+            hint="A picture or a second: the arrow keys, with shift a second.",
+            then=self.press,
+        )
+        self._slider = add(gui.add_slider, "time (s)", 0.0, 1.0, 1e-3, 0.0, then=self._scrub)
         speeds = tuple(f"{each:g}" for each in SPEEDS)
-        self._speed = gui.add_dropdown("speed", speeds, initial_value="1")
-        self._on(self._speed.on_update, self._hurry)
-        self._goal = gui.add_dropdown("go to", (NOWHERE,), visible=False)
-        self._on(self._goal.on_update, self._go)
+        self._speed = add(gui.add_dropdown, "speed", speeds, initial_value="1", then=self._hurry)
+        self._goal = add(gui.add_dropdown, "go to", (NOWHERE,), visible=False, then=self._go)
         for what, (key, held, said) in KEYS.items():
-            command = gui.add_command(said, hotkey=key, modifier=held)
-            self._on(command.on_trigger, partial(self.press, what))
+            press = partial(self._key, what)
+            add(gui.add_command, said, hotkey=key, modifier=held, then=press)
 
     def press(self, what: str) -> None:
         """Do what a key or a button says."""
@@ -85,7 +90,7 @@ class Transport:
         else:
             at = SPEEDS.index(clock.speed) + (1 if what == "faster" else -1)
             clock.speed = SPEEDS[min(max(at, 0), len(SPEEDS) - 1)]
-            self._speed.value = f"{clock.speed:g}"
+            set_value(self._speed, f"{clock.speed:g}")
 
     def show(self, content: Content) -> None:
         """Fit them to a content: its length and its moments; what stands has none of them."""
@@ -105,7 +110,7 @@ class Transport:
         clock = self._session.clock
         # What comes back late from here would pull the slider from under a moving hand.
         if time.monotonic() - self._touched > HAND:
-            self._slider.value = round(clock.time, 3)
+            set_value(self._slider, round(clock.time, 3))
         label = "Pause" if clock.playing else "Play"
         if self._play.label != label:
             self._play.label = label
@@ -113,17 +118,21 @@ class Transport:
 
     def resume(self) -> None:
         """Show how fast the clock runs where something else than a hand said so."""
-        self._speed.value = f"{self._session.clock.speed:g}"
+        set_value(self._speed, f"{self._session.clock.speed:g}")
 
-    def _scrub(self) -> None:
+    def _key(self, what: str, _: None) -> None:
+        self.press(what)
+
+    def _scrub(self, to: float) -> None:
         self._touched = time.monotonic()
-        self._session.jump(float(self._slider.value))
+        self._session.jump(float(to))
 
-    def _hurry(self) -> None:
-        self._session.clock.speed = float(self._speed.value)
+    def _hurry(self, speed: str) -> None:
+        self._session.clock.speed = float(speed)
 
-    def _go(self) -> None:
-        at = self._goal.options.index(self._goal.value)
+    def _go(self, goal: str) -> None:
+        # What is shown may have changed since it was chosen.
+        at = self._goal.options.index(goal) if goal in self._goal.options else 0
         if at > 0:
             self._touched = 0.0
             self._session.jump(self._moments[at - 1].time)

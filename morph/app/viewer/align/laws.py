@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import io
-import zipfile
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -16,6 +14,7 @@ from morph.app.viewer.align.story import Story
 from morph.app.viewer.align.turns import moving
 from morph.arrays import Array
 from morph.errors import MorphError, ViewError
+from morph.npz import load_npz
 from morph.policy.store import load_policy
 from morph.transfer.body import Body, Law, linear_law
 from morph.transfer.controls import through
@@ -73,20 +72,11 @@ def kept(story: Story, body: Body, at: int) -> tuple[Array, Array] | None:
 
 def _numbers(path: Path) -> tuple[Array, Array]:
     try:
-        if not path.is_file():
-            raise ValueError("it is no file")
-        with path.open("rb") as file:
-            content = file.read(MOST_BYTES + 1)
-        with zipfile.ZipFile(io.BytesIO(content)) as archive:
-            unpacked = sum(each.file_size for each in archive.infolist())
-        if max(len(content), unpacked) > MOST_BYTES:
-            raise ValueError(f"it is larger than {MOST_BYTES} bytes")
-        with np.load(io.BytesIO(content), allow_pickle=False) as held:
-            gain, shift = (np.asarray(held[name], dtype=float) for name in ("gain", "shift"))
+        held = load_npz(path, MOST_BYTES)
+        gain, shift = (np.asarray(held[name], dtype=float) for name in ("gain", "shift"))
         if not (np.isfinite(gain).all() and np.isfinite(shift).all()):
             raise ValueError("it holds numbers that are not finite")
-    # numpy and zipfile raise a dozen unrelated errors on damaged bytes.
-    except Exception as error:
+    except (OSError, ValueError, KeyError) as error:
         raise ViewError(
             f"it cannot be read: {error}",
             where=str(path),

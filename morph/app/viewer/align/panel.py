@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from morph.app.viewer.align.choices import SORTS
+from morph.app.viewer.widget import add_widget, set_value
 
 if TYPE_CHECKING:
     from morph.app.viewer.align.choices import Choices
@@ -30,15 +31,15 @@ class Panel:
         """Add them."""
         self._view, self._session = view, session
         self._hops = [WHOLE, *view.hops]
-        self._hop: Any = None
         if len(view.hops) > 1:
-            self._hop = self._list(gui, "hop", self._hops, view.chosen.hop, self._to_hop)
+            self._list(gui, "hop", self._hops, view.chosen.hop, self._to_hop)
         at = SORTS.index(view.chosen.sort)
-        self._sort = self._list(gui, "lines", SORTS, at, self._to_sort)
+        self._list(gui, "lines", SORTS, at, self._to_sort)
         self._part = self._list(gui, "part", self._parts(), 0, self._to_part)
         self._way = self._list(gui, "motion", self._ways(), 0, self._to_way)
-        self._large = gui.add_checkbox("enlarge motion", view.chosen.large)
-        self._on(self._large.on_update, self._to_large)
+        add_widget(
+            session, gui.add_checkbox, "enlarge motion", view.chosen.large, then=self._to_large
+        )
         self._refresh()
 
     def point(self, part: str) -> None:
@@ -46,20 +47,10 @@ class Panel:
         self._to(replace(self._view.chosen, part=part))
 
     def _list(
-        self, gui: Any, label: str, options: Sequence[str], at: int, then: Callable[[], None]
+        self, gui: Any, label: str, options: Sequence[str], at: int, then: Callable[[str], None]
     ) -> Any:
-        handle = gui.add_dropdown(label, tuple(options), initial_value=options[at])
-        self._on(handle.on_update, then)
-        return handle
-
-    def _on(self, event: Any, what: Callable[[], None]) -> None:
-        """Have something done when a person does something; what the program sets is no event."""
-
-        def happened(event: Any) -> None:
-            if event.client_id is not None:
-                self._session.do(what)
-
-        event(happened)
+        given = (gui.add_dropdown, label, tuple(options))
+        return add_widget(self._session, *given, then=then, initial_value=options[at])
 
     def _parts(self) -> list[str]:
         return [ALL, *self._view.labels]
@@ -88,24 +79,24 @@ class Panel:
             if handle.options != tuple(options):
                 handle.options = tuple(options)
             if handle.value != value:
-                handle.value = value
+                set_value(handle, value)
 
-    def _to_hop(self) -> None:
-        self._to(self._view.at_hop(self._hops.index(self._hop.value)))
+    def _to_hop(self, hop: str) -> None:
+        self._to(self._view.at_hop(self._hops.index(hop)))
         self._session.clock.seek(0.0)
 
-    def _to_sort(self) -> None:
-        self._to(replace(self._view.chosen, sort=self._sort.value, part=""))
+    def _to_sort(self, sort: str) -> None:
+        self._to(replace(self._view.chosen, sort=sort, part=""))
 
-    def _to_part(self) -> None:
-        self.point("" if self._part.value == ALL else self._part.value)
+    def _to_part(self, part: str) -> None:
+        self.point("" if part == ALL else part)
 
-    def _to_way(self) -> None:
-        self._to(replace(self._view.chosen, way="" if self._way.value == NONE else self._way.value))
+    def _to_way(self, way: str) -> None:
+        self._to(replace(self._view.chosen, way="" if way == NONE else way))
         self._session.clock.seek(0.0)
 
-    def _to_large(self) -> None:
-        self._to(replace(self._view.chosen, large=bool(self._large.value)))
+    def _to_large(self, large: bool) -> None:
+        self._to(replace(self._view.chosen, large=large))
 
 
 def panel(view: Align, gui: Any, session: Session) -> None:

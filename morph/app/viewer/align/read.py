@@ -15,6 +15,7 @@ import numpy as np
 from morph.app.viewer.align.story import Story, Told
 from morph.app.viewer.align.values import Values
 from morph.errors import ViewError
+from morph.regular_file import read_regular
 from morph.transfer.crossing import Crossing, Curve
 from morph.transfer.parts import Arrow, Parts
 from morph.transfer.record import Guard
@@ -105,23 +106,13 @@ def _none(folder: Path) -> ViewError:
 def _said(folder: Path, path: Path) -> Any:
     try:
         inside(folder, path.name)
-        # A pipe would be waited for.
-        if not path.is_file():
-            raise ViewError("it is no file", where=str(path), fix="give the folder as it was")
-        with path.open("rb") as file:
-            content = file.read(MOST_BYTES + 1)
+        content = read_regular(path, MOST_BYTES)
     except OSError as error:
         raise ViewError(
             f"it cannot be read: {error.strerror or error}",
             where=str(path),
             fix="give a file that can be read",
         ) from error
-    if len(content) > MOST_BYTES:
-        raise ViewError(
-            f"it is larger than {MOST_BYTES} bytes",
-            where=str(path),
-            fix="give a folder that `morph transfer` wrote",
-        )
     try:
         return json.loads(content)
     # Brackets in their thousands exceed Python's own depth.

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from html import escape
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from morph.app.viewer.compare.arrows import KINDS
 from morph.app.viewer.compare.show import Show
 from morph.app.viewer.compare.work import Work
 from morph.app.viewer.stage import ARROWS
+from morph.app.viewer.widget import add_widget
+
+if TYPE_CHECKING:
+    from morph.app.viewer.session import Session
 
 SWEEP = "none: joints through their ranges"
 """What the choice of tasks calls no task."""
@@ -23,6 +27,7 @@ class Panel:
 
     Args:
         gui: The `viser.GuiApi`, inside the view's folder.
+        session: The page.
         tasks: Names of the tasks to choose from.
         task: The one that is chosen.
         kinds: The kinds of arrows that are shown.
@@ -33,6 +38,7 @@ class Panel:
     def __init__(
         self,
         gui: Any,
+        session: Session,
         tasks: Sequence[str],
         task: str | None,
         kinds: set[str],
@@ -42,18 +48,24 @@ class Panel:
     ) -> None:
         """Add it."""
         if tasks:
-            chosen = gui.add_dropdown("task", (SWEEP, *tasks), initial_value=task or SWEEP)
-            self._on(
-                chosen,
-                lambda: on_task(None if chosen.value == SWEEP else str(chosen.value)),
+            add_widget(
+                session,
+                gui.add_dropdown,
+                "task",
+                (SWEEP, *tasks),
+                initial_value=task or SWEEP,
+                then=lambda chosen: on_task(None if chosen == SWEEP else chosen),
             )
         self._shared = bool(tasks)
         self._said = gui.add_html("")
-        self._boxes = {kind: gui.add_checkbox(f"{kind} arrows", kind in kinds) for kind in KINDS}
-        for box in self._boxes.values():
-            self._on(
-                box, lambda: on_arrows({kind for kind, box in self._boxes.items() if box.value})
-            )
+        self._boxes: dict[str, Any] = {}
+
+        def drawn(_: bool) -> None:
+            on_arrows({kind for kind, box in self._boxes.items() if box.value})
+
+        for kind in KINDS:
+            given = (gui.add_checkbox, f"{kind} arrows", kind in kinds)
+            self._boxes[kind] = add_widget(session, *given, then=drawn)
         self._legend = gui.add_html("")
 
     def tell(
@@ -76,13 +88,6 @@ class Panel:
         said = goals_html(goals) + states_html(names, works)
         self._said.content = said if self._shared else f'<p class="morph">{ALONE}</p>{said}'
         self._legend.content = legend_html(lengths)
-
-    def _on(self, handle: Any, what: Callable[[], None]) -> None:
-        def changed(event: Any) -> None:
-            if event.client_id is not None:
-                what()
-
-        handle.on_update(changed)
 
 
 def goals_html(goals: Sequence[str]) -> str:

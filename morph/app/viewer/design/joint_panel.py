@@ -9,6 +9,7 @@ from typing import Any
 from morph.app.viewer.design.bench import Bench
 from morph.app.viewer.design.limbs import Limb, found, limbs
 from morph.app.viewer.design.number import number_of
+from morph.app.viewer.widget import set_value
 from morph.body.posture import Handle
 
 DEGREES = 180.0 / math.pi
@@ -20,25 +21,30 @@ class JointPanel:
 
     Args:
         gui: The `viser.GuiApi`, inside the folder that is for them.
-        on: Has something done when a person moves a handle of the page.
+        add: Adds a widget, as `add_widget` of the page does.
         turned: Told a joint's name and position, rad or m, when its slider is moved.
     """
 
     def __init__(
         self,
         gui: Any,
-        on: Callable[[Any, Callable[[], None]], None],
+        add: Callable[..., Any],
         turned: Callable[[str, float], None],
     ) -> None:
         """Add the search field."""
-        self._gui, self._on, self._turned = gui, on, turned
-        self._find = gui.add_text("find", "", hint="words in names of joints or links")
+        self._gui, self._add, self._turned = gui, add, turned
+        self._find = add(
+            gui.add_text,
+            "find",
+            "",
+            hint="words in names of joints or links",
+            then=lambda _: self._sift(),
+        )
         self._place = gui.add_folder(None)
         self._parts: list[Any] = []
         self._sliders: dict[str, Any] = {}
         self._bench: Bench | None = None
         self._shown: tuple[Any, ...] = ()
-        on(self._find.on_update, self._sift)
 
     @property
     def links(self) -> dict[str, str]:
@@ -63,7 +69,7 @@ class JointPanel:
         for handle in self._bench.posture.handles:
             slider = self._sliders.get(handle.joint)
             if slider is not None and handle.joint != held:
-                slider.value = _shown(handle, self._bench.position(handle))
+                set_value(slider, _shown(handle, self._bench.position(handle)))
 
     def seek(self, text: str) -> None:
         """Show only what a text finds."""
@@ -86,12 +92,12 @@ class JointPanel:
         self._parts, self._sliders = [], {}
         with self._place:
             for at, limb in enumerate(groups):
-                self._add(limb, first=at == 0)
+                self._group(limb, first=at == 0)
             if not handles or not any(limb.handles for limb in groups):
                 told = "no joint is found" if handles else "no joint moves by itself"
                 self._parts.append(self._gui.add_markdown(told))
 
-    def _add(self, limb: Limb, *, first: bool) -> None:
+    def _group(self, limb: Limb, *, first: bool) -> None:
         if limb.title:
             folder = self._gui.add_folder(limb.title, expand_by_default=first)
             self._parts.append(folder)
@@ -110,20 +116,17 @@ class JointPanel:
         unit = "degrees" if handle.kind == "hinge" else "m"
         step = 0.1 if handle.kind == "hinge" else 1e-4
         without = "" if handle.limited else ", without limits"
-        slider = self._gui.add_slider(
+        scale = DEGREES if handle.kind == "hinge" else 1.0
+        slider = self._add(
+            self._gui.add_slider,
             handle.joint,
             low,
             high,
             min(step, high - low),
             min(max(_shown(handle, at), low), high),
             hint=f"{handle.kind}{without}, {unit}; moves {handle.link}",
+            then=lambda value: self._turned(handle.joint, float(value) / scale),
         )
-        scale = DEGREES if handle.kind == "hinge" else 1.0
-
-        def moved() -> None:
-            self._turned(handle.joint, float(slider.value) / scale)
-
-        self._on(slider.on_update, moved)
         self._sliders[handle.joint] = slider
         return slider
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from morph.app.viewer.design.joint_panel import JointPanel
 from morph.app.viewer.design.number import number_of
 from morph.app.viewer.design.parameter_panel import ParameterPanel
+from morph.app.viewer.widget import add_widget
 
 if TYPE_CHECKING:
     from morph.app.viewer.session import Session
@@ -37,40 +38,37 @@ class Panel:
     def __init__(self, gui: Any, session: Session, view: Design) -> None:
         """Add them."""
         self._gui, self._session, self._view = gui, session, view
+        add = self._add = partial(add_widget, session)
         if len(view.plans) > 1:
             names = tuple(f"{at + 1}: {p.robot.name}" for at, p in enumerate(view.plans))
-            body = gui.add_dropdown("body", names, initial_value=names[view.at])
-            self.on(body.on_update, lambda: view.choose(names.index(body.value)))
+            add(
+                gui.add_dropdown,
+                "body",
+                names,
+                initial_value=names[view.at],
+                then=lambda name: view.choose(names.index(name)),
+            )
         self._headline = gui.add_html("")
-        actions = gui.add_button_group("", ACTIONS)
-        self.on(actions.on_click, lambda: self._act(str(actions.value)))
-        ghost = gui.add_checkbox(
-            "show original", view.ghost, hint="the body as described, translucent, where it differs"
+        add(gui.add_button_group, "", ACTIONS, then=self._act)
+        add(
+            gui.add_checkbox,
+            "show original",
+            view.ghost,
+            hint="the body as described, translucent, where it differs",
+            then=view.show_original,
         )
-        self.on(ghost.on_update, lambda: view.show_original(bool(ghost.value)))
-        sections = gui.add_button_group("", SECTIONS)
+        add(gui.add_button_group, "", SECTIONS, then=self.open)
         self._folders = {name: gui.add_folder(name) for name in SECTIONS}
         with self._folders["Joints"]:
-            self.joints = JointPanel(gui, self.on, view.turn)
+            self.joints = JointPanel(gui, add, view.turn)
         with self._folders["Parameters"]:
-            self.parameters = ParameterPanel(gui, self.on, view.set)
-            plain = gui.add_button("As described")
-            self.on(plain.on_click, view.plain)
+            self.parameters = ParameterPanel(gui, add, view.set)
+            add(gui.add_button, "As described", then=lambda _: view.plain())
         with self._folders["Save"]:
             self._save()
-        self.on(sections.on_click, lambda: self.open(str(sections.value)))
         self.open(SECTIONS[0])
         self._pointing()
         session.stage.picked = self._picked
-
-    def on(self, event: Any, what: Callable[[], None]) -> None:
-        """Have something done in the session's thread when a person does something."""
-
-        def happened(event: Any) -> None:
-            if event.client_id is not None:
-                self._session.do(what)
-
-        event(happened)
 
     def open(self, section: str) -> None:
         """Show one of the sections."""
@@ -95,10 +93,15 @@ class Panel:
             ("undo", "Z", None, self._view.undo),
             ("redo", "Z", "shift", self._view.redo),
         ):
-            command = self._gui.add_command(f"design: {label}", hotkey=key, modifier=modifier)
-            self.on(command.on_trigger, partial(self._when_shown, what))
+            self._add(
+                self._gui.add_command,
+                f"design: {label}",
+                hotkey=key,
+                modifier=modifier,
+                then=partial(self._when_shown, what),
+            )
 
-    def _when_shown(self, what: Callable[[], None]) -> None:
+    def _when_shown(self, what: Callable[[], None], _: None) -> None:
         if self._session.view is self._view:
             what()
 
@@ -108,24 +111,27 @@ class Panel:
 
     def _save(self) -> None:
         gui, view = self._gui, self._view
-        name = gui.add_text("name", "", hint="letters, digits and _, beginning with a letter")
-        button = gui.add_button("Save as a new body")
-        self.on(button.on_click, lambda: view.save(str(name.value)))
+        name = self._add(
+            gui.add_text,
+            "name",
+            "",
+            hint="letters, digits and _, beginning with a letter",
+            then=lambda _: None,
+        )
+        self._add(gui.add_button, "Save as a new body", then=lambda _: view.save(str(name.value)))
         gui.add_markdown("It goes to your own shelf; `morph view NAME` shows it again.")
 
     def _pointing(self) -> None:
         """Add the field that page.js writes to; the style is of our own text alone."""
-        field = self._gui.add_text(POINTED, "")
-        number = number_of(field)
+
+        def pointed(number: str) -> None:
+            links = self.joints.links | self.parameters.links
+            self._view.highlight(links.get(number))
+
+        number = number_of(self._add(self._gui.add_text, POINTED, "", then=pointed))
         self._gui.add_html(
             f'<style>div:has(> div > div > p > label[for="{number}"]){{display:none}}</style>'
         )
-
-        def pointed() -> None:
-            links = self.joints.links | self.parameters.links
-            self._view.highlight(links.get(str(field.value)))
-
-        self.on(field.on_update, pointed)
 
     def _picked(self, actor: int, link: str) -> None:
         """Show what moves a link that was clicked in the scene, or what may be changed of it."""

@@ -8,6 +8,7 @@ from typing import Any
 from morph.app.viewer.design.bench import Bench
 from morph.app.viewer.design.number import number_of
 from morph.app.viewer.design.parameters import UNITS, WHOLE, neutral
+from morph.app.viewer.widget import set_value
 from morph.body.card import Parameter
 from morph.body.vary import Lock
 
@@ -26,25 +27,25 @@ class ParameterPanel:
 
     Args:
         gui: The `viser.GuiApi`, inside the folder that is for them.
-        on: Has something done when a person moves a handle of the page.
+        add: Adds a widget, as `add_widget` of the page does.
         changed: Told a parameter's name and value, None for as described.
     """
 
     def __init__(
         self,
         gui: Any,
-        on: Callable[[Any, Callable[[], None]], None],
+        add: Callable[..., Any],
         changed: Callable[[str, float | None], None],
     ) -> None:
         """Add the choice of what is changed."""
-        self._gui, self._on, self._changed = gui, on, changed
-        self._of = gui.add_dropdown("change", (OWN,))
+        self._gui, self._add, self._changed = gui, add, changed
+        self._of = add(gui.add_dropdown, "change", (OWN,), then=lambda _: self._list())
         self._place = gui.add_folder(None)
         self._parts: list[Any] = []
         self._sliders: dict[str, Any] = {}
         self._locks: dict[str, Any] = {}
         self._bench: Bench | None = None
-        on(self._of.on_update, self._list)
+        self._listed: tuple[Any, ...] = ()
 
     @property
     def links(self) -> dict[str, str]:
@@ -68,7 +69,7 @@ class ParameterPanel:
     def choose(self, link: str) -> None:
         """Show what may be changed of a link, if there is anything."""
         if self._bench is not None and link in self._of.options:
-            self._of.value = link
+            set_value(self._of, link)
             self._list()
 
     def tell(self, held: str | None = None) -> None:
@@ -79,47 +80,55 @@ class ParameterPanel:
         for parameter in self._bench.plan.parameters:
             name = parameter.name
             if name in self._locks:
-                self._locks[name].value = name in values
+                set_value(self._locks[name], name in values)
                 self._sliders[name].visible = name in values
             if name in self._sliders and name != held:
-                self._sliders[name].value = values.get(name, neutral(parameter))
+                set_value(self._sliders[name], values.get(name, neutral(parameter)))
 
     def _list(self) -> None:
-        bench = self._bench
+        bench, chosen = self._bench, str(self._of.value)
         if bench is None:
             return
+        # A body that is built anew has the same sliders: one may be under a hand.
+        if self._listed != (bench.plan, chosen):
+            self._listed = bench.plan, chosen
+            self._draw(bench, chosen)
+        self.tell()
+
+    def _draw(self, bench: Bench, chosen: str) -> None:
         for part in self._parts:
             part.remove()
         self._parts, self._sliders, self._locks = [], {}, {}
-        chosen = str(self._of.value)
         link = WHOLE if chosen == EVERYTHING else chosen
         own = chosen == OWN
         shown = bench.plan.own if own else [p for p in bench.plan.general if p.link == link]
         with self._place:
             for parameter in shown:
-                self._add(parameter, parameter.name if own else parameter.name.split(": ")[-1])
-        self.tell()
+                self._show(parameter, parameter.name if own else parameter.name.split(": ")[-1])
 
-    def _add(self, parameter: Parameter, label: str) -> None:
+    def _show(self, parameter: Parameter, label: str) -> None:
         name = parameter.name
         part = "the whole body" if parameter.link == WHOLE else parameter.link
         unit = UNITS.get(parameter.operation, "")
         if parameter.operation == Lock.name:
-            lock = self._gui.add_checkbox(label, False, hint=f"weld the joint of {part}")
+            lock = self._add(
+                self._gui.add_checkbox,
+                label,
+                False,
+                hint=f"weld the joint of {part}",
+                then=lambda locked: self._changed(name, neutral(parameter) if locked else None),
+            )
             self._parts.append(lock)
             self._locks[name] = lock
-            self._on(
-                lock.on_update,
-                lambda: self._changed(name, neutral(parameter) if lock.value else None),
-            )
-        slider = self._gui.add_slider(
+        slider = self._add(
+            self._gui.add_slider,
             "at" if parameter.operation == Lock.name else label,
             parameter.low,
             parameter.high,
             (parameter.high - parameter.low) / STEPS or 1e-6,
             neutral(parameter),
             hint=f"{parameter.operation} {part}; {unit}",
+            then=lambda value: self._changed(name, float(value)),
         )
         self._parts.append(slider)
         self._sliders[name] = slider
-        self._on(slider.on_update, lambda: self._changed(name, float(slider.value)))

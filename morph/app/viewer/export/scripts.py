@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from morph.app.viewer.front_page import allowed, script_hash
+from morph.app.viewer.front_page import allowed, script_hash, viser_program
 
 ANY = "'unsafe-inline'"
 """What stands for the hashes where viser's client is packed otherwise than is known here. A
@@ -15,7 +15,7 @@ def policy(viser_page: str, *ours: str) -> str:
     Nothing may be loaded from anywhere, and no script may run but those that it holds. Those
     may evaluate text, as viser's client does where it binds WebAssembly.
     """
-    hashes = allowed(viser_page)
+    hashes = allowed(viser_page, viser_program(viser_page))
     if hashes != (ANY,):
         hashes = (*hashes, *(script_hash(each.encode()) for each in ours))
     return (

@@ -14,6 +14,7 @@ from morph.errors import MorphError, ViewError
 from morph.model.diagnosis import SCHEMA, Stretch
 from morph.physics.effect import Effect
 from morph.physics.store import effect_of, load_effects
+from morph.regular_file import read_regular
 
 MOST_BYTES = 2**24
 """Largest diagnosis.json that is read."""
@@ -116,11 +117,7 @@ def command_of(folder: Path) -> str:
 
 def _json(path: Path) -> Any:
     try:
-        with path.open("rb") as file:
-            data = file.read(MOST_BYTES + 1)
-        if len(data) > MOST_BYTES:
-            raise ValueError(f"it is larger than {MOST_BYTES} bytes")
-        return json.loads(data)
+        return json.loads(read_regular(path, MOST_BYTES))
     # Brackets in their thousands exceed Python's own depth.
     except (OSError, ValueError, RecursionError) as error:
         why = getattr(error, "strerror", None) or str(error)[:200]

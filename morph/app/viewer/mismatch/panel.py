@@ -12,6 +12,7 @@ from morph.app.viewer.mismatch.diagnosed import Found
 from morph.app.viewer.mismatch.drawn import COLOURINGS
 from morph.app.viewer.mismatch.missing import link_of
 from morph.app.viewer.mismatch.take import Model
+from morph.app.viewer.widget import add_widget, set_value
 
 if TYPE_CHECKING:
     from morph.app.viewer.mismatch.case import Case
@@ -54,35 +55,30 @@ class Panel:
             self._ways[f"restarted every {chosen.ask.horizon:g} s"] = chosen.ask.horizon
         ways = list(self._ways)
         way = list(self._ways.values()).index(chosen.ask.horizon)
-        self._way = self._list(gui, "simulation", ways, way, self._to_way)
+        self._list(gui, "simulation", ways, way, self._to_way)
         if len(case.models) > 1:
             self._models = {model.title: model.name for model in case.models} | {BOTH: BOTH}
             at = list(self._models.values()).index(chosen.models)
-            self._model = self._list(gui, "models", list(self._models), at, self._to_models)
+            self._list(gui, "models", list(self._models), at, self._to_models)
         at = COLOURINGS.index(chosen.colouring)
-        self._colouring = self._list(gui, "links by", list(COLOURINGS), at, self._to_colouring)
+        self._list(gui, "links by", list(COLOURINGS), at, self._to_colouring)
         self._found = case.found
         if self._found:
             gui.add_html(_findings(self._found))
             numbers = tuple(str(number + 1) for number in range(len(self._found)))
-            jump = gui.add_button_group("show finding", numbers)
-            self._on(jump.on_click, lambda: self._show(self._found[int(jump.value) - 1]))
+            add_widget(
+                session,
+                gui.add_button_group,
+                "show finding",
+                numbers,
+                then=lambda number: self._show(self._found[int(number) - 1]),
+            )
 
     def _list(
-        self, gui: Any, label: str, options: list[str], at: int, then: Callable[[], None]
+        self, gui: Any, label: str, options: list[str], at: int, then: Callable[[str], None]
     ) -> Any:
-        handle = gui.add_dropdown(label, tuple(options), initial_value=options[at])
-        self._on(handle.on_update, then)
-        return handle
-
-    def _on(self, event: Any, what: Callable[[], None]) -> None:
-        """Have something done when a person does something; what the program sets is no event."""
-
-        def happened(event: Any) -> None:
-            if event.client_id is not None:
-                self._session.do(what)
-
-        event(happened)
+        given = (gui.add_dropdown, label, tuple(options))
+        return add_widget(self._session, *given, then=then, initial_value=options[at])
 
     def _show(self, found: Found) -> None:
         """Go to where a finding shows most, and point at its link."""
@@ -111,27 +107,28 @@ class Panel:
     def _tell(self) -> None:
         """Show what is chosen."""
         chosen, windows = self._view.chosen, self._windows()
-        self._recording.value = self._recordings[chosen.ask.episode]
+        set_value(self._recording, self._recordings[chosen.ask.episode])
         if tuple(self._window.options) != tuple(windows):
             self._window.options = tuple(windows)
-        self._window.value = windows[chosen.ask.window]
+        set_value(self._window, windows[chosen.ask.window])
         self._window.visible = len(windows) > 1
 
-    def _to_recording(self) -> None:
-        at = self._recordings.index(self._recording.value)
-        self._ask(episode=at, window=0)
+    def _to_recording(self, recording: str) -> None:
+        self._ask(episode=self._recordings.index(recording), window=0)
 
-    def _to_window(self) -> None:
-        self._ask(window=self._windows().index(self._window.value))
+    def _to_window(self, window: str) -> None:
+        # A recording that was chosen just before may have other windows.
+        if window in self._windows():
+            self._ask(window=self._windows().index(window))
 
-    def _to_way(self) -> None:
-        self._ask(horizon=self._ways[self._way.value])
+    def _to_way(self, way: str) -> None:
+        self._ask(horizon=self._ways[way])
 
-    def _to_models(self) -> None:
-        self._to(replace(self._view.chosen, models=self._models[self._model.value]))
+    def _to_models(self, models: str) -> None:
+        self._to(replace(self._view.chosen, models=self._models[models]))
 
-    def _to_colouring(self) -> None:
-        self._to(replace(self._view.chosen, colouring=self._colouring.value))
+    def _to_colouring(self, colouring: str) -> None:
+        self._to(replace(self._view.chosen, colouring=colouring))
 
     def _ask(self, **changes: Any) -> None:
         chosen = self._view.chosen

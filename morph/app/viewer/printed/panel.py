@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from morph.app.viewer.printed.choices import APART, COLOURINGS, Choices
 from morph.app.viewer.printed.figures import how_far, part_of, when
 from morph.app.viewer.printed.zipped import zipped
+from morph.app.viewer.widget import add_widget, set_value
 
 if TYPE_CHECKING:
     from morph.app.viewer.session import Session
@@ -37,12 +38,19 @@ class Panel:
         self._touched, self._packing = 0.0, False
         chosen = view.chosen
         self._show = self._list(gui, "show", [chosen.show], self._to_show)
-        self._apart = gui.add_slider("apart (%)", 0, 100, 1, 0)
-        self._on(self._apart.on_update, self._to_apart)
+        self._apart = add_widget(
+            session, gui.add_slider, "apart (%)", 0, 100, 1, 0, then=self._to_apart
+        )
         self._by = self._list(gui, "colours", COLOURINGS, self._to_by)
         self._part = self._list(gui, "point at", [NONE], self._to_part)
-        self._load = gui.add_button("Download package", icon="download", visible=False)
-        self._on(self._load.on_click, self._download)
+        self._load = add_widget(
+            session,
+            gui.add_button,
+            "Download package",
+            icon="download",
+            visible=False,
+            then=self._download,
+        )
         self.refresh()
 
     def refresh(self) -> None:
@@ -58,7 +66,7 @@ class Panel:
             if tuple(handle.options) != tuple(options):
                 handle.options = tuple(options)
             if handle.value != value:
-                handle.value = value
+                set_value(handle, value)
         self._apart.visible = made is not None and self._view.shown(chosen).show == APART
         self._load.visible = made is not None and made.package.folder is not None
 
@@ -67,25 +75,17 @@ class Panel:
         if self._apart.visible and time.monotonic() - self._touched > HAND:
             percent = round(100.0 * how_far(now))
             if self._apart.value != percent:
-                self._apart.value = percent
+                set_value(self._apart, percent)
 
     def point(self, part: str) -> None:
         """Point at a part; at the same once more: at none."""
         self._to(replace(self._view.chosen, part="" if part == self._view.chosen.part else part))
 
-    def _list(self, gui: Any, label: str, options: Sequence[str], then: Callable[[], None]) -> Any:
-        handle = gui.add_dropdown(label, tuple(options), initial_value=options[0])
-        self._on(handle.on_update, then)
-        return handle
-
-    def _on(self, event: Any, what: Callable[[], None]) -> None:
-        """Have something done when a person does something; what the program sets is no event."""
-
-        def happened(event: Any) -> None:
-            if event.client_id is not None:
-                self._session.do(what)
-
-        event(happened)
+    def _list(
+        self, gui: Any, label: str, options: Sequence[str], then: Callable[[str], None]
+    ) -> Any:
+        given = (gui.add_dropdown, label, tuple(options))
+        return add_widget(self._session, *given, then=then, initial_value=options[0])
 
     def _to(self, chosen: Choices) -> None:
         before = self._view.chosen
@@ -94,23 +94,22 @@ class Panel:
         if before.show != chosen.show:
             self._session.clock.seek(0.0)
 
-    def _to_show(self) -> None:
-        self._to(replace(self._view.chosen, show=self._show.value))
+    def _to_show(self, show: str) -> None:
+        self._to(replace(self._view.chosen, show=show))
         # A plate has another shape than the body: all of it is to be seen.
         self._session.stage.aim(self._session.client.camera)
 
-    def _to_by(self) -> None:
-        self._to(replace(self._view.chosen, by=self._by.value))
+    def _to_by(self, by: str) -> None:
+        self._to(replace(self._view.chosen, by=by))
 
-    def _to_part(self) -> None:
-        wanted = "" if self._part.value == NONE else self._part.value
-        self._to(replace(self._view.chosen, part=wanted))
+    def _to_part(self, part: str) -> None:
+        self._to(replace(self._view.chosen, part="" if part == NONE else part))
 
-    def _to_apart(self) -> None:
+    def _to_apart(self, percent: int) -> None:
         self._touched = time.monotonic()
-        self._session.jump(when(0.01 * self._apart.value))
+        self._session.jump(when(0.01 * percent))
 
-    def _download(self) -> None:
+    def _download(self, _: bool) -> None:
         made = self._view.works.made
         folder = None if made is None else made.package.folder
         if made is None or folder is None or self._packing:

@@ -53,11 +53,12 @@ class Compare(View):
         """Add the choice of a task and of arrows; and tell what commands each body."""
         self._panel = Panel(
             gui,
+            session,
             self._troupe.tasks,
             self._task,
             self._arrows,
-            on_task=lambda task: session.do(partial(self._turn, session, task)),
-            on_arrows=lambda kinds: session.do(partial(self._draw, session, kinds)),
+            on_task=partial(self._turn, session),
+            on_arrows=partial(self._draw, session),
         )
         self._draw(session, self._arrows)
         self._listen(session)

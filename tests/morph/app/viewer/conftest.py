@@ -18,7 +18,7 @@ from morph.app.viewer.view import View
 from morph.body.load import load
 from morph.sim.simulator import Simulator
 
-PATIENCE = 20.0
+PATIENCE = 60.0
 """s; what is waited for comes in milliseconds, but the machine may be busy."""
 
 CAMERA = {

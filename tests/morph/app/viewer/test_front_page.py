@@ -5,7 +5,14 @@ import gzip
 import hashlib
 import re
 
-from morph.app.viewer.front_page import DIGITS, front_page, unpack
+from morph.app.viewer.front_page import (
+    DIGITS,
+    THROTTLED,
+    UNPACKED,
+    front_page,
+    unpack,
+    viser_program,
+)
 
 
 def packed(data: bytes) -> str:
@@ -49,3 +56,12 @@ def test_the_page_may_speak_with_us_alone() -> None:
     assert speaks.split()[1:] == ["'self'", "ws://localhost:8080", "data:", "blob:"]
     assert "frame-ancestors 'none'" in policy
     assert "default-src 'none'" in policy
+
+
+def test_the_installed_viser_is_one_whose_lost_inputs_are_mended() -> None:
+    # That inputs come through is seen in a browser; where viser changes, this says what to look at.
+    page = front_page().plain.decode()
+    program = viser_program(page)
+    assert program is not None
+    assert len(THROTTLED.findall(program)) == 1
+    assert page.count(f"{UNPACKED}.replace(") == 1

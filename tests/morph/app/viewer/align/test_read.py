@@ -109,13 +109,13 @@ def test_a_record_larger_than_the_bound_is_not_read_whole(copy: Copy) -> None:
     with record.open("r+b") as file:
         # A hole: it has the size, but takes no room on the disk.
         file.truncate(MOST_BYTES + 1)
-    with pytest.raises(ViewError, match=rf"larger than {MOST_BYTES} bytes"):
+    with pytest.raises(ViewError, match=rf"{MOST_BYTES} are read at most"):
         story(record.parent)
 
 
 def test_a_pipe_in_place_of_a_record_is_not_waited_for(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "align.json")
-    with pytest.raises(ViewError, match=r"it is no file"):
+    with pytest.raises(ViewError, match=r"it is a pipe, no regular file"):
         story(tmp_path)
 
 

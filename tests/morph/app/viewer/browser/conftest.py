@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from morph.app.cli.main import main
 from morph.app.viewer.given import Given
 from morph.app.viewer.server import Viewer
 from morph.app.viewer.view import View
@@ -26,8 +27,20 @@ NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable"
 FLAGS = ("--no-sandbox", "--use-angle=gl-egl", "--ignore-gpu-blocklist")
 """With these WebGL is drawn without a graphics card and without a display."""
 
-VIEWPORT: Any = {"width": 960, "height": 600}
+VIEWPORT: Any = {"width": 800, "height": 480}
 """As small as a page is that one still works with: the processor draws every pixel."""
+
+UNHURRIED = """
+(() => {
+  const draw = window.requestAnimationFrame.bind(window), gone = new Set();
+  window.requestAnimationFrame = (what) => {
+    const number = setTimeout(() => draw((now) => gone.delete(number) || what(now)), 200);
+    return number;
+  };
+  window.cancelAnimationFrame = (number) => (clearTimeout(number), gone.add(number));
+})();
+"""
+"""Five pictures a second are as many as a test looks at, a twelfth of what a page would draw."""
 
 PATIENCE = 60.0
 """s; a picture takes seconds where the processor draws it, and two tests may share it."""
@@ -43,6 +56,13 @@ def differs(one: np.ndarray, other: np.ndarray) -> bool:
     # Viser draws more coarsely while it is slow, which moves edges by a part of a pixel.
     far = np.abs(one.astype(int) - other.astype(int)).max(axis=2) > 40
     return bool(far.mean() > 5e-4)
+
+
+def number_of_colours(picture: np.ndarray) -> int:
+    """Return how many colours a picture has, uint8, shape (rows, columns, 3)."""
+    # One number for each colour: rows of three are sorted fifty times as slowly.
+    red, green, blue = np.moveaxis(picture.astype(np.uint32), -1, 0)
+    return len(np.unique(red << 16 | green << 8 | blue))
 
 
 class Look:
@@ -86,7 +106,7 @@ class Look:
         clip = {
             "x": box["x"],
             "y": box["y"] + 0.15 * box["height"],
-            "width": min(box["width"], 880.0),
+            "width": box["width"],
             "height": 0.75 * box["height"],
         }
         shot = self.page.screenshot(clip=clip)
@@ -107,9 +127,14 @@ class Look:
             last = now
         return now
 
+    def point(self) -> None:
+        """Click on the canvas, so that keys go to the page and to no control of its panel."""
+        box = self.canvas.bounding_box()
+        self.page.mouse.click(box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"])
+
     def colours(self) -> int:
         """How many colours the canvas has."""
-        return len(np.unique(self.picture().reshape(-1, 3), axis=0))
+        return number_of_colours(self.picture())
 
     def text(self) -> str:
         """All the text that is to be read."""
@@ -137,16 +162,35 @@ def chromium() -> str:
     pytest.skip(reason)
 
 
-# By module: while playwright runs in a thread, nothing else there can run an event loop.
-@pytest.fixture(scope="module")
-def browser(chromium: str) -> Iterator[Any]:
-    """A running browser."""
-    from playwright.sync_api import sync_playwright
+RUNNING = pytest.StashKey[tuple[Any, Any]]()
+"""The browser that runs, and playwright, which drives it."""
 
-    with sync_playwright() as play:
-        running = play.chromium.launch(executable_path=chromium, args=list(FLAGS))
-        yield running
-        running.close()
+
+@pytest.fixture
+def browser(request: pytest.FixtureRequest, chromium: str) -> Any:
+    """A running browser, one for all tests of this folder; each has pages of its own in it."""
+    stash = request.session.stash
+    if RUNNING not in stash:
+        from playwright.sync_api import sync_playwright
+
+        play = sync_playwright().start()
+        stash[RUNNING] = play.chromium.launch(executable_path=chromium, args=list(FLAGS)), play
+    return stash[RUNNING][0]
+
+
+# While playwright runs in a thread, nothing else there can run an event loop: tests elsewhere may.
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_teardown(item: pytest.Item, nextitem: pytest.Item | None) -> Iterator[None]:
+    """End the browser after the last test in a row that looks with it."""
+    try:
+        return (yield)
+    finally:
+        stays = nextitem is not None and nextitem.path.is_relative_to(Path(__file__).parent)
+        if RUNNING in item.session.stash and not stays:
+            running, play = item.session.stash[RUNNING]
+            del item.session.stash[RUNNING]
+            running.close()
+            play.stop()
 
 
 @pytest.fixture
@@ -154,8 +198,10 @@ def blank(browser: Any, tmp_path: Path) -> Iterator[Callable[..., Look]]:
     """Makes a person with an empty page; what went wrong on a page fails the test."""
     people: list[tuple[Any, Look]] = []
 
-    def made(**how: Any) -> Look:
-        context = browser.new_context(viewport=VIEWPORT, accept_downloads=True, **how)
+    def made(*, hurried: bool = False, viewport: Any = VIEWPORT, **how: Any) -> Look:
+        context = browser.new_context(viewport=viewport, accept_downloads=True, **how)
+        if not hurried:
+            context.add_init_script(UNHURRIED)
         page = context.new_page()
         page.set_default_timeout(1e3 * PATIENCE)
         people.append((context, Look(page, tmp_path / f"last_{len(people)}.png")))
@@ -220,3 +266,14 @@ def served(caplog: pytest.LogCaptureFixture) -> Iterator[Callable[..., Viewer]]:
     # A session outlives its faults and only logs them.
     records = caplog.get_records("call")
     assert [each.exc_text or each.message for each in records if each.levelname == "ERROR"] == []
+
+
+@pytest.fixture(scope="session")
+def inputs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+    """What all views together need, made by the commands that people give."""
+    folder = tmp_path_factory.mktemp("inputs")
+    aligned, run = folder / "aligned", folder / "run.parquet"
+    assert main(["align", "cartpole", "rider_rigid_driven", "--out", str(aligned), "--quiet"]) == 0
+    swings = ["simulate", "pendulum", "--start", "hinge=0.5", "--seconds", "3", "--out", str(run)]
+    assert main(swings) == 0
+    return {"transfer": aligned, "recordings": (run,)}

@@ -44,11 +44,30 @@ def viewer(served: Callable[..., Any]) -> Any:
     return served(views=lambda: [Turning(drawn)])
 
 
-def test_buttons_and_keys_hold_the_body_and_let_it_go(
-    viewer: Any, look: Callable[..., Any]
+def test_buttons_keys_and_slider_move_the_clock_of_one_page_and_its_body(
+    viewer: Any,
+    look: Callable[..., Any],
+    people: Callable[..., Any],
+    waits: Callable[..., Any],
 ) -> None:
     person = look(viewer.address)
-    (session,) = viewer.sessions
+    (mine,) = viewer.sessions
+    people(viewer.door.server.get_port()).enters()
+    person.until(lambda: len(viewer.sessions) == 2, "somebody else looks, too")
+    (yours,) = set(viewer.sessions) - {mine}
+    buttons_and_keys_hold_the_body_and_let_it_go(person, mine)
+    a_scrubbed_clock_shows_the_pose_of_that_time(person, mine)
+
+    held, passed = mine.clock.time, yours.clock.time
+    person.until(lambda: yours.clock.time != passed, "the other's goes on")
+    assert yours.clock.playing
+    assert yours.clock.speed == 1.0
+    assert mine.clock.time == held
+    person.page.close()
+    assert waits(lambda: viewer.sessions == (yours,)), "who leaves is gone"
+
+
+def buttons_and_keys_hold_the_body_and_let_it_go(person: Any, session: Any) -> None:
     start = person.picture()
     person.until(lambda: person.changes(start), "the body moves")
 
@@ -57,7 +76,7 @@ def test_buttons_and_keys_hold_the_body_and_let_it_go(
     held = person.settled()
     at = session.clock.time
 
-    person.page.mouse.click(400, 300)
+    person.point()
     person.page.keyboard.press("Space")
     person.until(lambda: session.clock.playing, "the space bar plays")
     person.until(lambda: session.clock.time != at and person.changes(held), "the body moves again")
@@ -79,13 +98,9 @@ def test_buttons_and_keys_hold_the_body_and_let_it_go(
     person.until(lambda: abs(session.clock.time - 2.0 / RATE) < 1e-9, "and back")
 
 
-def test_a_scrubbed_clock_shows_the_pose_of_that_time(
-    viewer: Any, look: Callable[..., Any]
-) -> None:
+def a_scrubbed_clock_shows_the_pose_of_that_time(person: Any, session: Any) -> None:
     # At no radian the ball hangs by its length below the pivot, at two it stands 0.42 (-cos 2) of
     # it above: it has risen by 1.42 of its length, which is 0.3 to 0.5 of the picture.
-    person = look(viewer.address)
-    (session,) = viewer.sessions
     handle = person.page.get_by_role("slider").first
     handle.focus()
     person.page.keyboard.press("Home")
@@ -110,22 +125,7 @@ def test_a_scrubbed_clock_shows_the_pose_of_that_time(
     shown = float(handle.get_attribute("aria-valuenow"))
     assert shown == pytest.approx(session.clock.time, abs=2e-3)
 
-    person.page.mouse.click(400, 300)
+    person.point()
     person.page.keyboard.press("Home")
     person.until(lambda: session.clock.time == 0.0, "at the start again")
     person.until(lambda: height_of_ball(person.picture()) < low + 0.02, "it hangs again")
-
-
-def test_two_people_do_not_share_a_clock(viewer: Any, look: Callable[..., Any]) -> None:
-    one, other = look(viewer.address), look(viewer.address)
-    mine, yours = viewer.sessions
-    one.press("Pause")
-    one.until(lambda: not mine.clock.playing, "the first has paused")
-    held = mine.clock.time
-    passed = yours.clock.time
-    other.until(lambda: yours.clock.time != passed, "the second's goes on")
-    assert yours.clock.playing
-    assert mine.clock.time == held
-    one.page.close()
-    other.until(lambda: len(viewer.sessions) == 1, "who leaves is gone")
-    assert viewer.sessions == (yours,)

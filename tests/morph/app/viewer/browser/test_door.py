@@ -83,11 +83,12 @@ def test_the_address_with_its_token_opens_the_page_and_html_of_others_runs_nothi
 
 
 def test_a_page_of_somebody_else_cannot_speak_with_the_viewer(
-    viewer: Viewer, elsewhere: str, look: Callable[..., Any], blank: Callable[..., Any]
+    viewer: Viewer, elsewhere: str, blank: Callable[..., Any]
 ) -> None:
     import viser
 
-    person = look(viewer.address)
+    person = blank()
+    person.page.goto(viewer.address, wait_until="commit")
     try_it = CONNECTS % viser.__version__
     address = viewer.address.replace("http://", "ws://")
     # Ours can: what refuses the other is the door, not this test.

@@ -20,7 +20,8 @@ def test_a_written_page_plays_and_jumps_without_a_network(
     words = ["view", "cartpole", "pendulum", "--task", "balance", "--seconds", "3", "--quiet"]
     assert main([*words, "--html", str(path)]) == 0
     assert path.stat().st_size < 5_000_000
-    person = blank(offline=True)
+    # Its player is watched as it plays: it draws as often as it asks, in the size that clips fit.
+    person = blank(offline=True, hurried=True, viewport={"width": 960, "height": 600})
     person.page.goto(path.as_uri())
     film = person.page.frame_locator("iframe")
     # The player's slider has a thumb that is not drawn.
@@ -32,7 +33,8 @@ def test_a_written_page_plays_and_jumps_without_a_network(
         return np.array(Image.open(io.BytesIO(shot)).convert("RGB")).astype(int)
 
     def colours() -> int:
-        return len(np.unique(picture().reshape(-1, 3), axis=0))
+        red, green, blue = np.moveaxis(picture(), -1, 0)
+        return len(np.unique(red << 16 | green << 8 | blue))
 
     person.until(lambda: colours() > 200, "the bodies are drawn")
     for name in ("cartpole", "pendulum", "Made by morph"):

@@ -20,35 +20,8 @@ DESCRIPTION = """<mujoco model="{name}"><worldbody><body name="{name}link" pos="
 <actuator><motor name="{name}motor" joint="{name}joint" ctrlrange="-1 1"/></actuator></mujoco>"""
 
 
-def test_the_canvas_is_drawn_by_webgl_and_an_empty_page_is_not_taken_for_one(
-    served: Callable[..., Any], look: Callable[..., Any], blank: Callable[..., Any]
-) -> None:
-    person = look(served("cartpole", "pendulum").address)
-    (said,) = [each for each in person.said if "WebGL support" in each]
-    (renderer,) = re.findall(r"renderer: (.+), vendor:", said)
-    sys.stdout.write(f"WebGL renderer: {renderer}\n")
-    assert renderer.strip()
-    assert "WebGL support: true" in said
-    # The ground alone has hundreds of colours, since it fades; a page without anything has one.
-    assert person.colours() > 200
-    nobody = blank()
-    nobody.page.set_content("<canvas style='width:1280px;height:760px'></canvas>")
-    assert nobody.colours() == 1
-
-
-def test_the_page_asks_nobody_but_its_own_server(
-    served: Callable[..., Any], look: Callable[..., Any]
-) -> None:
-    address = served("pendulum").address
-    person = look(address)
-    port = address.rsplit(":", 1)[1].split("/")[0]
-    own = re.compile(rf"(blob:)?(https?|ws)://(localhost|127\.0\.0\.1):{port}/|data:")
-    assert person.requests
-    assert [each for each in person.requests if not own.match(each + "/")] == []
-
-
-def test_names_from_a_description_are_shown_as_text_and_run_nothing(
-    served: Callable[..., Any], look: Callable[..., Any], tmp_path: Path
+def test_a_page_is_drawn_by_webgl_asks_nobody_else_and_runs_nothing_that_names_say(
+    served: Callable[..., Any], look: Callable[..., Any], blank: Callable[..., Any], tmp_path: Path
 ) -> None:
     file = tmp_path / "robot.xml"
     file.write_text(DESCRIPTION.format(name=escape(HOSTILE)), encoding="utf-8")
@@ -56,9 +29,28 @@ def test_names_from_a_description_are_shown_as_text_and_run_nothing(
     # What this is about is there: nobody has refused or mended the names.
     assert robot.links[0].name == f"{HOSTILE}link"
     found, _ = makers(Given(robots=(robot,), asked=(str(file),)))
-    person = look(served(views=lambda: [make() for make in found]).address)
+    address = served(views=lambda: [make() for make in found]).address
+    person = look(address)
+    the_canvas_is_drawn_by_webgl(person)
     for tab in ("Compare", "Design"):
         person.press(tab)
         person.until(lambda: HOSTILE in person.text(), f"{tab} shows the name as text")
         assert person.page.locator("img[src='x']").count() == 0
         assert person.page.evaluate("window.hacked") is None
+    port = address.rsplit(":", 1)[1].split("/")[0]
+    own = re.compile(rf"(blob:)?(https?|ws)://(localhost|127\.0\.0\.1):{port}/|data:")
+    assert person.requests
+    assert [each for each in person.requests if not own.match(each + "/")] == []
+    # The ground alone has hundreds of colours, since it fades; a page without anything has one.
+    nobody = blank()
+    nobody.page.set_content("<canvas style='width:1280px;height:760px'></canvas>")
+    assert nobody.colours() == 1
+
+
+def the_canvas_is_drawn_by_webgl(person: Any) -> None:
+    (said,) = [each for each in person.said if "WebGL support" in each]
+    (renderer,) = re.findall(r"renderer: (.+), vendor:", said)
+    sys.stdout.write(f"WebGL renderer: {renderer}\n")
+    assert renderer.strip()
+    assert "WebGL support: true" in said
+    assert person.colours() > 200

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import nullcontext
 from types import SimpleNamespace
 from typing import Any
 
@@ -20,7 +21,7 @@ class Knob:
 
     def __init__(self, kind: str, label: str, page: Page, **props: Any) -> None:
         self.__dict__.update(props, kind=kind, label=label, page=page, visible=True)
-        self._impl = SimpleNamespace(uuid=f"number {len(page.knobs)}")
+        self._impl = SimpleNamespace(uuid=f"number {len(page.knobs)}", sync_cb=None)
         self._told: list[Callable[[Any], None]] = []
 
     def on_update(self, what: Callable[[Any], None]) -> None:
@@ -33,6 +34,8 @@ class Knob:
         """Be moved by a hand."""
         if value is not None:
             self.value = value
+        if self._impl.sync_cb is not None:
+            self._impl.sync_cb(1, {"value": getattr(self, "value", None)})
         for told in self._told:
             told(HAND)
 
@@ -60,7 +63,7 @@ class Page:
         self.shown = 0
         self.view = view
         self.content = Content(actors=())
-        self.client = SimpleNamespace(camera=None)
+        self.client = SimpleNamespace(camera=None, atomic=nullcontext)
         self.stage = SimpleNamespace(
             choose=lambda *which: self.chosen.append(which), aim=lambda _: None, picked=None
         )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import nullcontext
 from types import SimpleNamespace
 from typing import Any
 
@@ -29,12 +30,15 @@ class Handle:
     def __init__(self, value: Any = None) -> None:
         self.value, self.content, self.visible = value, "", True
         self.changed: Callable[[Any], None] = lambda event: None
+        self._impl = SimpleNamespace(sync_cb=None)
 
     def on_update(self, what: Callable[[Any], None]) -> None:
         self.changed = what
 
     def set(self, value: Any, by: int | None = 7) -> None:
         self.value = value
+        if by is not None:
+            self._impl.sync_cb(by, {"value": value})
         self.changed(SimpleNamespace(client_id=by))
 
 
@@ -61,7 +65,7 @@ class Page:
     def __init__(self, view: Compare) -> None:
         self.view, self.clock, self.shows = view, Clock(time=3.0, seconds=5.0), 0
         self.stage = SimpleNamespace(shown_arrows=set(ARROWS), reaim=lambda: None)
-        self.client = SimpleNamespace(camera=None)
+        self.client = SimpleNamespace(camera=None, atomic=nullcontext)
 
     def do(self, what: Callable[[], None]) -> None:
         what()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -30,6 +30,7 @@ class Knob:
     def __init__(self, label: str, options: tuple[str, ...] = (), value: str = "") -> None:
         self.label, self.options, self.value, self.visible = label, options, value, True
         self.acts: list[Callable[[Any], None]] = []
+        self._impl = SimpleNamespace(sync_cb=None)
 
     def on_update(self, act: Callable[[Any], None]) -> None:
         self.acts.append(act)
@@ -39,6 +40,7 @@ class Knob:
     def turn(self, value: str) -> None:
         assert value in self.options
         self.value = value
+        self._impl.sync_cb(1, {"value": value})
         for act in self.acts:
             act(SimpleNamespace(client_id=1))
 
@@ -70,6 +72,7 @@ class Page:
         self.chosen: list[tuple[int, str | None]] = []
         self.said: list[str] = []
         self.stage = SimpleNamespace(choose=lambda at, link: self.chosen.append((at, link)))
+        self.client = SimpleNamespace(atomic=nullcontext)
         self.show()
         view.panel(self.gui, self)  # type: ignore[arg-type]
 
