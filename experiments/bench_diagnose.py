@@ -10,8 +10,10 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from experiments.data import DataError, data_root
-from experiments.incumbent import by_sysid, figures
+from experiments.dfki_published import PUBLISHED, with_friction
+from experiments.figures.save_options import parse_and_save
+from experiments.incumbent import ITERATIONS, by_sysid, figures
+from experiments.needs import need_recordings
 from experiments.openloop import Model, bound, corrected, errors, in_row, laid, named, span
 from morph.arrays import JSON
 from morph.body.load import load as load_robot
@@ -29,6 +31,7 @@ Both get the same description, training runs, held-out runs, starts, commands, r
 and simulation step, and both are scored by the same function on runs that neither saw.
 """
 FOLDER, BINDING, ROBOT = "dfki_double_pendulum", "dfki_c0", "double_pendulum"
+DESIGN = "C.0"
 TRAIN = ("run_00", "run_01", "run_02", "run_04")
 HELD_OUT = ("run_03", "run_05", "run_06")
 HORIZONS: tuple[float | None, ...] = (None, 1.0)
@@ -84,11 +87,16 @@ def ratio(ours: Mapping[str, float], theirs: Mapping[str, float]) -> float:
 def compared(
     robot: Robot, entries: Mapping[str, Entry], aside: Sequence[Recording], ours: str, theirs: str
 ) -> JSON:
-    """Return times, held-out errors of each entry and of the nominal model, and their ratios."""
+    """Return times, held-out errors of each entry and of two baselines, and ratios."""
     runs = laid(aside, robot)
+    rig = PUBLISHED[DESIGN]
+    baselines = {
+        "nominal": Model(robot=robot),
+        "published friction": with_friction(robot, rig.level, rig.viscous),
+    }
     rows = []
     for horizon in HORIZONS:
-        rmse = {"nominal": errors(Model(robot=robot), runs, horizon)}
+        rmse = {name: errors(model, runs, horizon) for name, model in baselines.items()}
         rmse |= {name: errors(entry.model, runs, horizon) for name, entry in entries.items()}
         rows.append(
             {
@@ -120,19 +128,29 @@ def report(result: JSON) -> None:
         print(f"  error, morph / sysid: {row['error_ratio']:.3f}")
 
 
+def headline(result: JSON) -> JSON:
+    """Return what a result file holds: seconds, errors over whole runs, rad, and their ratios."""
+    whole, *short = result["scores"]
+    figures = {f"{name}_seconds": seconds for name, seconds in result["seconds"].items()}
+    for name in result["seconds"]:
+        figures |= {f"{name}_{joint}": error for joint, error in whole["rmse"][name].items()}
+    figures |= {"time_ratio": result["time_ratio"], "error_ratio": whole["error_ratio"]}
+    figures["error_ratio_short"] = short[0]["error_ratio"]
+    controls = {
+        "as described": whole["rmse"]["nominal"],
+        "published friction": whole["rmse"]["published friction"],
+        "sysid": whole["rmse"]["sysid"],
+    }
+    return {"figures": figures, "controls": controls, "rows": result["scores"]}
+
+
 def run(*, quick: bool, piece: float | None, iterations: int) -> JSON:
     """Return the comparison on the rig's runs.
 
     Raises:
         MorphError: The recordings are not there or cannot be used.
     """
-    root = data_root()
-    if not (root / FOLDER).is_dir():
-        raise DataError(
-            "the recordings are not there",
-            where=str(root / FOLDER),
-            fix=f"run python -m experiments.data --set {FOLDER}",
-        )
+    root = need_recordings(FOLDER)
     robot = load_robot(ROBOT)
     train, aside = (bound(BINDING, FOLDER, robot, names, root=root) for names in (TRAIN, HELD_OUT))
     if quick:
@@ -165,13 +183,15 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument(
         "--iterations",
         type=int,
-        default=200,
-        help="the most that sysid may take (default 200, its own)",
+        default=ITERATIONS,
+        help="the most that sysid may take (default %(default)s, its own)",
     )
     parser.add_argument("--json", action="store_true", help="print JSON instead of words")
-    asked = parser.parse_args(arguments)
+    asked, save = parse_and_save(parser, arguments, module="experiments.bench_diagnose")
     try:
         result = run(quick=asked.quick, piece=asked.piece, iterations=asked.iterations)
+        if save:
+            save(**headline(result))
     except MorphError as error:
         print(error, file=sys.stderr)
         return 2

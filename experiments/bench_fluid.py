@@ -18,6 +18,7 @@ from rich.console import Console
 from rich.table import Table
 from threadpoolctl import threadpool_limits
 
+from experiments.figures.save_options import parse_and_save
 from experiments.wet.drift import KINDS, drift
 from experiments.wet.growth import drawn, straightness
 from experiments.wet.speed import cores, cost, growth
@@ -96,6 +97,34 @@ def report(found: JSON) -> None:
     )
 
 
+def headline(found: JSON) -> JSON:
+    """Return what a result file holds: errors in percent, and prices as ratios of times."""
+    worst = {
+        way: max(max(row[f"linear{way}"], row[f"rotational{way}"]) for row in found["tensors"])
+        for way in ("", "_extrapolated", "_twice")
+    }
+    drifts = {
+        kind: np.array(list(of.values())).ravel() for kind, of in found["energy_drift"].items()
+    }
+    figures = {f"tensor_error{way}_percent": 100.0 * error for way, error in worst.items()}
+    for row in found["costs"]:
+        figures |= {
+            f"{row['name']}_{key}": row[key]
+            for key in ("freedoms", "over_dry", "of_ellipsoid", "real_time")
+        }
+    figures["two_cores_by_one"] = found["two_cores_by_one"]
+    figures["links_straightness_percent"] = 100.0 * found["links_straightness"]
+    return {
+        "figures": figures,
+        "controls": {
+            kind: {"median_drift": np.median(every), "worst_drift": every.max()}
+            for kind, every in drifts.items()
+        },
+        "rows": [*found["tensors"], *found["costs"]],
+        "seeds": found["seeds"],
+    }
+
+
 def main(arguments: list[str] | None = None) -> int:
     """Run the benchmark and return its exit status."""
     parser = argparse.ArgumentParser(
@@ -108,10 +137,12 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--seed", type=int, default=0, help="first of five seeds of the trees")
     parser.add_argument("--plot", metavar="FILE.html", help="draw the cost by number of bodies")
     parser.add_argument("--json", action="store_true", help="print JSON instead of words")
-    asked = parser.parse_args(arguments)
+    asked, save = parse_and_save(parser, arguments, module="experiments.bench_fluid")
     try:
         seeds = range(asked.seed, asked.seed + (2 if asked.quick else 5))
         found = measured(quick=asked.quick, seeds=seeds)
+        if save:
+            save(**headline(found))
         if asked.plot:
             write_whole(Path(asked.plot), drawn(found["links"]))
     except MorphError as error:

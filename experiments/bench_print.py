@@ -2,6 +2,7 @@
 
 The command is measured in a process of its own, with its start and imports in it: wall time, and
 the processor's time with that of the slicers. The stages are those of one run in this process.
+Controls: a process that imports MuJoCo and ends, and PrusaSlicer alone on each part as drawn.
 """
 
 from __future__ import annotations
@@ -18,14 +19,20 @@ from dataclasses import asdict, dataclass
 from itertools import pairwise
 from pathlib import Path
 
+import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+from experiments.bench_commands import measure_floors
+from experiments.figures.result_file import figure_name
+from experiments.figures.save_options import parse_and_save
+from morph.arrays import JSON
 from morph.body.load import load
 from morph.files import write_whole
 from morph.make.divide import divide
 from print.clearance import clearances
 from print.gate import check_part
+from print.lay import laid, mesh_of
 from print.part import Part
 from print.prepare import prepare
 from print.printer import Profile, material, printer
@@ -118,6 +125,38 @@ def checks(bodies: Sequence[str], count: int) -> Timed:
     return timed(f"checks of {count} parts and {joints} joints", call, 20.0)
 
 
+def slicer_alone(body: str) -> Timed:
+    """Return how long PrusaSlicer takes for every part of a body, each once, as it is drawn."""
+    profile = Profile(printer=printer(PROFILE[0]), material=material(PROFILE[1]))
+    slicer = find_slicer()
+    if slicer is None:
+        raise RuntimeError("PrusaSlicer is gone")
+    parts = [part for part in divide(load(body), profile).parts if _printed(part)]
+    laid_out = [mesh.moved(laid(mesh, np.eye(3), profile)) for mesh in map(mesh_of, parts)]
+
+    def call() -> None:
+        for part, mesh in zip(parts, laid_out, strict=True):
+            slicer.code({part.name: mesh}, profile)
+
+    return timed(f"PrusaSlicer alone, {len(parts)} parts of {body} as drawn", call)
+
+
+def controls_of(bodies: Sequence[str], *, sliced: bool) -> dict[str, JSON]:
+    """Return what takes at least as long as must be: a start of Python, and the slicer alone."""
+    _, floors = measure_floors(2)
+    controls = {
+        name: {"wall_s": each["seconds"], "processor_s": each["processor_s"]}
+        for name, each in floors.items()
+    }
+    for body in bodies if sliced else ():
+        alone = slicer_alone(body)
+        controls[f"slicer alone {body}"] = {
+            "wall_s": alone.wall,
+            "processor_s": alone.processor,
+        }
+    return controls
+
+
 def _printed(part: Part) -> bool:
     return part.kind == "printed" and part.mesh is not None
 
@@ -130,14 +169,17 @@ def _used() -> float:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the bench and return its exit status: 1 if something took longer than it may."""
     parser = argparse.ArgumentParser(
-        description=__doc__, epilog=EXAMPLE, formatter_class=argparse.RawDescriptionHelpFormatter
+        prog="python -m experiments.bench_print",
+        description=__doc__,
+        epilog=EXAMPLE,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("bodies", nargs="*", default=["so101"], help="bodies; by default so101")
     parser.add_argument("--parts", type=int, default=50, help="how many parts are looked at")
     parser.add_argument("--slice", action="store_true", help="run the command with the slicer, too")
     parser.add_argument("--json", action="store_true", help="print JSON instead of a table")
     parser.add_argument("--out", type=Path, help="write the figures to this file as JSON")
-    asked = parser.parse_args(arguments)
+    asked, save = parse_and_save(parser, arguments, module="experiments.bench_print")
     if asked.slice and find_slicer() is None:
         parser.error("there is no prusa-slicer here; install it, or leave out --slice")
     rows = []
@@ -146,6 +188,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if asked.slice:
             rows.append(command(body, "needed", 360.0))
     rows.append(checks(asked.bodies, asked.parts))
+    if save:
+        figures = {f"{figure_name(row.what)}_processor_s": row.processor for row in rows}
+        figures |= {f"{figure_name(row.what)}_wall_s": row.wall for row in rows}
+        controls = controls_of(asked.bodies, sliced=asked.slice)
+        save(figures=figures, controls=controls, rows=[asdict(row) for row in rows])
     said = json.dumps([asdict(each) for each in rows], indent=1)
     if asked.out is not None:
         write_whole(asked.out, said + "\n")

@@ -17,8 +17,10 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+from experiments.figures.result_file import figure_name
+from experiments.figures.save_options import parse_and_save
 from experiments.search import growth, model_free, moments
-from experiments.search.controls import controls, throughput
+from experiments.search.controls import controls, do_nothing, throughput
 from experiments.search.swing import Run, runs
 from morph.arrays import JSON
 from morph.body.load import load
@@ -68,17 +70,26 @@ def _told(each: Run) -> None:
     )
 
 
+def _beside_nothing(
+    search: str, name: str, body: str, seeds: range, *, trials: int | None = None
+) -> JSON:
+    """Return the runs of a search, and what doing nothing gives on the same task."""
+    nothing = do_nothing(name, body, seed=seeds[0])
+    found = runs(search, name, body, seeds, trials=trials, told=_told)
+    return found | {"doing_nothing": {"loss": nothing.loss, "strict_share": nothing.share}}
+
+
 def _inside(seeds: range, quick: bool) -> list[JSON]:
-    return [runs(*each, seeds, told=_told) for each in INSIDE]
+    return [_beside_nothing(*each, seeds) for each in INSIDE]
 
 
 def _links(seeds: range, quick: bool) -> list[JSON]:
-    return [runs(*each, seeds, told=_told) for each in LINKS[: 1 if quick else None]]
+    return [_beside_nothing(*each, seeds) for each in LINKS[: 1 if quick else None]]
 
 
 def _data(seeds: range, quick: bool) -> list[JSON]:
     trials = 1 if quick else TRIALS
-    return [runs(FROM_DATA, "swing-up", "cartpole", seeds, trials=trials, told=_told)]
+    return [_beside_nothing(FROM_DATA, "swing-up", "cartpole", seeds, trials=trials)]
 
 
 def _throughput(seeds: range, quick: bool) -> JSON:
@@ -122,7 +133,10 @@ PARTS: dict[str, Callable[[range, bool], object]] = {
     "links": _links,
     "data": _data,
     "moments": lambda seeds, quick: moments.measured(quick=quick),
-    "controls": lambda seeds, quick: controls("swing-up", "cartpole", seed=seeds[0]),
+    "controls": lambda seeds, quick: [
+        vars(each) | {"loss": each.loss, "share": each.share}
+        for each in controls("swing-up", "cartpole", seed=seeds[0])
+    ],
     "throughput": _throughput,
     "growth": _growth,
     "model-free": _model_free,
@@ -155,8 +169,8 @@ def report(found: JSON) -> None:
             f"many policy trials: {within}; median loss of the last trial "
             f"{row['median_loss_of_last_trial']:.2f}"
         )
-    for name, (loss, share) in found.get("controls", {}).items():
-        print(f"{name}: loss {loss:.2f}, {share:.0%} strict")
+    for each in found.get("controls", []):
+        print(f"{each['name']}: loss {each['loss']:.2f}, {each['share']:.0%} strict")
     for integrator, rates in found.get("throughput", {}).items():
         each = ", ".join(f"{rows}: {rate:,.0f}" for rows, rate in rates.items())
         print(f"closed loops with a linear policy by {integrator}, steps/s by cart-poles: {each}")
@@ -175,6 +189,35 @@ def report(found: JSON) -> None:
         print(f"SAC: {found['model-free'] or 'stable-baselines3 is not installed'}")
 
 
+def headline(found: JSON) -> JSON:
+    """Return what a result file holds of the parts that were run, each search by its names."""
+    rows = [row for part in ("inside", "data", "links") for row in found.get(part, [])]
+    baselines = found.get("controls", [])
+    figures: JSON = {}
+    controls: JSON = {}
+    for row in rows:
+        name = f"{row['robot']} {row['task']}"
+        own = "" if len(rows) == 1 else f"{figure_name(name)}_"
+        keys = ("seeds", "strict", "median_loss", "median_seconds", "worst_seconds")
+        figures |= {own + key: row[key] for key in keys}
+        for most, count in (row.get("strict_within") or {}).items():
+            figures[f"{own}strict_within_{most}"] = count
+        controls[f"doing nothing, {name}"] = row["doing_nothing"]
+    for each in baselines:
+        summary = {"loss": each["loss"], "strict": each["share"]}
+        figures |= {f"{figure_name(each['name'])}_{key}": value for key, value in summary.items()}
+        if each["name"] != "the learned policy":
+            controls[each["name"]] = summary
+    for stepper, rates in found.get("throughput", {}).items():
+        figures |= {f"{stepper}_{many}_steps_per_s": rate for many, rate in rates.items()}
+    for body in found.get("growth", {}).get("bodies", []):
+        figures[f"{body['freedoms']}_freedoms_s"] = body["seconds"]
+    moments_found = found.get("moments", {})
+    figures |= {key: value for key, value in moments_found.items() if isinstance(value, float)}
+    rows = [*rows, *baselines]
+    return {"figures": figures, "controls": controls, "rows": rows, "seeds": found["seeds"]}
+
+
 def main(arguments: list[str] | None = None) -> int:
     """Run the benchmark and return its exit status."""
     parser = argparse.ArgumentParser(
@@ -189,13 +232,15 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--quick", action="store_true", help="little of each: does it work at all")
     parser.add_argument("--plot", metavar="FILE.html", help="draw how the price grows")
     parser.add_argument("--json", action="store_true", help="print JSON instead of words")
-    asked = parser.parse_args(arguments)
+    asked, save = parse_and_save(parser, arguments, module="experiments.bench_search")
     try:
         seeds = range(asked.seed, asked.seed + (1 if asked.quick else max(1, asked.seeds)))
         found: JSON = {"schema": "morph.bench_search/1", "seeds": list(seeds)}
         for part in asked.only or PARTS:
             print(f"{part} ...", file=sys.stderr, flush=True)
             found[part] = PARTS[part](seeds, asked.quick)
+        if save:
+            save(**headline(found))
         if asked.plot and "growth" in found:
             write_whole(Path(asked.plot), growth.drawn(found["growth"]))
     except MorphError as error:

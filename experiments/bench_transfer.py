@@ -18,15 +18,19 @@ from pathlib import Path
 
 from rich.console import Console
 
+from experiments.engine_options import add_engine_options, rows_of
+from experiments.figures.save_options import parse_and_save
 from experiments.transfer.cases import Case
 from experiments.transfer.changed import FIGURES
-from experiments.transfer.many import Job, done
-from experiments.transfer.tables import figure8, harm, summary
+from experiments.transfer.headline import headline
+from experiments.transfer.job import Job, work
+from experiments.transfer.tables import compared, figure8, harm, missed, summary
 from morph.arrays import JSON
 from morph.body.load import load
+from morph.study.cell import cells_of
 
 EXAMPLE = """example:
-  python -m experiments.bench_transfer --only friction --seeds 20 --kept out/transfer.jsonl
+  python -m experiments.bench_transfer --only friction --seeds 20 --resume
   python -m experiments.bench_transfer --only figure8 --seeds 10 --plot out/figure8.html
   python -m experiments.bench_transfer --quick"""
 
@@ -139,29 +143,29 @@ PARTS: dict[str, Callable[[Sequence[int]], list[Job]]] = {
 """What may be asked for."""
 
 
-def main() -> int:
+def main(arguments: list[str] | None = None) -> int:
     """Run what is asked for, and print a table."""
     parser = argparse.ArgumentParser(
-        description=__doc__, epilog=EXAMPLE, formatter_class=argparse.RawDescriptionHelpFormatter
+        prog="python -m experiments.bench_transfer",
+        description=__doc__,
+        epilog=EXAMPLE,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--only", nargs="+", choices=list(PARTS), default=list(PARTS))
     parser.add_argument("--seed", type=int, default=0, help="the first seed")
     parser.add_argument("--seeds", type=int, default=20, help="how many")
-    parser.add_argument("--processes", type=int, default=2, help="how many at once")
-    parser.add_argument("--kept", type=Path, help="a file of lines; a killed study goes on from it")
+    add_engine_options(parser, out="out/bench_transfer")
     parser.add_argument("--plot", type=Path, help="figure 8 as a page")
     parser.add_argument("--json", action="store_true", help="print everything as JSON")
     parser.add_argument("--quick", action="store_true", help="one case, to see that it works")
-    asked = parser.parse_args()
+    asked, save = parse_and_save(parser, arguments, module="experiments.bench_transfer")
     seeds = range(asked.seed, asked.seed + asked.seeds)
     jobs = [job for name in asked.only for job in PARTS[name](list(seeds))]
     if asked.quick:
         jobs = [each for each in friction([100]) if "x11" in each.case.name]
-    try:
-        lines = done(jobs, kept=asked.kept, processes=asked.processes)
-    except KeyboardInterrupt:
-        print("stopped; run it again with the same --kept to go on", file=sys.stderr)
-        return 130
+    lines = rows_of(cells_of(work, jobs), asked, name="bench_transfer")
+    if save:
+        save(**headline(lines), seeds=seeds)
     if asked.json:
         print(json.dumps(lines))
         return 0
@@ -176,6 +180,18 @@ def shown(lines: list[JSON]) -> None:
     console = Console(width=150)
     console.print(summary(lines))
     console.print(harm(lines))
+    both = compared(lines)
+    failed = missed(lines)
+    console.print(
+        f"the oracle (a plan on the true body) works and the loop's policy does not: "
+        f"{len(failed)} of {both} cases in which both were run"
+    )
+    for each in failed:
+        console.print(
+            f"  {each['case']}, seed {each['seed']}: the loop {each['loop_success']:.0%} of runs, "
+            f"loss {each['loop_loss']:.1f}; the oracle {each['oracle_success']:.0%}, "
+            f"{each['oracle_loss']:.1f}"
+        )
 
 
 if __name__ == "__main__":

@@ -11,11 +11,14 @@ import argparse
 import json
 import sys
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from typing import Any
 
 from rich.console import Console
 from rich.table import Table
 
+from experiments.figures.result_file import figure_name
+from experiments.figures.save_options import parse_and_save
 from experiments.viewed.browser import browsing
 from experiments.viewed.leaks import leaked
 from experiments.viewed.opening import framed, held, held_by_nothing, sent
@@ -244,6 +247,23 @@ def report(parts: dict[str, Part]) -> None:
     Console().print(table)
 
 
+def headline(parts: dict[str, Part]) -> JSON:
+    """Return what a result file holds: what each part measured, beside viser alone."""
+    figures: JSON = {}
+    for name, key in (("sent", "sent_s"), ("frame", "frame_s")):
+        found: Any = parts[name].found if name in parts else []
+        figures |= {f"{name}_worst_s": max(each[key] for each in found)} if found else {}
+    every = [(name, row) for name, part in parts.items() for row in part.rows]
+    controls = {}
+    for _, row in every:
+        if row.what.startswith("control: "):
+            controls[row.what.removeprefix("control: ")] = {"figure": row.figure}
+        else:
+            figures[figure_name(row.what.partition(":")[0])] = row.figure
+    rows = [{"part": name, **asdict(row)} for name, row in every]
+    return {"figures": figures, "controls": controls, "rows": rows}
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the benchmark and return its exit status."""
     parser = argparse.ArgumentParser(
@@ -255,7 +275,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--only", nargs="+", choices=tuple(PARTS), help="these parts alone")
     parser.add_argument("--quick", action="store_true", help="little of each: does it work at all")
     parser.add_argument("--json", action="store_true", help="print JSON instead of a table")
-    asked = parser.parse_args(arguments)
+    asked, save = parse_and_save(parser, arguments, module="experiments.bench_viewer")
     parts = {}
     try:
         for name in asked.only or PARTS:
@@ -266,6 +286,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 2
     except KeyboardInterrupt:
         return 130
+    if save:
+        save(**headline(parts))
     if asked.json:
         found = {name: part.found for name, part in parts.items()}
         print(json.dumps({"schema": "morph.bench_viewer/1", **found}, indent=1))

@@ -1,13 +1,13 @@
 """A policy of balance carried from the cart-pole to a humanoid that stands free on a skateboard.
 
-Six hops, each of few transitions; with `--robots` a seventh, to the real Poppy Humanoid, put on the
-same board. Only the cart-pole's simulator is ours: each hop starts from what the one before was
-told. Told of every body: its transitions near rest, noise and period, the bounds of its commands,
-what its task looks at; of humanoids, from the description, which servos turn in the plane that
-the board rolls in. Beside the last hop stand one straight from the cart-pole, the chain's maps
-composed without making the policy anew, shuffled and flipped maps (made anew, and the map alone),
-what fits the last body without any source, learning it from nothing, holding still, and the oracle
-on the true model.
+Six hops, each of few transitions, and a seventh to the real Poppy Humanoid, put on the same board
+(left out by `--without-real`). Only the cart-pole's simulator is ours: each hop starts from what
+the one before was told. Told of every body: its transitions near rest, noise and period, the bounds
+of its commands, what its task looks at; of humanoids, from the description, which servos turn in
+the plane that the board rolls in. Beside the last hop stand one straight from the cart-pole, the
+chain's maps composed without making the policy anew, shuffled and flipped maps (made anew, and the
+map alone), what fits the last body without any source, learning it from nothing, holding still,
+and the oracle on the true model.
 """
 
 from __future__ import annotations
@@ -24,12 +24,17 @@ import numpy as np
 from align.maps.affine_map import AffineMap
 from align.samples import Transitions
 from experiments.balance_chained.summary import ALONE, ENOUGH, GRID, summary
-from experiments.kept import finished, seeds_of
+from experiments.engine_options import add_engine_options, rows_of, seeds_of
+from experiments.figures.result_file import flat
+from experiments.figures.save_options import parse_and_save
 from experiments.morphologies.methods import flipped, sourceless
 from experiments.morphologies.scratch import SIZES, scratch
+from experiments.needs import need_robots
 from morph.arrays import JSON, Array
 from morph.body.load import load
+from morph.errors import MorphError
 from morph.files import write_whole
+from morph.study.cell import cells_of
 from morph.transfer.balancers import balancer, seen_with
 from morph.transfer.body import Body, linear_law, still_law
 from morph.transfer.mapped.belief import read
@@ -38,8 +43,7 @@ from morph.transfer.relay import Relayed, as_believed, carry, relay, through_map
 from morph.transfer.riders import RIDERS, rider, riding
 
 EXAMPLE = """example:
-  python -m experiments.chains --seeds 0:10 --robots ../shared/robots --json out/chains.json \\
-      --kept out/chains.jsonl
+  python -m experiments.chains --seeds 0:10 --json out/chains.json
   python -m experiments.chains --seeds 100:102 --quick"""
 
 CHAIN = (
@@ -223,20 +227,27 @@ def main(argv: Sequence[str] | None = None) -> int:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )  # fmt: skip
     parser.add_argument("--seeds", type=seeds_of, default=range(10), metavar="A:B")
-    parser.add_argument("--robots", default="", metavar="DIR", help="folder of real robots")
+    parser.add_argument("--without-real", action="store_true", help="leave out the real Poppy")
     parser.add_argument(
         "--noise", type=float, default=0.001, help="deviation of every reading (default: 0.001)"
     )
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the figures")
-    parser.add_argument("--kept", type=Path, metavar="FILE", help="finished cases, to resume from")
-    parser.add_argument("--workers", type=int, default=2, help="processes (default: 2)")
-    parser.add_argument("--quick", action="store_true", help="one seed, a short chain")
-    told = parser.parse_args(argv)
+    parser.add_argument("--quick", action="store_true", help="one seed, a short chain, no Poppy")
+    add_engine_options(parser, out="out/chains")
+    told, save = parse_and_save(parser, argv, module="experiments.chains")
     seeds = told.seeds[:1] if told.quick else told.seeds
-    cases = [
-        Case(seed=seed, robots=told.robots, noise=told.noise, quick=told.quick) for seed in seeds
-    ]
-    figures = summary(finished(cases, work, kept=told.kept, workers=told.workers))
+    robots = ""
+    if not (told.without_real or told.quick):
+        try:
+            robots = str(need_robots("poppy_humanoid"))
+        except MorphError as error:
+            print(f"error: {error}", file=sys.stderr)
+            return 2
+    cases = [Case(seed=seed, robots=robots, noise=told.noise, quick=told.quick) for seed in seeds]
+    figures = summary(rows_of(cells_of(work, cases), told, name="chains"))
+    if save:
+        controls = {name: end["controls"] for name, end in figures["ends"].items()}
+        save(figures=flat(figures), controls=controls, seeds=seeds)
     text = json.dumps(figures, indent=1)
     print(text)
     if told.json is not None:

@@ -12,63 +12,42 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from collections.abc import Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from multiprocessing import get_context
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from rich.console import Console
 from rich.table import Table
 
-from experiments.gaits_chained.cases import CHAINS, FULL, QUICK, Size, job, key_of
+from experiments.engine_options import add_engine_options, rows_of, seeds_of
+from experiments.figures.result_file import flat
+from experiments.figures.save_options import parse_and_save
+from experiments.gaits_chained.cases import CHAINS, FULL, QUICK, REAL, Job, job
 from experiments.gaits_chained.summary import summary
+from experiments.needs import need_robots
+from morph.arrays import JSON
+from morph.errors import MorphError
 from morph.files import write_whole
+from morph.study.cell import cells_of
 
 EXAMPLE = """example:
   python -m experiments.chains_gait --seeds 100:102 --quick
-  python -m experiments.chains_gait --seeds 10 --kept out/gaits.jsonl --json out/gaits.json"""
+  python -m experiments.chains_gait --seeds 10 --resume --json out/gaits.json"""
 
 
-def run(
-    chains: Sequence[str], seeds: range, real: str, size: Size, kept: Path | None, workers: int
-) -> list[dict[str, Any]]:
-    """Return every case, those that were kept before included, and keep what is finished."""
-    done = {each["case"]: each for each in _read(kept)}
-    names = dict.fromkeys(name for chain in chains for name in CHAINS[chain])
-    jobs: list[tuple[Any, ...]] = [
-        ("best", name, 0, real, size)
-        for name in names
-        if done.get(f"best {name}", {}).get("key") != key_of(name, real, size)
-    ]
-    jobs += [
-        ("case", chain, seed, real, size)
-        for seed in seeds
-        for chain in chains
-        if f"{chain} {seed}" not in done
-    ]
-    for found in _results(jobs, workers):
-        done[found["case"]] = found
-        print(f"  {found['case']}: {found.get('failed', 'done')}", file=sys.stderr, flush=True)
-        if kept is not None:
-            with kept.open("a") as out:
-                out.write(json.dumps(found) + "\n")
-    return list(done.values())
-
-
-def _results(jobs: list[tuple[Any, ...]], workers: int) -> Iterator[dict[str, Any]]:
-    if workers < 2 or len(jobs) < 2:
-        yield from map(job, jobs)
-        return
-    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
-        for each in as_completed([pool.submit(job, what) for what in jobs]):
-            yield each.result()
-
-
-def _read(kept: Path | None) -> list[dict[str, Any]]:
-    if kept is None or not kept.exists():
-        return []
-    return [json.loads(line) for line in kept.read_text().splitlines() if line.strip()]
+def headline(found: Sequence[Mapping[str, Any]]) -> JSON:
+    """Return what a result file holds: each chain's figures, and its controls after trials."""
+    figures: JSON = {}
+    controls: JSON = {}
+    for chain in found:
+        name = chain["chain"]
+        figures |= flat({key: value for key, value in chain.items() if key != "after"}, name)
+        for trials, each in chain["after"].items():
+            figures[f"{name}_after_{trials}"] = each["chain"]["iqm"]
+            controls[f"{name} after {trials} trials"] = {
+                label: of["iqm"] for label, of in each.items() if label != "chain"
+            }
+    return {"figures": figures, "controls": controls, "rows": found}
 
 
 def shown(figures: Mapping[str, Any], console: Console) -> None:
@@ -94,11 +73,6 @@ def _said(value: Any) -> str:
     return f"{value:.3g}" if isinstance(value, float) else str(value)
 
 
-def _seeds(text: str) -> range:
-    first, _, last = text.rpartition(":")
-    return range(int(first or 0), int(last))
-
-
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the study."""
     parser = argparse.ArgumentParser(
@@ -107,23 +81,34 @@ def main(arguments: Sequence[str] | None = None) -> int:
         epilog=EXAMPLE,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("--seeds", type=_seeds, default=range(10), metavar="A:B")
+    parser.add_argument("--seeds", type=seeds_of, default=range(10), metavar="A:B")
     parser.add_argument("--chains", nargs="+", default=list(CHAINS), choices=list(CHAINS))
-    parser.add_argument("--robots", default="", metavar="DIR", help="folder of real robots")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the figures")
-    parser.add_argument("--kept", type=Path, metavar="FILE", help="finished cases, to resume from")
-    parser.add_argument("--workers", type=int, default=2, help="processes (default: 2)")
     parser.add_argument("--quick", action="store_true", help="one seed, few trials")
-    given = parser.parse_args(arguments)
+    add_engine_options(parser, out="out/chains_gait")
+    given, save = parse_and_save(parser, arguments, module="experiments.chains_gait")
     size, seeds = (QUICK, given.seeds[:1]) if given.quick else (FULL, given.seeds)
-    chains = [each for each in given.chains if each != "urma" or given.robots]
-    if len(chains) < len(given.chains):
-        print("no --robots: the real snake is left out", file=sys.stderr)
-    found = run(chains, seeds, given.robots, size, given.kept, given.workers)
+    chains, real = given.chains, ""
+    if "urma" in chains:
+        try:
+            real = str(need_robots(REAL.parts[0]))
+        except MorphError as error:
+            print(f"error: {error}\n  or leave it out: --chains aqua aracna", file=sys.stderr)
+            return 2
+    names = dict.fromkeys(name for chain in chains for name in CHAINS[chain])
+    jobs = [Job(kind="best", name=name, seed=0, real=real, size=size) for name in names]
+    jobs += [
+        Job(kind="case", name=chain, seed=seed, real=real, size=size)
+        for seed in seeds
+        for chain in chains
+    ]
+    found = rows_of(cells_of(job, jobs), given, name="chains_gait")
     figures = [summary(found, chain) for chain in chains]
     console = Console()
     for each in figures:
         shown(each, console)
+    if save:
+        save(**headline(figures), seeds=seeds)
     if given.json is not None:
         write_whole(given.json, json.dumps(figures, indent=1) + "\n")
     return 0

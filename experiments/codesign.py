@@ -22,19 +22,22 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+from experiments.engine_options import add_engine_options, rows_of, seeds_of
+from experiments.figures.result_file import flat
+from experiments.figures.save_options import parse_and_save
 from experiments.interval import interval, iqm
-from experiments.kept import finished, seeds_of
 from morph.arrays import JSON, Array
 from morph.body.load import load
 from morph.search.codesign import POPULATION, Design, sought
 from morph.search.family.family import Family
 from morph.search.family.gait import gait
 from morph.search.threads import one_thread
+from morph.study.cell import cells_of
 from morph.task.task import Task
 from morph.task.walk import walk
 
 EXAMPLE = """example:
-  python -m experiments.codesign --seeds 0:10 --kept out/codesign.jsonl --json out/codesign.json
+  python -m experiments.codesign --seeds 0:10 --resume --json out/codesign.json
   python -m experiments.codesign --quick"""
 
 LEGS = tuple(
@@ -155,17 +158,19 @@ def main(words: Sequence[str] | None = None) -> None:
     )
     parser.add_argument("--seeds", default="10", help="how many, or from:to (default 10)")
     parser.add_argument("--only", nargs="+", choices=WAYS, help="these ways alone")
-    parser.add_argument("--kept", type=Path, help="a file of finished cases, to go on from")
     parser.add_argument("--json", type=Path, help="where the figures go")
-    parser.add_argument("--workers", type=int, default=2, help="processes (default 2)")
+    add_engine_options(parser, out="out/codesign")
     parser.add_argument("--quick", action="store_true", help="one seed, one generation")
-    told = parser.parse_args(words)
+    told, save = parse_and_save(parser, words, module="experiments.codesign")
     ways = told.only or WAYS
     seeds = range(100, 101) if told.quick else seeds_of(told.seeds)
     many = 1 if told.quick else GENERATIONS
     cases = [Case(seed=seed, way=way, generations=many) for seed in seeds for way in ways]
-    rows = finished(cases, measured, kept=told.kept, workers=1 if told.quick else told.workers)
+    rows = rows_of(cells_of(measured, cases), told, name="codesign")
     found = summary(rows)
+    if save:
+        controls = {way: found[way] for way in ways[1:]}
+        save(figures=flat(found), controls=controls, rows=[flat(row) for row in rows], seeds=seeds)
     if told.json:
         told.json.write_text(json.dumps({"ways": found, "cases": rows}, indent=1))
     report(found)

@@ -41,7 +41,8 @@ def tosses(root: Path, numbers: Sequence[int]) -> list[Array]:
         raise DataError(
             f"the tosses cannot be read: {error}",
             where=str(path),
-            fix=f"put {FOLDER}/tosses.npz into the folder that MORPH_RECORDINGS names",
+            fix=f"run python -m experiments.data --set {FOLDER}, or put tosses.npz into {FOLDER} "
+            "of the folder that MORPH_RECORDINGS names",
         ) from error
     unit = np.r_[np.full(3, HALF), np.ones(4), np.full(3, HALF), np.ones(3)]
     return [toss[:, :13] * unit for toss in raw]

@@ -1,202 +1,187 @@
-"""`python -m experiments.data`: the public recordings that the studies use, verified."""
+"""`python -m experiments.data`: fetch, verify and list the public data of studies and tests."""
 
 from __future__ import annotations
 
 import argparse
-import gzip
-import hashlib
-import os
 import sys
-import tomllib
-import urllib.error
-import urllib.request
-import zlib
-from collections.abc import Callable
-from dataclasses import dataclass
-from http.client import HTTPException
+from collections.abc import Sequence
 from pathlib import Path
 
+from experiments.figures.__main__ import close_pipe
+from experiments.public.audit import audit, write_manifest
+from experiments.public.content import DataError as DataError
+from experiments.public.download import install
+from experiments.public.manifest import FETCHED, VARIABLES, DataSet, Hosts, load_sets
+from experiments.public.manifest import data_root as data_root
 from morph.errors import MorphError
-from morph.files import write_whole
 
-HERE = Path(__file__).resolve().parent
-RAW = "https://raw.githubusercontent.com"
-EXAMPLE = """example:
-  python -m experiments.data --set dfki_double_pendulum
-  python -m experiments.data --check
+DEFAULT_FOLDERS = "the folders that studies read"
+"""Value of --check without a folder."""
+EXAMPLE = """examples:
+  .venv/bin/python -m experiments.data --list
+  .venv/bin/python -m experiments.data --set poppy_humanoid
+  .venv/bin/python -m experiments.data --check ../shared
 """
-Fetch = Callable[[str], bytes]
+MAX_FAILURES = 3
+"""Failed files of a set after which the rest of it is not tried."""
 
 
-class DataError(MorphError):
-    """A public recording cannot be had, or is not what was used."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Source:
-    """One recording's file and where it is public."""
-
-    set: str
-    """The set that it belongs to."""
-    file: str
-    """Its gzipped file inside the set's folder."""
-    url: str
-    """Where the raw, uncompressed file is public."""
-    size: int
-    """Bytes of the uncompressed file."""
-    sha256: str
-    """Hash of the uncompressed file."""
-
-    def at(self, root: Path) -> Path:
-        """Return where the file stands under a root."""
-        return root / self.set / self.file
-
-
-def data_root() -> Path:
-    """Return the folder of the recordings.
-
-    MORPH_RECORDINGS if it is set, else `../shared/recordings` beside the
-    repository if it is there, else `experiments/data`, where downloads go.
-    """
-    named = os.environ.get("MORPH_RECORDINGS")
-    if named:
-        return Path(named)
-    shared = HERE.parent.parent / "shared" / "recordings"
-    return shared if shared.is_dir() else HERE / "data"
-
-
-def sources(listing: Path = HERE / "data.toml", *, raw: str = RAW) -> list[Source]:
-    """Return every recording that `data.toml` names."""
-    table = tomllib.loads(listing.read_text())
-    return [
-        Source(
-            set=group["name"],
-            file=entry["file"],
-            url=f"{raw}/{group['repository']}/{group['commit']}/{entry['path']}",
-            size=entry["size"],
-            sha256=entry["sha256"],
-        )
-        for group in table["set"]
-        for entry in group["file"]
-    ]
-
-
-def fetch(url: str) -> bytes:
-    """Return what a URL holds.
-
-    Raises:
-        DataError: The network, the server or the address fails, or the answer is cut short.
-    """
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command and return its exit status: 0, 1 where files are amiss, 2 for an error."""
     try:
-        with urllib.request.urlopen(url, timeout=60) as answer:
-            return bytes(answer.read())
-    except (OSError, HTTPException, ValueError) as error:
-        reason = getattr(error, "reason", None) or error
-        raise DataError(
-            f"cannot download: {reason}",
-            where=url,
-            fix="check the network, or put the files in a folder that MORPH_RECORDINGS names",
-        ) from error
-
-
-def verify(source: Source, content: bytes, where: str) -> None:
-    """Check that uncompressed bytes are those that were used.
-
-    Raises:
-        DataError: The size or the hash differs.
-    """
-    fix = "download again with python -m experiments.data"
-    if len(content) != source.size:
-        raise DataError(
-            f"holds {len(content)} bytes instead of {source.size}", where=where, fix=fix
-        )
-    found = hashlib.sha256(content).hexdigest()
-    if found != source.sha256:
-        raise DataError(f"has sha256 {found} instead of {source.sha256}", where=where, fix=fix)
-
-
-def check(source: Source, root: Path) -> None:
-    """Check that a recording stands under a root, whole and unchanged.
-
-    Raises:
-        DataError: It is missing, damaged or different.
-    """
-    path = source.at(root)
-    try:
-        content = gzip.decompress(path.read_bytes())
-    except (OSError, EOFError, zlib.error) as error:
-        raise DataError(
-            f"cannot be read: {getattr(error, 'strerror', None) or error}",
-            where=str(path),
-            fix="download it with python -m experiments.data",
-        ) from error
-    verify(source, content, str(path))
-
-
-def present(source: Source, root: Path) -> bool:
-    """Return whether a verified copy already stands under a root."""
-    try:
-        check(source, root)
-    except DataError:
-        return False
-    return True
-
-
-def download(source: Source, root: Path, *, get: Fetch = fetch) -> bool:
-    """Put a recording under a root, verified and gzipped; return False if it was there.
-
-    Raises:
-        DataError: It cannot be had, or is not what was used; nothing is written.
-    """
-    if present(source, root):
-        return False
-    content = get(source.url)
-    verify(source, content, source.url)
-    write_whole(source.at(root), gzip.compress(content, mtime=0))
-    return True
-
-
-def main(arguments: list[str] | None = None) -> int:
-    """Run the command and return its exit status."""
-    known = sources()
-    parser = argparse.ArgumentParser(
-        prog="python -m experiments.data",
-        description="Download and verify the public recordings that the studies use.",
-        epilog=EXAMPLE,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    names = sorted({source.set for source in known})
-    parser.add_argument("--set", choices=names, help="only this set (default: all)")
-    parser.add_argument(
-        "--where", action="store_true", help="print the folder that the studies read, for --root"
-    )
-    parser.add_argument(
-        "--check", action="store_true", help="only verify the files that the studies would read"
-    )
-    chosen = parser.parse_args(arguments)
-    if chosen.where:
-        print(data_root() / chosen.set if chosen.set else data_root())
-        return 0
-    wanted = [source for source in known if chosen.set in (None, source.set)]
-    root = data_root() if chosen.check else HERE / "data"
-    try:
-        if chosen.check:
-            for source in wanted:
-                check(source, root)
-            print(f"{len(wanted)} recordings under {root} are those that were used")
-            return 0
-        new = 0
-        for number, source in enumerate(wanted, start=1):
-            fresh = download(source, root)
-            new += fresh
-            print(f"[{number}/{len(wanted)}] {source.at(root)}{'' if fresh else ' (was there)'}")
-        print(f"{len(wanted)} recordings under {root}, {new} of them new")
+        status = _run(arguments)
+        sys.stdout.flush()
     except MorphError as error:
         print(error, file=sys.stderr)
         return 2
+    except BrokenPipeError:
+        return close_pipe()
     except KeyboardInterrupt:
         return 130
+    return status
+
+
+def _run(arguments: Sequence[str] | None) -> int:
+    sets = load_sets()
+    options = _parser([data_set.name for data_set in sets]).parse_args(arguments)
+    chosen = [data_set for data_set in sets if options.set in (None, data_set.name)]
+    if options.list:
+        return _list(chosen)
+    if options.where:
+        print(data_root(chosen[0].kind) / options.set if options.set else data_root())
+        return 0
+    if options.check is not None:
+        return _check(chosen, None if options.check == DEFAULT_FOLDERS else Path(options.check))
+    if options.write_manifest is not None:
+        for data_set in chosen:
+            print(write_manifest(options.write_manifest, data_set))
+        return 0
+    hosts = (
+        Hosts(raw=options.mirror, media=f"{options.mirror}/media") if options.mirror else Hosts()
+    )
+    return _fetch(chosen, options.to, hosts)
+
+
+def _parser(names: list[str]) -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="python -m experiments.data",
+        description="Fetch, verify and list the public data that studies and tests read.",
+        epilog=EXAMPLE,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument(
+        "--set",
+        choices=names,
+        metavar="NAME",
+        help="only this set, a name of --list (default: all)",
+    )
+    parser.add_argument(
+        "--to",
+        type=Path,
+        default=FETCHED,
+        metavar="DIR",
+        help="folder to fetch into (default: experiments/data)",
+    )
+    parser.add_argument(
+        "--mirror",
+        metavar="URL",
+        help="server with files under OWNER/NAME/COMMIT/PATH (default: GitHub)",
+    )
+    one = parser.add_mutually_exclusive_group()
+    one.add_argument("--list", action="store_true", help="show every set, its origin and licence")
+    one.add_argument("--where", action="store_true", help="print the folder that studies read")
+    one.add_argument(
+        "--check",
+        nargs="?",
+        const=DEFAULT_FOLDERS,
+        metavar="DIR",
+        help="fetch nothing; say what of DIR is missing, different or unlisted "
+        "(default: the folders that studies read)",
+    )
+    one.add_argument(
+        "--write-manifest", type=Path, metavar="DIR", help="write manifests of the files in DIR"
+    )
+    return parser
+
+
+def _list(sets: Sequence[DataSet]) -> int:
+    for data_set in sets:
+        megabytes = sum(public.size for public in data_set.files) / 1e6
+        folder = data_root(data_set.kind) / data_set.name
+        print(f"{data_set.name}: {data_set.about}")
+        print(
+            f"  {data_set.kind}, {len(data_set.files)} files, {megabytes:.1f} MB; "
+            f"{data_set.licence}"
+        )
+        origins = [
+            *data_set.origins,
+            *(made.origin for made in data_set.made if made.origin.repository),
+        ]
+        for origin in dict.fromkeys(f"{one}, {one.folder or 'its root'}" for one in origins):
+            print(f"  from {origin}")
+        if data_set.unsettled:
+            print(f"  not established: {data_set.unsettled}")
+        print(f"  {folder}" if folder.is_dir() else f"  not here: --set {data_set.name} fetches it")
     return 0
+
+
+def _check(sets: Sequence[DataSet], root: Path | None) -> int:
+    """Print missing, different and unlisted files of a folder, and return the status."""
+    status = 0
+    for kind in VARIABLES:
+        some = [data_set for data_set in sets if data_set.kind == kind]
+        if not some:
+            continue
+        folder = data_root(kind) if root is None else root
+        report = audit(folder, some)
+        for state in ("missing", "different", "unlisted"):
+            for name in getattr(report, state):
+                print(f"{state}: {printable(name)}")
+        print(
+            f"{kind} under {printable(str(folder))}: {report.right} files as they were used, "
+            f"{len(report.missing)} missing, {len(report.different)} different, "
+            f"{len(report.unlisted)} unlisted"
+        )
+        status = status if report.whole else 1
+    return status
+
+
+def printable(name: str) -> str:
+    """Return a name with unprintable characters, such as terminal codes, as escapes."""
+    return "".join(
+        each if each.isprintable() else each.encode("unicode_escape", "backslashreplace").decode()
+        for each in name
+    )
+
+
+def _fetch(sets: Sequence[DataSet], root: Path, hosts: Hosts) -> int:
+    """Fetch sets and return the status; a file that fails does not stop the others."""
+    incomplete = []
+    for data_set in sets:
+        new = present = failed = 0
+        for public in data_set.files:
+            try:
+                fresh = install(data_set, public, root, hosts=hosts)
+                new, present = new + fresh, present + (not fresh)
+            except MorphError as error:
+                failed += 1
+                print(f"{data_set.name}/{public.file}: {error}", file=sys.stderr)
+                if failed == MAX_FAILURES:
+                    print(f"{data_set.name}: {failed} files failed, given up", file=sys.stderr)
+                    break
+            if sys.stderr.isatty():
+                sys.stderr.write(f"\r\033[K{new + present}/{len(data_set.files)} {public.file}\r")
+        print(
+            f"{data_set.folder(root)}: {new} of {len(data_set.files)} files fetched, "
+            f"{present} were there"
+        )
+        if data_set.licence.startswith("none"):
+            print("  its publisher states no licence: do not pass it on")
+        if failed:
+            incomplete.append(data_set.name)
+    if incomplete:
+        print(f"not complete: {', '.join(incomplete)}; run it again to go on", file=sys.stderr)
+    return 2 if incomplete else 0
 
 
 if __name__ == "__main__":

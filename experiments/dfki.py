@@ -10,8 +10,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from experiments.data import DataError, data_root
-from experiments.openloop import Model, bound, corrected, errors, from_mjcf, in_row, laid, span
+from experiments.dfki_published import PUBLISHED, by_its_equations, with_friction
+from experiments.dfki_report import headline, report
+from experiments.figures.save_options import parse_and_save
+from experiments.incumbent import by_sysid
+from experiments.needs import need_recordings
+from experiments.openloop import Model, bound, corrected, errors, from_mjcf, laid
 from morph.arrays import JSON
 from morph.body.fulltext import fulltext
 from morph.body.load import load as load_robot
@@ -20,14 +24,20 @@ from morph.body.spec import spec_of
 from morph.errors import MorphError
 from morph.model.diagnose import diagnose
 from morph.model.diagnosis import Diagnosis
+from morph.model.score import rmse
+from morph.model.segments import scored_segments
 from morph.physics.effect import Effect
 from morph.physics.kinds import JointEffect
+from morph.record.recording import Recording
 
 EXAMPLE = """example:
   python -m experiments.dfki
   python -m experiments.dfki --design C.0 --json
 """
 FOLDER = "dfki_double_pendulum"
+NOMINAL, CORRECTED = "described, friction left out", "corrected"
+PUBLISHER = "publisher's own equations"
+SYSID, SYSID_FIXED = "sysid, friction a candidate", "sysid, published friction held"
 HELD_BY_JOINT = ("frictionloss", "damping")
 """What findings at a joint become in a description; the nominal ones have neither."""
 
@@ -50,8 +60,6 @@ class Design:
     """Other runs and horizons, scored with the corrected model."""
     goal: tuple[float, float] | None = None
     """RMSE of each joint to stay below, rad."""
-    reported: Mapping[str, tuple[float, float]] | None = None
-    """RMSE that others reached on the same held-out runs, rad."""
 
 
 DESIGNS = {
@@ -63,10 +71,6 @@ DESIGNS = {
         horizon=None,
         also=((("run_03", "run_05", "run_06"), 1.0), (("run_12", "run_13"), 0.5)),
         goal=(0.035, 0.055),
-        reported={
-            "rigid refit, as once reported": (0.264, 0.476),
-            "published fit of the rig": (0.076, 0.122),
-        },
     ),
     "A.0": Design(
         robot="double_pendulum_a0",
@@ -100,8 +104,32 @@ def moved_to_the_wrong_joint(model: Model) -> Model:
     return Model(robot=from_mjcf(fulltext(spec)), effects=tuple(effects))
 
 
-def studied(design: Design, root: Path, *, quiet: bool = False) -> JSON:
-    """Return what a diagnosis with default settings makes of one design, and its controls."""
+def rivals(name: str, robot: Robot, train: Sequence[Recording]) -> tuple[dict[str, Model], JSON]:
+    """Return models that others would use, and what `mujoco.sysid` fitted for two of them.
+
+    One sysid is told that friction is a candidate; the other keeps the publisher's friction
+    and moves the rest, which shows what that friction leaves over.
+    """
+    rig = PUBLISHED[name]
+    as_published = with_friction(robot, rig.level, rig.viscous)
+    models = {
+        "published factors read as levels": with_friction(robot, rig.coulomb, rig.viscous),
+        "published friction": as_published,
+    }
+    told = {}
+    for title, start, fixed in (
+        (SYSID, robot, ()),
+        (SYSID_FIXED, as_published.robot, HELD_BY_JOINT),
+    ):
+        began = time.monotonic()
+        models[title], values = by_sysid(start, laid(train, start), fixed=fixed)
+        told[title] = {"seconds": time.monotonic() - began, "values": values}
+    return models, told
+
+
+def studied(name: str, root: Path, *, quiet: bool = False) -> JSON:
+    """Return what a diagnosis with default settings makes of one design, rivals and controls."""
+    design = DESIGNS[name]
     robot = load_robot(design.robot)
     train, aside = (
         bound(design.binding, FOLDER, robot, names, root=root)
@@ -110,6 +138,14 @@ def studied(design: Design, root: Path, *, quiet: bool = False) -> JSON:
     found = diagnose(
         robot, train, held_out=aside, horizon=design.horizon, progress=None if quiet else _Said()
     )
+    others, told = rivals(name, robot, train)
+    best = corrected(found)
+    models = {
+        NOMINAL: Model(robot=robot),
+        **others,
+        CORRECTED: best,
+        "control: finding at the wrong joint": moved_to_the_wrong_joint(best),
+    }
     return {
         "robot": design.robot,
         "train": design.train,
@@ -117,68 +153,45 @@ def studied(design: Design, root: Path, *, quiet: bool = False) -> JSON:
         "horizon_s": design.horizon,
         "diagnosis": found.as_json(),
         "goal": design.goal,
-        "reported": dict(design.reported or {}),
+        "published": {"coulomb_factor": PUBLISHED[name].coulomb, "level": PUBLISHED[name].level},
+        "sysid": told,
         "scores": [
-            _scores(design, robot, found, names, horizon, root)
+            scores(name, models, found, names, horizon, root)
             for names, horizon in ((design.held_out, design.horizon), *design.also)
         ],
     }
 
 
-def _scores(
-    design: Design,
-    robot: Robot,
+def scores(
+    name: str,
+    models: Mapping[str, Model],
     found: Diagnosis,
     names: Sequence[str],
     horizon: float | None,
     root: Path,
 ) -> JSON:
-    """Return errors over some runs at some horizon of the models that can be rebuilt."""
+    """Return errors over some runs at some horizon, and how many times those of the corrected."""
+    design, robot = DESIGNS[name], models[NOMINAL].robot
     runs = laid(bound(design.binding, FOLDER, robot, names, root=root), robot)
-    best = corrected(found)
-    models = {
-        "nominal": Model(robot=robot),
-        "corrected": best,
-        "control: finding at the wrong joint": moved_to_the_wrong_joint(best),
-    }
-    rmse = {name: errors(model, runs, horizon) for name, model in models.items()}
+    joints = [joint.name for joint in robot.joints]
+    errors_of = {title: errors(model, runs, horizon) for title, model in models.items()}
+    segments = scored_segments(runs, horizon)
+    own = rmse(segments, by_its_equations(PUBLISHED[name], segments))
+    errors_of[PUBLISHER] = dict(zip(joints, map(float, own), strict=True))
     if tuple(names) == design.held_out and horizon == design.horizon:
         refitted = found.held_out_rmse["refitted"]
-        rmse["control: rigid refit"] = {
-            joint.name: refitted[f"{joint.name}.position"] for joint in robot.joints
+        errors_of["control: rigid refit"] = {
+            joint: refitted[f"{joint}.position"] for joint in joints
         }
-    return {"runs": tuple(names), "horizon_s": horizon, "rmse": rmse}
-
-
-def report(name: str, result: JSON) -> None:
-    """Print one design's findings and its table of errors."""
-    found = result["diagnosis"]
-    print(f"\ndesign {name}: {found['verdict']}, {found['seconds']:.0f} s")
-    print(f"  fitted {', '.join(result['train'])}; held out {', '.join(result['held_out'])}")
-    for finding in found["findings"]:
-        figures = ", ".join(
-            f"{symbol} {e['value']:.3g} [{e['low90']:.3g}, {e['high90']:.3g}] {e['unit']}"
-            for symbol, e in finding["parameters"].items()
-        )
-        print(
-            f"  found {finding['effect']} at {finding['where']['name']}: {figures}, "
-            f"probability {finding['probability']:.2f}"
-        )
-        rivals = ", ".join(
-            f"{r['effect']} at {r['where']['name']} ({r['probability']:.2f})"
-            for r in finding["rivals"]
-        )
-        print(f"    rivals: {rivals or 'none'}")
-    for score in result["scores"]:
-        where = f"{', '.join(score['runs'])}; {span(score['horizon_s'])}"
-        print(f"  RMSE, rad, over {where}:")
-        joints = next(iter(score["rmse"].values()))
-        print(f"  {'':34} " + "  ".join(f"{joint:>8}" for joint in joints))
-        for model, by_joint in score["rmse"].items():
-            print(in_row(model, by_joint))
-        if score is result["scores"][0] and result["goal"]:
-            for title, row in {**result["reported"], "goal": result["goal"]}.items():
-                print(in_row(title, dict(zip(joints, row, strict=True))))
+    return {
+        "runs": tuple(names),
+        "horizon_s": horizon,
+        "rmse": errors_of,
+        "times_corrected": {
+            title: {joint: row[joint] / errors_of[CORRECTED][joint] for joint in joints}
+            for title, row in errors_of.items()
+        },
+    }
 
 
 class _Said:
@@ -205,19 +218,15 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--design", choices=DESIGNS, help="only this design (default: both)")
     parser.add_argument("--json", action="store_true", help="print JSON instead of tables")
     parser.add_argument("--quiet", action="store_true", help="show no progress")
-    asked = parser.parse_args(arguments)
+    asked, save = parse_and_save(parser, arguments, module="experiments.dfki")
     results = {}
     try:
-        root = data_root()
-        if not (root / FOLDER).is_dir():
-            raise DataError(
-                "the recordings are not there",
-                where=str(root / FOLDER),
-                fix=f"run python -m experiments.data --set {FOLDER}",
-            )
-        for name, design in DESIGNS.items():
+        root = need_recordings(FOLDER)
+        for name in DESIGNS:
             if asked.design in (None, name):
-                results[name] = studied(design, root, quiet=asked.quiet)
+                results[name] = studied(name, root, quiet=asked.quiet)
+        if save:
+            save(**headline(results))
     except MorphError as error:
         print(error, file=sys.stderr)
         return 2

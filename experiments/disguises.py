@@ -34,13 +34,15 @@ from experiments.disguised.disguise import disguise
 from experiments.disguised.excited import SHARE, WIDE, bare, wild, worn
 from experiments.disguised.judge import Truth, judged, symmetries
 from experiments.disguised.ways import WAYS
+from experiments.engine_options import add_engine_options, rows_of, seeds_of
+from experiments.figures.save_options import parse_and_save
 from experiments.interval import interval, iqm
-from experiments.kept import finished, seeds_of
 from morph.arrays import JSON
 from morph.files import write_whole
+from morph.study.cell import cells_of
 
 EXAMPLE = """example:
-  python -m experiments.disguises --seeds 0:10 --kept out/disguises.jsonl --json out/disguises.json
+  python -m experiments.disguises --seeds 0:10 --resume --json out/disguises.json
   python -m experiments.disguises --quick"""
 
 BODIES = (
@@ -57,6 +59,9 @@ COUNT, HELD_OUT = 200, 1000
 
 NOISE = 0.01
 """Deviation of every reading, in the bodies' own units: that of their tasks."""
+
+OURS = "transition_kernel"
+"""The map that is judged; other ways stand beside it."""
 
 CHEAP = ("principal", "any_order")
 """Controls that take no time."""
@@ -111,7 +116,7 @@ def measured(case: Case) -> JSON:
 def cases_of(seeds: Sequence[int], *, quick: bool) -> list[Case]:
     """Return all cases, seed by seed."""
     if quick:
-        ways = ("transition_kernel", "any_order")
+        ways = (OURS, "any_order")
         return [Case(seed=s, body=BODIES[0], kind="both", noise=NOISE, way=way)
                 for s in seeds for way in ways]  # fmt: skip
     return [
@@ -123,7 +128,7 @@ def cases_of(seeds: Sequence[int], *, quick: bool) -> list[Case]:
         for body in BODIES
         # Beside the tasks' noise, none is shown on a few seeds; so are rivals and the dear control,
         # where all is hidden.
-        if (way == "transition_kernel" and (noise == NOISE or seed % 10 < FEW))
+        if (way == OURS and (noise == NOISE or seed % 10 < FEW))
         or (noise == NOISE and way in CHEAP)
         or (noise == NOISE and kind == "both" and seed % 10 < FEW)
     ]
@@ -156,6 +161,7 @@ def figures(cases: Sequence[Case], rows: Sequence[JSON]) -> list[JSON]:
             ])  # fmt: skip
             line[name] = [iqm(table), *interval(table)]
         line["parts"] = float(np.mean([float(row["parts"]) for _, row in mine]))
+        line["part_wrong"] = float(np.mean([not row["whole"] for _, row in mine]))
         line["right"] = float(np.mean([right(row) for _, row in mine]))
         line["strict"] = float(
             np.mean([right(row) and float(row["least"]) >= GOAL for _, row in mine])
@@ -165,8 +171,49 @@ def figures(cases: Sequence[Case], rows: Sequence[JSON]) -> list[JSON]:
     return found
 
 
+def in_words(lines: Sequence[JSON]) -> list[str]:
+    """Return in one line each what is found of all disguises with noise, and without."""
+    mine = [line for line in lines if line["way"] == OURS]
+    whole = [line for line in mine if line["kind"] == "all"] or mine
+    return [
+        f"noise {line['noise']:g}: R2 of states {line['states'][0]:.4f}, of commands "
+        f"{line['commands'][0]:.4f}; right {round(line['right'] * line['cases'])} of "
+        f"{line['cases']}, every single number too {round(line['strict'] * line['cases'])}; "
+        f"signs and parts wrong in {round(line['part_wrong'] * line['cases'])}"
+        for line in sorted(whole, key=lambda each: -float(each["noise"]))
+    ]
+
+
+def headline(lines: Sequence[JSON]) -> JSON:
+    """Return what a result file holds: R2 and maps found, with exact readings and with noise."""
+    figures: JSON = {}
+    controls: JSON = {}
+    for line in lines:
+        told = {
+            "states": line["states"][0],
+            "commands": line["commands"][0],
+            "least": line["least"][0],
+            "maps": line["cases"],
+            "right": round(line["right"] * line["cases"]),
+            "parts": line["parts"],
+            "part_wrong": round(line["part_wrong"] * line["cases"]),
+        }
+        readings = "exact" if line["noise"] == 0.0 else "noisy"
+        if line["way"] == OURS:
+            figures |= {f"{readings}_{line['kind']}_{key}": value for key, value in told.items()}
+        else:
+            controls[f"{line['way']}, {readings}, {line['kind']}"] = told
+    return {"figures": figures, "controls": controls}
+
+
+def _short(row: JSON) -> JSON:
+    return {key: row[key] for key in ("states", "commands", "parts", "whole") if key in row}
+
+
 def shown(lines: Sequence[JSON], console: Console) -> None:
-    """Print the figures."""
+    """Print the figures, those with noise first."""
+    for said in in_words(lines):
+        console.print(said, style="bold")
     table = Table(title="R2 on unseen states: interquartile mean [95 % interval]")
     for name in ("way", "noise", "disguise", "cases", "R2 of states", "R2 of commands",
                  "least R2", "parts", "right", "strict", "s"):  # fmt: skip
@@ -189,18 +236,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--seeds", default="10", help="from:to, or so many from 0 on")
-    parser.add_argument("--workers", type=int, default=2, help="processes")
-    parser.add_argument("--kept", type=Path, help="a file of finished cases, to go on from")
+    add_engine_options(parser, out="out/disguises")
     parser.add_argument("--json", type=Path, help="write figures and cases into this file")
     parser.add_argument("--quick", action="store_true", help="one body and disguise, seed 100")
-    told = parser.parse_args(arguments)
+    told, save = parse_and_save(parser, arguments, module="experiments.disguises")
     cases = cases_of([100] if told.quick else seeds_of(told.seeds), quick=told.quick)
-    try:
-        rows = finished(cases, measured, kept=told.kept, workers=1 if told.quick else told.workers)
-    except KeyboardInterrupt:
-        return 130
+    rows = rows_of(cells_of(measured, cases), told, name="disguises")
     lines = figures(cases, rows)
     shown(lines, Console(width=170))
+    if save:
+        whole = [asdict(case) | _short(row) for case, row in zip(cases, rows, strict=True)]
+        save(**headline(lines), rows=whole, seeds=sorted({case.seed for case in cases}))
     if told.json:
         whole = [asdict(case) | row for case, row in zip(cases, rows, strict=True)]
         write_whole(told.json, json.dumps({"figures": lines, "cases": whole}, indent=1) + "\n")

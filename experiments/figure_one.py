@@ -26,13 +26,16 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+from experiments.engine_options import add_engine_options, rows_of, seeds_of
+from experiments.figures.result_file import flat
+from experiments.figures.save_options import parse_and_save
 from experiments.interval import interval, iqm
-from experiments.kept import finished, seeds_of
 from experiments.walkers import WAYS, Case, measured
 from morph.arrays import JSON
+from morph.study.cell import cells_of
 
 EXAMPLE = """example:
-  python -m experiments.figure_one --seeds 0:10 --kept out/figure_one.jsonl --json out/one.json
+  python -m experiments.figure_one --seeds 0:10 --resume --json out/one.json
   python -m experiments.figure_one --quick"""
 
 
@@ -56,6 +59,20 @@ def summary(rows: Sequence[JSON]) -> JSON:
                 "seeds": len(each),
             }
     return found
+
+
+def headline(found: JSON) -> JSON:
+    """Return what a result file holds: carried gaits, and beside them every other start."""
+    reached = {
+        name: {key: value for key, value in of.items() if np.isfinite(value)}
+        for name, of in found.items()
+    }
+    controls = {
+        name.replace(":", ""): of
+        for name, of in reached.items()
+        if not name.endswith((": carried", ": stand"))
+    }
+    return {"figures": flat(reached), "controls": controls}
 
 
 def report(found: JSON) -> None:
@@ -87,18 +104,19 @@ def main(words: Sequence[str] | None = None) -> None:
     parser.add_argument("--seeds", default="10", help="how many, or from:to (default 10)")
     ways = "these ways alone (default all but the last)"
     parser.add_argument("--only", nargs="+", choices=WAYS, help=ways)
-    parser.add_argument("--kept", type=Path, help="a file of finished cases, to go on from")
     parser.add_argument("--json", type=Path, help="where the figures go")
-    parser.add_argument("--workers", type=int, default=2, help="processes (default 2)")
+    add_engine_options(parser, out="out/figure_one")
     parser.add_argument("--quick", action="store_true", help="one seed, one generation")
-    told = parser.parse_args(words)
+    told, save = parse_and_save(parser, words, module="experiments.figure_one")
     case = Case(seed=100, ways=tuple(told.only or WAYS[:-1]))
     if told.quick:
         cases = [replace(case, standing=1, walking=1, ways=("carried",))]
     else:
         cases = [replace(case, seed=seed) for seed in seeds_of(told.seeds)]
-    rows = finished(cases, measured, kept=told.kept, workers=1 if told.quick else told.workers)
+    rows = rows_of(cells_of(measured, cases), told, name="figure_one")
     found = summary(rows)
+    if save:
+        save(**headline(found), rows=rows, seeds=[each.seed for each in cases])
     if told.json:
         text = json.dumps({"ways": found, "cases": rows, "of": asdict(case)}, indent=1)
         told.json.write_text(text)

@@ -18,6 +18,8 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+from experiments.figures.result_file import figure_name
+from experiments.figures.save_options import parse_and_save
 from experiments.waters.cases import KINDS, drawn
 from experiments.waters.judge import Judge, Verdict, scored, summed
 from morph.arrays import JSON
@@ -94,6 +96,24 @@ def report(told: JSON) -> None:
         wide.print(table)
 
 
+def headline(told: JSON) -> JSON:
+    """Return what a result file holds: each method at the last moment, kind by kind."""
+    last = max(row["seconds"] for row in told["clean"] if row["seconds"] is not None)
+    figures: JSON = {"seconds": last}
+    controls: JSON = {}
+    for kind, rows in told.items():
+        for row in rows:
+            if row["seconds"] not in (None, last):
+                continue
+            numbers = {key: row[key] for key in COLUMNS if key in row and np.isfinite(row[key])}
+            if row["method"] == rows[0]["method"]:
+                figures |= {f"{figure_name(kind)}_{key}": value for key, value in numbers.items()}
+            else:
+                controls[f"{kind}: {row['method']}"] = numbers
+    rows = [{"kind": kind, **row} for kind, rows in told.items() for row in rows]
+    return {"figures": figures, "controls": controls, "rows": rows}
+
+
 def main(arguments: list[str] | None = None) -> int:
     """Run the study and return its exit status."""
     parser = argparse.ArgumentParser(
@@ -107,7 +127,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--seeds", type=int, default=100, help="how many seeds (default 100)")
     parser.add_argument("--quick", action="store_true", help="one seed: does it work at all")
     parser.add_argument("--json", action="store_true", help="print JSON instead of tables")
-    asked = parser.parse_args(arguments)
+    asked, save = parse_and_save(parser, arguments, module="experiments.fluids")
     seeds = range(asked.seed, asked.seed + (1 if asked.quick else max(1, asked.seeds)))
     try:
         found, stopped = judged(asked.only or list(KINDS), seeds)
@@ -117,6 +137,8 @@ def main(arguments: list[str] | None = None) -> int:
     if not found:
         return 130
     told = figures(found)
+    if save and not stopped:
+        save(**headline(told), seeds=seeds)
     if asked.json:
         rows = [each.row() for verdicts in found.values() for each in verdicts]
         print(json.dumps({"schema": "morph.fluids/1", "figures": told, "cases": rows}, indent=1))

@@ -27,6 +27,10 @@ from pathlib import Path
 from typing import Any
 
 from experiments import fuzz_seeds as seeds
+from experiments.fuzz_seeds import spoil
+
+MORPH = Path(__file__).resolve().parents[1] / "morph"
+"""The source of the package whose readers are fuzzed."""
 
 SLOWEST = 20
 """Seconds for one file, on a machine that does other things too, after which it counts as hung."""
@@ -37,27 +41,11 @@ MEMORY_MB = 3000
 LONGEST = 8192
 """Bytes in a file that is made."""
 
+FEW = 1000
+"""Files of which each is counted at once; of more the count is kept once a second."""
+
 MODULE = ("-m", "experiments.fuzz_readers")
 """How Python finds this file in a new process."""
-
-HOSTILE = (
-    *("nan", "inf", "-inf", "1e308", "1e-320", "-1", "0", "-0", "", " ", "1 2 3", "1 2", "1e5"),
-    *("0 0 0", "1 nan 0", "9" * 400, "0x10", "1_0", "\u0669", "\u202e", "é" * 50, "a/b", "..", "."),
-    *("../../secret", "/etc/passwd", "file:///dev/zero", "package://own/part.stl", "part.stl", "~"),
-    *("base", "left_arm", "left", "world", "hinge", "fixed", "floating", "planar", "mesh", "true"),
-    *(
-        "${1/0}",
-        "${mass}",
-        "${'x'*9**9}",
-        "$(find own)",
-        "$(arg side)",
-        "${a",
-        "$(eval 1",
-        "${[[]]*9}",
-    ),
-    *("sphere", "capsule", "ball", "free", "5 5 5 5 5 5 5", "-1 1", "1 -1", "%s%n", "{0}", "None"),
-)
-"""Values that somebody, some day, gives an attribute."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -131,35 +119,16 @@ TARGETS = {
 }
 
 
-def spoiled(content: bytes, rng: random.Random) -> bytes:
-    """Return a document with one to three parts changed, moved, copied, renamed or taken away.
+def fuzz(name: str, folder: Path, seconds: int, files: int, seed: int) -> None:
+    """Fuzz one target in this process, which ends with it; `folder` gets what is found.
 
-    Raises:
-        ElementTree.ParseError: It is no XML.
+    Args:
+        name: The target.
+        folder: Where its file is written, and what is found.
+        seconds: After so many it ends.
+        files: After so many it ends; -1 for any number.
+        seed: Random seed.
     """
-    root = ElementTree.fromstring(content)
-    for _ in range(rng.randint(1, 3)):
-        everything = list(root.iter())
-        one, other = rng.choice(everything), rng.choice(everything)
-        match rng.randrange(7):
-            case 0 | 1 if one.attrib:
-                one.set(rng.choice(list(one.attrib)), rng.choice(HOSTILE))
-            case 2 if one.attrib:
-                del one.attrib[rng.choice(list(one.attrib))]
-            case 3 if other.attrib:
-                one.set(*rng.choice(list(other.attrib.items())))
-            case 4 if len(one):
-                one.remove(rng.choice(list(one)))
-            case 5 if other is not root:
-                # A copy, since a tree that holds itself has no end.
-                one.append(ElementTree.fromstring(ElementTree.tostring(other)))
-            case 6:
-                one.tag, one.text = other.tag, rng.choice((one.text, *HOSTILE))
-    return ElementTree.tostring(root)
-
-
-def fuzz(name: str, folder: Path, seconds: int, seed: int) -> None:
-    """Fuzz one target in this process, which ends with it; `folder` gets what is found."""
     import atheris  # type: ignore[import-untyped]
 
     target, whole = TARGETS[name], TARGETS[name].seed()
@@ -188,7 +157,7 @@ def fuzz(name: str, folder: Path, seconds: int, seed: int) -> None:
             # What is no tree any more leads nowhere: begin again.
             for source in (content, whole):
                 with contextlib.suppress(ElementTree.ParseError, ValueError):
-                    changed = spoiled(source, rng)
+                    changed = spoil(source, rng)
                     if len(changed) <= longest:
                         return changed
         return bytes(atheris.Mutate(content, longest))
@@ -200,6 +169,7 @@ def fuzz(name: str, folder: Path, seconds: int, seed: int) -> None:
     # By default libFuzzer begins with short files, and cuts ours to fit.
     options += [
         "-len_control=0",
+        f"-runs={files}",
         f"-max_len={LONGEST}",
         f"-artifact_prefix={folder}/ended-",
         f"-seed={seed}",
@@ -218,6 +188,13 @@ def placed(target: Target, folder: Path) -> Path:
     return path
 
 
+def place_in(package: Path, error: BaseException) -> str:
+    """Return the file and line of a package that an error went through last, or `nowhere`."""
+    frames = traceback.extract_tb(error.__traceback__)
+    inside = [each for each in frames if Path(each.filename).resolve().is_relative_to(package)]
+    return f"{Path(inside[-1].filename).stem}_{inside[-1].lineno}" if inside else "nowhere"
+
+
 class _Tally:
     """Counts files, and keeps the first that crashes at each place."""
 
@@ -230,14 +207,13 @@ class _Tally:
     def add(self, what: str) -> None:
         self.counts[what] += 1
         # libFuzzer ends the process without a word, so the count is kept beside it.
-        if time.monotonic() > self.written + 1.0:
+        if sum(self.counts.values()) <= FEW or time.monotonic() > self.written + 1.0:
             self.written = time.monotonic()
             (self.folder / "counts.json").write_text(json.dumps(self.counts))
 
     def crash(self, error: Exception, content: bytes) -> None:
         self.add("crashed")
-        frames = [each for each in traceback.extract_tb(error.__traceback__) if "morph" in each[0]]
-        place = f"{Path(frames[-1].filename).stem}_{frames[-1].lineno}" if frames else "nowhere"
+        place = place_in(MORPH, error)
         kept = self.folder / f"crash-{type(error).__name__}-{place}"
         if not kept.exists() or kept.stat().st_size > len(content):
             kept.write_bytes(content)
@@ -245,16 +221,25 @@ class _Tally:
             kept.with_name(f"{kept.name}.txt").write_text(said[-5000:])
 
 
-def run(name: str, seconds: float, out: Path, seed: int = 1) -> dict[str, Any]:
-    """Return what fuzzing a target for some seconds found; its process is begun anew if it ends."""
-    end = time.monotonic() + seconds
+def run(name: str, seconds: float, out: Path, seed: int = 1, *, files: int = -1) -> dict[str, Any]:
+    """Return what fuzzing a target found; its process is begun anew if it ends.
+
+    Args:
+        name: The target.
+        seconds: How long it is fuzzed.
+        out: Folder of the files that crash it.
+        seed: Random seed.
+        files: Number of files after which it is enough; -1 for any.
+    """
+    end, enough = time.monotonic() + seconds, False
     found: list[str] = []
     with tempfile.TemporaryDirectory(prefix="fuzz_") as temporary:
         folder = Path(temporary)
-        while (left := int(end - time.monotonic())) > 0:
+        while not enough and (left := int(end - time.monotonic())) > 0:
             told = ["--child", temporary, "--seconds", str(left), "--seed", str(seed)]
+            told += ["--files", str(files)]
             with (folder / "log").open("ab") as log:
-                subprocess.run(
+                ran = subprocess.run(
                     [sys.executable, *MODULE, name, *told],
                     # MuJoCo writes its log where it stands.
                     cwd=folder,
@@ -263,7 +248,7 @@ def run(name: str, seconds: float, out: Path, seed: int = 1) -> dict[str, Any]:
                     stderr=log,
                     check=False,
                 )
-            seed += 1
+            seed, enough = seed + 1, files >= 0 and ran.returncode == 0
         for path in sorted([*folder.glob("crash-*"), *folder.glob("ended-*")]):
             out.mkdir(parents=True, exist_ok=True)
             shutil.copy(path, out / f"{name}-{path.name}")
@@ -281,15 +266,16 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--seconds", type=int, default=60)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--out", type=Path, default=Path("out/fuzz"), help="for what crashes")
+    parser.add_argument("--files", type=int, default=-1, help="end after so many")
     parser.add_argument("--child", type=Path, help=argparse.SUPPRESS)
     chosen = parser.parse_args(arguments)
     if chosen.child is not None:
-        fuzz(chosen.target, chosen.child, chosen.seconds, chosen.seed)
+        fuzz(chosen.target, chosen.child, chosen.seconds, chosen.files, chosen.seed)
         return 0
     names = list(TARGETS) if chosen.target == "all" else [chosen.target]
     bad = False
     for name in names:
-        result = run(name, chosen.seconds / len(names), chosen.out, chosen.seed)
+        result = run(name, chosen.seconds / len(names), chosen.out, chosen.seed, files=chosen.files)
         bad |= bool(result["found"]) or "read" not in result
         print(json.dumps(result), flush=True)
     return int(bad)

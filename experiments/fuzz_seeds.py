@@ -1,9 +1,11 @@
-"""Small valid files of each kind that morph reads, for `fuzz_readers` to spoil."""
+"""Small valid files of each kind that morph reads, and XML spoiled by its structure."""
 
 from __future__ import annotations
 
 import io
+import random
 import struct
+import xml.etree.ElementTree as ElementTree
 import zipfile
 
 URDF = b"""<robot name="two_links">
@@ -196,3 +198,42 @@ def recorded(ending: str) -> bytes:
             for name, values in columns.items():
                 file.create_dataset(name, data=values, chunks=(5,), compression="gzip")
     return sink.getvalue()
+
+
+HOSTILE = (
+    *("nan", "inf", "-inf", "1e308", "1e-320", "-1", "0", "-0", "", " ", "1 2 3", "1 2", "1e5"),
+    *("0 0 0", "1 nan 0", "9" * 400, "0x10", "1_0", "\u0669", "\u202e", "é" * 50, "a/b", "..", "."),
+    *("../../secret", "/etc/passwd", "file:///dev/zero", "package://own/part.stl", "part.stl", "~"),
+    *("base", "left_arm", "left", "world", "hinge", "fixed", "floating", "planar", "mesh", "true"),
+    *("${1/0}", "${mass}", "${'x'*9**9}", "$(find own)", "$(arg side)"),
+    *("${a", "$(eval 1", "${[[]]*9}"),
+    *("sphere", "capsule", "ball", "free", "5 5 5 5 5 5 5", "-1 1", "1 -1", "%s%n", "{0}", "None"),
+)
+"""Values that somebody, some day, gives an attribute."""
+
+
+def spoil(content: bytes, rng: random.Random) -> bytes:
+    """Return a document with one to three parts changed, moved, copied, renamed or taken away.
+
+    Raises:
+        ElementTree.ParseError: It is no XML.
+    """
+    root = ElementTree.fromstring(content)
+    for _ in range(rng.randint(1, 3)):
+        everything = list(root.iter())
+        one, other = rng.choice(everything), rng.choice(everything)
+        match rng.randrange(7):
+            case 0 | 1 if one.attrib:
+                one.set(rng.choice(list(one.attrib)), rng.choice(HOSTILE))
+            case 2 if one.attrib:
+                del one.attrib[rng.choice(list(one.attrib))]
+            case 3 if other.attrib:
+                one.set(*rng.choice(list(other.attrib.items())))
+            case 4 if len(one):
+                one.remove(rng.choice(list(one)))
+            case 5 if other is not root:
+                # A copy, since a tree that holds itself has no end.
+                one.append(ElementTree.fromstring(ElementTree.tostring(other)))
+            case 6:
+                one.tag, one.text = other.tag, rng.choice((one.text, *HOSTILE))
+    return ElementTree.tostring(root)

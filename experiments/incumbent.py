@@ -23,6 +23,8 @@ MASS_SHARE, COM_SHARE, INERTIA_FACTOR = 0.3, 0.3, 3.0
 """How far the description's figures may move, either way."""
 MOST = {"armature": 0.02, "damping": 0.2, "frictionloss": 0.3}
 """The most that a joint may have, kg m2, N m s/rad and N m; the least is none."""
+ITERATIONS = 200
+"""The most that sysid takes by default."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -85,16 +87,22 @@ def figures(robot: Robot) -> list[Figure]:
 
 
 def with_figures(robot: Robot, values: dict[str, float]) -> Robot:
-    """Return the robot whose description states other figures."""
+    """Return the robot whose description states other figures; those not named stay."""
     spec = spec_of(robot)
     for figure in figures(robot):
-        figure.write(spec, values[figure.name])
+        if figure.name in values:
+            figure.write(spec, values[figure.name])
     spec.compile()
     return from_mjcf(fulltext(spec))
 
 
 def by_sysid(
-    robot: Robot, runs: Sequence[Episode], *, piece: float | None, iterations: int
+    robot: Robot,
+    runs: Sequence[Episode],
+    *,
+    piece: float | None = None,
+    iterations: int = ITERATIONS,
+    fixed: Sequence[str] = (),
 ) -> tuple[Model, dict[str, float]]:
     """Return the model and the figures that `mujoco.sysid` fits with its own optimizer.
 
@@ -107,9 +115,10 @@ def by_sysid(
         runs: Training runs.
         piece: Seconds of the rollouts that it fits; None for whole runs.
         iterations: The most that it may take.
+        fixed: Kinds of figures that stay as described, as `frictionloss`.
     """
     sysid = _library()
-    free = figures(robot)
+    free = [each for each in figures(robot) if each.name.partition(":")[0] not in fixed]
     wanted = sysid.ParameterDict()
     for figure in free:
         wanted.add(

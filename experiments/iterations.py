@@ -23,13 +23,16 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+from experiments.engine_options import add_engine_options, rows_of, seeds_of
+from experiments.figures.result_file import flat
+from experiments.figures.save_options import parse_and_save
 from experiments.interval import interval, iqm
 from experiments.iterated import BODIES, Case, measured
-from experiments.kept import finished, seeds_of
 from morph.arrays import JSON
+from morph.study.cell import cells_of
 
 EXAMPLE = """example:
-  python -m experiments.iterations --seeds 0:10 --kept out/iterations.jsonl --json out/it.json
+  python -m experiments.iterations --seeds 0:10 --resume --json out/it.json
   python -m experiments.iterations --quick"""
 
 
@@ -110,18 +113,21 @@ def main(words: Sequence[str] | None = None) -> None:
     )
     parser.add_argument("--seeds", default="10", help="how many, or from:to (default 10)")
     parser.add_argument("--only", nargs="+", choices=list(BODIES), help="these bodies alone")
-    parser.add_argument("--kept", type=Path, help="a file of finished cases, to go on from")
     parser.add_argument("--json", type=Path, help="where the figures go")
-    parser.add_argument("--workers", type=int, default=2, help="processes (default 2)")
+    add_engine_options(parser, out="out/iterations")
     parser.add_argument("--quick", action="store_true", help="one body, one seed, two changes")
-    told = parser.parse_args(words)
+    told, save = parse_and_save(parser, words, module="experiments.iterations")
     if told.quick:
         cases = [Case(body="cartpole", seed=100, changes=2, anew=(6, 20), trials=0)]
     else:
         bodies = told.only or list(BODIES)
         cases = [Case(body=body, seed=seed) for seed in seeds_of(told.seeds) for body in bodies]
-    rows = finished(cases, measured, kept=told.kept, workers=1 if told.quick else told.workers)
+    rows = rows_of(cells_of(measured, cases), told, name="iterations")
     found = summary(rows)
+    if save:
+        seeds = sorted({case.seed for case in cases})
+        controls = {name: each for name, each in found["scores"].items() if name != "carried"}
+        save(figures=flat(found), controls=controls, rows=rows, seeds=seeds)
     if told.json:
         told.json.write_text(json.dumps(found | {"cases": rows}, indent=1))
     report(found)

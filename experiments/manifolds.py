@@ -20,20 +20,20 @@ from rich.console import Console
 from rich.table import Table
 from scipy.stats import spearmanr
 
-from align.arrays import Array
 from experiments.aligning.cases import Case, cases_of, measured
-from experiments.aligning.ways import FAMILY
-from experiments.interval import DRAWS, LEVEL, iqm
-from experiments.kept import finished, seeds_of
+from experiments.aligning.report import against_ridge, drawn, pair_table
+from experiments.aligning.ways import FAMILY, GOAL, RIDGE
+from experiments.engine_options import add_engine_options, rows_of, seeds_of
+from experiments.figures.result_file import figure_name
+from experiments.figures.save_options import parse_and_save
+from experiments.interval import iqm, mean_interval
 from morph.arrays import JSON
 from morph.files import write_whole
+from morph.study.cell import cells_of
 
 EXAMPLE = """example:
-  python -m experiments.manifolds --seeds 10 --kept out/manifolds.jsonl --plot out/manifolds.html
+  python -m experiments.manifolds --seeds 10 --resume --plot out/manifolds.html
   python -m experiments.manifolds --quick"""
-
-GOAL = ("manifold", "uma", "sparse")
-"""Wang and Mahadevan, unsupervised alignment with landmarks, sparse coding."""
 
 CLEAR = 0.1
 """A map is clearly above its shuffled control if the lower 95 % bound of the difference is more."""
@@ -63,7 +63,7 @@ def _way(name: str, rows: Sequence[JSON]) -> JSON:
     ways = [row["ways"] for row in rows]
     score = np.array([each[name]["score"] for each in ways])
     line: JSON = {
-        "score": [iqm(score), *sure(score, middle=True)],
+        "score": [iqm(score), *mean_interval(score, middle=True)],
         "solved": float(np.mean(score >= 0.8)),
         "refused": sum("refused" in each[name] for each in ways),
     }
@@ -72,39 +72,40 @@ def _way(name: str, rows: Sequence[JSON]) -> JSON:
     control = f"{name}, shuffled"
     if control in ways[0]:
         gain = score - np.array([each[control]["score"] for each in ways])
-        line["gain"] = [float(gain.mean()), *sure(gain)]
-    if control in ways[0] and name != "pairs_only":
-        more = score - np.array([each["pairs_only"]["score"] for each in ways])
-        line["more"] = [float(more.mean()), *sure(more)]
+        line["gain"] = [float(gain.mean()), *mean_interval(gain)]
+    if control in ways[0] and name != RIDGE:
+        more = score - np.array([each[RIDGE]["score"] for each in ways])
+        line["more"] = [float(more.mean()), *mean_interval(more)]
     return line
 
 
-def sure(x: Array, *, middle: bool = False) -> tuple[float, float]:
-    """Return the 95 % bootstrap interval of a mean, or of an interquartile one, over seeds.
+def clear(lines: Sequence[JSON], over: str = "gain", least: float = CLEAR) -> dict[str, list[str]]:
+    """Return on which bodies of the shelf each method is clearly above a control.
 
-    As `experiments.interval.interval` does for one stratum, with all draws at once: both figures
-    are weighted sums of sorted numbers, and there are some thousand intervals here.
+    Args:
+        lines: Figures of the study.
+        over: `gain` over its shuffled control, or `more` than ridge on the same landmarks.
+        least: What the lower end of the interval must exceed.
     """
-    n = len(x)
-    # The weights of the last 1, 2, ... sorted numbers together; their differences are the weights.
-    steps = [iqm((np.arange(n) >= k).astype(float)) for k in range(n)]
-    weight = -np.diff([*steps, 0.0]) if middle else np.full(n, 1.0 / n)
-    draws = np.random.default_rng(0).integers(n, size=(DRAWS, n))
-    found = np.sort(x[draws], axis=1) @ weight
-    tail = 0.5 * (1.0 - LEVEL)
-    low, high = np.quantile(found, (tail, 1.0 - tail), method="nearest")
-    return float(low), float(high)
-
-
-def clear(lines: Sequence[JSON]) -> dict[str, list[str]]:
-    """Return on which bodies of the shelf each method is clearly above its shuffled control."""
     return {
         name: [
             f"{line['source']} > {line['target']} ({line['level']:g})"
             for line in lines
-            if line["source"] != "formula" and line["ways"][name]["gain"][1] > CLEAR
+            if line["source"] != "formula" and line["ways"][name][over][1] > least
         ]
         for name in (each.name for each in FAMILY)
+    }
+
+
+def worse(lines: Sequence[JSON]) -> dict[str, list[str]]:
+    """Return on which bodies of the shelf each method is surely below ridge."""
+    return {
+        each.name: [
+            f"{line['source']} > {line['target']} ({line['level']:g})"
+            for line in lines
+            if line["source"] != "formula" and line["ways"][each.name]["more"][2] < 0.0
+        ]
+        for each in FAMILY
     }
 
 
@@ -129,7 +130,7 @@ def shown(lines: Sequence[JSON], console: Console) -> None:
     """Print the tables."""
     for line in lines:
         if line["source"] != "formula":
-            console.print(_bodies(line))
+            console.print(pair_table(line))
     sweep = Table(
         title="sweep: score [95 %] of a method, its gain over shuffled landmarks; agreement"
     )
@@ -141,13 +142,19 @@ def shown(lines: Sequence[JSON], console: Console) -> None:
             sweep.add_row(
                 line["target"],
                 f"{line['level']:g}",
-                *(_short(ways[name]) for name in (*GOAL, "pairs_only")),
+                *(_short(ways[name]) for name in (*GOAL, RIDGE)),
                 *(f"{ways[name]['score'][0]:.2f}" for name in ("manifold_free", "features")),
                 " ".join(f"{name} {value:.2f}" for name, value in line["measures"].items()),
             )
     console.print(sweep)
+    console.print(against_ridge(lines))
+    above, below = clear(lines, "more", 0.0), worse(lines)
     for name, where in clear(lines).items():
-        console.print(f"{name}: clearly above its shuffled control on {len(where)}: {where}")
+        console.print(
+            f"{name}: clearly above its shuffled control on {len(where)}, surely above ridge on "
+            f"the same landmarks on {len(above[name])}, surely below it on {len(below[name])}: "
+            f"{above[name]}"
+        )
     for row in foretold(lines):
         told = ", ".join(f"{name} {row[name]:+.2f}" for name in GOAL)
         console.print(f"Spearman of {row['measure']} with the gain: {told}")
@@ -159,50 +166,35 @@ def _short(way: JSON) -> str:
     return f"{way['score'][0]:.2f} {gain} R2 {way['agreement']:.2f}"
 
 
-def _bodies(line: JSON) -> Table:
-    title = f"{line['source']} > {line['target']}, {line['level']:g} landmarks"
-    table = Table(title=f"{title}, {line['seeds']} seeds")
-    for name in ("way", "score [95 %]", "solved", "refused", "agreement", "over shuffled",
-                 "over landmarks alone"):  # fmt: skip
-        table.add_column(name)
-    for name, way in line["ways"].items():
-        gain, more = (
-            f"{way[each][0]:+.2f} [{way[each][1]:.2f}, {way[each][2]:.2f}]" if each in way else ""
-            for each in ("gain", "more")
-        )
-        score = way["score"]
-        agreed = f"{way['agreement']:.2f}" if "agreement" in way else ""
-        table.add_row(name, f"{score[0]:.2f} [{score[1]:.2f}, {score[2]:.2f}]",
-                      f"{way['solved']:.2f}", str(way["refused"]), agreed, gain, more)  # fmt: skip
-    return table
-
-
-def drawn(lines: Sequence[JSON]) -> str:
-    """Return the sweep as a page: score against what changes, one panel each."""
-    import plotly.graph_objects as go
-    from plotly.subplots import make_subplots
-
-    sweep = [line for line in lines if line["source"] == "formula"]
-    factors = list(dict.fromkeys(line["target"] for line in sweep))
-    figure = make_subplots(rows=1, cols=max(len(factors), 1), subplot_titles=factors)
-    names = (*GOAL, "pairs_only", "manifold, shuffled", "manifold_free", "features")
-    colours = ("#0072b2", "#009e73", "#d55e00", "#999999", "#000000", "#cc79a7", "#e69f00")
-    for at, factor in enumerate(factors, start=1):
-        mine = sorted((ln for ln in sweep if ln["target"] == factor), key=lambda ln: ln["level"])
-        for name, colour in zip(names, colours, strict=True):
-            score = np.array([line["ways"][name]["score"] for line in mine])
-            figure.add_trace(
-                go.Scatter(
-                    x=[str(line["level"]) for line in mine],
-                    y=score[:, 0],
-                    error_y={"array": score[:, 2] - score[:, 0],
-                             "arrayminus": score[:, 0] - score[:, 1]},
-                    name=name, legendgroup=name, showlegend=at == 1, line={"color": colour},
-                ), row=1, col=at,
-            )  # fmt: skip
-    figure.update_yaxes(range=[0, 1.05], title_text="score", col=1)
-    figure.update_layout(title="Where two bodies share a manifold, and where not", height=480)
-    return str(figure.to_html(include_plotlyjs=True, full_html=True))
+def headline(lines: Sequence[JSON]) -> JSON:
+    """Return what a result file holds: on how many pairs each method is above its control."""
+    shelf = [line for line in lines if line["source"] != "formula"]
+    figures: JSON = {}
+    for level in sorted({line["level"] for line in shelf}):
+        mine = [line for line in shelf if line["level"] == level]
+        figures[f"pairs_{level:g}"] = len(mine)
+        above, below = clear(mine, "more", 0.0), worse(mine)
+        for name, where in clear(mine).items():
+            figures[f"{name}_{level:g}_clear"] = len(where)
+            figures[f"{name}_{level:g}_above_ridge"] = len(above[name])
+            figures[f"{name}_{level:g}_below_ridge"] = len(below[name])
+    for row in foretold(lines):
+        figures |= {f"{figure_name(row['measure'])}_{name}": row[name] for name in GOAL}
+    rows = [
+        {"source": line["source"], "target": line["target"], "level": line["level"]}
+        | {
+            name: [way["score"][0], *way.get("gain", ()), *way.get("more", ())]
+            for name, way in line["ways"].items()
+        }
+        for line in lines
+    ]
+    shuffled = {
+        f"{line['source']} > {line['target']}, {line['level']:g}": {
+            name: way["score"][0] for name, way in line["ways"].items() if name not in GOAL
+        }
+        for line in shelf
+    }
+    return {"figures": figures, "controls": shuffled, "rows": rows}
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -214,25 +206,28 @@ def main(arguments: Sequence[str] | None = None) -> int:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--seeds", default="10", help="from:to, or so many from 0 on")
-    parser.add_argument("--workers", type=int, default=2, help="processes")
+    add_engine_options(parser, out="out/manifolds")
     parser.add_argument("--only", choices=("shelf", "sweep"), help="one of both parts")
-    parser.add_argument("--kept", type=Path, help="a file of finished cases, to go on from")
     parser.add_argument("--json", type=Path, help="write figures and cases into this file")
     parser.add_argument("--plot", type=Path, help="draw the sweep as a page")
     parser.add_argument("--quick", action="store_true", help="two cases, seed 100")
-    told = parser.parse_args(arguments)
+    told, save = parse_and_save(parser, arguments, module="experiments.manifolds")
     seeds = [100] if told.quick else seeds_of(told.seeds)
     cases = cases_of(seeds, quick=told.quick, only=told.only)
-    workers = 1 if told.quick else told.workers
-    try:
-        rows = finished(cases, measured, kept=told.kept, workers=workers)
-    except KeyboardInterrupt:
-        return 130
+    rows = rows_of(cells_of(measured, cases), told, name="manifolds")
     lines = figures(cases, rows)
     shown(lines, Console(width=170))
+    if save:
+        save(**headline(lines), seeds=seeds)
     if told.json:
         whole = [asdict(case) | row for case, row in zip(cases, rows, strict=True)]
-        every = {"figures": lines, "clear": clear(lines), "foretold": foretold(lines)}
+        every = {
+            "figures": lines,
+            "clear": clear(lines),
+            "above_ridge": clear(lines, "more", 0.0),
+            "below_ridge": worse(lines),
+            "foretold": foretold(lines),
+        }
         write_whole(told.json, json.dumps(every | {"cases": whole}, indent=1) + "\n")
     if told.plot:
         write_whole(told.plot, drawn(lines))

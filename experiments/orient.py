@@ -9,7 +9,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from time import perf_counter
 
@@ -18,6 +18,10 @@ import trimesh
 from rich.console import Console
 from rich.table import Table
 
+from experiments.figures.save_options import parse_and_save
+from experiments.needs import need_robots
+from morph.arrays import JSON
+from morph.errors import MorphError
 from print.arrays import Array
 from print.bed import about_up, hull
 from print.errors import PrintError
@@ -29,8 +33,11 @@ from print.printer import Profile, material, printer
 from print.slicer import Slicer, find_slicer
 
 EXAMPLE = """example:
-  python -m experiments.orient ../shared/robots/open_duck_mini_v2/urdf --skip bms board cell"""
+  python -m experiments.orient --skip bms board cell"""
 
+
+DUCK, OURS = "open_duck_mini_v2/urdf", Path("robots/quadruped_printed/meshes")
+"""Folders of printed parts: one of the published robots, and one of the shelf."""
 
 HEADS = ("part", "search s", "given g", "turned g", "chance g", "given h", "turned h", "chance h")
 """Seconds that the search took; support and skirt in grams, and hours, each way."""
@@ -49,14 +56,14 @@ class Tried:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Slice every mesh in three orientations, and print what each costs."""
     parser = argparse.ArgumentParser(
-        description=__doc__, epilog=EXAMPLE, formatter_class=argparse.RawDescriptionHelpFormatter
+        prog="python -m experiments.orient",
+        description=__doc__,
+        epilog=EXAMPLE,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("meshes", nargs="+", type=Path, help="STL files, or folders of them")
-    parser.add_argument("--skip", nargs="*", default=(), help="names of files to leave out")
-    parser.add_argument("--printer", default="mk4")
-    parser.add_argument("--material", default="pla")
+    add_part_options(parser, default="our quadruped and Open Duck Mini")
     parser.add_argument("--seed", type=int, default=0, help="of the random orientations")
-    given = parser.parse_args(arguments)
+    given, save = parse_and_save(parser, arguments, module="experiments.orient")
     slicer = find_slicer()
     if slicer is None:
         print("PrusaSlicer is not installed: apt-get install prusa-slicer", file=sys.stderr)
@@ -65,18 +72,63 @@ def main(arguments: Sequence[str] | None = None) -> int:
     rng = np.random.default_rng(given.seed)
     table = Table(*HEADS)
     rows = []
-    for path in _files(given.meshes, set(given.skip)):
+    try:
+        meshes = given.meshes or [OURS, need_robots("open_duck_mini_v2") / DUCK]
+    except MorphError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+    for path in stl_files(meshes, given.skip):
         try:
             rows.append(_row(path, slicer, profile, rng, table))
         except PrintError as error:
             print(f"{path.stem}: {error.what}", file=sys.stderr)
     _total(rows, table)
     Console().print(table)
+    if save:
+        save(**headline(rows), seeds=[given.seed])
     return 0
 
 
-def _files(paths: Sequence[Path], skip: set[str]) -> list[Path]:
-    found = [each for path in paths for each in (sorted(path.glob("*.stl")) or [path])]
+def headline(rows: Sequence[tuple[Tried, Tried, Tried]]) -> JSON:
+    """Return what a result file holds: support, g, and hours in all, each way."""
+    ways = {
+        name: {
+            "support_g": sum(row[place].support_g for row in rows),
+            "hours": sum(row[place].seconds for row in rows) / 3600.0,
+        }
+        for place, name in enumerate(("as drawn", "turned", "by chance"))
+    }
+    turned = ways.pop("turned")
+    drawn = {f"as_drawn_{key}": value for key, value in ways["as drawn"].items()}
+    chance = {f"by_chance_{key}": value for key, value in ways["by chance"].items()}
+    return {
+        "figures": {"parts": len(rows)} | turned | drawn | chance,
+        "controls": ways,
+        "rows": [
+            {"as_drawn": asdict(row[0]), "turned": asdict(row[1]), "by_chance": asdict(row[2])}
+            for row in rows
+        ],
+    }
+
+
+def add_part_options(parser: argparse.ArgumentParser, *, default: str) -> None:
+    """Add the options of a study of parts: the meshes, those left out, printer and plastic.
+
+    Args:
+        parser: The study's.
+        default: What is read without meshes, in words.
+    """
+    parser.add_argument(
+        "meshes", nargs="*", type=Path, help=f"STL files or folders; by default {default}"
+    )
+    parser.add_argument("--skip", nargs="*", default=(), help="names of files to leave out")
+    parser.add_argument("--printer", default="mk4")
+    parser.add_argument("--material", default="pla")
+
+
+def stl_files(paths: Sequence[Path], skip: Sequence[str]) -> list[Path]:
+    """Return the STL files of folders, and files themselves, but those whose stems are skipped."""
+    found = [each for path in paths for each in (sorted(path.glob("*.[sS][tT][lL]")) or [path])]
     return [path for path in found if path.stem not in skip]
 
 

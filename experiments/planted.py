@@ -20,14 +20,17 @@ from typing import Any
 
 import numpy as np
 
+from experiments.figures.save_options import parse_and_save
+from experiments.needs import need_packaged, need_robots
 from experiments.plant import DEFECTS
 from experiments.plant.defect import Planted
 from experiments.plant.description import Description
 from experiments.plant.draw import Chosen, draw, planted
 from experiments.plant.facts import measured
-from experiments.plant.originals import originals
-from experiments.plant.report import report
+from experiments.plant.originals import PACKAGED, PUBLISHED, originals
+from experiments.plant.report import report, wrong_classes
 from morph.arrays import JSON
+from morph.errors import MorphError
 from morph.files import write_whole
 
 EXAMPLE = """example:
@@ -144,6 +147,30 @@ def chosen_places(
     ]
 
 
+def headline(result: JSON) -> JSON:
+    """Return what a result file holds: how many defects are named, and what else is."""
+    rows, kept = result["rows"], ("defect", "variant", "robot", "site", "verdict", "named")
+    figures = {
+        "planted": len(rows),
+        "named": sum(row["named"] for row in rows),
+        "named_percent": 100.0 * sum(row["named"] for row in rows) / len(rows),
+        "by_own_code": sum(row["by_own_code"] for row in rows),
+        "classes": len({row["defect"] for row in rows}),
+        "originals": len(result["originals"]),
+    }
+    rewritten = sum(len(of["new_when_rewritten"]) for of in result["originals"].values())
+    controls = {
+        "originals written anew": {"new_findings": rewritten},
+        "a class named in a copy that holds another": {"copies": len(wrong_classes(rows))},
+    }
+    return {
+        "figures": figures,
+        "controls": controls,
+        "rows": [{key: row[key] for key in kept} for row in rows],
+        "seeds": [result["seed"]],
+    }
+
+
 def main(arguments: list[str] | None = None) -> int:
     """Run the study and return its exit status."""
     parser = argparse.ArgumentParser(
@@ -160,14 +187,15 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--json", action="store_true", help="print JSON instead of tables")
     parser.add_argument("--out", type=Path, help="also write the JSON into this file")
     parser.add_argument("--quiet", action="store_true", help="show no progress")
-    asked = parser.parse_args(arguments)
-    descriptions, began = originals(), time.monotonic()
-    if not descriptions:
-        sys.stderr.write(
-            "experiments.planted: no description is here to plant in\n"
-            "  fix: set MORPH_ROBOTS to their folder, or install example-robot-data\n"
-        )
+    asked, save = parse_and_save(parser, arguments, module="experiments.planted")
+    try:
+        # Fewer originals would be another study.
+        need_robots(*(folder.split("/")[0] for folder, _ in PUBLISHED.values()))
+        need_packaged(*(f"{folder}/{urdf}" for folder, urdf in PACKAGED.values()))
+    except MorphError as error:
+        sys.stderr.write(f"error: {error}\n")
         return 2
+    descriptions, began = originals(), time.monotonic()
     chosen = chosen_places(asked.defect or names, asked.per_class, asked.seed, descriptions)
     if asked.dry:
         for one in chosen:
@@ -185,6 +213,8 @@ def main(arguments: list[str] | None = None) -> int:
     except KeyboardInterrupt:
         return 130
     result["seconds"] = time.monotonic() - began
+    if save:
+        save(**headline(result))
     if asked.out:
         write_whole(asked.out, json.dumps(result, indent=1))
     if asked.json:

@@ -1,7 +1,9 @@
 """What the gate before the slicer says of the meshes that other people published.
 
-Each mesh counts as one printed part. STL says nothing of its unit: meshes of robots are in
-metres, so a folder is read in metres unless `--unit` says otherwise.
+Beside each mesh that is not refused stand two spoiled copies, the opposite error: one flattened to
+less than a line's width, one with every third face gone. Each mesh counts as one printed part. STL
+says nothing of its unit: meshes of robots are in metres, so a folder is read in metres unless
+`--unit` says otherwise.
 """
 
 from __future__ import annotations
@@ -11,13 +13,16 @@ import json
 import sys
 import time
 from collections import Counter
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 import numpy as np
 
-from experiments.plant.originals import robots_root
+from experiments.figures.result_file import figure_name
+from experiments.figures.save_options import Save, parse_and_save
+from experiments.needs import need_robots
+from morph.arrays import JSON
 from morph.body.mesh import read_mesh
 from morph.body.mesh.read import READERS
 from morph.errors import MorphError
@@ -34,6 +39,8 @@ EXAMPLE = """example:
 
 SETS = ("open_duck_mini_v2/urdf", "poppy_humanoid/meshes")
 """What is read if nothing is named, below the folder of real robots."""
+SPOILED = ("flattened", "every third face gone")
+"""How copies of good meshes are spoiled."""
 MILLIMETRES = {"m": 1000.0, "mm": 1.0}
 """How many there are in a unit."""
 
@@ -50,6 +57,8 @@ class Row:
     """What was found, of every check that did not pass."""
     seconds: float
     """What repair and checks took of one processor, without reading the file."""
+    spoiled: Mapping[str, str] = field(default_factory=dict)
+    """The verdict on each spoiled copy."""
 
 
 def judged(path: Path, unit: str, profile: Profile) -> Row:
@@ -60,12 +69,27 @@ def judged(path: Path, unit: str, profile: Profile) -> Row:
     except MorphError as error:
         return Row(file=name, verdict="unreadable", why=error.what, seconds=0.0)
     mesh = Mesh(vertices=read.vertices * MILLIMETRES[unit], faces=read.faces)
-    here = (Placement(link="", pose=np.eye(4), world=np.eye(4)),)
-    part = Part(name=path.stem.lower(), kind="printed", mesh=mesh, placements=here)
     began = time.process_time()
-    _, checks = check_part(part, profile)
+    checks = _check(mesh, path.stem, profile)
     seconds = time.process_time() - began
-    return Row(file=name, verdict=worst(checks), why=reasons(checks), seconds=seconds)
+    verdict = worst(checks)
+    copies = () if verdict == "refused" else SPOILED
+    spoiled = {way: worst(_check(spoil(mesh, way), path.stem, profile)) for way in copies}
+    return Row(file=name, verdict=verdict, why=reasons(checks), seconds=seconds, spoiled=spoiled)
+
+
+def _check(mesh: Mesh, name: str, profile: Profile) -> Sequence[Check]:
+    here = (Placement(link="", pose=np.eye(4), world=np.eye(4)),)
+    part = Part(name=name.lower(), kind="printed", mesh=mesh, placements=here)
+    return check_part(part, profile)[1]
+
+
+def spoil(mesh: Mesh, way: str) -> Mesh:
+    """Return a mesh that no printer can print."""
+    if way == "flattened":
+        thickness = np.ptp(mesh.vertices, axis=0)[2]
+        return Mesh(vertices=mesh.vertices * [1.0, 1.0, 0.1 / thickness], faces=mesh.faces)
+    return Mesh(vertices=mesh.vertices, faces=mesh.faces[np.arange(len(mesh.faces)) % 3 > 0])
 
 
 def worst(checks: Sequence[Check]) -> str:
@@ -83,8 +107,8 @@ def reasons(checks: Sequence[Check]) -> str:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Print a table of meshes and verdicts, and their sum."""
-    options = _options(arguments)
-    folders = options.folders or [robots_root() / each for each in SETS]
+    options, save = _options(arguments)
+    folders = options.folders or [_needed() / each for each in SETS]
     profile = Profile(printer=printer(options.printer), material=material(options.material))
     endings = {f".{ending}" for ending in READERS}
     paths = [
@@ -114,11 +138,36 @@ def main(arguments: Sequence[str] | None = None) -> None:
             print(f"{folder}: " + ", ".join(f"{n} {verdict}" for verdict, n in counts.items()))
         slowest = max(row.seconds for row in rows)
         print(f"{len(rows)} meshes in {seconds:.1f} s of a processor, the slowest {slowest:.2f}")
+    if save:
+        save(**headline(rows))
     if options.out:
         write_whole(options.out, json.dumps(written, indent=1).encode())
 
 
-def _options(arguments: Sequence[str] | None) -> argparse.Namespace:
+def _needed() -> Path:
+    try:
+        return need_robots(*(each.split("/")[0] for each in SETS))
+    except MorphError as error:
+        sys.exit(f"error: {error}")
+
+
+def headline(rows: Sequence[Row]) -> JSON:
+    """Return what a result file holds: verdicts by folder, and seconds of a processor."""
+    figures: JSON = {"meshes": len(rows), "seconds": sum(row.seconds for row in rows)}
+    for folder in sorted({row.file.rpartition("/")[0] for row in rows}):
+        mine = [row for row in rows if row.file.startswith(f"{folder}/")]
+        figures[f"{figure_name(folder)}_meshes"] = len(mine)
+        for verdict in ("passed", "noted", "refused", "unreadable"):
+            count = sum(row.verdict == verdict for row in mine)
+            figures[f"{figure_name(folder)}_{verdict}"] = count
+    controls = {}
+    for way in SPOILED:
+        verdicts = [row.spoiled[way] for row in rows if way in row.spoiled]
+        controls[way] = {"copies": len(verdicts), "refused": verdicts.count("refused")}
+    return {"figures": figures, "controls": controls, "rows": [asdict(row) for row in rows]}
+
+
+def _options(arguments: Sequence[str] | None) -> tuple[argparse.Namespace, Save]:
     parser = argparse.ArgumentParser(
         prog="python -m experiments.print_gate",
         description=__doc__,
@@ -131,7 +180,7 @@ def _options(arguments: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument("--material", default="pla", help="name of the plastic")
     parser.add_argument("--json", action="store_true", help="print JSON instead of a table")
     parser.add_argument("--out", type=Path, help="write the JSON to this file, too")
-    return parser.parse_args(arguments)
+    return parse_and_save(parser, arguments, module="experiments.print_gate")
 
 
 if __name__ == "__main__":

@@ -13,7 +13,6 @@ import json
 import sys
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
-from functools import partial
 from pathlib import Path
 from time import process_time
 
@@ -21,9 +20,13 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from experiments.kept import finished
-from experiments.orient import read
+from experiments.engine_options import add_engine_options, rows_of
+from experiments.figures.save_options import parse_and_save
+from experiments.needs import need_robots
+from experiments.orient import add_part_options, read, stl_files
 from morph.arrays import JSON
+from morph.errors import MorphError
+from morph.study.cell import cells_of
 from print.arrays import Array
 from print.errors import PrintError
 from print.estimate import estimated
@@ -37,8 +40,11 @@ from print.slicer import find_slicer
 from print.weight import Weight
 
 EXAMPLE = """example:
-  python -m experiments.print_mass ../shared/robots/open_duck_mini_v2/urdf
+  python -m experiments.print_mass
   python -m experiments.print_mass robots/quadruped_printed/meshes --infill 0.3 --json"""
+
+DUCK = "open_duck_mini_v2/urdf"
+"""Printed parts that the estimate was not fitted to."""
 
 COLUMNS = {
     "solid_g": "solid g",
@@ -64,38 +70,57 @@ class Case:
     """Part of the inside that is filled."""
     as_given: bool
     """Whether it is printed as it is drawn, not as the search turns it."""
+    printer: str
+    """Name of the printer."""
+    material: str
+    """Name of the plastic."""
+
+    @property
+    def profile(self) -> Profile:
+        """How it is printed."""
+        return Profile(
+            printer=printer(self.printer), material=material(self.material), infill=self.infill
+        )
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Slice and estimate every part, and print what each says."""
     parser = argparse.ArgumentParser(
-        description=__doc__, epilog=EXAMPLE, formatter_class=argparse.RawDescriptionHelpFormatter
+        prog="python -m experiments.print_mass",
+        description=__doc__,
+        epilog=EXAMPLE,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("meshes", nargs="+", type=Path, help="STL files, or folders of them")
-    parser.add_argument("--skip", nargs="*", default=(), help="names of files to leave out")
-    parser.add_argument("--printer", default="mk4")
-    parser.add_argument("--material", default="pla")
+    add_part_options(parser, default="Open Duck Mini")
     parser.add_argument("--infill", type=float, default=0.15)
     parser.add_argument("--as-given", action="store_true", help="do not turn the parts")
-    parser.add_argument("--keep", type=Path, help="a file in which finished parts are kept")
-    parser.add_argument("--workers", type=int, default=2)
+    add_engine_options(parser, out="out/print_mass")
     parser.add_argument("--json", action="store_true", help="print every number as JSON")
-    given = parser.parse_args(arguments)
+    given, save = parse_and_save(parser, arguments, module="experiments.print_mass")
     if find_slicer() is None:
         print("PrusaSlicer is not installed: apt-get install prusa-slicer", file=sys.stderr)
         return 2
+    try:
+        folders = given.meshes or [need_robots("open_duck_mini_v2") / DUCK]
+    except MorphError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
     cases = [
-        Case(path=str(path), infill=given.infill, as_given=given.as_given)
-        for folder in given.meshes
-        for path in sorted(folder.glob("*.[sS][tT][lL]")) or [folder]
-        if path.stem not in given.skip
+        Case(
+            path=str(path),
+            infill=given.infill,
+            as_given=given.as_given,
+            printer=given.printer,
+            material=given.material,
+        )
+        for path in stl_files(folders, given.skip)
     ]
-    profile = Profile(
-        printer=printer(given.printer), material=material(given.material), infill=given.infill
-    )
-    work = partial(row, profile=profile)
-    rows = finished(cases, work, kept=given.keep, workers=given.workers)
+    profile = cases[0].profile
+    cells = [cells_of(row, [case], data=[Path(case.path)])[0] for case in cases]
+    rows = rows_of(cells, given, name="print_mass")
     done = [each for each in rows if "why" not in each]
+    if save:
+        save(**headline(rows, done))
     if given.json:
         print(json.dumps({"parts": rows, "profile": asdict(profile), "mean": summary(done)}))
         return 0
@@ -103,9 +128,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
-def row(case: Case, profile: Profile) -> JSON:
+def row(case: Case) -> JSON:
     """Return what the slicer, the estimate and the solid say of one part."""
-    name = Path(case.path).stem
+    name, profile = Path(case.path).stem, case.profile
     slicer = find_slicer()
     try:
         mesh = repaired(read(Path(case.path)), where=name).mesh
@@ -158,6 +183,18 @@ def solid(mesh: Mesh, profile: Profile) -> Weight:
         com=np.asarray(shape.center_mass) * 1e-3,
         inertia=density * np.asarray(shape.moment_inertia) * 1e-15,
     )
+
+
+def headline(rows: Sequence[JSON], done: Sequence[JSON]) -> JSON:
+    """Return what a result file holds: errors beside those of what needs no estimate."""
+    told = summary(done)
+    controls = {
+        "solid plastic": {"grams": told["solid_g"], "com_mm": told["worst_solid_com_mm"]}
+        | {"inertia_percent": told["worst_solid_inertia_percent"]},
+        "volume times infill": {"grams": told["infill_g"]},
+    }
+    figures = {"left_out": len(rows) - len(done)} | told
+    return {"figures": figures, "controls": controls, "rows": rows}
 
 
 def summary(rows: Sequence[JSON]) -> JSON:

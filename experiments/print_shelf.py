@@ -17,6 +17,8 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
+from experiments.figures.save_options import parse_and_save
+from morph.arrays import JSON
 from morph.body import shelf
 from morph.body.load import load
 from morph.errors import MorphError
@@ -120,14 +122,17 @@ def _warnings(job: Job) -> tuple[str, ...]:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the study and return its exit status."""
     parser = argparse.ArgumentParser(
-        description=__doc__, epilog=EXAMPLE, formatter_class=argparse.RawDescriptionHelpFormatter
+        prog="python -m experiments.print_shelf",
+        description=__doc__,
+        epilog=EXAMPLE,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("bodies", nargs="*", help="bodies of the shelf; by default all")
     parser.add_argument("--printer", default="mk4", help="the printer")
     parser.add_argument("--material", default="pla", help="the plastic")
     parser.add_argument("--slice", action="store_true", help="ask PrusaSlicer for every part")
     parser.add_argument("--out", type=Path, help="write the rows to this file as JSON")
-    asked = parser.parse_args(arguments)
+    asked, save = parse_and_save(parser, arguments, module="experiments.print_shelf")
     profile = Profile(printer=printer(asked.printer), material=material(asked.material))
     slicer = find_slicer() if asked.slice else None
     if asked.slice and slicer is None:
@@ -138,8 +143,24 @@ def main(arguments: Sequence[str] | None = None) -> int:
         rows.append(row(body, profile, slicer))
         if asked.out is not None:
             write_whole(asked.out, json.dumps([asdict(each) for each in rows], indent=1))
+    if save:
+        save(**headline(rows))
     _show(rows)
     return 0
+
+
+def headline(rows: Sequence[Row]) -> JSON:
+    """Return what a result file holds: how many bodies can be printed, and what they take."""
+    fine = [row for row in rows if not row.error and not row.refused]
+    figures: JSON = {"bodies": len(rows), "without_refusal": len(fine)}
+    figures["without_warning"] = sum(not row.warnings for row in fine)
+    for row in rows:
+        own = {"grams": row.grams, "hours": row.hours, "copies": row.copies}
+        figures |= {f"{row.body}_{key}": value for key, value in own.items()}
+    # Its parts that the gate refuses are not sliced, so nothing is known of what it would say.
+    alone = sum(not row.error and not row.warnings for row in rows)
+    controls = {"the slicer's warnings instead of the gate": {"without_warning": alone}}
+    return {"figures": figures, "controls": controls, "rows": [asdict(row) for row in rows]}
 
 
 def _show(rows: Sequence[Row]) -> None:

@@ -15,19 +15,19 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import json
 import sys
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import lru_cache
-from pathlib import Path
 
 import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from experiments.kept import finished, seeds_of
+from experiments.engine_options import add_engine_options, rows_of, seeds_of
+from experiments.figures.result_file import flat
+from experiments.figures.save_options import parse_and_save
 from morph.arrays import JSON, Array
 from morph.body.inertia import spread
 from morph.body.load import load
@@ -41,12 +41,13 @@ from morph.policy.policy import Policy
 from morph.search.family.parts import parts_of
 from morph.search.search import Problem
 from morph.search.searches import OTHERWISE, default, search
+from morph.study.cell import cells_of
 from morph.task.task import Task
 from morph.task.tasks import task
 from print.weight import Weight
 
 EXAMPLE = """example:
-  python -m experiments.rematch --kept out/rematch.jsonl
+  python -m experiments.rematch --resume
   python -m experiments.rematch --only cartpole:balance --seeds 100:101"""
 
 CASES = (
@@ -143,8 +144,7 @@ def done(case: Case) -> JSON:
     """Return what a case shows, beside its controls."""
     # All seeds of a body begin with the policy of the first: what varies is the body.
     asked, policy, took = learned(case.body, case.task, 100 if case.seed >= 100 else 0)
-    drawn = case.masses == "drawn"
-    robot = weighed(asked.robot, case.seed) if drawn else of_parts(asked.robot)
+    robot = weighed(asked.robot, case.seed) if case.masses == "drawn" else of_parts(asked.robot)
     found = rematch(policy, asked, robot, seconds=SECONDS, seed=case.seed)
     begun = time.perf_counter()
     fresh = None
@@ -212,13 +212,25 @@ def report(cases: Sequence[Case], rows: Sequence[JSON]) -> None:
         ]
         table.add_row(*_cells(kind, those))
     Console(width=190).print(table)
-    fine = sum(row["verdict"] != "lost" for row in rows)
-    held = sum(row["growth"] <= 0.02 and _steady(row) for row in rows)
-    slowest = max(row["seconds"] for row in rows)
+    told = headline(rows)["figures"]
     print(
-        f"{fine} of {len(rows)} end within 2 % of the span, {held} of them unchanged; "
-        f"the slowest took {slowest:.1f} s"
+        f"{told['within']} of {len(rows)} end within 2 % of the span, {told['unchanged_within']} "
+        f"of them unchanged; the slowest took {told['slowest_s']:.1f} s"
     )
+
+
+def headline(rows: Sequence[JSON]) -> JSON:
+    """Return what a result file holds: how many policies hold on the printed bodies."""
+    figures = {
+        "cases": len(rows),
+        "within": sum(row["verdict"] != "lost" for row in rows),
+        "unchanged_within": sum(row["growth"] <= 0.02 and _steady(row) for row in rows),
+        "matched": sum(row["by"] != "unchanged" for row in rows),
+        "worst_growth_percent": 100.0 * max(row["kept"] for row in rows),
+        "slowest_s": max(row["seconds"] for row in rows),
+    }
+    unchanged = {"worst_growth_percent": 100.0 * max(row["growth"] for row in rows)}
+    return {"figures": figures, "controls": {"unchanged": unchanged}}
 
 
 def _steady(row: JSON) -> bool:
@@ -265,28 +277,22 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--seeds", default="0:5", help="from:to, the last not among them")
     parser.add_argument("--only", nargs="+", metavar="BODY:TASK", help="these alone")
     parser.add_argument("--masses", choices=("drawn", "parts"), default="drawn")
-    parser.add_argument("--kept", type=Path, help="file that keeps finished cases")
-    parser.add_argument("--json", action="store_true", help="print JSON instead of words")
-    asked = parser.parse_args(arguments)
+    add_engine_options(parser, out="out/rematch")
+    asked, save = parse_and_save(parser, arguments, module="experiments.rematch")
     unknown = [each for each in asked.only or () if ":" not in each]
     if unknown:
         print(f"write BODY:TASK, not {', '.join(unknown)}", file=sys.stderr)
         return 2
-    if asked.kept:
-        asked.kept.parent.mkdir(parents=True, exist_ok=True)
     cases = [
         Case(body=body, task=what, seed=seed, masses=asked.masses)
         for body, _, what in (each.partition(":") for each in asked.only or CASES)
         for seed in seeds_of(asked.seeds)
     ]
-    try:
-        rows = finished(cases, done, kept=asked.kept, workers=1)
-    except KeyboardInterrupt:
-        return 130
-    if asked.json:
-        print(json.dumps(rows, indent=1))
-    else:
-        report(cases, rows)
+    rows = rows_of(cells_of(done, cases), asked, name="rematch")
+    if save:
+        whole = [asdict(case) | flat(row) for case, row in zip(cases, rows, strict=True)]
+        save(**headline(rows), rows=whole, seeds=sorted({case.seed for case in cases}))
+    report(cases, rows)
     return 0
 
 

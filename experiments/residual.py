@@ -7,15 +7,15 @@ python -m experiments.residual --quick
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 
+from experiments.figures.result_file import figure_name
+from experiments.figures.save_options import parse_and_save
 from experiments.residual_rivals import deterministic, gaussian_process, mapped
 from experiments.transfer.changed import cartpole
 from morph.arrays import JSON, Array
@@ -235,17 +235,36 @@ def table(results: Mapping[str, Sequence[dict[str, JSON]]]) -> str:
     return "\n".join(lines)
 
 
+def headline(results: Mapping[str, Sequence[dict[str, JSON]]]) -> JSON:
+    """Return what a result file holds: median errors at the last horizon, and calibration."""
+    figures: JSON = {}
+    controls: JSON = {}
+    for case, seeds in results.items():
+        for name in seeds[0]:
+            each = [seed[name] for seed in seeds]
+            pooled = calibration(np.concatenate([one["ranks"] for one in each]))
+            error = float(np.median([one["error"][-1] for one in each]))
+            told = {"error": error, "calibration": pooled.error, "covered": pooled.covered(0.96)}
+            if name == OURS:
+                figures |= {f"{case}_{key}": value for key, value in told.items()}
+            else:
+                controls[f"{case}_{figure_name(name)}"] = told
+    short = _short(results)
+    rows = [{"case": case, "models": each} for case, seeds in short.items() for each in seeds]
+    return {"figures": figures, "controls": controls, "rows": rows}
+
+
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the study."""
     parser = argparse.ArgumentParser(
+        prog="python -m experiments.residual",
         description=(__doc__ or "").splitlines()[0],
-        epilog="example: python -m experiments.residual --seeds 100 110 --json out/residual.json",
+        epilog="example: python -m experiments.residual --seeds 100 110 --save-as FILE",
     )
     parser.add_argument("--seeds", type=int, nargs=2, default=(100, 110), metavar=("FROM", "TO"))
     parser.add_argument("--cases", nargs="+", choices=CASES, default=list(CASES))
-    parser.add_argument("--json", type=Path, help="where to write all scores but the ranks")
     parser.add_argument("--quick", action="store_true", help="one seed of one case")
-    told = parser.parse_args(arguments)
+    told, save = parse_and_save(parser, arguments, module="experiments.residual")
     cases = ["dry"] if told.quick else told.cases
     seeds = range(100, 101) if told.quick else range(*told.seeds)
     results: dict[str, list[dict[str, JSON]]] = {}
@@ -258,10 +277,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
             ours = results[case][-1][OURS]
             said = f"20 ahead {ours['error'][-1]:.3f}, calibration {ours['calibration']:.3f}"
             print(f"{case} {seed}: {said}, {took:.0f} s", file=sys.stderr, flush=True)
+    if save:
+        save(**headline(results), seeds=seeds)
     print(table(results))
-    if told.json:
-        told.json.parent.mkdir(parents=True, exist_ok=True)
-        told.json.write_text(json.dumps(_short(results), indent=1), encoding="utf-8")
 
 
 def _short(results: Mapping[str, Sequence[dict[str, JSON]]]) -> JSON:

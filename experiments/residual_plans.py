@@ -12,6 +12,8 @@ from pathlib import Path
 
 import numpy as np
 
+from experiments.figures.result_file import figure_name
+from experiments.figures.save_options import parse_and_save
 from experiments.residual import CASES, commands, concealed, figures_off, hypothesis_of
 from experiments.transfer.changed import cartpole
 from morph.arrays import JSON
@@ -88,9 +90,34 @@ def table(results: dict[str, list[dict[str, JSON]]]) -> str:
     return "\n".join(lines)
 
 
+def headline(results: dict[str, list[dict[str, JSON]]]) -> JSON:
+    """Return what a result file holds: median losses and successes of each plan."""
+    figures: JSON = {}
+    controls: JSON = {}
+    for case, seeds in results.items():
+        for name in seeds[0]:
+            each = [seed[name] for seed in seeds]
+            told = {
+                "loss": float(np.median([one["loss"] for one in each])),
+                "success": float(np.mean([one["success"] for one in each])),
+            }
+            if name == "figures and force":
+                figures |= {f"{case}_{key}": value for key, value in told.items()}
+            else:
+                controls[f"{case}_{figure_name(name)}"] = told
+    rows = [
+        {"case": case, "seed": at, "plan": name, "loss": one["loss"], "success": one["success"]}
+        for case, seeds in results.items()
+        for at, seed in enumerate(seeds)
+        for name, one in seed.items()
+    ]
+    return {"figures": figures, "controls": controls, "rows": rows}
+
+
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the study."""
     parser = argparse.ArgumentParser(
+        prog="python -m experiments.residual_plans",
         description=(__doc__ or "").splitlines()[0],
         epilog="example: python -m experiments.residual_plans --seeds 100 110 --cases dry mixed",
     )
@@ -98,7 +125,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--cases", nargs="+", choices=CASES, default=list(CASES))
     parser.add_argument("--json", type=Path, help="where to write what each plan did")
     parser.add_argument("--quick", action="store_true", help="one seed of one case")
-    told = parser.parse_args(arguments)
+    told, save = parse_and_save(parser, arguments, module="experiments.residual_plans")
     cases = ["dry"] if told.quick else told.cases
     seeds = range(100, 101) if told.quick else range(*told.seeds)
     results: dict[str, list[dict[str, JSON]]] = {}
@@ -112,6 +139,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
             if told.json:
                 told.json.parent.mkdir(parents=True, exist_ok=True)
                 told.json.write_text(json.dumps(results, indent=1), encoding="utf-8")
+    if save:
+        save(**headline(results), seeds=seeds)
     print(table(results))
 
 

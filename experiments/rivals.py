@@ -13,27 +13,29 @@ import argparse
 import json
 import sys
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from functools import lru_cache
-from pathlib import Path
 
 import numpy as np
 from rich.console import Console
 from rich.table import Table
 from scipy.stats import trim_mean
 
+from experiments.engine_options import add_engine_options, rows_of
+from experiments.figures.result_file import flat
+from experiments.figures.save_options import parse_and_save
 from experiments.transfer.changed import changed, target_of
 from morph.arrays import JSON, Array
-from morph.errors import MorphError
 from morph.search.ddp import Plan
 from morph.search.evaluate import evaluate
 from morph.search.search import Problem
+from morph.study.cell import cells_of
 from morph.transfer.rivals.rivals import RIVALS
 from morph.transfer.rivals.source import Source
 
 EXAMPLE = """example:
-  python -m experiments.rivals --seeds 5 --kept out/rivals.jsonl --json > out/rivals.json
+  python -m experiments.rivals --seeds 5 --resume --json > out/rivals.json
   python -m experiments.rivals --seed 100 --seeds 2 --worlds l*2 --rivals "pooled data"
   python -m experiments.rivals --quick"""
 
@@ -115,38 +117,11 @@ def source_of(seed: int) -> Source:
     return Source(task=task, policy=found.policy).with_experience(np.random.default_rng(seed))
 
 
-def rows(
-    seeds: Iterable[int],
-    worlds: Sequence[str],
-    rivals: Sequence[str],
-    trials: int,
-    kept: Path | None,
-) -> list[Row]:
-    """Return a row for each seed, world and rival; what a file keeps is not measured again."""
-    found = _kept(kept)
-    done = {(row.world, row.rival, row.seed) for row in found}
-    for seed in seeds:
-        for each in ((w, r, seed) for w in worlds for r in rivals):
-            if each in done:
-                continue
-            row = measured(*each, trials)
-            found.append(row)
-            said = " ".join(f"{loss:.1f}" for loss in row.losses)
-            print(f"  seed {seed}, {row.world}, {row.rival}: {said}", file=sys.stderr, flush=True)
-            if kept is not None:
-                with kept.open("a", encoding="utf-8") as file:
-                    file.write(json.dumps(asdict(row)) + "\n")
-    asked = {(w, r, seed) for seed in seeds for w in worlds for r in rivals}
-    return [row for row in found if (row.world, row.rival, row.seed) in asked]
-
-
-def _kept(file: Path | None) -> list[Row]:
-    if file is None or not file.exists():
-        return []
-    lines = [json.loads(line) for line in file.read_text(encoding="utf-8").splitlines()]
+def rows(found: Sequence[JSON]) -> list[Row]:
+    """Return rows as they came of the engine."""
     return [
-        Row(**{**line, "losses": tuple(line["losses"]), "successes": tuple(line["successes"])})
-        for line in lines
+        Row(**{**row, "losses": tuple(row["losses"]), "successes": tuple(row["successes"])})
+        for row in found
     ]
 
 
@@ -237,6 +212,22 @@ def _each(values: Sequence[float], bounds: Sequence[tuple[float, float]]) -> lis
     return [f"{value:.1f} \\[{low:.1f}, {high:.1f}]" for value, (low, high) in pairs]
 
 
+def headline(found: JSON) -> JSON:
+    """Return what a result file holds: each rival's loss and successes in its last trial."""
+    figures: JSON = {}
+    for row in found["summary"]:
+        told = {"loss": row["loss"][-1], "success": row["success"][-1]}
+        figures |= flat(told, f"{row['world']} {row['rival']}")
+    for row in found["harm"]:
+        figures |= flat({"pooling_harm": row["more"][-1]}, row["world"])
+    controls = {
+        f"{row['world']}: {row['rival']}": {"loss": row["loss"][-1]}
+        for row in found["summary"]
+        if row["rival"] in (OWN, STILL)
+    }
+    return {"figures": figures, "controls": controls, "rows": found["summary"]}
+
+
 def main(arguments: list[str] | None = None) -> int:
     """Run the study and return its exit status."""
     names = [*(each.name for each in RIVALS), STILL, OWN]
@@ -250,22 +241,22 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--rivals", nargs="+", choices=names, default=names)
     parser.add_argument("--seed", type=int, default=0, help="the first seed")
     parser.add_argument("--seeds", type=int, default=5, help="how many seeds")
-    parser.add_argument("--kept", type=Path, help="file of what was measured, to go on from")
+    add_engine_options(parser, out="out/rivals")
     parser.add_argument("--quick", action="store_true", help="little: does it work at all")
     parser.add_argument("--json", action="store_true", help="print JSON instead of words")
-    asked = parser.parse_args(arguments)
+    asked, save = parse_and_save(parser, arguments, module="experiments.rivals")
     if asked.quick:
         asked.seeds, asked.worlds = 1, ["l*2"]
         asked.rivals = ["unadjusted", "target data alone", "pooled data", STILL]
-    try:
-        seeds = range(asked.seed, asked.seed + max(1, asked.seeds))
-        trials = 2 if asked.quick else TRIALS
-        all_rows = rows(seeds, asked.worlds, asked.rivals, trials, asked.kept)
-    except MorphError as error:
-        print(error, file=sys.stderr)
-        return 2
-    except KeyboardInterrupt:
-        return 130
+    seeds = range(asked.seed, asked.seed + max(1, asked.seeds))
+    trials = 2 if asked.quick else TRIALS
+    cases = [
+        {"world": world, "rival": rival, "seed": seed, "trials": trials}
+        for seed in seeds
+        for world in asked.worlds
+        for rival in asked.rivals
+    ]
+    all_rows = rows(rows_of(cells_of(measured, cases), asked, name="rivals"))
     found: JSON = {
         "schema": "morph.rivals/1",
         "seeds": list(seeds),
@@ -273,6 +264,8 @@ def main(arguments: list[str] | None = None) -> int:
         "harm": harm(all_rows, "pooled data", "target data alone"),
         "rows": [asdict(row) for row in all_rows],
     }
+    if save:
+        save(**headline(found), seeds=seeds)
     if asked.json:
         print(json.dumps(found, indent=1))
     else:

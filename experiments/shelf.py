@@ -1,7 +1,7 @@
 """A working policy for the first task of every body of the shelf, each by one `morph learn`.
 
-Each command is printed as it can be typed. What is in the folder already is not made again, so
-that a study that was stopped goes on.
+Each command is printed as it can be typed; `--resume` goes on with a study that was stopped. One
+body at a time is timed, unless `--workers` says otherwise.
 """
 
 from __future__ import annotations
@@ -17,9 +17,13 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
+from experiments.engine_options import add_engine_options, rows_of
+from experiments.figures.save_options import parse_and_save
+from experiments.shelf_hold import SURE, held
 from morph.arrays import JSON
 from morph.body import shelf
 from morph.body.load import load
+from morph.study.cell import cells_of
 
 EXAMPLE = """example:
   python -m experiments.shelf --out out/shelf
@@ -38,12 +42,12 @@ def firsts() -> dict[str, str]:
     return {name: card.tasks[0] for name, card in tasks.items() if card is not None and card.tasks}
 
 
-def learned(body: str, task: str, out: Path, *, seed: int) -> JSON:
+def learned(body: str, task: str, out: str, seed: int) -> JSON:
     """Return what one `morph learn` writes of itself, with its wall time, s.
 
     Its exit status is 3 if its policy does not do the task; that is a result like any other.
     """
-    told = ["learn", task, "--robot", body, "--seed", str(seed), "--out", str(out / body)]
+    told = ["learn", task, "--robot", body, "--seed", str(seed), "--out", str(Path(out) / body)]
     print(f"morph {shlex.join(told)}", file=sys.stderr, flush=True)
     began = time.perf_counter()
     done = subprocess.run(
@@ -56,24 +60,74 @@ def learned(body: str, task: str, out: Path, *, seed: int) -> JSON:
     if done.returncode not in {0, 3}:
         return {"body": body, "task": task, "failed": done.stderr.strip(), "wall_s": seconds}
     record: JSON = json.loads(done.stdout)
+    record["controls"]["posture held"] = held(body, task, seed)
     return {"body": body, "task": task, "wall_s": seconds, "record": record}
 
 
-def kept(body: str, task: str, out: Path, *, seed: int) -> JSON:
-    """Return the result of a body, made now or kept from an earlier run of the study."""
-    path = out / f"{body}.json"
-    if path.is_file():
-        found: JSON = json.loads(path.read_text(encoding="utf-8"))
-        return found
-    found = learned(body, task, out, seed=seed)
-    path.write_text(json.dumps(found), encoding="utf-8")
-    return found
+def works(row: JSON) -> bool:
+    """Return whether a body has a policy that does its task, found in time."""
+    found = "record" in row and row["record"]["succeeded"]
+    return bool(found and row["wall_s"] <= MOST_SECONDS)
+
+
+def without_policy(row: JSON) -> dict[str, float]:
+    """Return the controls that do the task surely, by the share of runs in which they do."""
+    controls = row["record"]["controls"]
+    return {name: of["success"] for name, of in controls.items() if of["success"] >= SURE}
+
+
+def is_learned(row: JSON) -> bool:
+    """Return whether a body has a policy that works, for a task that no control does."""
+    return works(row) and not without_policy(row)
+
+
+def headline(rows: list[JSON]) -> JSON:
+    """Return what a result file holds: bodies with a policy that works, beside doing nothing."""
+    done = [row for row in rows if "record" in row]
+    idle = [row["body"] for row in done if without_policy(row)]
+    figures = {
+        "bodies": len(rows),
+        "working": sum(map(works, rows)),
+        "longest_s": max(row["wall_s"] for row in rows),
+        "least_success": min(row["record"]["judged"]["success"] for row in done),
+        "learned": sum(map(is_learned, rows)),
+        "done_without_a_policy": len(idle),
+        "done_without_a_policy_by": ", ".join(idle) or "none",
+    }
+    short = [
+        {
+            "body": row["body"],
+            "task": row["task"],
+            "search": row["record"]["search"]["name"],
+            "works": works(row),
+            "learned": is_learned(row),
+            "success": row["record"]["judged"]["success"],
+            "loss": row["record"]["judged"]["loss"]["mean"],
+            "wall_s": row["wall_s"],
+        }
+        for row in done
+    ]
+    controls = {
+        row["body"]: {name: of["success"] for name, of in row["record"]["controls"].items()}
+        for row in done
+    }
+    return {"figures": figures, "controls": controls, "rows": short}
 
 
 def report(rows: list[JSON]) -> int:
     """Print a row a body, and return how many have a policy that works in time."""
     table = Table(title="First tasks of the shelf")
-    for title in ("body", "task", "search", "works", "runs that succeed", "loss", "nothing", "s"):
+    titles = (
+        "body",
+        "task",
+        "search",
+        "works",
+        "runs that succeed",
+        "loss",
+        "without a policy",
+        "s",
+    )
+    for title in titles:
         table.add_column(title)
     working = 0
     for row in rows:
@@ -81,7 +135,7 @@ def report(rows: list[JSON]) -> int:
             table.add_row(row["body"], row["task"], "-", "no", row["failed"][:60], "", "", "")
             continue
         record = row["record"]
-        fine = record["succeeded"] and row["wall_s"] <= MOST_SECONDS
+        fine = works(row)
         working += fine
         table.add_row(
             row["body"],
@@ -94,7 +148,15 @@ def report(rows: list[JSON]) -> int:
             f"{row['wall_s']:.0f}",
         )
     Console(width=150).print(table)
-    print(f"{working} of {len(rows)} bodies have a policy that does their first task")
+    learned_ones = sum(map(is_learned, rows))
+    print(
+        f"{working} of {len(rows)} bodies have a policy that does their first task; {learned_ones} "
+        "of these are of tasks that no control does"
+    )
+    for row in rows:
+        if "record" in row and without_policy(row):
+            by = ", ".join(f"{name} {share:.0%}" for name, share in without_policy(row).items())
+            print(f"not counted as learned: {row['body']}, {row['task']} ({by})")
     return working
 
 
@@ -106,23 +168,25 @@ def main(arguments: list[str] | None = None) -> int:
         epilog=EXAMPLE,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("--out", default="out/shelf", help="folder of the policies")
+    add_engine_options(parser, out="out/shelf")
+    parser.set_defaults(workers=1)
     parser.add_argument("--only", nargs="+", help="these bodies alone")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--json", action="store_true", help="print JSON instead of words")
-    asked = parser.parse_args(arguments)
-    out = Path(asked.out)
-    out.mkdir(parents=True, exist_ok=True)
+    asked, save = parse_and_save(parser, arguments, module="experiments.shelf")
     tasks = firsts()
     bodies = asked.only or sorted(tasks)
     unknown = [body for body in bodies if body not in tasks]
     if unknown:
         print(f"no body of the shelf with a task: {', '.join(unknown)}", file=sys.stderr)
         return 2
-    try:
-        rows = [kept(body, tasks[body], out, seed=asked.seed) for body in bodies]
-    except KeyboardInterrupt:
-        return 130
+    policies = str(asked.out / "policies")
+    cases = [
+        {"body": body, "task": tasks[body], "out": policies, "seed": asked.seed} for body in bodies
+    ]
+    rows = rows_of(cells_of(learned, cases), asked, name="shelf")
+    if save:
+        save(**headline(rows), seeds=[asked.seed])
     if asked.json:
         print(json.dumps(rows, indent=1))
     else:

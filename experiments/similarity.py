@@ -20,13 +20,16 @@ import numpy as np
 from rich.console import Console
 from scipy.stats import spearmanr
 
+from experiments.engine_options import add_engine_options, rows_of, seeds_of
+from experiments.figures.result_file import flat
+from experiments.figures.save_options import parse_and_save
 from experiments.kin.likeness import EACH, likeness
-from experiments.kin.many import done, seeds_of
-from experiments.kin.measures import ALIKE, Rows, chosen_well, within
+from experiments.kin.measures import ALIKE, Rows, chosen_well, lines_of, within
 from morph.arrays import JSON, Array
+from morph.study.cell import cells_of
 
 EXAMPLE = """example:
-  python -m experiments.similarity --seeds 0:10 --kept out/similar.jsonl --json out/similar.json
+  python -m experiments.similarity --seeds 0:10 --resume --json out/similar.json
   python -m experiments.similarity --quick"""
 
 METRICS = (
@@ -91,15 +94,18 @@ def main(argv: list[str] | None = None) -> int:
     )
     parser.add_argument("--seeds", default="0:10", metavar="A:B", help="which, or how many")
     parser.add_argument("--json", type=Path, help="write the figures here")
-    parser.add_argument("--kept", type=Path, help="finished targets, to go on from")
-    parser.add_argument("--workers", type=int, default=2, help="processes")
+    add_engine_options(parser, out="out/similarity")
     parser.add_argument("--quick", action="store_true", help="one target of one seed, for a test")
-    asked = parser.parse_args(argv)
-    cases = [(seed, number) for seed in seeds_of(asked.seeds) for number in range(EACH)]
-    workers = asked.workers
-    if asked.quick:
-        cases, workers = [(199, 0)], 1
-    found = report(done(likeness, cases, kept=asked.kept, workers=workers))
+    asked, save = parse_and_save(parser, argv, module="experiments.similarity")
+    seeds = range(199, 200) if asked.quick else seeds_of(asked.seeds)
+    each = 1 if asked.quick else EACH
+    cases = [{"seed": seed, "number": number} for seed in seeds for number in range(each)]
+    lines = lines_of(rows_of(cells_of(likeness, cases), asked, name="similarity"))
+    found = report(lines)
+    if save:
+        rivals = {name: found["figures"][name] for name in METRICS[3:]}
+        figures = flat({**found, "figures": None}) | flat(found["figures"])
+        save(figures=figures, controls=rivals, seeds=seeds)
     text = json.dumps(found, indent=1)
     if asked.json is not None:
         asked.json.parent.mkdir(parents=True, exist_ok=True)

@@ -17,6 +17,8 @@ from pathlib import Path
 import numpy as np
 
 from experiments.data import DataError
+from experiments.figures.save_options import parse_and_save
+from experiments.needs import need_recordings
 from experiments.openloop import BINDINGS, named
 from morph.arrays import JSON
 from morph.body.load import load as load_robot
@@ -53,7 +55,7 @@ def main(arguments: list[str] | None = None) -> int:
     )
     parser.add_argument("--out", type=Path, help="folder for the diagnosis and its report")
     parser.add_argument("--json", action="store_true", help="print rows as JSON")
-    asked = parser.parse_args(arguments)
+    asked, save = parse_and_save(parser, arguments, module="experiments.so101")
     try:
         found, moved = studied(asked.root, asked.every, asked.only, asked.budget)
         if asked.out:
@@ -64,6 +66,8 @@ def main(arguments: list[str] | None = None) -> int:
         sys.stderr.write(f"error: {error}\n")
         return 2
     rows = compared(found, moved)
+    if save:
+        save(**headline(found, rows))
     if asked.json:
         print(json.dumps({"diagnosis": found.as_json(), "rows": rows}, indent=1))
     else:
@@ -75,10 +79,8 @@ def studied(
     root: Path | None, every: int, only: list[str] | None, budget: float | None = None
 ) -> tuple[Diagnosis, dict[str, Recording]]:
     """Return the diagnosis, and the held-out motions by name."""
-    from experiments.data import data_root
-
     robot = load_robot("so101")
-    folder = (root or data_root()) / "so101_sage"
+    folder = (root or need_recordings("so101_sage")) / "so101_sage"
     motions = load_recordings(BINDINGS / "so101.toml", robot=robot, root=folder)
     motions = tuple(m for m in motions if only is None or m.name in only)
     aside = motions[1::every]
@@ -121,6 +123,22 @@ def compared(found: Diagnosis, motions: dict[str, Recording]) -> list[JSON]:
 
 def _rmse(trace: Trace, model: str) -> float:
     return float(np.sqrt(np.nanmean((trace.models[model] - trace.measured) ** 2)))
+
+
+def headline(found: Diagnosis, rows: list[JSON]) -> JSON:
+    """Return what a result file holds: errors on slow motions, rad, joint by joint."""
+    figures: JSON = {"motions": len({row["motion"] for row in rows}), "verdict": found.verdict}
+    figures["found"] = ", ".join(finding.effect.label for finding in found.findings)
+    figures["worse"] = sum(row["corrected"] > row["linear"] + 0.1 * row["noise"] for row in rows)
+    controls: JSON = {"linear servo, refitted": {}, "as described": {}}
+    for joint in dict.fromkeys(row["joint"] for row in rows):
+        slow = [r for r in rows if r["joint"] == joint and 0.0 < r["command_speed"] < SLOW]
+        if slow:
+            figures[f"{joint.lower()}_corrected"] = _mean(slow, "corrected")
+            figures[f"{joint.lower()}_linear"] = _mean(slow, "linear")
+            controls["linear servo, refitted"][joint] = _mean(slow, "linear")
+            controls["as described"][joint] = _mean(slow, "nominal")
+    return {"figures": figures, "controls": controls, "rows": rows}
 
 
 def report(found: Diagnosis, rows: list[JSON], joints: list[str]) -> None:

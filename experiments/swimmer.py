@@ -20,10 +20,12 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
+from experiments.figures.save_options import parse_and_save
 from experiments.swim.gaits import begun, row, straight, tripod
 from experiments.swim.mean_thrust import of_aqua, of_theory
 from experiments.swim.steer import Depth, attitude, steered
 from experiments.swim.water import PADDLE, PADDLE_MIDDLE, aqua_water
+from morph.arrays import JSON
 from morph.body.load import load
 from morph.body.robot import Robot
 from morph.body.vary import Heavier, vary
@@ -184,6 +186,29 @@ def rows(swimmer: Swimmer, *, seconds: float = 8.0, told: Callable[[Row], None])
     return found
 
 
+def headline(found: list[Row]) -> JSON:
+    """Return what a result file holds: where each stroke came to, m, and what opposes it."""
+    by = {(row.world, row.gait): row for row in found}
+    figures = {
+        "straight": by["water", "symmetric stroke"].forward,
+        "straight_reversed": by["water", "the same reversed"].forward,
+        "straight_without_thrust": by["water without thrust", "symmetric stroke"].forward,
+        "rowing_without_thrust": by["water without thrust", "rowing, fast as it pushes"].forward,
+        "turn_deg": by["water", "half the stroke on the left"].yaw_deg,
+        "walk": by["floor", "tripod"].forward,
+        "depth_error": abs(by["water", "depth held by leaning paddles"].up),
+    }
+    opposite = (
+        ("water", "no stroke"),
+        ("perfect fluid", "symmetric stroke"),
+        ("floor without friction", "tripod"),
+        ("floor", "symmetric stroke"),
+        ("water", "symmetric stroke, left alone"),
+    )
+    controls = {f"{world}: {gait}": asdict(by[world, gait]) for world, gait in opposite}
+    return {"figures": figures, "controls": controls, "rows": [asdict(row) for row in found]}
+
+
 def main(arguments: list[str] | None = None) -> int:
     """Run the study and return its exit status."""
     parser = argparse.ArgumentParser(
@@ -195,13 +220,15 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--seconds", type=float, default=8.0, help="of open-loop runs (default 8)")
     parser.add_argument("--json", action="store_true", help="print the rows as JSON")
     parser.add_argument("--policies", type=Path, help="only write the gaits, into this folder")
-    asked = parser.parse_args(arguments)
+    asked, save = parse_and_save(parser, arguments, module="experiments.swimmer")
     try:
         swimmer = Swimmer(load("hexapod_swimmer"))
         if asked.policies:
             _write(swimmer, asked.policies)
             return 0
-        _study(swimmer, asked.seconds, as_json=asked.json)
+        found = _study(swimmer, asked.seconds, as_json=asked.json)
+        if save:
+            save(**headline(found))
     except MorphError as error:
         sys.stderr.write(f"error: {error}\n")
         return 2
@@ -217,7 +244,7 @@ def _write(swimmer: Swimmer, folder: Path) -> None:
         print(write_whole(file, effects_text(world.effects)))
 
 
-def _study(swimmer: Swimmer, seconds: float, *, as_json: bool) -> None:
+def _study(swimmer: Swimmer, seconds: float, *, as_json: bool) -> list[Row]:
     progress, began = Console(stderr=True), time.monotonic()
     found = rows(
         swimmer,
@@ -226,19 +253,10 @@ def _study(swimmer: Swimmer, seconds: float, *, as_json: bool) -> None:
     )
     if as_json:
         print(json.dumps({"rows": [asdict(each) for each in found], "mean_thrust": _thrusts()}))
-        return
+        return found
     table = Table(title="The hexapod swimmer", title_justify="left")
-    for name in (
-        "world",
-        "gait",
-        "s",
-        "forward m",
-        "left m",
-        "up m",
-        "deepest m",
-        "yaw °",
-        "pitch °",
-    ):
+    names = ("s", "forward m", "left m", "up m", "deepest m", "yaw °", "pitch °")
+    for name in ("world", "gait", *names):
         table.add_column(name, justify="left" if name in ("world", "gait") else "right")
     for each in found:
         numbers = (each.forward, each.left, each.up, each.deepest)
@@ -259,6 +277,7 @@ def _study(swimmer: Swimmer, seconds: float, *, as_json: bool) -> None:
         table.add_row(*(f"{value:.3g}" for value in one.values()))
     wide.print(table)
     print(f"{time.monotonic() - began:.0f} s")
+    return found
 
 
 def _thrusts() -> list[dict[str, float]]:

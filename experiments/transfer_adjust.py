@@ -14,7 +14,6 @@ The seeds 0 to 19 judge; all was built on seeds from 100 on.
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 import time
 from collections.abc import Sequence
@@ -25,6 +24,8 @@ from rich.console import Console
 from rich.table import Table
 
 from align.inverse import Inverse
+from experiments.figures.result_file import figure_name
+from experiments.figures.save_options import parse_and_save
 from experiments.transfer.changed import cartpole, changed, target_of
 from morph.arrays import JSON, Array
 from morph.errors import MorphError
@@ -40,7 +41,7 @@ from morph.transfer.adjustment.rounds import sources
 from morph.transfer.adjustment.source import Source
 
 EXAMPLE = """example:
-  python -m experiments.transfer_adjust --only friction --seed 100 --seeds 5 --json > friction.json
+  python -m experiments.transfer_adjust --only friction --seed 100 --seeds 5 --save-as friction.json
 """
 
 FRICTION = (("b", 3.0), ("b", 11.0))
@@ -194,13 +195,14 @@ def measured(
 
 
 def _summary(name: str, factor: float, runs: list[JSON]) -> JSON:
+    by: JSON = {
+        "success": np.mean,
+        "loss": np.median,
+        "share": np.mean,
+        "mean": np.median,
+    }
     ways = {
-        way: {
-            "success": float(np.mean([run["ways"][way]["success"] for run in runs])),
-            "loss": float(np.median([run["ways"][way]["loss"] for run in runs])),
-            "share": float(np.mean([run["ways"][way]["share"] for run in runs])),
-            "mean": float(np.median([run["ways"][way]["mean"] for run in runs])),
-        }
+        way: {key: float(of([run["ways"][way][key] for run in runs])) for key, of in by.items()}
         for way in runs[0]["ways"]
     }
     seconds = [run["ways"]["adjusted"]["seconds"] for run in runs]
@@ -239,15 +241,27 @@ def report(found: JSON) -> None:
                 for way in row["ways"].values()
             ]
             looks = "/".join(f"{share:.2f}" for share in row["followed"].values())
-            table.add_row(
-                f"{row['parameter']} x{row['factor']:g}",
-                *each,
-                looks,
-                f"{row['beyond']:.1f}",
-                f"{row['seconds']['worst']:.2f}",
-            )
+            last = (looks, f"{row['beyond']:.1f}", f"{row['seconds']['worst']:.2f}")
+            table.add_row(f"{row['parameter']} x{row['factor']:g}", *each, *last)
         console.print(table)
         print(f"plans of the source: {found[part]['planning_s']:.1f} s, median of seeds")
+
+
+def headline(found: JSON) -> JSON:
+    """Return what a result file holds: first trials that succeed, and losses, by case and way."""
+    cases = [row for part in ("friction", "figure") for row in found.get(part, {}).get("cases", [])]
+    figures: JSON = {}
+    controls: JSON = {}
+    for row in cases:
+        case = figure_name(f"{row['parameter']} x{row['factor']:g}")
+        for way, told in row["ways"].items():
+            if way == "adjusted":
+                figures |= {f"{case}_{key}": value for key, value in told.items()}
+            else:
+                controls[f"{case}_{figure_name(way)}"] = told
+        figures |= {f"{case}_{key}_seconds": value for key, value in row["seconds"].items()}
+    rows = [{key: value for key, value in row.items() if key != "runs"} for row in cases]
+    return {"figures": figures, "controls": controls, "rows": rows, "seeds": found["seeds"]}
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -263,8 +277,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--seeds", type=int, default=20, help="how many seeds")
     parser.add_argument("--ways", action="store_true", help="compare other ways to adjust, too")
     parser.add_argument("--quick", action="store_true", help="one seed, two cases")
-    parser.add_argument("--json", action="store_true", help="print JSON instead of tables")
-    asked = parser.parse_args(arguments)
+    asked, save = parse_and_save(parser, arguments, module="experiments.transfer_adjust")
     seeds = range(asked.seed, asked.seed + (1 if asked.quick else max(1, asked.seeds)))
     found: JSON = {"schema": "morph.transfer_adjust/1", "seeds": list(seeds)}
     try:
@@ -277,10 +290,9 @@ def main(arguments: list[str] | None = None) -> int:
         return 2
     except KeyboardInterrupt:
         return 130
-    if asked.json:
-        print(json.dumps(found, indent=1))
-    else:
-        report(found)
+    if save:
+        save(**headline(found))
+    report(found)
     return 0
 
 

@@ -29,6 +29,12 @@ from morph.arrays import JSON
 FAMILY: tuple[Following, ...] = (Manifold(), Uma(), Sparse(), PcaAffine(), Transport())
 """What learns from landmarks; each is shown beside itself with the landmarks shuffled."""
 
+GOAL = ("manifold", "uma", "sparse")
+"""Wang and Mahadevan, unsupervised alignment with landmarks, sparse coding."""
+
+RIDGE = "pairs_only"
+"""The rival: ridge regression on the same landmarks, without any manifold."""
+
 Score = Callable[[AffineMap], float]
 """What a map is worth: the score of the source's policy seen through it."""
 
@@ -37,7 +43,7 @@ Score = Callable[[AffineMap], float]
 class PairsOnly(Following):
     """Ridge regression on the landmarks alone: what is gained without any manifold."""
 
-    name: ClassVar[str] = "pairs_only"
+    name: ClassVar[str] = RIDGE
 
     def states(self, given: Given, rng: np.random.Generator) -> StateLaw:
         """Return the regression; the transitions give no more than the scales."""

@@ -92,6 +92,8 @@ class Batch:
         """
         span = np.array([reach.span for reach in self.equations.reach])[:, None]
         far = (np.abs(motion.q).max(axis=0) > 1.3 * span).any(axis=0)
+        if not far.any():
+            return self
         episodes = tuple(
             replace(e, commands=(0.75 * e.commands).round(6)) if much else e
             for e, much in zip(self.episodes, far, strict=True)
@@ -106,6 +108,7 @@ class Batch:
         batch = self
         sizes = [first(case, rng) for case, rng in zip(self.cases, self.rngs, strict=True)]
         for number in range(rounds):
+            before = batch, sizes
             motion, found = batch.run(sizes, step=10 * STEP)
             sizes = [
                 suited(*each)
@@ -113,6 +116,9 @@ class Batch:
             ]
             if number < rounds - 4:
                 batch = batch.turned_down(motion)
+            if batch is before[0] and sizes == before[1]:
+                # Every later round would run the same again.
+                break
         return batch, sizes
 
 

@@ -12,7 +12,6 @@ import numpy as np
 
 from experiments.swim.water import aqua_water
 from morph.errors import MorphError
-from morph.files import sha256
 from morph.search.family.family import Family
 from morph.search.family.gait import gait
 from morph.transfer.gait.controls import CONTROLS, control
@@ -77,6 +76,22 @@ class Size:
     """What runs beside the last hop."""
 
 
+@dataclass(frozen=True, kw_only=True)
+class Job:
+    """A chain at a seed, or the best of a body."""
+
+    kind: str
+    """`case` or `best`."""
+    name: str
+    """Of the chain or of the body."""
+    seed: int
+    """Of all chance."""
+    real: str
+    """Folder of the real robots; empty if no chain needs one."""
+    size: Size
+    """How much is run."""
+
+
 FULL = Size()
 QUICK = Size(
     learning=10, trials=8, direct=10, oracle=10, polish=10, sigmas=(0.2,),
@@ -130,13 +145,7 @@ def best_of(name: str, real: str, size: Size) -> dict[str, Any]:
             start=first.point[int(first.speed.argmax())],
         )
         found[label] = max(first.best, again.best)
-    return {"case": f"best {name}", "best": found, "key": key_of(name, real, size)}
-
-
-def key_of(name: str, real: str, size: Size) -> str:
-    """Return the hash of a body in its world, and of how long it was searched."""
-    mover = body(name, real)
-    return sha256(mover.robot.sha256, mover.task.sha256, str(size.oracle))
+    return {"case": f"best {name}", "best": found}
 
 
 def case(chain: str, seed: int, real: str, size: Size) -> dict[str, Any]:
@@ -182,10 +191,12 @@ def _hops(made: Chained) -> list[dict[str, Any]]:
     ]
 
 
-def job(what: tuple[Any, ...]) -> dict[str, Any]:
-    """Return what one job comes to: the kind, body or chain, seed, folder of robots and size."""
-    kind, name, seed, real, size = what
+def job(what: Job) -> dict[str, Any]:
+    """Return what one job comes to; what cannot be done is a row that says why."""
     try:
-        return best_of(name, real, size) if kind == "best" else case(name, seed, real, size)
+        if what.kind == "best":
+            return best_of(what.name, what.real, what.size)
+        return case(what.name, what.seed, what.real, what.size)
     except MorphError as error:
-        return {"case": f"{name} {seed}", "chain": name, "seed": seed, "failed": str(error)}
+        where = {"case": f"{what.name} {what.seed}", "chain": what.name, "seed": what.seed}
+        return where | {"failed": str(error)}

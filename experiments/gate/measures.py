@@ -38,6 +38,22 @@ class Judged:
     """The probabilities of that at the end, shape (periods,)."""
 
 
+def as_row(judged: Judged) -> JSON:
+    """Return what the gate said of one case as plain data."""
+    arrays = {"inside": judged.inside.tolist(), "transitions": judged.transitions.tolist()}
+    return {**vars(judged), **arrays}
+
+
+def of_row(row: JSON) -> Judged:
+    """Return what `as_row` was given."""
+    arrays = {
+        "inside": np.array(row["inside"], dtype=bool),
+        "transitions": np.array(row["transitions"]),
+    }
+    lists = {name: tuple(row[name]) for name in ("moments", "answers", "sure", "truth")}
+    return Judged(**{**row, **lists, **arrays})
+
+
 def is_good(error: Array, epsilon: Array, share: float) -> bool:
     """Return whether errors (transitions, n) are within epsilon at all but a share of them."""
     beyond = int((np.abs(error) >= epsilon).any(axis=1).sum())
@@ -111,7 +127,9 @@ def summary(cases: Sequence[Judged], delta: float) -> JSON:
         },
         "always_accept": _share([True for _ in bad]) | {"wrong": len(bad) / max(len(cases), 1)},
         "accepted": _share([case.answers[-1] == "good" for case in good]),
+        "good_withheld": _share([case.answers[-1] != "good" for case in good]),
         "rejected": _share([case.answers[-1] == "not good" for case in bad]),
+        "bad_not_rejected": _share([case.answers[-1] != "not good" for case in bad]),
         "families": families(cases),
         "calibration": calibration(ending, true),
         "calibration_of_transitions": calibration(each, inside),

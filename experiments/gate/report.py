@@ -38,15 +38,29 @@ def costs(rows: list[JSON]) -> JSON:
     }
 
 
+def headline(gate: JSON) -> str:
+    """Return both errors in one sentence: what accepts nothing is never wrong either."""
+    wrong, withheld, missed = (
+        gate[key] for key in ("false_accepts", "good_withheld", "bad_not_rejected")
+    )
+    return (
+        f"wrongly accepted at the worst moment {wrong['count']} of {wrong['of']}; good, and not "
+        f"accepted after one run {withheld['count']} of {withheld['of']}; bad, and not rejected "
+        f"after one run {missed['count']} of {missed['of']}"
+    )
+
+
 def told(found: JSON) -> None:
     """Print the figures."""
     console = Console()
     gate = found["gate"]
+    console.print(headline(gate), style="bold")
     console.print(_families(gate["families"]))
     for title, key in (
         ("false accepts at the worst moment", "false_accepts"),
         ("false rejects at the worst moment", "false_rejects"),
         ("good models accepted after one run", "accepted"),
+        ("good models not accepted after one run", "good_withheld"),
         ("bad models rejected after one run", "rejected"),
     ):
         console.print(f"{title}: {_share(gate[key])}")

@@ -20,7 +20,7 @@ ROWS = 16
 """Runs of the target by which a policy is measured; they begin alike for all policies."""
 
 
-def harms(seed: int, number: int) -> list[JSON]:
+def harms(seed: int, number: int) -> JSON:
     """Return a line for every policy carried to a target: looks at it, and what it scored."""
     target = kin(seed, number)
     told = seen(target, np.random.default_rng([seed, number, 73]))
@@ -61,7 +61,7 @@ def harms(seed: int, number: int) -> list[JSON]:
                 "one step": _one_step(target.body.outcome, plain, pair.gain, told.state),
             }
         )
-    return lines
+    return {"lines": lines}
 
 
 def _ahead(

@@ -33,7 +33,7 @@ def drawn_source(seed: int, number: int) -> Source:
     return source(family, np.random.default_rng([seed, number, 71]), f"{family} {seed}.{number}")
 
 
-def likeness(seed: int, number: int) -> list[JSON]:
+def likeness(seed: int, number: int) -> JSON:
     """Return a line for every source of a target; the sources are bodies of the same ten seeds."""
     target = kin(seed, number)
     rng = np.random.default_rng([seed, number, 82])
@@ -68,7 +68,7 @@ def likeness(seed: int, number: int) -> list[JSON]:
                 "at": at,
             }
         )
-    return lines
+    return {"lines": lines}
 
 
 def _rng(seed: int, number: int) -> np.random.Generator:

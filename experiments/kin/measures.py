@@ -98,3 +98,8 @@ def chosen_well(targets: Sequence[str], promise: Array, jumpstart: Array) -> Arr
         worth = jumpstart[held]
         right.append(float(worth[int(np.argmax(promise[held]))] >= worth.max() - ALIKE))
     return np.array(right)
+
+
+def lines_of(rows: Sequence[JSON]) -> list[JSON]:
+    """Return the lines of all targets; a target that was refused is a line that says why."""
+    return [line for row in rows for line in row.get("lines", [row])]

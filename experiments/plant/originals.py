@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import os
 import sysconfig
+from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path, PurePosixPath
 
 from experiments.plant.description import Description
+from experiments.public.manifest import data_root
 
 PUBLISHED = {
     "aqua": ("aqua/aqua_description", "urdf/aqua.urdf"),
@@ -36,18 +37,17 @@ PACKAGED = {
 
 
 def robots_root() -> Path:
-    """Return the folder of real descriptions.
-
-    MORPH_ROBOTS if it is set, else `../shared/robots` beside the repository.
-    """
-    beside = Path(__file__).resolve().parents[3] / "shared" / "robots"
-    return Path(os.environ.get("MORPH_ROBOTS") or beside).resolve()
+    """Return the folder of real descriptions: that of `experiments.public.manifest`."""
+    return data_root("robots").resolve()
 
 
 def packaged_root() -> Path:
     """Return where `example-robot-data` keeps its robots in this environment."""
-    site = Path(sysconfig.get_paths()["purelib"])
-    return site / "cmeel.prefix" / "share" / "example-robot-data" / "robots"
+    below = Path("cmeel.prefix", "share", "example-robot-data", "robots")
+    try:
+        return Path(str(distribution("example-robot-data").locate_file(below)))
+    except PackageNotFoundError:
+        return Path(sysconfig.get_paths()["purelib"]) / below
 
 
 def originals() -> list[Description]:

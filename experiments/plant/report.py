@@ -33,12 +33,12 @@ def report(result: JSON) -> None:
     print(f"{result['seconds']:.0f} s")
 
 
-def _report_control(rows: Sequence[JSON]) -> None:
-    """Print how often a class's codes are raised at all among the plants of other classes."""
+def wrong_classes(rows: Sequence[JSON]) -> list[tuple[str, str]]:
+    """Return each class planted and another class whose codes the same copy raises anywhere."""
     codes = {row["defect"]: set(row["codes"]) for row in rows}
     for row in rows:
         codes[row["defect"]] |= set(row["codes"])
-    hits = [
+    return [
         (row["defect"], other)
         for row in rows
         for other in codes
@@ -46,6 +46,11 @@ def _report_control(rows: Sequence[JSON]) -> None:
         and not codes[other] & codes[row["defect"]]
         and codes[other] & {f["code"] for f in row["beside"] + row["elsewhere"]}
     ]
+
+
+def _report_control(rows: Sequence[JSON]) -> None:
+    """Print how often a class's codes are raised at all among the plants of other classes."""
+    hits = wrong_classes(rows)
     print(f"control: a class named, anywhere, in a copy that holds another: {len(hits)}")
     for (planted_class, other), count in sorted(Counter(hits).items()):
         print(f"  {count:3} x {other} in copies with {planted_class}")

@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
+from experiments.figures.save_options import parse_and_save
 from experiments.print_loop.bodies import BODIES, subject
 from experiments.print_loop.judge import judged
 from experiments.print_loop.truth import KINDS, truth
@@ -43,7 +44,7 @@ def main(arguments: list[str] | None = None) -> int:
         "--package", type=Path, help="folder that `morph print` wrote: its robot is the true one"
     )
     parser.add_argument("--out", type=Path, help="file for the rows, as JSON")
-    asked = parser.parse_args(arguments)
+    asked, save = parse_and_save(parser, arguments, module="experiments.print_loop.__main__")
     rows = []
     try:
         for name in asked.bodies:
@@ -60,10 +61,34 @@ def main(arguments: list[str] | None = None) -> int:
         return 2
     except KeyboardInterrupt:
         return 130
+    if save:
+        save(**headline(rows), seeds=asked.seeds)
     for name in asked.bodies:
         for kind in asked.kinds:
             print(summary(name, kind, [r for r in rows if (r["body"], r["kind"]) == (name, kind)]))
     return 0
+
+
+def headline(rows: list[JSON]) -> JSON:
+    """Return what a result file holds: links named, missed and accused, by body and kind."""
+    figures: JSON = {}
+    controls: JSON = {}
+    for name, kind in dict.fromkeys((row["body"], row["kind"]) for row in rows):
+        mine = [row for row in rows if (row["body"], row["kind"]) == (name, kind)]
+        errors = [abs(error) for row in mine for error in row["mass_error"].values()]
+        told = {
+            "named": sum(row["right"] for row in mine),
+            "that_show": sum(row["shown"] for row in mine),
+            "wrong": sum(row["wrong"] for row in mine),
+            "other_effects": sum(len(row["other"]) for row in mine),
+        }
+        if errors:
+            told["mass_off"] = max(errors)
+        if kind in ("none", "friction"):
+            controls[f"{name}_{kind}"] = told
+        figures |= {f"{name}_{kind}_{key}": value for key, value in told.items()}
+    kept = [{key: row[key] for key in row if key != "held_out_rmse"} for row in rows]
+    return {"figures": figures, "controls": controls, "rows": kept}
 
 
 def said(row: JSON) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -24,8 +25,30 @@ ROWS = 100
 """Runs of each control."""
 
 
-def controls(task_name: str, body: str, *, seed: int) -> dict[str, tuple[float, float]]:
-    """Return mean loss and share of successes of each control."""
+@dataclass(frozen=True, kw_only=True)
+class Control:
+    """Runs of one control, by which it is judged as the searches are."""
+
+    name: str
+    """What is done."""
+    losses: tuple[float, ...]
+    """Loss of each run."""
+    successes: tuple[bool, ...]
+    """Whether each run reached every goal."""
+
+    @property
+    def loss(self) -> float:
+        """Mean loss."""
+        return float(np.mean(self.losses))
+
+    @property
+    def share(self) -> float:
+        """Share of the runs that reached every goal."""
+        return float(np.mean(self.successes))
+
+
+def controls(task_name: str, body: str, *, seed: int) -> list[Control]:
+    """Return what doing nothing, random commands, and spoiled commands of a policy give."""
     wanted = task(task_name, load(body))
     simulator = wanted.simulator()
     low, high = (
@@ -34,34 +57,45 @@ def controls(task_name: str, body: str, *, seed: int) -> dict[str, tuple[float, 
     )
     rng = np.random.default_rng(seed)
     chance = rng.uniform(low, high, (wanted.samples, ROWS, len(low)))
-    found = {
-        "doing nothing": _told(wanted, simulator, np.zeros_like(chance), seed),
-        "random commands": _told(wanted, simulator, chance, seed),
-    }
     problem = Problem(
         task=wanted, simulator=simulator, target=Simulated(task=wanted, simulator=simulator)
     )
     learned = search("ddp")().run(problem, seed=seed)
     seen = attempt(wanted, learned.policy, simulator, rows=ROWS, rng=np.random.default_rng(seed))
     open_loop = seen.command.mean(axis=0)[:, None].repeat(ROWS, axis=1)
-    found["the learned policy"] = _score(wanted, seen)
-    found["its commands without feedback"] = _told(wanted, simulator, open_loop, seed)
-    found["its commands with the sign turned"] = _told(wanted, simulator, -open_loop, seed)
-    shuffled = rng.permutation(open_loop, axis=0)
-    found["its commands in another order"] = _told(wanted, simulator, shuffled, seed)
-    return found
+    commands = {
+        "random commands": chance,
+        "its commands without feedback": open_loop,
+        "its commands with the sign turned": -open_loop,
+        "its commands in another order": rng.permutation(open_loop, axis=0),
+    }
+    return [
+        do_nothing(task_name, body, seed=seed),
+        _judge("the learned policy", wanted, seen),
+        *(_open_loop(name, wanted, each, seed) for name, each in commands.items()),
+    ]
 
 
-def _told(wanted: Task, simulator: Simulator, command: Array, seed: int) -> tuple[float, float]:
-    """Return the score of commands (samples, rows, nu) that depend on nothing seen."""
-    rng = np.random.default_rng(seed)
+def do_nothing(task_name: str, body: str, *, seed: int) -> Control:
+    """Return what commands of zero give."""
+    wanted = task(task_name, load(body))
+    zero = np.zeros((wanted.samples, ROWS, len(actions_of(wanted.robot))))
+    return _open_loop("doing nothing", wanted, zero, seed)
+
+
+def _open_loop(name: str, wanted: Task, command: Array, seed: int) -> Control:
+    """Return the runs of commands (samples, rows, nu) that depend on nothing seen."""
+    rng, simulator = np.random.default_rng(seed), wanted.simulator()
     q, v = wanted.start.sample(wanted.robot, simulator.model, command.shape[1], rng)
     moved = run(wanted, simulator, lambda q, v, time: command[round(time / wanted.period)], q, v)
-    return _score(wanted, moved)
+    return _judge(name, wanted, moved)
 
 
-def _score(wanted: Task, moved: Moved) -> tuple[float, float]:
-    return float(wanted.loss(moved).mean()), float(wanted.succeeded(moved).mean())
+def _judge(name: str, wanted: Task, moved: Moved) -> Control:
+    losses, successes = wanted.loss(moved), wanted.succeeded(moved)
+    return Control(
+        name=name, losses=tuple(map(float, losses)), successes=tuple(map(bool, successes))
+    )
 
 
 def throughput(body: str, policy: Policy, *, rows: int, integrator: Integrator) -> float:

@@ -83,13 +83,18 @@ def trials_to(line: JSON, loss: float) -> float:
 def summary(lines: Sequence[JSON]) -> Table:
     """Return a table with a row for each case and arm."""
     table = Table(title="Success by 64 judging runs each; losses as interquartile means")
-    for name in ("case", "who", "seeds", "trial 2 reached", "policies sure", "loss", "95 %"):
+    for name in ("case", "who", "seeds", "trial 2 reached", "policies sure", "oracle sure"):
+        table.add_column(name)
+    for name in ("loss", "95 %", "oracle's loss"):
         table.add_column(name)
     table.add_column("trials to 10 % of own optimum")
     table.add_column("s to transfer")
     for case, arms in grouped(lines).items():
         best = own_loss(arms)
         said = case if solvable(arms) else f"{case} (beyond its own plan)"
+        oracle = [each["lines"][-1] for each in arms.get("own plan", ())]
+        sure = f"{sum(each['success'] >= SURE for each in oracle)}/{len(oracle)}"
+        optimum = f"{iqm([each['loss'] for each in oracle])[0]:.2f}" if oracle else "-"
         for arm, tried in arms.items():
             last = [each["lines"][-1] for each in tried]
             mean, low, high = iqm([each["loss"] for each in last])
@@ -104,8 +109,10 @@ def summary(lines: Sequence[JSON]) -> Table:
                 str(len(tried)),
                 f"{sum(reached)}/{len(reached)}" if reached else "-",
                 f"{sum(each['success'] >= SURE for each in last)}/{len(last)}",
+                sure if oracle else "-",
                 f"{mean:.2f}",
                 f"{low:.2f} to {high:.2f}",
+                optimum,
                 f"{np.median(count):g}",
                 f"{np.median(timed):.1f}, {max(timed):.1f}" if timed else "-",
             )
@@ -113,22 +120,65 @@ def summary(lines: Sequence[JSON]) -> Table:
     return table
 
 
-def harm(lines: Sequence[JSON]) -> Table:
-    """Return a table of how often the loop ended worse than the policy that it began with."""
-    table = Table(title="Harm: the policy kept against the source's, three standard errors")
-    for name in ("who", "cases", "better", "alike", "worse", "worst"):
-        table.add_column(name)
+def missed(lines: Sequence[JSON]) -> list[JSON]:
+    """Return every case and seed in which a plan on the true body works and the loop's does not.
+
+    A policy works surely if it reaches the goals in `SURE` of the judging runs, and hardly if it
+    does in `SOLVABLE` of them; the loop misses a case if it stays below one that the plan reaches.
+    """
+    found = []
+    for case, arms in grouped(lines).items():
+        loops = {line["seed"]: line["lines"][-1] for line in arms.get("loop", ())}
+        for line in arms.get("own plan", ()):
+            best, ours = line["lines"][-1], loops.get(line["seed"])
+            if ours is not None and any(
+                ours["success"] < level <= best["success"] for level in (SOLVABLE, SURE)
+            ):
+                found.append(
+                    {
+                        "case": case,
+                        "seed": line["seed"],
+                        "loop_success": ours["success"],
+                        "loop_loss": ours["loss"],
+                        "oracle_success": best["success"],
+                        "oracle_loss": best["loss"],
+                    }
+                )
+    return found
+
+
+def compared(lines: Sequence[JSON]) -> int:
+    """Return in how many cases and seeds both the loop and a plan on the true body were run."""
+    return sum(
+        len({line["seed"] for line in arms["loop"]} & {line["seed"] for line in arms["own plan"]})
+        for arms in grouped(lines).values()
+        if "loop" in arms and "own plan" in arms
+    )
+
+
+def gains_of(lines: Sequence[JSON], arm: str) -> list[tuple[float, float]]:
+    """Return by how much an arm's policy costs more than the source's, and in standard errors."""
     before = {
         (line["case"], line["seed"]): line["lines"][0]
         for line in lines
         if line["arm"] == "unadjusted" and "why" not in line["lines"][0]
     }
+    return [
+        _gain(before[line["case"], line["seed"]], line["lines"][-1])
+        for line in lines
+        if line["arm"] == arm
+        and "why" not in line["lines"][0]
+        and (line["case"], line["seed"]) in before
+    ]
+
+
+def harm(lines: Sequence[JSON]) -> Table:
+    """Return a table of how often the loop ended worse than the policy that it began with."""
+    table = Table(title="Harm: the policy kept against the source's, three standard errors")
+    for name in ("who", "cases", "better", "alike", "worse", "worst"):
+        table.add_column(name)
     for arm in ("loop", "adjusted"):
-        found = []
-        for line in lines:
-            first = before.get((line["case"], line["seed"]))
-            if line["arm"] == arm and first and "why" not in line["lines"][0]:
-                found.append(_gain(first, line["lines"][-1]))
+        found = gains_of(lines, arm)
         if found:
             score = np.array(found)
             table.add_row(

@@ -71,3 +71,9 @@ def test_the_report_says_how_long_each_took_and_what_it_pointed_at(
     assert "morph: 30.0 s; pointed at coulomb_friction@elbow" in said
     assert "sysid: 60.0 s; pointed at nothing" in said
     assert "whole episodes" in said
+
+
+def test_figures_that_are_not_named_stay_as_described() -> None:
+    changed = Simulator(with_figures(ROBOT, {"frictionloss:elbow": 0.1})).model
+    assert list(changed.dof_frictionloss) == [0.0, 0.1]
+    assert np.array_equal(changed.body_mass, Simulator(ROBOT).model.body_mass)

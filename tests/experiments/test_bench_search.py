@@ -22,17 +22,32 @@ def test_a_part_of_the_benchmark_gives_its_figures(capsys: pytest.CaptureFixture
     assert set(found["throughput"]) == {"implicitfast", "rk4"}
 
 
+def test_the_rows_of_the_controls_give_their_figures(tmp_path: Path) -> None:
+    file = tmp_path / "controls.json"
+    words = ["--quick", "--only", "controls", "--seed", "100", "--save-as", str(file)]
+    assert bench_search.main(words) == 0
+    result = json.loads(file.read_text())
+    rows = {row["name"]: row for row in result["rows"]}
+    assert set(rows) == {"the learned policy", *result["controls"]}
+    for name, row in rows.items():
+        assert len(row["losses"]) == len(row["successes"]) == 100
+        figure = result["figures"][f"{name.replace(' ', '_')}_loss"]
+        # Six digits are kept of each.
+        assert sum(row["losses"]) / 100 == pytest.approx(figure, rel=1e-5)
+    assert rows["the learned policy"]["loss"] < rows["doing nothing"]["loss"]
+
+
 def test_the_shelf_is_learned_by_commands_and_kept(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
     told = ["--out", str(tmp_path), "--only", "pendulum"]
     assert shelf.main(told) == 0
-    first = capsys.readouterr()
+    first = capfd.readouterr()
     assert "morph learn swing-up --robot pendulum" in first.err
     assert "1 of 1 bodies" in first.out
-    assert shelf.main(told) == 0
+    assert shelf.main([*told, "--resume"]) == 0
     # What is there is told again and not made again.
-    assert "morph learn" not in capsys.readouterr().err
+    assert "morph learn" not in capfd.readouterr().err
 
 
 def test_a_body_that_the_shelf_lacks_is_refused(capsys: pytest.CaptureFixture[str]) -> None:

@@ -14,7 +14,7 @@ from experiments.gaits_chained.summary import summary
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     found = tmp_path_factory.mktemp("gaits")
     said = ["--quick", "--seeds", "100:101", "--chains", "aqua", "--workers", "1"]
-    assert main([*said, "--kept", str(found / "kept"), "--json", str(found / "figures")]) == 0
+    assert main([*said, "--out", str(found / "cells"), "--json", str(found / "figures")]) == 0
     return found
 
 
@@ -26,12 +26,14 @@ def test_a_small_study_gives_every_figure(folder: Path) -> None:
     assert figures["samples"]["iqm"] == 3 * 8 * 200 + 20 * (5 + 9 + 6)
 
 
-def test_what_is_kept_is_not_run_again(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    before = (folder / "kept").read_text()
-    said = ["--quick", "--seeds", "100:101", "--chains", "aqua", "--workers", "1"]
-    assert main([*said, "--kept", str(folder / "kept")]) == 0
-    assert "done" not in capsys.readouterr().err
-    assert (folder / "kept").read_text() == before
+def test_without_the_real_snake_its_chain_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("MORPH_ROBOTS", str(tmp_path))
+    assert main(["--quick", "--seeds", "100:101"]) == 2
+    said = capsys.readouterr().err
+    assert "files of urma_sea_snake are not there" in said
+    assert "--chains aqua aracna" in said
 
 
 def test_direct_learning_that_never_arrives_counts_all_that_it_had() -> None:

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import json
-from pathlib import Path
-
 import pytest
 
 from experiments import codesign
-from experiments.codesign import Case, main, measured
+from experiments.codesign import Case, main, measured, summary
 
 
 def test_each_way_tells_how_far_it_came_and_with_which_legs(
@@ -22,15 +19,14 @@ def test_each_way_tells_how_far_it_came_and_with_which_legs(
     assert abs(row["far"]) < 0.4
 
 
-def test_the_study_writes_the_interquartile_mean_of_each_way(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    def told(case: Case) -> dict[str, object]:
-        legs = {"front": 1.0, "rear": 1.0}
-        return {"way": case.way, "seed": case.seed, "far": 0.1 * case.seed, "legs": legs}
-
-    monkeypatch.setattr(codesign, "measured", told)
-    kept = tmp_path / "found.json"
-    main(["--seeds", "1:5", "--only", "together", "--workers", "1", "--json", str(kept)])
+def test_a_way_is_told_by_its_interquartile_mean() -> None:
+    legs = {"front": 1.0, "rear": 1.0}
+    rows = [{"way": "together", "far": 0.1 * seed, "legs": legs} for seed in range(1, 5)]
     # Of 0.1, 0.2, 0.3 and 0.4 the middle half is 0.2 and 0.3.
-    assert json.loads(kept.read_text())["ways"]["together"]["iqm"] == pytest.approx(0.25)
+    assert summary(rows)["together"]["iqm"] == pytest.approx(0.25)
+
+
+def test_an_unknown_way_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit, match="2"):
+        main(["--only", "sideways"])
+    assert "invalid choice: 'sideways'" in capsys.readouterr().err

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from experiments.corpus import Row, descriptions, lost, main, row, summary
+from experiments.corpus import descriptions, main, row
+from experiments.corpus_summary import Row, lost, summary
 from experiments.plant.originals import packaged_root
 
 PACKAGED = (
@@ -43,22 +45,47 @@ def test_every_eighth_description_of_the_corpus_loads_or_is_refused_by_name(
     assert all(one.why for one in refused)
 
 
-def test_a_mass_that_goes_missing_is_told() -> None:
+def row_of(**changes: object) -> Row:
     one = Row(
         file="a.urdf",
-        verdict="ok",
-        codes=(),
+        verdict="repaired",
+        codes=(("mass-missing", "repaired"),),
         why="",
         seconds=0.1,
         mass=1.0,
         stated=2.0,
+        named=0,
+        silent="",
+        uncounted="",
         differs=None,
         explained=False,
+        explained_by="",
         mujoco="loads",
         bare="loads",
     )
+    return replace(one, **changes)  # type: ignore[arg-type]
+
+
+def test_a_mass_that_goes_missing_is_told_whatever_else_was_repaired() -> None:
+    one = row_of(silent="arm: 2 kg, simulated 1")
     assert lost([one]) == [one]
-    assert "mass lost or gained in silence: 1" in summary([one])
+    said = summary([one])
+    assert "mass lost or gained in silence: 1;" in said
+    assert "a.urdf: arm: 2 kg, simulated 1" in said
+
+
+def test_a_mass_that_was_not_counted_is_no_proof_that_none_was_lost() -> None:
+    one = row_of(stated=None, uncounted="xacro cannot expand it")
+    assert lost([one]) == [one]
+
+
+def test_a_difference_with_a_repair_that_does_not_explain_it_is_told() -> None:
+    rows = [row_of(differs=0.5), row_of(differs=0.5, explained=True, explained_by="mass-missing")]
+    said = summary(rows)
+    assert "1 agree once the named repairs are made in the file too" in said
+    assert "1 differ by more" in said
+    assert "a.urdf: differs by 0.5" in said
+    assert "1 by mass-missing" in said
 
 
 def test_a_folder_without_descriptions_is_refused(

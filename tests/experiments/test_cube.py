@@ -6,7 +6,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from experiments.cube import PUBLISHED, Floor, controls, fitted, main, studied
+from experiments.cube import (
+    FITTED,
+    PUBLISHED,
+    RIVAL,
+    SETS,
+    Floor,
+    controls,
+    fitted,
+    main,
+    report,
+    studied,
+)
 from experiments.cube_tosses import (
     DESCRIPTION,
     FOLDER,
@@ -52,7 +63,7 @@ def test_a_floor_with_the_right_friction_predicts_tosses_and_mujocos_own_does_no
 ) -> None:
     real = tosses(root, range(300, 320))
     floor = Floor(mu=PUBLISHED, stiffness=3000.0, damping=60.0)
-    variants = controls(from_mjcf(DESCRIPTION), floor)
+    variants = controls(from_mjcf(DESCRIPTION), floor, Floor(mu=PUBLISHED))
     simulated = flights(list(variants.values()), real)
     position = dict(zip(variants, position_errors(simulated, real).mean(axis=1), strict=True))
     # The whole study's figures are 0.12, 0.14, 0.27 and 0.96, and 0.06 is one toss's spread: a
@@ -81,19 +92,49 @@ def test_the_fit_is_the_same_for_the_same_seed(root: Path) -> None:
     assert once == again
 
 
+def test_friction_fitted_alone_leaves_the_floor_as_hard_as_mujoco_has_it(root: Path) -> None:
+    floor = fitted(
+        from_mjcf(DESCRIPTION),
+        tosses(root, range(8)),
+        np.random.default_rng(3),
+        rounds=3,
+        tries=9,
+        hard=True,
+    )
+    assert (floor.stiffness, floor.damping) == (None, None)
+    assert [type(effect).__name__ for effect in floor.effects()] == ["Ground", "ContactFriction"]
+    assert floor.mu == pytest.approx(PUBLISHED, rel=0.2)
+
+
 def test_a_study_says_what_it_fitted_and_what_it_scored(
-    root: Path, monkeypatch: pytest.MonkeyPatch
+    root: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    quick = Floor(mu=0.2, stiffness=2000.0, damping=60.0)
-    monkeypatch.setattr("experiments.cube.fitted", lambda *_, **__: quick)
-    result = json.loads(json.dumps(studied(root, train=range(2), test=range(300, 303), seed=4)))
-    assert result["schema"] == "morph.cube/1"
-    assert (result["train"], result["test"], result["seed"]) == ([0, 1], [300, 302], 4)
-    assert result["floor"]["mu"] == 0.2
-    assert result["errors"]["fitted"]["position_widths"] < 0.5
-    # What does not move strays by the whole toss, and a toss is told from another.
-    still = result["errors"]["does not move"]["position_widths"]
-    assert still > 2.0 * result["errors"]["fitted, of another toss"]["position_widths"] > 0.5
+    def quick(*_: object, hard: bool) -> Floor:
+        return Floor(mu=0.3) if hard else Floor(mu=0.2, stiffness=2000.0, damping=60.0)
+
+    monkeypatch.setattr("experiments.cube.fitted", quick)
+    result = json.loads(json.dumps(studied(root, train=2, test=3, seed=4)))
+    assert result["schema"] == "morph.cube/2"
+    assert (result["train"], result["seed"]) == ([0, 1], 4)
+    assert (result["floor"]["mu"], result["friction_alone"]) == (0.2, 0.3)
+    assert [each["tosses"] for each in result["sets"]] == [[100, 102], [300, 302]]
+    for scored in result["sets"]:
+        errors = scored["errors"]
+        assert errors["fitted"]["position_widths"] < 0.5
+        # What does not move strays by the whole toss, and a toss is told from another.
+        still = errors["does not move"]["position_widths"]
+        assert still > 2.0 * errors["fitted, of another toss"]["position_widths"] > 0.5
+        more = errors[RIVAL]["position_widths"] - errors[FITTED]["position_widths"]
+        assert scored["rival_costs_more"]["widths"] == pytest.approx(more)
+    report(result)
+    said = capsys.readouterr().out
+    assert "tosses 100 to 102 (judged, opened once)" in said
+    assert "tosses 300 to 302 (development)" in said
+
+
+def test_no_toss_is_fitted_and_scored() -> None:
+    assert not set(range(100)) & {toss for each in SETS.values() for toss in each}
+    assert not set(SETS["judged, opened once"]) & set(SETS["development"])
 
 
 def test_tosses_that_are_not_there_are_named(
@@ -108,4 +149,4 @@ def test_tosses_that_are_not_there_are_named(
 
 def test_more_tosses_than_there_are_is_refused() -> None:
     with pytest.raises(SystemExit):
-        main(["--train", "301"])
+        main(["--train", "101"])

@@ -1,18 +1,34 @@
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from experiments.dfki import DESIGNS, FOLDER, main, moved_to_the_wrong_joint
+from experiments.dfki import (
+    CORRECTED,
+    DESIGNS,
+    FOLDER,
+    HELD_BY_JOINT,
+    NOMINAL,
+    PUBLISHER,
+    SYSID,
+    SYSID_FIXED,
+    main,
+    moved_to_the_wrong_joint,
+    rivals,
+    scores,
+)
 from experiments.openloop import Model, bound, corrected, errors, from_mjcf, laid
 from morph.body.fulltext import fulltext
 from morph.body.load import load as load_robot
+from morph.body.robot import Robot
 from morph.body.spec import spec_of
 from morph.model.diagnose import diagnose
 from morph.model.diagnosis import Diagnosis
+from morph.model.episodes import Episode
 from morph.model.split import between
 from morph.physics.actuator.actuator_delay import ActuatorDelay
 from morph.physics.joint.coulomb_friction import CoulombFriction
@@ -89,4 +105,38 @@ def test_missing_recordings_are_one_message(
 ) -> None:
     monkeypatch.setenv("MORPH_RECORDINGS", str(tmp_path))
     assert main(["--quiet"]) == 2
-    assert "the recordings are not there" in capsys.readouterr().err
+    assert "files of dfki_double_pendulum are not there" in capsys.readouterr().err
+
+
+def test_the_incumbent_told_that_friction_is_known_moves_the_rest_alone(
+    monkeypatch: pytest.MonkeyPatch, recordings: Path
+) -> None:
+    given = []
+
+    def fitted(robot: Robot, runs: Sequence[Episode], *, fixed: Sequence[str]) -> tuple:
+        given.append((Simulator(robot).model.dof_frictionloss.tolist(), tuple(fixed)))
+        return Model(robot=robot), {}
+
+    monkeypatch.setattr("experiments.dfki.by_sysid", fitted)
+    robot = load_robot("double_pendulum")
+    train = bound("dfki_c0", FOLDER, robot, ("run_00",), root=recordings)
+    models, told = rivals("C.0", robot, train)
+    # Published: 0.093 pi / 2 and 0.078 pi / 2 N m.
+    assert given[0] == ([0.0, 0.0], ())
+    assert given[1] == (pytest.approx([0.14608, 0.12252], abs=1e-5), HELD_BY_JOINT)
+    levels = Simulator(models["published factors read as levels"].robot).model.dof_frictionloss
+    assert list(levels) == [0.093, 0.078]
+    assert list(told) == [SYSID, SYSID_FIXED]
+
+
+def test_every_row_says_how_many_times_the_corrected_error_it_has(
+    slice_of_c0: tuple[Diagnosis, Path],
+) -> None:
+    found, root = slice_of_c0
+    models = {NOMINAL: Model(robot=load_robot("double_pendulum")), CORRECTED: corrected(found)}
+    score = scores("C.0", models, found, ("run_03",), 1.0, root)
+    assert PUBLISHER in score["rmse"]
+    for title, row in score["rmse"].items():
+        for joint, value in row.items():
+            times = score["times_corrected"][title][joint]
+            assert times * score["rmse"][CORRECTED][joint] == pytest.approx(value)

@@ -10,7 +10,7 @@ import numpy as np
 from experiments.disguised.disguise import disguise
 from experiments.disguised.excited import wild
 from experiments.disguised.judge import Truth, judged, symmetries
-from experiments.disguises import main
+from experiments.disguises import Case, figures, in_words, main
 
 
 def test_a_cart_pole_is_its_mirror_image_and_does_not_feel_where_it_stands() -> None:
@@ -51,8 +51,24 @@ def test_the_truth_or_its_mirror_image_is_right_and_half_of_it_is_not() -> None:
 
 
 def test_a_small_study_finds_a_hidden_map_and_its_control_does_not(tmp_path: Path) -> None:
-    assert main(["--quick", "--json", str(tmp_path / "found.json")]) == 0
+    assert main(["--quick", "--json", str(tmp_path / "found.json"), "--out", str(tmp_path)]) == 0
     figures = json.loads((tmp_path / "found.json").read_text())["figures"]
     by_way = {line["way"]: line for line in figures}
     assert by_way["transition_kernel"]["right"] == 1.0
     assert by_way["any_order"]["right"] == 0.0
+
+
+def test_the_headline_says_what_is_found_with_noise_before_what_is_found_without() -> None:
+    cases, rows = [], []
+    for noise, states, whole in ((0.0, 0.9999, True), (0.01, 0.98, False)):
+        for kind in ("plain", "bent"):
+            case = Case(seed=0, body="cartpole", kind=kind, noise=noise, way="transition_kernel")
+            cases.append(case)
+            fine = whole or kind == "plain"
+            rows.append({"states": states if not fine else 0.9999, "commands": 0.9999,
+                         "least": 0.98, "parts": 1.0, "whole": fine})  # fmt: skip
+    noisy, exact = in_words(figures(cases, rows))
+    assert noisy.startswith("noise 0.01:")
+    assert "right 1 of 2, every single number too 0; signs and parts wrong in 1" in noisy
+    assert exact.startswith("noise 0:")
+    assert "right 2 of 2" in exact

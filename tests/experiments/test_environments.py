@@ -6,7 +6,7 @@ import gymnasium
 import pytest
 from gymnasium.envs.registration import EnvSpec
 
-from experiments.environments import batch_seconds, checked, main
+from experiments.environments import DEFECTS, batch_seconds, checked, main, spoiled
 
 
 def test_the_cart_poles_environments_are_clean(capsys: pytest.CaptureFixture[str]) -> None:
@@ -24,6 +24,15 @@ def test_an_environment_that_cannot_be_made_is_told_with_the_reason(
     )
     monkeypatch.setitem(gymnasium.registry, lost.id, lost)
     assert "no robot is called 'nobody'" in checked(lost.id).found
+
+
+@pytest.mark.parametrize("defect", DEFECTS)
+def test_a_defect_planted_in_a_clean_environment_is_named(defect: str) -> None:
+    assert spoiled(defect).found != ""
+
+
+def test_an_environment_spoiled_by_nothing_is_clean() -> None:
+    assert spoiled("").found == ""
 
 
 def test_a_batch_is_measured_over_the_same_steps_as_a_bare_one() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -59,6 +60,17 @@ def test_an_accept_is_false_if_the_model_is_bad_at_that_moment() -> None:
     assert (found["accepted"]["count"], found["accepted"]["of"]) == (1, 1)
     assert (found["rejected"]["count"], found["rejected"]["of"]) == (1, 2)
     assert found["by_probability"]["false_accepts"]["count"] == 1
+    # The one good model is accepted; of two bad ones the first alone is rejected.
+    assert (found["good_withheld"]["count"], found["good_withheld"]["of"]) == (0, 1)
+    assert (found["bad_not_rejected"]["count"], found["bad_not_rejected"]["of"]) == (1, 2)
+
+
+def test_a_gate_that_accepts_nothing_is_never_wrong_and_its_headline_says_the_price() -> None:
+    cases = [answered("??", "gg", (0.5, 0.5))] * 3 + [answered("?b", "bb", (0.5, 0.0))]
+    said = report.headline(summary(cases, 0.05))
+    assert "wrongly accepted at the worst moment 0 of 1;" in said
+    assert "good, and not accepted after one run 3 of 3;" in said
+    assert "bad, and not rejected after one run 0 of 1" in said
 
 
 def test_probabilities_that_come_true_as_often_as_said_are_calibrated() -> None:
@@ -127,11 +139,9 @@ def test_a_case_is_watched_to_its_end_and_every_control_answers(pushing: Linear)
 
 
 def test_the_study_reports_in_words_and_in_json(
-    pushing: Linear, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(study, "policies", lambda seeds: [pushing for _ in seeds])
-    monkeypatch.setattr(study, "in_model", lambda policy: 60.0)
-    assert study.main(["--quick", "--seed", "1300", "--json"]) == 0
+    assert study.main(["--quick", "--seed", "1300", "--json", "--out", str(tmp_path)]) == 0
     found = json.loads(capsys.readouterr().out)
     assert found["schema"] == "morph.gate/1"
     assert found["gate"]["cases"] == 4

@@ -8,25 +8,24 @@ from pathlib import Path
 import pytest
 
 from experiments import harm, similarity
+from experiments.figures.result_file import load_result
 
 
-def test_harm_is_told_of_every_policy_of_a_target_and_kept(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    asked = ["--quick", "--kept", str(tmp_path / "kept.jsonl"), "--json", str(tmp_path / "a.json")]
-    assert harm.main(asked) == 0
-    assert "1/1 body 199.0" in capsys.readouterr().err
+def test_harm_is_told_of_every_policy_of_a_target(tmp_path: Path) -> None:
+    asked = ["--quick", "--out", str(tmp_path / "cells"), "--json", str(tmp_path / "a.json")]
+    assert harm.main([*asked, "--save-as", str(tmp_path / "saved.json")]) == 0
     found = json.loads((tmp_path / "a.json").read_text())
     assert found["targets"] == 1
     assert 8 <= found["pairs"] <= 15
     assert sum(each["pairs"] for each in found["calibration"]) == found["pairs"]
-    # Asked again it has nothing left to do.
-    assert harm.main(asked) == 0
-    assert capsys.readouterr().err == ""
+    saved = load_result(tmp_path / "saved.json")
+    assert saved["figures"]["guard_area"] == pytest.approx(found["figures"]["guard"]["area"])
+    assert "always accept" in saved["controls"]
 
 
 def test_six_sources_of_a_target_are_compared(tmp_path: Path) -> None:
-    assert similarity.main(["--quick", "--json", str(tmp_path / "b.json")]) == 0
+    out = ["--out", str(tmp_path / "cells"), "--json", str(tmp_path / "b.json")]
+    assert similarity.main(["--quick", *out]) == 0
     found = json.loads((tmp_path / "b.json").read_text())
     assert found["pairs"] == 6
     assert set(found["figures"]) == set(similarity.METRICS)

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import json
-from pathlib import Path
-
 import pytest
 
 from experiments import iterated, iterations
 from experiments.iterated import Case, measured
-from experiments.iterations import main, summary
+from experiments.iterations import summary
 
 
 def test_one_case_is_measured_with_its_controls(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -23,22 +20,9 @@ def test_one_case_is_measured_with_its_controls(monkeypatch: pytest.MonkeyPatch)
     assert found["enough"]["carried"]["solved"] == 1.0
 
 
-def test_a_study_goes_on_from_what_is_kept(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_way_that_needed_six_transitions_is_told_so() -> None:
     row = {"scores": {"oracle": 1.0, "carried": 0.5}, "enough": {"carried": 6.0}}
-    calls: list[Case] = []
-
-    def counted(case: Case) -> dict[str, object]:
-        calls.append(case)
-        return {"body": case.body, "seed": case.seed, "rows": [row]}
-
-    monkeypatch.setattr(iterations, "measured", counted)
-    words = ["--seeds", "100:102", "--only", "cartpole", "--workers", "1"]
-    words += ["--kept", str(tmp_path / "kept.jsonl"), "--json", str(tmp_path / "found.json")]
-    main(words)
-    main(words)
-    assert [case.seed for case in calls] == [100, 101]
-    found = json.loads((tmp_path / "found.json").read_text())
+    cases = [{"body": "cartpole", "seed": seed, "rows": [row]} for seed in (100, 101)]
+    found = iterations.summary(cases)
     assert found["scores"]["carried"]["iqm"] == 0.5
-    assert "carried" in capsys.readouterr().out
+    assert found["enough"]["carried"] == {"solved": 1.0, "iqm": 6.0, "iterations": 2}

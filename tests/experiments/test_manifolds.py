@@ -8,13 +8,15 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
+from rich.console import Console
 
 from align.maps.body_map import Given
 from align.maps.features import Features
 from experiments.aligning.cases import LEVELS, Case, cases_of, measured
 from experiments.aligning.formula import PERIOD, SPREAD, CartPole, plain, worn
-from experiments.interval import interval
-from experiments.manifolds import clear, drawn, figures, foretold, main, sure
+from experiments.aligning.report import drawn
+from experiments.interval import interval, mean_interval
+from experiments.manifolds import clear, figures, foretold, main, shown, worse
 
 TRUE = """
 <mujoco>
@@ -97,17 +99,49 @@ def test_a_measure_that_falls_where_the_gain_rises_is_said_to_foretell() -> None
     assert "manifold, shuffled" in drawn(lines)
 
 
+def pair(scores: dict[str, list[float]]) -> list[tuple[Case, dict[str, object]]]:
+    """Return two bodies of the shelf under three seeds, with scores of some ways."""
+    rows = []
+    for seed in range(3):
+        ways: dict[str, object] = {}
+        for name in ("manifold", "uma", "sparse", "pca_affine", "transport", "pairs_only"):
+            ways[name] = {"score": scores.get(name, [0.8] * 3)[seed]}
+            ways[f"{name}, shuffled"] = {"score": 0.1}
+        ways["no source"], ways["oracle"] = {"score": 0.7}, {"score": 1.0}
+        case = Case(seed=seed, source="cartpole", target="cart_two_links", level=10.0)
+        rows.append((case, {"ways": ways, "measures": {}}))
+    return rows
+
+
+def test_what_ridge_does_as_well_is_above_its_shuffled_control_and_not_above_ridge(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    scores = {"sparse": [0.95, 0.96, 0.97], "uma": [0.6, 0.5, 0.7], "manifold": [0.7, 0.9, 0.8]}
+    lines = figures(*zip(*pair(scores), strict=True))
+    here = ["cartpole > cart_two_links (10)"]
+    assert all(where == here for where in clear(lines).values())
+    above, below = clear(lines, "more", 0.0), worse(lines)
+    assert {name for name, where in above.items() if where} == {"sparse"}
+    assert {name for name, where in below.items() if where} == {"uma"}
+    shown(lines, Console(width=170))
+    said = capsys.readouterr().out
+    assert "0.96*" in said
+    assert "0.60x" in said
+
+
 @pytest.mark.parametrize("count", [1, 3, 10])
 def test_its_intervals_are_those_of_every_study(count: int) -> None:
     # The same draws and the same figure, to rounding.
     x = np.random.default_rng(count).random(count)
-    np.testing.assert_allclose(sure(x, middle=True), interval(x), atol=1e-12)
-    np.testing.assert_allclose(sure(x), interval(x, of=lambda y: float(y.mean())), atol=1e-12)
+    np.testing.assert_allclose(mean_interval(x, middle=True), interval(x), atol=1e-12)
+    np.testing.assert_allclose(
+        mean_interval(x), interval(x, of=lambda y: float(y.mean())), atol=1e-12
+    )
 
 
 def test_the_quick_study_ends_with_every_control_beside_each_claim(tmp_path: Path) -> None:
     file = tmp_path / "study.json"
-    assert main(["--quick", "--json", str(file)]) == 0
+    assert main(["--quick", "--json", str(file), "--out", str(tmp_path)]) == 0
     told = json.loads(file.read_text())
     shelf = next(each for each in told["figures"] if each["source"] != "formula")
     controls = {"hold still", "oracle", "no source", "features", "manifold, sign flipped"}

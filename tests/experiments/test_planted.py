@@ -64,7 +64,9 @@ def test_what_the_original_had_already_names_nothing() -> None:
     assert judged(replace(PLANT, codes=frozenset({"mimic"})), [known], [], "ok")["found"] == []
 
 
-def test_a_dry_run_says_where_the_defects_go(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_dry_run_says_where_the_defects_go(
+    real_robots: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     if not packaged_root().is_dir():
         pytest.skip("example-robot-data is not installed")
     assert main(["--dry", "--per-class", "2", "--defect", "lost-base"]) == 0
@@ -73,17 +75,23 @@ def test_a_dry_run_says_where_the_defects_go(capsys: pytest.CaptureFixture[str])
     assert all(line.startswith("lost-base") for line in said)
 
 
-def test_without_descriptions_the_study_says_what_to_do(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+def test_a_part_of_the_originals_is_not_enough(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("experiments.planted.originals", list)
-    assert main([]) == 2
-    assert "MORPH_ROBOTS" in capsys.readouterr().err
+    monkeypatch.setenv("MORPH_ROBOTS", str(tmp_path))
+    assert main(["--dry"]) == 2
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert "files of aqua are not there" in said.err
+    assert "MORPH_ROBOTS" in said.err
 
 
 @pytest.mark.parametrize("talkative", [False, True])
 def test_an_importer_that_says_the_same_of_every_copy_names_nothing(
-    talkative: bool, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    real_robots: Path,
+    talkative: bool,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     if not packaged_root().is_dir():
         pytest.skip("example-robot-data is not installed")

@@ -48,7 +48,7 @@ def test_parts_that_cannot_be_printed_are_named(
     trimesh.creation.box((12, 12, 6)).export(tmp_path / "cube.stl")
     torn = trimesh.creation.icosphere(subdivisions=1, radius=5)
     trimesh.Trimesh(torn.vertices, torn.faces[:40]).export(tmp_path / "torn.stl")
-    assert main([str(tmp_path), "--json", "--workers", "1", "--as-given"]) == 0
+    assert main([str(tmp_path), "--json", "--as-given", "--out", str(tmp_path / "cells")]) == 0
     told = json.loads(capsys.readouterr().out)
     assert [each["part"] for each in told["parts"]] == ["cube", "torn"]
     assert abs(told["parts"][0]["mass_percent"]) < 8.0
