@@ -1,7 +1,9 @@
 # `make demo` and `make test` do everything, on a machine with only make and Python 3.11.
-# Set VENV to install elsewhere, PYTHON to choose an interpreter.
+# Set VENV to install elsewhere, PYTHON to choose an interpreter, WORKERS for how many test at once.
 
 VENV ?= .venv
+# One more than the cores of a small machine: tests wait for browsers and for processes.
+WORKERS ?= 3
 PYTHON ?= $(shell for p in python3.11 python3 python3.12 python3.13; do \
 	$$p -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && echo $$p && break; done)
 
@@ -19,7 +21,7 @@ debs := chromium libgl1-mesa-dri libegl1 libgles2
 # What is printed is sliced by the real slicer.
 slicers := prusa-slicer PrusaSlicer
 
-.PHONY: help demo test install lint types arrows browser slicer fuzz clean
+.PHONY: help demo test install lint types arrows browser slicer fuzz mutants figures results clean
 
 help: ## Show this list
 	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1|\2/p' Makefile | awk -F '|' '{printf "%-16s%s\n", $$1, $$2}'
@@ -28,7 +30,7 @@ demo: $(stamp) ## Conceal a piece of physics, diagnose it, and compare the findi
 	@$(bin)/python -m experiments.demo
 
 test: lint types arrows browser slicer ## Check style, types and imports, then run every test
-	$(bin)/python -m pytest -n 2
+	$(bin)/python -m pytest -n $(WORKERS) --dist worksteal
 
 lint: $(stamp) ## Check style
 	$(bin)/ruff check .
@@ -58,6 +60,15 @@ slicer: ## See that there is a slicer to test prints with; as root on Debian, in
 
 fuzz: $(stamp) ## Feed every reader with spoiled files for an hour; what crashes is kept in out/fuzz
 	$(bin)/python -m experiments.fuzz_readers all --seconds 3600 --out out/fuzz
+
+figures: $(stamp) ## Write the tables of figures in README.md and experiments/README.md from the result files
+	$(bin)/python -m experiments.figures
+
+results: $(stamp) ## Print the commands of results that are missing or whose code has changed
+	@$(bin)/python -m experiments.figures --commands
+
+mutants: $(stamp) ## Plant small bugs one at a time, and count those that the tests notice; ARGS="--area gate" tries one area
+	$(bin)/python -m experiments.mutants --fresh $(ARGS)
 
 install: $(stamp) ## Set up what is missing, and no more
 

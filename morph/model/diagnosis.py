@@ -161,7 +161,7 @@ class Diagnosis:
     corrected_effects: tuple[Effect, ...] = ()
     """Effects that MuJoCo cannot hold, to be simulated by morph beside it."""
     residual: Mapping[str, Any] = field(default_factory=dict)
-    """Arrays of the learned residual that was kept; empty for none."""
+    """Arrays of the learned residual that training runs speak for; empty for none."""
 
     def summary(self) -> tuple[str, ...]:
         """Return the answer in words, a sentence each."""

@@ -39,13 +39,14 @@ def conclude(e: Evidence) -> Diagnosis:
     def size(model: str) -> float:
         return float(np.mean((errors[model] / unit) ** 2))
 
+    kept = "corrected_plus_residual"
     # Never worse than the nominal model on runs that neither has seen.
     worse = size("corrected") > size("nominal")
     if worse:
         predicted["corrected"], errors["corrected"] = predicted["nominal"], errors["nominal"]
-    kept = "corrected_plus_residual"
-    if kept in errors and (worse or size(kept) >= size("corrected")):
-        errors.pop(kept)
+        # It was learned beside the corrected model, and goes with it. No other held-out error
+        # decides about it: an error that chose a model is no measure of that model.
+        errors.pop(kept, None)
     verdict = _verdict(e, gained, worse)
     beside, mjcf = corrected(e, worse)
     before, after = (by_segment(e.scored, predicted[m], unit) for m in ("nominal", "corrected"))
@@ -106,7 +107,10 @@ def _table(e: Evidence, errors: dict[str, Array]) -> dict[str, dict[str, float]]
 
 
 def _residual(e: Evidence) -> tuple[LearnedResidual | None, Gain]:
-    """Return a residual learned beside the final model, and its cross-validated gain."""
+    """Return a residual learned beside the final model, and its cross-validated gain.
+
+    Training runs alone decide: the residual is used where this gain is sure.
+    """
     nothing = Gain(mean=0.0, low90=-np.inf)
     if e.search.out_of_time():
         return None, nothing

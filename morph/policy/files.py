@@ -10,6 +10,7 @@ import numpy as np
 from morph.arrays import JSON, Array
 from morph.errors import PolicyError
 from morph.policy.fields import most_of, whole_of
+from morph.regular_file import read_regular
 
 FILES = ("weights.safetensors", "policy.json")
 """What a policy consists of; the last makes it one."""
@@ -71,23 +72,16 @@ def read_tensors(path: Path) -> dict[str, Array]:
 def _read(path: Path) -> bytes:
     most = MOST_BYTES[path.name]
     try:
-        # A pipe would be waited for.
-        if not path.is_file():
-            raise PolicyError(
-                "there is no such file",
-                where=str(path),
-                fix=f"give a folder that holds {' and '.join(FILES)}",
-            )
-        with path.open("rb") as file:
-            content = file.read(most + 1)
+        return read_regular(path, most)
+    except FileNotFoundError as error:
+        raise PolicyError(
+            "there is no such file",
+            where=str(path),
+            fix=f"give a folder that holds {' and '.join(FILES)}",
+        ) from error
     except OSError as error:
         raise PolicyError(
             f"cannot be read: {error.strerror or error}",
             where=str(path),
-            fix="give a file that can be read",
+            fix="give a policy of morph's own, in plain files that can be read",
         ) from error
-    if len(content) > most:
-        raise PolicyError(
-            f"it is larger than {most} bytes", where=str(path), fix="give a policy of morph's own"
-        )
-    return content

@@ -12,6 +12,7 @@ from mujoco.batch import Batch
 
 from morph.arrays import Array, Mask
 from morph.body.robot import Robot
+from morph.sim.threads import batch_threads
 
 MOST_AT_ONCE = 8192
 """States whose links are placed at once; more would leave the processor's cache."""
@@ -65,7 +66,7 @@ class Moved:
         position = np.empty((len(rows), self.model.nbody, 3))
         rotation = np.empty((len(rows), self.model.nbody, 9))
         size = min(len(rows), MOST_AT_ONCE)
-        batch = Batch(self.model, size, 2 if size > 1 else 1)
+        batch = Batch(self.model, size, batch_threads(size))
         batch.reset(stage=mujoco.mjtStage.mjSTAGE_NONE.value)
         q, x, R = batch.bind("qpos"), batch.bind("xpos"), batch.bind("xmat")
         for first in range(0, len(rows), size):

@@ -16,6 +16,8 @@ from align.maps.files import read
 from morph.arrays import JSON, Array
 from morph.errors import OutputError
 from morph.files import sha256, write_whole
+from morph.npz import load_npz
+from morph.regular_file import read_regular
 from morph.transfer.crossing import Crossing, Curve, parts_said
 from morph.transfer.parts import Arrow, Parts
 from morph.transfer.record import Guard
@@ -83,19 +85,18 @@ class HopsKept:
         """Return a finished hop, or None if it is yet to be made, or was spoilt."""
         folder = self._folder(number)
         try:
-            said = json.loads(_bytes(folder / TOLD))
+            said = json.loads(read_regular(folder / TOLD, MOST_BYTES))
             crossing = _crossing(said)
             mine = crossing.map == map_name(number)
             if not mine or sha256(self.out / crossing.map) != said["map_sha256"]:
                 return None
-            # Read whole first: of a spoilt file numpy would leave the handle open.
-            data = _bytes(folder / LAW)
+            data = read_regular(folder / LAW, MOST_BYTES)
             if sha256(data) != said["law_sha256"]:
                 return None
             # What is lacking of it fails here, where the hop can still be made anew.
             crossing.said()
-            with np.load(io.BytesIO(data), allow_pickle=False) as held:
-                law = {name: np.asarray(held[name], dtype=float) for name in NUMBERS}
+            held = load_npz(data, MOST_BYTES)
+            law = {name: np.asarray(held[name], dtype=float) for name in NUMBERS}
             gain, step = law["gain"], law["step"]
             fits = gain.shape[:1] == law["shift"].shape and step.shape == (
                 gain.shape[1],
@@ -129,15 +130,9 @@ def write_map(path: Path, body_map: BodyMap) -> None:
     write_whole(path, held.getvalue())
 
 
-def _bytes(path: Path) -> bytes:
-    if path.stat().st_size > MOST_BYTES:
-        raise ValueError(f"{path.name} is larger than {MOST_BYTES} bytes")
-    return path.read_bytes()
-
-
 def _check(state: Path, said: Mapping[str, str]) -> None:
     try:
-        before = json.loads(state.read_text(encoding="utf-8"))
+        before = json.loads(read_regular(state, MOST_BYTES))
         other = [name for name, value in said.items() if before[name] != value]
     except (ValueError, KeyError, TypeError, OSError, RecursionError) as error:
         raise OutputError(

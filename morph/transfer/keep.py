@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import json
-import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -13,8 +12,10 @@ import numpy as np
 from morph.arrays import Array
 from morph.errors import OutputError, PolicyError
 from morph.files import write_whole
+from morph.npz import load_npz
 from morph.policy.policy import Policy
 from morph.policy.store import load_policy, write_policy
+from morph.regular_file import read_regular
 from morph.search.target import Experience
 from morph.task.task import Task
 from morph.transfer.tried import Tried
@@ -23,9 +24,9 @@ STATE, TRIALS, SHOWN, ORIGIN = "loop.json", "trials", "experience.npz", "origin.
 """Whose trials a folder holds; and of each trial what it showed, and where its policy came from."""
 
 MOST_BYTES = 50_000_000
-"""Largest file of a trial that is read."""
+"""Most bytes of a file of a trial, and of the numbers in it."""
 
-SPOILT = (PolicyError, KeyError, TypeError, ValueError, EOFError, OSError, zipfile.BadZipFile)
+SPOILT = (PolicyError, KeyError, TypeError, ValueError, OSError, RecursionError)
 """What reading a spoilt file may raise."""
 
 
@@ -85,7 +86,7 @@ class Keep:
             return None
         try:
             policy = load_policy(folder / "policy", self.task.robot)
-            origin = str(json.loads((folder / ORIGIN).read_text())["origin"])
+            origin = str(json.loads(read_regular(folder / ORIGIN, MOST_BYTES))["origin"])
             return Tried(policy=policy, experience=_read(folder / SHOWN), origin=origin)
         except SPOILT as error:
             raise OutputError(
@@ -97,9 +98,9 @@ class Keep:
 
 def _check(state: Path, said: Mapping[str, str]) -> None:
     try:
-        before = json.loads(state.read_text())
+        before = json.loads(read_regular(state, MOST_BYTES))
         other = [name for name, value in said.items() if before[name] != value]
-    except (ValueError, KeyError, TypeError, OSError) as error:
+    except (ValueError, KeyError, TypeError, OSError, RecursionError) as error:
         raise OutputError(
             f"it is no state of a loop: {error}",
             where=str(state),
@@ -114,11 +115,8 @@ def _check(state: Path, said: Mapping[str, str]) -> None:
 
 
 def _read(path: Path) -> Experience:
-    if path.stat().st_size > MOST_BYTES:
-        raise ValueError(f"{path.name} is larger than {MOST_BYTES} bytes")
-    # Read whole first: of a spoilt file numpy would leave the handle open.
-    with np.load(io.BytesIO(path.read_bytes()), allow_pickle=False) as held:
-        arrays = {name: np.asarray(held[name], dtype=float) for name in held.files}
+    held = load_npz(path, MOST_BYTES)
+    arrays = {name: np.asarray(value, dtype=float) for name, value in held.items()}
     return Experience(
         position=arrays["position"],
         velocity=arrays["velocity"],

@@ -170,7 +170,7 @@ def test_the_bridge_to_ros_ends_when_morph_is_gone(ros: Path) -> None:
         input='{"begin": {}}\n{"command": {"slide": 1.0}}\n',
         capture_output=True,
         text=True,
-        timeout=20.0,
+        timeout=60.0,
         check=False,
     )
     assert (run.returncode, run.stderr) == (0, "")

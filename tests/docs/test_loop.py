@@ -9,7 +9,7 @@ from pathlib import Path
 
 import morph.transfer
 from morph.app.cli.arguments import Loop
-from morph.app.cli.loop_folder import RECORDED, RESULTS, SOURCE
+from morph.app.cli.outputs import LOOP, RECORDED
 from morph.app.report.loop.words import FIGURES
 from morph.transfer.keep import STATE, TRIALS
 
@@ -23,7 +23,11 @@ def test_every_option_of_the_page_is_one_of_the_command_and_the_other_way_round(
 
 
 def test_every_file_and_every_figure_is_on_the_page() -> None:
-    folders = {name.partition("/")[0] for name in (*RESULTS, *SOURCE)} | {STATE, TRIALS, RECORDED}
+    folders = {name.partition("/")[0] for name in (*LOOP.results, *LOOP.progress)} | {
+        STATE,
+        TRIALS,
+        RECORDED,
+    }
     assert {name for name in folders if f"`{name}" not in TEXT} == set()
     assert {name for name in FIGURES if f"`{name}" not in TEXT} == set()
 

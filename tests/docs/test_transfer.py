@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from morph.app.cli.align_arguments import Transfer
-from morph.app.cli.transfer_folder import TRANSFER
+from morph.app.cli.outputs import TRANSFER
 from morph.app.report.transfer.words import NAMED
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
@@ -24,7 +24,7 @@ def test_every_option_of_the_page_is_one_of_the_command_and_the_other_way_round(
 
 
 def test_every_file_and_every_control_is_on_the_page() -> None:
-    folders = {name.partition("/")[0] for name in (*TRANSFER.results, *TRANSFER.kept)}
+    folders = {name.partition("/")[0] for name in (*TRANSFER.results, *TRANSFER.progress)}
     assert {name for name in folders if f"`{name}" not in TEXT} == set()
     assert {name for name in NAMED if f"`{name}`" not in TEXT} - {"transfer"} == set()
 

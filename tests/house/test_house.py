@@ -3,6 +3,7 @@
 import ast
 import re
 import subprocess
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -22,6 +23,7 @@ CONTRACT = "test_contract.py"
 """One file tests all that a family promises, however much that is."""
 
 
+@cache
 def tracked(pattern: str = "*") -> list[Path]:
     listed = subprocess.run(
         ["git", "ls-files", "-z", pattern], cwd=ROOT, capture_output=True, text=True, check=True
@@ -29,10 +31,22 @@ def tracked(pattern: str = "*") -> list[Path]:
     return [path for name in listed.stdout.split("\0") if name and (path := ROOT / name).is_file()]
 
 
-def imported(file: Path) -> set[str]:
+@cache
+def text_of(file: Path) -> str:
+    return file.read_text(encoding="utf-8", errors="replace")
+
+
+@cache
+def looked_at(file: Path) -> tuple[bool, frozenset[str]]:
+    """Return whether a module says what it is, and what it imports; its tree is not kept."""
+    tree = ast.parse(file.read_text(encoding="utf-8"))
+    return ast.get_docstring(tree) is not None, frozenset(imported(tree))
+
+
+def imported(tree: ast.Module) -> set[str]:
     """Return the modules that `import x` and `from x import y` name in a file."""
     names = set()
-    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+    for node in ast.walk(tree):
         if isinstance(node, ast.Import):
             names |= {f"import {alias.name}" for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
@@ -49,16 +63,15 @@ def test_no_file_names(what: str) -> None:
     found = [
         f"{file.relative_to(ROOT)}:{number}: {line.strip()[:80]}"
         for file in tracked()
-        for number, line in enumerate(
-            file.read_text(encoding="utf-8", errors="replace").splitlines(), 1
-        )
+        if re.search(FOREIGN[what], text_of(file))
+        for number, line in enumerate(text_of(file).splitlines(), 1)
         if re.search(FOREIGN[what], line)
     ]
     assert found == []
 
 
 def test_no_file_is_too_long() -> None:
-    lines = {file: len(file.read_text(encoding="utf-8").splitlines()) for file in tracked("*.py")}
+    lines = {file: len(text_of(file).splitlines()) for file in tracked("*.py")}
     long = {file: n for file, n in lines.items() if n > LONGEST and file.name != CONTRACT}
     assert {str(file.relative_to(ROOT)): n for file, n in long.items()} == {}
 
@@ -67,8 +80,7 @@ def test_every_module_says_what_it_is() -> None:
     silent = [
         str(file.relative_to(ROOT))
         for file in tracked("*.py")
-        if not ast.get_docstring(ast.parse(file.read_text(encoding="utf-8")))
-        and not file.is_relative_to(ROOT / "tests")
+        if not file.is_relative_to(ROOT / "tests") and not looked_at(file)[0]
     ]
     assert silent == []
 
@@ -82,11 +94,11 @@ def test_nothing_reads_pickles_because_they_run_what_they_hold() -> None:
         "import joblib",
         "from joblib",
     }
-    assert [str(file) for file in tracked("*.py") if imported(file) & words] == []
+    assert [str(file) for file in tracked("*.py") if looked_at(file)[1] & words] == []
 
 
 def test_nothing_imports_print_whole_because_that_hides_the_builtin() -> None:
-    assert [str(file) for file in tracked("*.py") if "import print" in imported(file)] == []
+    assert [str(file) for file in tracked("*.py") if "import print" in looked_at(file)[1]] == []
 
 
 def test_no_folder_of_tests_is_a_package() -> None:

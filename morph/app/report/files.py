@@ -6,10 +6,8 @@ import io
 import json
 import math
 import os
-import shutil
 import tempfile
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -17,46 +15,61 @@ import numpy as np
 
 from morph.app.report.page import report_page
 from morph.arrays import JSON
+from morph.atomic_directory import atomic_directory
 from morph.errors import OutputError
 from morph.files import write_whole
-from morph.model.diagnosis import Diagnosis
+from morph.model.diagnosis import SCHEMA, Diagnosis
+from morph.regular_file import open_regular
 
 FILES = ("report.html", "corrected.xml", "corrected.toml", "residual.npz", "diagnosis.json")
 """All that a diagnosis may consist of; the last makes it one."""
 
 
 def write_diagnosis(diagnosis: Diagnosis, out: Path) -> None:
-    """Write a diagnosis into a folder, whole or not at all.
+    """Write a diagnosis into a folder, which is replaced whole or not at all.
 
-    The files are made in a temporary folder beside `out` and then moved into
-    place. Those of an earlier diagnosis are replaced one by one, `diagnosis.json`
-    last; other files in the folder stay.
+    An earlier diagnosis is there until the new one is; other files in the folder stay.
 
     Raises:
-        OutputError: `out` is a file, or a folder that holds something else; or it
-            cannot be written to; or the diagnosis holds a number that is not finite.
+        OutputError: `out` is a file, or a folder that holds something else, or the one where one
+            stands; or it cannot be written to; or the diagnosis holds a number that is not finite.
     """
     check_out(out)
     contents = _contents(diagnosis)
-    with _as_ours(out), _temporary(out.resolve()) as folder:
+    with atomic_directory(out, check_out, FILES) as folder:
         for name, content in contents.items():
             write_whole(folder / name, content)
-        if out.exists():
-            _replace(folder, out, set(contents))
-        else:
-            os.rename(folder, out)
+
+
+def _is_diagnosis(path: Path) -> bool:
+    """Return whether a file is a diagnosis of ours, however damaged its end."""
+    try:
+        with open_regular(path) as file:
+            return SCHEMA.encode() in file.read(4096)
+    except OSError:
+        return False
 
 
 def check_out(out: Path) -> None:
     """Refuse a place that a diagnosis must not be written to, before the work is done.
 
     Raises:
-        OutputError: `out` is a file, a folder that holds something else, or a place where
+        OutputError: `out` is a file, a link, a folder that holds something else, or a place where
             nothing can be written.
     """
-    with _as_ours(out):
-        foreign = out.is_dir() and any(out.iterdir()) and not (out / FILES[-1]).is_file()
-        taken = not out.is_dir() and (out.exists() or out.is_symlink())
+    try:
+        taken = out.is_symlink() or (out.exists() and not out.is_dir())
+        here = out.is_dir() and out.samefile(Path())
+        foreign = out.is_dir() and any(out.iterdir()) and not _is_diagnosis(out / FILES[-1])
+        standing = next(parent for parent in (out, *out.absolute().parents) if parent.exists())
+        if not (taken or foreign):
+            os.rmdir(tempfile.mkdtemp(dir=standing, prefix=".morph-"))
+    except OSError as error:
+        raise OutputError(
+            f"nothing can be written there: {error.strerror or error}",
+            where=str(out),
+            fix="name a folder that you may write to",
+        ) from error
     if foreign:
         raise OutputError(
             "the folder is not empty and holds no earlier diagnosis",
@@ -65,19 +78,16 @@ def check_out(out: Path) -> None:
         )
     if taken:
         raise OutputError(
-            "this is a file, and a diagnosis is a folder",
+            "this is a file or a link, and a diagnosis is a folder",
             where=str(out),
             fix="name a new or an empty folder",
         )
-    standing = next(parent for parent in (out, *out.absolute().parents) if parent.exists())
-    try:
-        os.rmdir(tempfile.mkdtemp(dir=standing, prefix=".morph-"))
-    except OSError as error:
+    if here:
         raise OutputError(
-            f"nothing can be written into {standing}: {error.strerror or error}",
+            "this is the folder where you stand, and a diagnosis replaces its folder whole",
             where=str(out),
-            fix="name a folder that you may write to",
-        ) from error
+            fix="name a folder in it",
+        )
 
 
 def _contents(diagnosis: Diagnosis) -> dict[str, str | bytes]:
@@ -132,37 +142,3 @@ def _arrays(arrays: Mapping[str, Any]) -> bytes:
     buffer = io.BytesIO()
     np.savez_compressed(buffer, **held)
     return buffer.getvalue()
-
-
-@contextmanager
-def _as_ours(out: Path) -> Iterator[None]:
-    """Turn what the system refuses into an error that says what to do."""
-    try:
-        yield
-    except OSError as error:
-        raise OutputError(
-            f"cannot write: {error.strerror or error}",
-            where=str(out),
-            fix="choose a folder that can be written to and has room",
-        ) from error
-
-
-@contextmanager
-def _temporary(out: Path) -> Iterator[Path]:
-    """Lend a folder beside `out` that is gone afterwards, however it ends."""
-    out.parent.mkdir(parents=True, exist_ok=True)
-    folder = Path(tempfile.mkdtemp(dir=out.parent, prefix=f".{out.name}."))
-    try:
-        folder.chmod(0o755)
-        yield folder
-    finally:
-        shutil.rmtree(folder, ignore_errors=True)
-
-
-def _replace(folder: Path, out: Path, made: set[str]) -> None:
-    """Put new files in the place of old ones, and take away old ones without a heir."""
-    for name in FILES:
-        if name in made:
-            os.replace(folder / name, out / name)
-        else:
-            (out / name).unlink(missing_ok=True)

@@ -21,6 +21,7 @@ from morph.model.latent.transit import Transit
 from morph.policy.observing import Observer
 from morph.policy.policy import LARGEST, Policy
 from morph.sim.rollout import Variant, quiet, rollout
+from morph.sim.threads import batch_threads
 from morph.task.moved import Moved
 from morph.task.task import Task
 
@@ -174,7 +175,7 @@ def _advance(
             return np.concatenate([q[:, -1], v[:, -1]], axis=1)
 
         return each
-    batch = Batch(variants[0].model, len(which), 2)
+    batch = Batch(variants[0].model, len(which), batch_threads(len(which)))
     batch.set_models([variants[at].model for at in which])
     batch.reset(stage=mujoco.mjtStage.mjSTAGE_NONE.value)
     q, v, control = batch.bind("qpos"), batch.bind("qvel"), batch.bind("ctrl")

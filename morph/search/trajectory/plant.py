@@ -18,6 +18,7 @@ from morph.policy.policy import actions_of
 from morph.search.trajectory.tangent import apart
 from morph.sim.rollout import Variant, quiet, rollout
 from morph.sim.simulator import Simulator
+from morph.sim.threads import batch_threads
 
 HUGE = 1e6
 """Position or velocity, in its unit, from which a row counts as unstable."""
@@ -177,7 +178,7 @@ class Plant(Stepped):
         if rows not in self._kept:
             if len(self._kept) >= MOST_KEPT:
                 self._kept.pop(next(iter(self._kept)))
-            self._kept[rows] = Batch(self.model, rows, 2 if rows > 16 else 1)
+            self._kept[rows] = Batch(self.model, rows, batch_threads(rows, worth=17))
             self._kept[rows].reset(stage=mujoco.mjtStage.mjSTAGE_NONE.value)
         return self._kept[rows]
 

@@ -14,6 +14,7 @@ from morph.physics.effect import Effect, stacked
 from morph.physics.fluid.settle import batches
 from morph.sim.drive import received
 from morph.sim.rollout import Rows, quiet
+from morph.sim.threads import batch_threads
 from morph.task.moved import Places
 from morph.task.task import Task
 
@@ -40,7 +41,7 @@ class Plant:
                 where=f"robot {task.robot.name} in a fluid, which runs in numpy here",
                 fix="install a C compiler, or `pip install ziglang`, which brings one",
             )
-        self._batch = Batch(self.model, rows, 2 if rows > 1 else 1)
+        self._batch = Batch(self.model, rows, batch_threads(rows))
         self._batch.reset(stage=mujoco.mjtStage.mjSTAGE_NONE.value)
         self.position, self.velocity = self._batch.bind("qpos"), self._batch.bind("qvel")
         self._control = self._batch.bind("ctrl")

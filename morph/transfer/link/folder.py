@@ -9,6 +9,7 @@ from pathlib import Path
 
 from morph.errors import LinkDropped, OutputError
 from morph.files import write_whole
+from morph.regular_file import open_regular
 from morph.transfer.link.link import Link
 from morph.transfer.link.message import MOST_BYTES
 
@@ -56,9 +57,10 @@ class FolderLink(Link):
         try:
             files = sorted(x for x in self._receives.iterdir() if x.name.endswith(ENDING))
             for file in files[:MOST_AT_ONCE]:
-                if file.name.startswith("."):
+                # What is no regular file is nobody's message; a pipe would be waited for.
+                if file.name.startswith(".") or not file.is_file():
                     continue
-                with file.open("rb") as content:
+                with open_regular(file) as content:
                     found.append(content.read(MOST_BYTES + 1))
                 file.unlink()
         except OSError as error:

@@ -19,6 +19,7 @@ from morph.policy.files import FILES, MOST_BYTES
 from morph.policy.policy import Policy
 from morph.policy.said import hash_of
 from morph.policy.store import write_policy
+from morph.regular_file import read_regular
 from morph.search.target import Experience
 
 MOST_SAMPLES = 100_000
@@ -33,7 +34,7 @@ def offer_of(policy: Policy, robot: Robot, *, version: int) -> JSON:
     """
     with tempfile.TemporaryDirectory() as folder:
         path = write_policy(policy, Path(folder) / "policy", robot)
-        files = {name: (path / name).read_bytes() for name in FILES}
+        files = {name: read_regular(path / name, MOST_BYTES[name]) for name in FILES}
     return {
         "version": version,
         "robot_sha256": hash_of(robot),

@@ -10,13 +10,17 @@ from typing import Any
 from morph.body.robot import Robot
 from morph.errors import MorphError, PolicyError
 from morph.files import sha256, write_whole
-from morph.policy.files import FILES
+from morph.policy.files import FILES, MOST_BYTES
 from morph.policy.policy import Policy, actions_of
 from morph.policy.store import load_policy, write_policy
+from morph.regular_file import read_regular
 from morph.transfer.link.offer import files_of, refused
 
 STATE = "policies.json"
 """The file that says which policy is which; each change of it is whole or not at all."""
+
+MOST_STATE = 2**20
+"""Longest `policies.json`, bytes; a number each of a hundred thousand policies."""
 
 SCHEMA = "morph.policies/1"
 """Its schema."""
@@ -156,7 +160,7 @@ class Policies:
 
 def _holds(folder: Path, files: Mapping[str, bytes]) -> bool:
     try:
-        return all((folder / name).read_bytes() == files[name] for name in FILES)
+        return all(read_regular(folder / name, MOST_BYTES[name]) == files[name] for name in FILES)
     except OSError:
         return False
 
@@ -164,10 +168,10 @@ def _holds(folder: Path, files: Mapping[str, bytes]) -> bool:
 def _state(path: Path) -> dict[str, Any]:
     """Return what a file says of the policies; that there is the first alone if it is spoilt."""
     try:
-        said = json.loads(path.read_bytes())
+        said = json.loads(read_regular(path, MOST_STATE))
         state = said["state"]
         if said["sha256"] == sha256(json.dumps(state)) and said["schema"] == SCHEMA:
             return dict(state)
-    except (OSError, ValueError, KeyError, TypeError):
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
         pass
     return {"safe": [0], "newest": 0, "staged": None}

@@ -12,9 +12,9 @@ import morph.make
 from morph.body.load import load
 from morph.body.robot import Robot
 from morph.errors import MakeError, OutputError
-from morph.make.aside import aside
 from morph.make.content import Package
 from morph.make.package import DESIGNED, ROBOT, write_content, write_parts, write_robots
+from morph.make.package_folder import check_out, package_folder
 from morph.make.reading import read_package
 
 SCHEMA = json.loads((Path(morph.make.__file__).parent / "package.schema.json").read_text())
@@ -23,7 +23,7 @@ SCHEMA = json.loads((Path(morph.make.__file__).parent / "package.schema.json").r
 @pytest.fixture
 def written(tmp_path: Path, package: Package, pendulum: Robot) -> Path:
     folder = tmp_path / "package"
-    with aside(folder) as made:
+    with package_folder(folder) as made:
         robot = write_robots(made, pendulum, package)
         package = replace(package, made_sha256=robot.sha256, readings={"bar": 0.015})
         files = write_parts(made, package.job, {"Title": package.title})
@@ -112,7 +112,7 @@ def test_what_is_no_package_is_refused(tmp_path: Path, content: bytes) -> None:
 
 def test_a_failure_on_the_way_leaves_the_earlier_package(written: Path) -> None:
     before = (written / "package.json").read_bytes()
-    with pytest.raises(ValueError, match=r"on the way"), aside(written) as made:  # noqa: PT012
+    with pytest.raises(ValueError, match=r"on the way"), package_folder(written) as made:  # noqa: PT012
         (made / "half").write_text("half")
         raise ValueError("on the way")
     assert (written / "package.json").read_bytes() == before
@@ -123,7 +123,50 @@ def test_nothing_is_written_over_what_is_no_package(tmp_path: Path) -> None:
     (tmp_path / "letter.txt").write_text("dear")
     with (
         pytest.raises(OutputError, match=r"holds no earlier package"),
-        aside(tmp_path),
+        package_folder(tmp_path),
     ):
         pass
     assert (tmp_path / "letter.txt").read_text() == "dear"
+
+
+def rewrite(folder: Path, package: Package, robot: Robot) -> None:
+    with package_folder(folder) as made:
+        write_robots(made, robot, package)
+        write_content(made, package, write_parts(made, package.job, {}))
+
+
+def test_what_a_user_put_beside_a_package_stays_when_it_is_made_anew(
+    written: Path, package: Package, pendulum: Robot
+) -> None:
+    (written / "notes.txt").write_text("precious")
+    (written / "photos").mkdir()
+    (written / "photos" / "one.jpg").write_bytes(b"\xff\xd8")
+    rewrite(written, package, pendulum)
+    assert (written / "notes.txt").read_text() == "precious"
+    assert (written / "photos" / "one.jpg").read_bytes() == b"\xff\xd8"
+    assert [each.name for each in written.parent.iterdir()] == ["package"]
+
+
+@pytest.mark.parametrize("name", ["parts/mine.stl", "robot/notes.txt", "policy/mine.txt"])
+def test_a_user_s_file_in_a_folder_of_a_package_is_never_deleted(name: str, written: Path) -> None:
+    (written / name).parent.mkdir(exist_ok=True)
+    (written / name).write_text("mine")
+    with (
+        pytest.raises(OutputError, match=rf"{name}: .*would be deleted"),
+        package_folder(written),
+    ):
+        pass
+    assert (written / name).read_text() == "mine"
+
+
+def test_a_package_whose_list_of_files_is_gone_is_not_replaced(written: Path) -> None:
+    (written / ".morph.files").unlink()
+    with pytest.raises(OutputError, match="missing or damaged"), package_folder(written):
+        pass
+    assert (written / "package.json").is_file()
+
+
+def test_the_current_folder_is_not_replaced(written: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(written)
+    with pytest.raises(OutputError, match=r"this is the current folder"):
+        check_out(Path("."))

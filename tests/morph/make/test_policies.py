@@ -13,9 +13,9 @@ import pytest
 from morph.body.load import load
 from morph.body.robot import Robot
 from morph.errors import MakeError, PolicyError
-from morph.make.aside import aside
 from morph.make.content import Package
 from morph.make.package import DESIGNED, POLICY, ROBOT, write_content, write_parts, write_robots
+from morph.make.package_folder import package_folder
 from morph.make.policies import matched_in, policies_in, task_of
 from morph.make.reading import read_package
 from morph.make.weigh import write_weighed
@@ -47,7 +47,7 @@ def learned(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture
 def written(tmp_path: Path, package: Package, pendulum: Robot, learned: Path) -> Path:
     folder = tmp_path / "package"
-    with aside(folder) as made:
+    with package_folder(folder) as made:
         robot = write_robots(made, pendulum, package)
         _, said = matched_in(made, learned, pendulum, seconds=SHORT)
         files = write_parts(made, package.job, {"Title": package.title})
@@ -81,7 +81,7 @@ def test_a_policy_that_holds_keeps_holding_where_a_part_weighs_a_little_more(
     written: Path,
 ) -> None:
     package = read_package(written)
-    with aside(written) as made:
+    with package_folder(written) as made:
         found = write_weighed(written, made, package, {"bar": 0.0102}, seconds=SHORT)
     assert found.matched is not None
     assert found.matched.by == "unchanged"
@@ -93,7 +93,7 @@ def test_a_policy_that_holds_keeps_holding_where_a_part_weighs_a_little_more(
 
 def test_a_policy_is_matched_again_where_a_part_weighs_far_more(written: Path) -> None:
     package = read_package(written)
-    with aside(written) as made:
+    with package_folder(written) as made:
         found = write_weighed(written, made, package, {"ball": 0.5}, seconds=SHORT)
     assert found.package.policy is not None
     assert found.package.policy.verdict in {"holds", "matched"}
@@ -106,7 +106,7 @@ def test_a_policy_is_matched_again_where_a_part_weighs_far_more(written: Path) -
 
 def test_a_robot_that_weighs_the_same_keeps_its_policy_to_the_byte(written: Path) -> None:
     before = (written / POLICY / "policy.json").read_bytes()
-    with aside(written) as made:
+    with package_folder(written) as made:
         found = write_weighed(written, made, read_package(written), {}, seconds=SHORT)
     assert found.matched is None
     assert (written / POLICY / "policy.json").read_bytes() == before

@@ -152,8 +152,6 @@ def test_no_way_is_begun_once_the_time_is_up(learned: Linear) -> None:
     found = rematch(broken(learned), BALANCE, CART, learned=learned, matchers=ways, seconds=SHORT)
     # One way alone has its turn, or none where judging took all of the time.
     assert [each.by for each in found.tried] in ([UNCHANGED, "slow"], [UNCHANGED], [])
-    # A judgement of ten runs may take seconds on a busy machine; alone it takes hundredths.
-    assert found.seconds < SHORT + 10.0
 
 
 @pytest.mark.parametrize("seconds", [-1.0, float("nan"), float("inf")])

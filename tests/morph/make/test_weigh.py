@@ -14,9 +14,9 @@ import pytest
 from morph.body.load import load
 from morph.body.robot import Robot
 from morph.errors import MakeError
-from morph.make.aside import aside
 from morph.make.content import Package
 from morph.make.package import write_content, write_parts, write_robots
+from morph.make.package_folder import package_folder
 from morph.make.reading import read_package
 from morph.make.weigh import Weighed, write_weighed
 
@@ -25,7 +25,7 @@ from morph.make.weigh import Weighed, write_weighed
 def written(tmp_path: Path, package: Package, pendulum: Robot) -> Path:
     """The pendulum of two bars, written without a policy."""
     folder = tmp_path / "package"
-    with aside(folder) as made:
+    with package_folder(folder) as made:
         robot = write_robots(made, pendulum, package)
         files = write_parts(made, package.job, {"Title": package.title})
         write_content(made, replace(package, made_sha256=robot.sha256), files)
@@ -35,7 +35,7 @@ def written(tmp_path: Path, package: Package, pendulum: Robot) -> Path:
 def weigh(folder: Path, **grams: float) -> Weighed:
     package = read_package(folder)
     shown = dict(package.readings) | {part: 1e-3 * each for part, each in grams.items()}
-    with aside(folder) as made:
+    with package_folder(folder) as made:
         return write_weighed(folder, made, package, shown, seconds=1.0)
 
 
@@ -102,7 +102,7 @@ def test_forgetting_every_reading_gives_the_masses_that_were_predicted(written: 
     weigh(written, bar=12.0)
     assert load(written / "robot").links != before
     package = read_package(written)
-    with aside(written) as made:
+    with package_folder(written) as made:
         write_weighed(written, made, package, {}, seconds=1.0)
     assert load(written / "robot").links == before
     assert read_package(written).links[0].source == "estimate"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -23,6 +24,7 @@ from morph.transfer.keep import Keep
 from morph.transfer.loop import Loop, Transferred, concluded, worth_trying
 
 SEED = 100
+LOOP, KEY = Loop(trials=2, seed=SEED), {"seed": str(SEED)}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,6 +39,21 @@ class Dying(Target):
         if len(self.count) >= self.after:
             raise TransferError("it stopped answering", where="a target", fix="switch it on")
         self.count.append(1)
+        return self.target.trial(policy, rng)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Copying(Target):
+    """A target that copies a loop's folder as each trial begins: what a kill would leave then."""
+
+    target: Simulated
+    folder: Path
+    copies: list[Path]
+
+    def trial(self, policy: Policy | Array, rng: np.random.Generator) -> Experience:
+        copy = self.folder.with_name(f"killed in trial {len(self.copies) + 1}")
+        shutil.copytree(self.folder, copy)
+        self.copies.append(copy)
         return self.target.trial(policy, rng)
 
 
@@ -56,8 +73,14 @@ def long_pole(task: Task) -> Simulated:
 
 
 @pytest.fixture(scope="module")
-def carried(task: Task, source: Policy) -> Transferred:
-    return Loop(trials=2, seed=SEED).run(task, source, long_pole(task))
+def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("loop") / "out"
+
+
+@pytest.fixture(scope="module")
+def carried(task: Task, source: Policy, out: Path) -> Transferred:
+    target = Copying(target=long_pole(task), folder=out, copies=[])
+    return LOOP.run(task, source, target, keep=Keep(out, task, KEY))
 
 
 def test_a_pole_of_twice_the_length_swings_up_in_the_second_trial(
@@ -96,19 +119,26 @@ def test_a_target_that_is_as_described_keeps_the_policy_after_one_trial(
 
 
 def test_a_killed_loop_goes_on_at_the_trial_it_was_in(
-    carried: Transferred, task: Task, source: Policy, tmp_path: Path
+    carried: Transferred, task: Task, source: Policy, out: Path
 ) -> None:
-    loop, key = Loop(trials=2, seed=SEED), {"seed": str(SEED)}
-    dying = Dying(target=long_pole(task), after=1, count=[])
-    with pytest.raises(TransferError, match="stopped answering"):
-        loop.run(task, source, dying, keep=Keep(tmp_path / "out", task, key))
-    # The first trial is not made again: another target that dies after one more suffices.
+    keep = Keep(out.with_name("killed in trial 2"), task, KEY)
+    assert keep.trial(1) is None
+    # The first trial is not made again: a target that dies after one more suffices.
     again = Dying(target=long_pole(task), after=1, count=[])
-    found = loop.run(task, source, again, keep=Keep(tmp_path / "out", task, key))
+    found = LOOP.run(task, source, again, keep=keep)
     assert len(again.count) == 1
     assert found.policy == carried.policy
     second, uninterrupted = (each.rounds[1].tried.experience for each in (found, carried))
     assert np.array_equal(second.position, uninterrupted.position)
+
+
+def test_a_target_that_stops_answering_leaves_its_trial_unfinished(
+    task: Task, source: Policy, tmp_path: Path
+) -> None:
+    keep = Keep(tmp_path / "out", task, KEY)
+    with pytest.raises(TransferError, match="stopped answering"):
+        LOOP.run(task, source, Dying(target=long_pole(task), after=0, count=[]), keep=keep)
+    assert keep.trial(0) is None
 
 
 def test_a_folder_of_another_loop_is_refused(task: Task, tmp_path: Path) -> None:

@@ -1,5 +1,4 @@
 import json
-import os
 from dataclasses import replace
 from pathlib import Path
 
@@ -71,14 +70,28 @@ def test_no_correction_of_an_earlier_diagnosis_survives_and_other_files_do(
     assert names(tmp_path) == {"out"}
 
 
-def test_the_current_folder_can_take_a_diagnosis(
+def test_the_folder_where_one_stands_is_refused_since_it_is_replaced_whole(
     consistent: Diagnosis, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "out").mkdir()
     monkeypatch.chdir(tmp_path / "out")
-    write_diagnosis(consistent, Path())
-    assert names(tmp_path / "out") == {"diagnosis.json", "report.html"}
-    assert names(tmp_path) == {"out"}
+    for out in (Path(), Path("../out")):
+        with pytest.raises(OutputError, match=r"the folder where you stand"):
+            write_diagnosis(consistent, out)
+    write_diagnosis(consistent, Path("in it"))
+    assert names(tmp_path / "out") == {"in it"}
+
+
+def test_a_home_with_a_diagnosis_in_it_is_not_replaced(
+    consistent: Diagnosis, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    home = tmp_path / "home"
+    (home / "me").mkdir(parents=True)
+    (home / "diagnosis.json").write_text('{"schema": "morph.diagnosis/1"}')
+    monkeypatch.setenv("HOME", str(home / "me"))
+    with pytest.raises(OutputError, match=r"your home lies in this folder"):
+        write_diagnosis(consistent, home)
+    assert names(home) == {"diagnosis.json", "me"}
 
 
 @pytest.mark.parametrize("stop", [KeyboardInterrupt(), OSError(28, "No space left on device")])
@@ -110,24 +123,6 @@ def test_a_run_that_stops_midway_leaves_what_was_there(
     assert ({p.name: p.read_bytes() for p in out.iterdir()} if before else {}) == old
 
 
-def test_diagnosis_json_is_put_in_place_last(
-    mismatch: Diagnosis, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    (tmp_path / "out").mkdir()
-    moved = []
-    replaced = os.replace
-
-    def watched(source: Path, target: Path) -> None:
-        replaced(source, target)
-        if Path(target).parent == tmp_path / "out":
-            moved.append(Path(target).name)
-
-    monkeypatch.setattr(os, "replace", watched)
-    write_diagnosis(mismatch, tmp_path / "out")
-    assert moved[-1] == "diagnosis.json"
-    assert set(moved) == set(FILES)
-
-
 def test_a_folder_that_holds_something_else_is_refused(
     consistent: Diagnosis, tmp_path: Path
 ) -> None:
@@ -139,9 +134,18 @@ def test_a_folder_that_holds_something_else_is_refused(
     assert names(tmp_path) == {"thesis.tex"}
 
 
+def test_a_user_s_own_file_of_that_name_is_no_earlier_diagnosis(
+    consistent: Diagnosis, tmp_path: Path
+) -> None:
+    (tmp_path / "diagnosis.json").write_text('{"patient": "me"}')
+    with pytest.raises(OutputError, match="holds no earlier diagnosis"):
+        write_diagnosis(consistent, tmp_path)
+    assert (tmp_path / "diagnosis.json").read_text() == '{"patient": "me"}'
+
+
 def test_a_file_is_refused(consistent: Diagnosis, tmp_path: Path) -> None:
     (tmp_path / "out").write_text("precious")
-    with pytest.raises(OutputError, match="this is a file, and a diagnosis is a folder"):
+    with pytest.raises(OutputError, match="this is a file or a link, and a diagnosis is a folder"):
         write_diagnosis(consistent, tmp_path / "out")
     assert (tmp_path / "out").read_text() == "precious"
 

@@ -23,7 +23,6 @@ def test_rounds_end_with_the_first_success(source: Source, plan: Policy, rough: 
     assert found[-1].shown.success
     assert len(found) == 2
     assert best(found) is found[-1]
-    assert found[-1].seconds < 10.0
 
 
 def test_more_rounds_are_made_of_all_runs_so_far(

@@ -1,10 +1,13 @@
 from __future__ import annotations
 
+import gc
 import json
 import os
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 import pytest
@@ -20,10 +23,16 @@ from morph.transfer.live.process import Process
 from morph.transfer.live.watch import Watch
 
 PUSH = np.full((10, 1), 1.0)
-QUICK = Watch(answer_within=0.3, stop_within=0.3, open_within=5.0, begin_within=5.0, unreadable=30)
+STEADY = Watch(
+    answer_within=60.0, stop_within=60.0, open_within=60.0, begin_within=60.0, unreadable=30
+)
+"""Waits for a target that is well, however busy the machine is."""
+
+HASTY = replace(STEADY, answer_within=2.0, stop_within=0.2)
+"""Waits for one that will not answer."""
 
 
-def live(swing: Task, process: Process, watch: Watch = QUICK) -> Live:
+def live(swing: Task, process: Process, watch: Watch = STEADY) -> Live:
     return Live(swing, process, watch=watch)
 
 
@@ -52,7 +61,7 @@ def test_lines_that_are_no_messages_are_survived_up_to_a_number(
     swing: Task, speaking: object
 ) -> None:
     # Four lines before each of eleven states.
-    patient = Watch(unreadable=44, open_within=5.0)
+    patient = replace(STEADY, unreadable=44)
     target = live(swing, speaking(NOISY), patient)  # type: ignore[operator]
     assert len(target.trial(PUSH, np.random.default_rng(0)).position) == 11
     assert target.conduct is not None
@@ -71,6 +80,7 @@ def stream(begun):
     for k in range(11):
         time.sleep(max(0.0, begun + 0.05 * k - time.monotonic()))
         say({"t": 0.05 * k, "state": state(k)})
+        log(f"state {k}")
 def on_state(k, said):
     if k == 0:
         threading.Thread(target=stream, args=(time.monotonic(),)).start()
@@ -78,17 +88,21 @@ def on_state(k, said):
 
 
 class Slow(Linear):
-    """Thinks for 0.12 s once, at 0.1 s; commands ten times the time."""
+    """Thinks once, at 0.1 s, until the target has said more; commands ten times the time."""
+
+    log: ClassVar[Path]
 
     def act(self, observation: Array, time_: Array) -> Array:
-        if abs(time_[0] - 0.1) < 1e-9:
-            time.sleep(0.12)
+        # The state at 0.3 s is two after the ones that are missed for certain.
+        while abs(time_[0] - 0.1) < 1e-9 and "state 6" not in self.log.read_text():
+            time.sleep(0.001)
         return 10.0 * np.asarray(time_)[:, None]
 
 
 def test_a_policy_that_is_too_slow_holds_its_last_command_and_is_counted(
-    swing: Task, speaking: object, log: Path
+    swing: Task, speaking: object, log: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr(Slow, "log", log, raising=False)
     policy = Slow(
         action=actions_of(swing.robot),
         observation=observations_of(swing.robot),
@@ -100,13 +114,14 @@ def test_a_policy_that_is_too_slow_holds_its_last_command_and_is_counted(
     shown = target.trial(policy, np.random.default_rng(0))
     target.close()
     assert target.conduct is not None
-    # States at 0.15 and 0.2 s come while it thinks about the one at 0.1 s, so 0.1 and 0.15 s
-    # hold the command of 0.05 s; on a busy machine others may.
+    # States at 0.15 to 0.3 s come while it thinks about the one at 0.1 s, so at least 0.1 and
+    # 0.15 s hold the command of 0.05 s.
     assert target.conduct.overruns >= 2
     assert shown.command[2:4, 0].tolist() == [shown.command[1, 0]] * 2
     assert len(shown.position) == 11
     # What is recorded as new was sent, and what was held was not.
-    sent = [json.loads(line)["command"]["slide"] for line in log.read_text().splitlines()[:-2]]
+    said = [line for line in log.read_text().splitlines() if line.startswith("{")]
+    sent = [json.loads(line)["command"]["slide"] for line in said]
     assert len(sent) == 10 - target.conduct.overruns
     assert set(sent) == set(shown.command[:, 0].tolist())
 
@@ -118,10 +133,10 @@ FAULTS = {
     ),
     "it stops answering": (
         "def on_state(k, said):\n if k < 4: say(said)",
-        r"it stopped answering: no state came within 0.3 s; 4 of 11 .* said that it stopped",
+        r"it stopped answering: no state came within 2 s; 4 of 11 .* said that it stopped",
     ),
     "it reads nothing": (
-        "def on_state(k, said):\n if k == 4: time.sleep(30)\n say(said)",
+        "def on_state(k, said):\n if k == 4: time.sleep(600)\n say(said)",
         r"it stopped answering.*did not say that it stopped, and was let go",
     ),
     "it reports an error": (
@@ -146,6 +161,9 @@ FAULTS = {
     ),
 }
 
+SILENT = {"it stops answering", "it reads nothing", "it floods"}
+"""Faults after which a target will not say that it stopped, however long one waits."""
+
 
 @pytest.mark.parametrize("fault", FAULTS)
 def test_a_trial_ends_with_a_message_if(
@@ -153,12 +171,11 @@ def test_a_trial_ends_with_a_message_if(
 ) -> None:
     monkeypatch.setattr("morph.transfer.live.process.LEAVE", 0.2)
     change, says = FAULTS[fault]
-    target = live(swing, speaking(change))  # type: ignore[operator]
-    begun = time.monotonic()
+    watch = HASTY if fault in SILENT else STEADY
+    target = live(swing, speaking(change), watch)  # type: ignore[operator]
     with pytest.raises(TrialStopped, match=says):
         target.trial(PUSH, np.random.default_rng(0))
     target.close()
-    assert time.monotonic() - begun < 5.0
 
 
 def test_a_process_that_will_not_end_is_ended(
@@ -166,9 +183,9 @@ def test_a_process_that_will_not_end_is_ended(
 ) -> None:
     monkeypatch.setattr("morph.transfer.live.process.LEAVE", 0.1)
     stubborn = "import signal\nsignal.signal(signal.SIGTERM, signal.SIG_IGN)\n"
-    stubborn += "import atexit\natexit.register(time.sleep, 30)"
+    stubborn += "import atexit\natexit.register(time.sleep, 600)"
     process = speaking(stubborn)  # type: ignore[operator]
-    process.open(5.0)
+    process.open(60.0)
     number = process._process.pid
     process.close()
     with pytest.raises(ProcessLookupError):
@@ -180,7 +197,7 @@ def test_a_process_that_will_not_end_is_ended(
     [
         ("", r"it closed its output and ended with status 0 before it said who it is"),
         ("raise SystemExit('no port')", r"status 1, saying 'no port' before it said"),
-        ("import time; print('hi', flush=True); time.sleep(9)", r"in 0.5 s it did not say who"),
+        ("import time; print('hi', flush=True); time.sleep(600)", r"in 0.5 s it did not say who"),
         ('print(\'{"schema": "other/1"}\')', r"its schema is 'other/1'"),
         ("while True: print('x')", r"it did not say who it is; 101 lines are no JSON objects"),
     ],
@@ -190,7 +207,7 @@ def test_a_process_that_does_not_say_who_it_is_is_refused(
 ) -> None:
     monkeypatch.setattr("morph.transfer.live.process.LEAVE", 0.2)
     with pytest.raises(TransferError, match=says):
-        Process([sys.executable, "-S", "-c", program]).open(0.5)
+        Process([sys.executable, "-S", "-c", program]).open(0.5 if "sleep" in program else 60.0)
 
 
 def test_a_program_that_is_not_there_is_refused() -> None:
@@ -204,16 +221,18 @@ def test_no_file_descriptor_is_left_open(speaking: object) -> None:
 
     if not Path("/proc/self/fd").is_dir():
         pytest.skip("this system does not list a process's files")
+    # Cycles of earlier tests may hold files, and are collected at any time: only more is a leak.
+    gc.collect()
     before = opened()
     for _ in range(2):
         process = speaking()  # type: ignore[operator]
-        process.open(5.0)
+        process.open(60.0)
         process.close()
-    until = time.monotonic() + 2.0
+    until = time.monotonic() + 60.0
     # The threads that read close their ends when they meet the end of the file.
     while opened() > before and time.monotonic() < until:
         time.sleep(0.01)
-    assert opened() == before
+    assert opened() <= before
 
 
 LEAVING = """
@@ -223,7 +242,7 @@ def on_state(k, said):
         # The child holds the pipes open, and says nothing.
         os._exit(3)
     if k == %d:
-        time.sleep(2.0)
+        time.sleep(30.0)
         os._exit(0)
 """
 
@@ -232,20 +251,17 @@ def on_state(k, said):
 def test_a_process_that_forks_and_ends_is_gone_though_its_pipes_are_open(
     swing: Task, speaking: object, at: int
 ) -> None:
-    patient = Watch(answer_within=20.0, begin_within=20.0, stop_within=0.1, open_within=5.0)
+    patient = replace(STEADY, stop_within=0.1)
     target = live(swing, speaking(LEAVING % (at, at)), patient)  # type: ignore[operator]
-    began = time.monotonic()
     with pytest.raises(TrialStopped, match=r"a process that is gone and ended with status 3"):
         target.trial(PUSH, np.random.default_rng(0))
-    # A wait of 0.1 s for its last words, and 0.1 s for its stop; starting it takes the rest.
-    assert time.monotonic() - began < 5.0
     target.close()
 
 
 def test_a_process_that_forks_and_ends_before_it_speaks_is_gone(
     swing: Task, speaking: object
 ) -> None:
-    silent = "if os.fork():\n    os._exit(3)\ntime.sleep(2.0)\nos._exit(0)"
+    silent = "if os.fork():\n    os._exit(3)\ntime.sleep(30.0)\nos._exit(0)"
     process = speaking(silent)  # type: ignore[operator]
     with pytest.raises(TransferError, match=r"gone and ended with status 3.* before it said who"):
-        process.open(20.0)
+        process.open(60.0)

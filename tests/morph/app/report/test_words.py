@@ -1,0 +1,68 @@
+"""Figures of a diagnosis as sentences show them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from morph.app.report.words import channels, counted, improvement, number, percent
+from morph.model.diagnosis import Diagnosis
+
+SPACE = "\N{NO-BREAK SPACE}"
+
+
+@pytest.mark.parametrize(
+    ("share", "shown"),
+    [
+        (0.0, "0"), (0.001, "under 1"), (0.25, "25"), (0.994, "99"),
+        (0.999, "over 99"), (1.0, "100"), (-0.5, "-50"),
+    ],
+)  # fmt: skip
+def test_a_share_is_shown_in_hundredths_and_never_as_all_or_nothing_unless_it_is(
+    share: float, shown: str
+) -> None:
+    assert percent(share) == f"{shown}{SPACE}%"
+
+
+def test_what_is_no_number_is_not_shown_as_one() -> None:
+    assert percent(float("nan")) == "not known"
+    assert number(float("inf")) == "diverged"
+    assert number(0.012345) == "0.0123"
+    assert counted(1, "run", "runs") == "one run"
+    assert counted(12, "run", "runs") == "12 runs"
+
+
+def test_a_mismatch_is_told_by_the_error_of_the_corrected_model_beside_the_others(
+    mismatch: Diagnosis,
+) -> None:
+    first, second = improvement(mismatch)
+    # 0.052 rad at the elbow, of 0.476 as given and 0.301 refitted, over noise of 0.0012.
+    assert first.startswith("On three runs that it never saw, the corrected simulation is off by ")
+    assert (
+        "0.052 rad at elbow.position (as given 0.476, refitted 0.301, sensor noise 0.0012)" in first
+    )
+    assert "0.031 rad at shoulder.position" in first
+    assert second == f"At least 96{SPACE}% of the squared error is gone, with 90 % confidence."
+
+
+def test_where_nothing_was_corrected_the_error_is_that_of_the_description(
+    consistent: Diagnosis,
+) -> None:
+    (only,) = improvement(consistent)
+    assert "the simulation as given is off by 0.476 at elbow.position" in only
+
+
+def test_channels_that_are_not_named_are_counted(mismatch: Diagnosis) -> None:
+    names = [f"joint_{n}.position" for n in range(5)]
+    many = replace(
+        mismatch,
+        held_out_rmse={
+            model: dict.fromkeys(names, value)
+            for model, value in (("nominal", 0.4), ("corrected", 0.1))
+        },
+        located=replace(mismatch.located, channels=dict.fromkeys(names, 0.2)),
+    )
+    assert channels(many) == tuple(names)
+    # Three of five are named.
+    assert improvement(many)[0].endswith(", and 2 more channels below.")

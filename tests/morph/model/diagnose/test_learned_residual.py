@@ -1,0 +1,68 @@
+"""Which runs decide whether a learned force is used."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from experiments.conceal.equations import Array, Parameters
+from experiments.conceal.pendulum import Pendulum
+from morph.body.load import load
+from morph.model.diagnose import diagnose
+from morph.model.diagnosis import Diagnosis
+from morph.record.recording import Recording
+
+HEAVY = 1.15
+"""True mass by that described: a refit beats the description on every run."""
+
+
+class Sided(Pendulum):
+    """A pendulum with the torque -k q v, which no effect has: it drives on one side."""
+
+    def __init__(self, k: float) -> None:
+        self.k = k
+
+    def bias(self, q: Array, v: Array, p: Parameters) -> Array:
+        """Return gravity's torque and the one that is left out."""
+        return np.asarray(super().bias(q, v, p) + self.k * q * v)
+
+
+@pytest.fixture(scope="module")
+def learned_from(recorded: Callable[..., Any]) -> list[Recording]:
+    runs: list[Recording] = recorded(Sided(0.6), seeds=range(4), m=HEAVY).recordings
+    return runs
+
+
+@pytest.fixture(scope="module")
+def like_the_training(recorded: Callable[..., Any], learned_from: list[Recording]) -> Diagnosis:
+    runs = recorded(Sided(0.6), seeds=(4, 5), m=HEAVY)
+    return diagnose(load("pendulum"), learned_from, held_out=runs.recordings, seed=0)
+
+
+@pytest.fixture(scope="module")
+def unlike_the_training(recorded: Callable[..., Any], learned_from: list[Recording]) -> Diagnosis:
+    """The force is turned round in the runs held out: what was learned makes them worse."""
+    runs = recorded(Sided(-0.2), seeds=(4, 5), m=HEAVY)
+    return diagnose(load("pendulum"), learned_from, held_out=runs.recordings, seed=0)
+
+
+def test_a_force_without_a_name_is_learned(like_the_training: Diagnosis) -> None:
+    errors = {m: row["hinge.position"] for m, row in like_the_training.held_out_rmse.items()}
+    assert like_the_training.verdict == "unknown"
+    assert like_the_training.residual
+    assert errors["corrected_plus_residual"] < 0.8 * errors["corrected"]
+
+
+def test_held_out_runs_do_not_choose_the_residual_whose_error_they_tell(
+    like_the_training: Diagnosis, unlike_the_training: Diagnosis
+) -> None:
+    errors = {m: row["hinge.position"] for m, row in unlike_the_training.held_out_rmse.items()}
+    assert errors["corrected"] < errors["nominal"]
+    assert errors["corrected_plus_residual"] > errors["corrected"]
+    ours, theirs = like_the_training.residual, unlike_the_training.residual
+    assert set(ours) == set(theirs)
+    for name, values in ours.items():
+        assert np.array_equal(values, theirs[name]), name
