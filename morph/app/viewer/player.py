@@ -63,16 +63,17 @@ class Player:
 
     Args:
         scene: A `viser.SceneApi`.
+        root: Name of its node.
         layout: Where everything stands.
         at: The actor's number there.
         actor: The actor.
     """
 
-    def __init__(self, scene: Any, layout: Layout, at: int, actor: Actor) -> None:
+    def __init__(self, scene: Any, root: str, layout: Layout, at: int, actor: Actor) -> None:
         """Put it on the scene; `pose` must follow."""
         self._scene, self._actor = scene, actor
         self._move = mover(scene)
-        self._root = f"/world/{at}"
+        self._root = root
         self._size = float(layout.sizes[at])
         self.place: Array = layout.places[at]
         """Where its world begins, m, shape (3,)."""

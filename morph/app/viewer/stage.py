@@ -33,6 +33,7 @@ class Stage:
         self._layout: Layout | None = None
         self._players: list[Player] = []
         self._ties: Ties | None = None
+        self._shows, self._root = 0, ""
         self._held = np.zeros(3)
         self._aimed: tuple[float, Frame] | None = None
         self._anew = False
@@ -66,22 +67,27 @@ class Stage:
         """
         scene = self._scene
         if self._content is not None:
-            scene.remove_by_name("/world")
+            scene.remove_by_name(self._root)
+        # A name that no node had before: where a slow page takes removal and addition at once, it
+        # keeps the old pose for the new node, and viser sends none that equals the default.
+        self._shows += 1
+        self._root = f"/world_{self._shows}"
         layout = laid_out(content.actors)
         self._held = self._shift(layout) if still else np.zeros(3)
         self._content, self._layout = content, layout
-        self._world = scene.add_frame("/world", show_axes=False)
-        add_ground(scene, layout)
-        add_ruler(scene, layout)
+        self._world = scene.add_frame(self._root, show_axes=False)
+        add_ground(scene, self._root, layout)
+        add_ruler(scene, self._root, layout)
         self._players = [
-            Player(scene, layout, at, actor) for at, actor in enumerate(content.actors)
+            Player(scene, f"{self._root}/{at}", layout, at, actor)
+            for at, actor in enumerate(content.actors)
         ]
         if self.picked is not None:
             for at, actor in enumerate(content.actors):
                 if not actor.ghost:
                     self._players[at].picked_by(partial(self.picked, at))
-        add_water(scene, layout, content.actors)
-        self._ties = Ties(scene, content.ties, content.actors, layout.places)
+        add_water(scene, self._root, layout, content.actors)
+        self._ties = Ties(scene, self._root, content.ties, content.actors, layout.places)
 
     def pose(self, time: float) -> None:
         """Put everything where it is at a time on the shared clock, s."""

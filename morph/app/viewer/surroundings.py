@@ -36,11 +36,11 @@ def squares(layout: Layout) -> float:
     return rounded(0.2 * layout.radius)
 
 
-def add_ground(scene: Any, layout: Layout) -> None:
-    """Add the ground."""
+def add_ground(scene: Any, root: str, layout: Layout) -> None:
+    """Add the ground below the node of a name."""
     cell = squares(layout)
     scene.add_grid(
-        "/world/ground",
+        f"{root}/ground",
         infinite_grid=True,
         cell_size=cell,
         cell_color=CELL,
@@ -80,14 +80,14 @@ def ruler(layout: Layout) -> Array:
     return ends
 
 
-def add_ruler(scene: Any, layout: Layout) -> None:
+def add_ruler(scene: Any, root: str, layout: Layout) -> None:
     """Add the ruler, whose label says how long it is."""
     first, last = ruler(layout)
     along = (last - first) / np.linalg.norm(last - first)
     tick = 0.02 * layout.radius * np.array([-along[1], along[0], 0.0])
     bars = [(first, last), *((end - tick, end + tick) for end in (first, last))]
     scene.add_line_segments(
-        "/world/ruler",
+        f"{root}/ruler",
         np.array(bars, dtype=np.float32),
         INK,
         thickness=3.0,
@@ -95,14 +95,14 @@ def add_ruler(scene: Any, layout: Layout) -> None:
     )
     long = float(np.linalg.norm(last - first))
     scene.add_label(
-        "/world/ruler/length",
+        f"{root}/ruler/length",
         f"{long:g} m",
         position=last + 0.02 * layout.radius * along,
         anchor="center-left",
     )
 
 
-def add_water(scene: Any, layout: Layout, actors: Sequence[Actor]) -> None:
+def add_water(scene: Any, root: str, layout: Layout, actors: Sequence[Actor]) -> None:
     """Add the water around those that are in it: one pool for all, or one for each."""
     wet = [at for at, actor in enumerate(actors) if actor.figure.wet]
     pools = [wet] if len(wet) == len(actors) else [[at] for at in wet if not actors[at].ghost]
@@ -111,10 +111,10 @@ def add_water(scene: Any, layout: Layout, actors: Sequence[Actor]) -> None:
             spare = SHORE * float(layout.sizes[pool].max())
             low, high = layout.low[pool].min(axis=0) - spare, layout.high[pool].max(axis=0) + spare
             low[2] = 0.0
-            _pool(scene, number, low, high)
+            _pool(scene, root, number, low, high)
 
 
-def _pool(scene: Any, number: int, low: Array, high: Array) -> None:
+def _pool(scene: Any, root: str, number: int, low: Array, high: Array) -> None:
     wide, deep, tall = (float(each) for each in high - low)
     middle = 0.5 * (low + high)
     sheet = 1e-3 * max(wide, deep)
@@ -124,7 +124,7 @@ def _pool(scene: Any, number: int, low: Array, high: Array) -> None:
         ("surface", "front", sheet, 0.22),
     ):
         scene.add_box(
-            f"/world/{name}/{number}",
+            f"{root}/{name}/{number}",
             color=WATER,
             dimensions=(wide, deep, thick),
             opacity=opacity,

@@ -21,13 +21,14 @@ class Ties:
 
     Args:
         scene: A `viser.SceneApi`.
+        root: Name of the node that they are below.
         ties: The lines.
         actors: What they join.
         places: Where each actor's world begins, m, shape (actors, 3).
     """
 
     def __init__(
-        self, scene: Any, ties: Sequence[Tie], actors: Sequence[Actor], places: Array
+        self, scene: Any, root: str, ties: Sequence[Tie], actors: Sequence[Actor], places: Array
     ) -> None:
         """Put them on the scene; `pose` must follow."""
         self._actors, self._places = actors, places
@@ -45,7 +46,7 @@ class Ties:
             which = [at for at, each in enumerate(widths) if round(each) == width]
             colours = np.array([linear(ties[at].colour) for at in which], dtype=np.uint8)
             lines = scene.add_line_segments(
-                f"/world/ties_{width}",
+                f"{root}/ties_{width}",
                 np.zeros((len(which), 2, 3), dtype=np.float32),
                 np.repeat(colours[:, None], 2, axis=1),
                 thickness=float(width),
