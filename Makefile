@@ -11,6 +11,8 @@ PYTHON ?= $(shell for p in python3.11 python3 python3.12 python3.13; do \
 EXTRAS := dev$(shell command -v cc >/dev/null || command -v gcc >/dev/null || command -v clang >/dev/null || echo ,compiler)
 
 bin := $(VENV)/bin
+# Bytecode is kept, whatever the environment says: tests start hundreds of processes.
+export PYTHONDONTWRITEBYTECODE :=
 # The stamp carries the checksum of pyproject.toml, so that what is installed is never installed again.
 stamp := $(VENV)/.installed-$(shell cksum < pyproject.toml | cut -d ' ' -f 1)
 
@@ -21,7 +23,7 @@ debs := chromium libgl1-mesa-dri libegl1 libgles2
 # What is printed is sliced by the real slicer.
 slicers := prusa-slicer PrusaSlicer
 
-.PHONY: help demo test install lint types arrows browser slicer fuzz mutants figures results clean
+.PHONY: help demo test collect install lint types arrows browser slicer fuzz mutants figures results clean
 
 help: ## Show this list
 	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1|\2/p' Makefile | awk -F '|' '{printf "%-16s%s\n", $$1, $$2}'
@@ -29,8 +31,13 @@ help: ## Show this list
 demo: $(stamp) ## Conceal a piece of physics, diagnose it, and compare the finding with the truth
 	@$(bin)/python -m experiments.demo
 
-test: lint types arrows browser slicer ## Check style, types and imports, then run every test
+test: browser slicer $(stamp) ## Check style, types and imports, then run every test
+	@$(MAKE) --no-print-directory --jobs 2 lint types arrows collect
 	$(bin)/python -m pytest -n $(WORKERS) --dist worksteal
+
+# The workers would each compile the tests, at the same time.
+collect: $(stamp)
+	-@$(bin)/python -m pytest --collect-only -qq >/dev/null 2>&1
 
 lint: $(stamp) ## Check style
 	$(bin)/ruff check .
