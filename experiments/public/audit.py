@@ -8,12 +8,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from experiments.public.content import DataError, measure, verify
-from experiments.public.manifest import MANIFESTS, MOST_BYTES, DataSet
+from experiments.public.manifest import MANIFESTS, MAX_STORED, DataSet
 from morph.files import write_whole
 from morph.regular_file import read_regular
-
-MAX_STORED = 2 * MOST_BYTES
-"""Bytes of a file that are read: XML may be indented more than its canonical form."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -16,8 +16,9 @@ from typing import Any
 
 from experiments.public.content import DataError, verify
 from experiments.public.convert import CONVERTERS
-from experiments.public.manifest import DataSet, Hosts, Made, Origin, PublicFile
+from experiments.public.manifest import MAX_STORED, DataSet, Hosts, Made, Origin, PublicFile
 from morph.files import write_whole
+from morph.regular_file import read_regular
 
 PATIENCE = 120.0
 """Longest time for one file, s."""
@@ -84,7 +85,7 @@ def inside(folder: Path, file: str) -> Path:
 def present(public: PublicFile, path: Path) -> bool:
     """Return whether the right file stands at a path already."""
     try:
-        verify(public, path.read_bytes(), str(path))
+        verify(public, read_regular(path, MAX_STORED), str(path))
     except (OSError, DataError):
         return False
     return True

@@ -27,6 +27,8 @@ UNKNOWN = "unknown"
 """A commit that could not be established: the default branch is asked, and the hash decides."""
 MOST_BYTES = 64 * 2**20
 """Largest file that a manifest may declare."""
+MAX_STORED = 2 * MOST_BYTES
+"""Bytes of a file that are read: XML may be indented more than its canonical form."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gzip
 import hashlib
+import os
 import urllib.error
 from functools import partial
 from http.client import HTTPMessage
@@ -223,6 +224,18 @@ def test_a_pointer_that_was_published_as_the_file_stays_one(server: Any, tmp_pat
     server.files[PATH] = stub
     assert put(a_set({"day/run.csv": stub}), tmp_path, server)
     assert left(tmp_path)[0].read_bytes() == stub
+
+
+def test_a_pipe_in_place_of_a_file_is_replaced_and_not_waited_for(
+    server: Any, tmp_path: Path
+) -> None:
+    server.files[PATH] = CONTENT
+    path = tmp_path / "recordings" / "rig" / "day" / "run.csv"
+    path.parent.mkdir(parents=True)
+    os.mkfifo(path)
+    assert put(RIG, tmp_path, server)
+    assert path.is_file()
+    assert path.read_bytes() == CONTENT
 
 
 def test_a_link_does_not_lead_a_file_outside(server: Any, tmp_path: Path) -> None:
