@@ -22,7 +22,8 @@ from typing import Any
 
 import numpy as np
 
-from experiments.bomb_files import BOMBS, Bomb
+from experiments.bomb_files import BOMBS
+from experiments.bomb_pieces import Bomb
 from experiments.bomb_readers import READERS
 from experiments.figures.save_options import parse_and_save
 from morph.arrays import JSON

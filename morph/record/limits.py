@@ -22,13 +22,20 @@ MOST_RATIO = 100
 at best; only a bomb packs to a thousandth."""
 
 MOST_COLUMNS = 10_000
-"""Most columns, topics or data sets of a file; a humanoid with tactile skin has some thousand."""
+"""Most columns or topics of a file, or data sets of an episode; a humanoid with tactile skin has
+some thousand."""
 
 MOST_TEXT = 512 * 1024**2
-"""Most bytes of a CSV file's text, unpacked; ten minutes are parsed by then."""
+"""Most bytes of a CSV file's text, unpacked; half a minute is parsed by then."""
 
 MOST_LINE = 4 * 1024**2
 """Longest line of text, bytes: that of 10,000 columns has 0.25 MB."""
+
+MOST_BREAKS = 1000
+"""Most newlines in a cell of text; a quote that does not end takes in all lines behind it."""
+
+MOST_ENTRIES = 100_000
+"""Most groups and data sets in the episodes of an HDF5 file; 3000 demonstrations have 50,000."""
 
 MOST_CHUNK = 256 * 1024**2
 """Greatest chunk, message or page that is unpacked as a whole, bytes; writers' own have some MB."""

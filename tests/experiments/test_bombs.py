@@ -12,7 +12,8 @@ from typing import Any
 
 import pytest
 
-from experiments.bomb_files import BOMBS, Bomb
+from experiments.bomb_files import BOMBS
+from experiments.bomb_pieces import Bomb
 from experiments.bomb_readers import READERS
 from experiments.bombs import GOAL_MB, GOAL_S, headline
 

@@ -50,7 +50,6 @@ ALLOWED = {
     "morph/app/cli/weigh.py": "it is the package that was written just now",
     "morph/npz.py": BYTES,
     "morph/body/mesh/threemf.py": BYTES,
-    "morph/record/read/csv.py": BYTES,
     "morph/record/read/sqlite.py": "SQLite opens it by its name, after `size_of` has looked at it",
     "morph/record/read/hdf5_child.py": "HDF5 opens it by its name, after `size_of` has looked",
     "align/maps/files.py": "align knows nothing of morph; it looks for a plain file itself",

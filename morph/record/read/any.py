@@ -7,7 +7,6 @@ from pathlib import Path
 
 from morph.errors import RecordingError
 from morph.record.nearest import nearest
-from morph.record.read.csv import read_csv
 from morph.record.read.hdf5 import read_episodes, read_hdf5
 from morph.record.read.npz import read_npz
 from morph.record.read.parquet import read_parquet
@@ -61,7 +60,11 @@ def read(
         )
     if is_bag(path):
         return read_rosbag(path, wanted)
-    return (read_parquet(path) if name.endswith(".parquet") else read_csv(path),)
+    if name.endswith(".parquet"):
+        return (read_parquet(path),)
+    from morph.record.read.csv import read_csv
+
+    return (read_csv(path),)
 
 
 def read_all(path: Path) -> tuple[tuple[str | None, tuple[Table, ...]], ...]:

@@ -1,33 +1,40 @@
-"""Reading CSV files, also gzipped: a fast path for plain numbers, a careful one for the rest."""
+"""Reading CSV files, also gzipped: Arrow splits the text into cells."""
 
 from __future__ import annotations
 
 import csv
 import io
-from array import array
+import re
+import string
+from bisect import bisect_right
 from collections import Counter
 from collections.abc import Iterator
-from itertools import islice
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+import pyarrow as pa
+from pyarrow import compute
+from pyarrow import csv as arrow
 
-from morph.arrays import Array
+from morph.arrays import Integers
 from morph.errors import RecordingError
-from morph.record.limits import MOST_COLUMNS, most_unpacked, too_much
+from morph.record.limits import MOST_BREAKS, MOST_COLUMNS, MOST_LINE, most_unpacked, too_much
+from morph.record.read.csv_cells import Cells
 from morph.record.read.file import size_of
-from morph.record.read.table import Column, Table, Text, listed, number
+from morph.record.read.table import Table, listed, number
 from morph.record.read.text import read_text
 
-BLOCK = 100_000
-"""Cells that are held as texts at once; each takes ten times what its number does."""
-
-Row = tuple[int, list[str]]
-"""The number of a line, from 1, and its fields."""
+COLUMN_BYTES = 4096
+"""Bytes of text that are split at once for each column, as each column costs time for itself."""
+CELLS, ROWS = 2**19, 2**10
+"""Cells that are cast at once, and rows if these hold more."""
+Lines = Integers | range
+"""Numbers of lines, from 1."""
 
 
 def read_csv(path: Path) -> Table:
-    """Return the columns of a `.csv` or `.csv.gz` file.
+    """Return the columns of a `.csv` or `.csv.gz` file; lines of blank cells are passed over.
 
     The delimiter is the comma, semicolon or tab that the first line has most of.
     A first line of numbers alone is data: the columns then have no names.
@@ -37,169 +44,55 @@ def read_csv(path: Path) -> Table:
             their number of fields, or it has more columns or numbers than are read.
     """
     text = read_text(path)
-    if not text or text.isspace():
+    ink = re.search(rb"[^\s,;]", text)
+    if ink is None:
         raise RecordingError(
             "the file is empty", where=str(path), fix="record the episode again, or leave it out"
         )
-    start = text[: text.find(b"\n")] if b"\n" in text else text
+    begin = text.rfind(b"\n", 0, ink.start()) + 1
+    start = text[begin : text.index(b"\n", begin)]
     delimiter = max(",;\t", key=lambda each: start.count(each.encode()))
-    _check_width(path, start.count(delimiter.encode()) + 1)
-    header = next(_rows(path, start, delimiter), (1, [start.decode()]))[1]
+    header, end = _header(path, text, begin, delimiter)
     names = () if _all_numbers(header) else tuple(cell.strip() for cell in header)
     _check_names(path, names)
-    first = 1 if names else 0
-    lines = text.count(b"\n") + 1
-    if lines == first:
+    _check_size(path, text, len(header))
+    text, lines = _inked(text, begin, delimiter)
+    at = bisect_right(lines, end) if names else 0
+    columns, found = [Cells(len(lines)) for _ in header], []
+    for batch, numbers in _rows(path, text, lines, delimiter, at, len(header)):
+        for column, cells in zip(columns, batch.columns, strict=True):
+            column.extend(cells)
+        found.append(numbers)
+    if not found:
         raise RecordingError(
             "the file has a header and no samples",
-            where=f"{path}, line 1",
+            where=f"{path}, line {lines[0]}",
             fix="record the episode again, or leave it out",
         )
-    needed, most = lines * len(header) * 8, most_unpacked(size_of(path))
-    if needed > most:
-        raise too_much(
-            f"{lines} lines of {len(header)} columns take {needed} bytes, of which {most} are read",
-            str(path),
-        )
-    plain = _plain(text, first, lines, len(header), delimiter)
-    if plain is not None:
-        numbers = np.arange(first + 1, lines + 1, dtype=np.int64)
-        return Table(path=path, names=names, columns=tuple(plain.T), lines=numbers)
-    return _careful(path, names, islice(_rows(path, text, delimiter), first, None), len(header))
+    return Table(
+        path=path,
+        names=names,
+        columns=tuple(column.column() for column in columns),
+        lines=_joined(found),
+    )
 
 
-def _check_width(path: Path, width: int) -> None:
-    if width > MOST_COLUMNS:
+def _header(path: Path, text: bytes, begin: int, delimiter: str) -> tuple[list[str], int]:
+    """Return the cells of the row that begins at a byte, and the number of the line it ends on."""
+    lines = io.TextIOWrapper(io.BytesIO(text), encoding="utf-8", newline="\n")
+    lines.seek(begin)
+    reader = csv.reader(lines, delimiter=delimiter, skipinitialspace=True)
+    try:
+        header = next(reader)
+    except csv.Error as error:
+        raise _endless(path, 0) from error
+    if len(header) > MOST_COLUMNS:
         raise RecordingError(
-            f"the first line has {width} fields; a file has {MOST_COLUMNS} columns at most",
+            f"the first line has {len(header)} fields; a file has {MOST_COLUMNS} columns at most",
             where=f"{path}, line 1",
             fix="write a line for each sample, or leave out the columns that nobody needs",
         )
-
-
-def _plain(text: bytes, first: int, lines: int, width: int, delimiter: str) -> Array | None:
-    """Return the numbers, shape (rows, columns), or None if a line is anything else."""
-    try:
-        data: Array = np.loadtxt(
-            _stream(text), delimiter=delimiter, skiprows=first, comments=None, ndmin=2,
-            quotechar='"',
-        )  # fmt: skip
-    except ValueError:
-        return None
-    return data if data.shape == (lines - first, width) else None
-
-
-def _stream(text: bytes) -> io.TextIOWrapper:
-    return io.TextIOWrapper(io.BytesIO(text), encoding="utf-8", newline="\n")
-
-
-def _rows(path: Path, text: bytes, delimiter: str) -> Iterator[Row]:
-    """Give the fields of each line that is not blank, with its number from 1.
-
-    Raises:
-        RecordingError: A line cannot be split.
-    """
-    reader = csv.reader(_stream(text), delimiter=delimiter, skipinitialspace=True)
-    try:
-        for row in reader:
-            if any(cell.strip() for cell in row):
-                yield reader.line_num, row
-    except csv.Error as error:
-        raise RecordingError(
-            f"the line cannot be split into fields: {error}",
-            where=f"{path}, line {reader.line_num}",
-            fix="correct the quotes on this line",
-        ) from error
-
-
-def _careful(path: Path, names: tuple[str, ...], rows: Iterator[Row], width: int) -> Table:
-    cells = [_Cells() for _ in range(width)]
-    lines = array("q")
-    while block := list(islice(rows, max(2, BLOCK // width))):
-        for line, row in block:
-            if len(row) != width:
-                last = (line, row) == block[-1] and next(rows, None) is None
-                raise _ragged(path, line, len(row), width, last)
-        lines.extend(line for line, _ in block)
-        for column, texts in zip(cells, zip(*(row for _, row in block), strict=True), strict=True):
-            column.extend(texts)
-    if not lines:
-        raise RecordingError(
-            "the file has a header and not one sample",
-            where=str(path),
-            fix="record the episode again, or leave it out",
-        )
-    columns = tuple(column.column() for column in cells)
-    return Table(
-        path=path, names=names, columns=columns, lines=np.frombuffer(lines, dtype=np.int64)
-    )
-
-
-def _ragged(path: Path, line: int, fields: int, width: int, last: bool) -> RecordingError:
-    return RecordingError(
-        f"the {'last ' if last else ''}line has {fields} fields, the first has {width}"
-        + ("; the file seems to be truncated" if last else ""),
-        where=f"{path}, line {line}",
-        fix="copy the file again, or remove this line by hand",
-    )
-
-
-class _Cells:
-    """The cells of one column as numbers, up to the first that is none."""
-
-    def __init__(self) -> None:
-        self.values = array("d")
-        self.rows = 0
-        self.width = 0
-        """Numbers in each cell; 0 until there is one."""
-        self.lists = False
-        self.text: Text | None = None
-
-    def extend(self, cells: tuple[str, ...]) -> None:
-        """Take in the next cells."""
-        if self.text is not None:
-            return
-        if self.rows == 0:
-            self.lists = _is_list(cells[0])
-        try:
-            if self.lists:
-                for cell in cells:
-                    self._list(cell)
-            else:
-                self.values.extend([number(cell) for cell in cells])
-        except ValueError:
-            at = 0 if self.lists else next(at for at, cell in enumerate(cells) if _is_text(cell))
-            self.text = Text(cell=cells[at][:60], row=self.rows + at)
-            self.values = array("d")
-        self.rows += len(cells)
-
-    def column(self) -> Column:
-        """Return the numbers, the lists of numbers, or that it is text."""
-        if self.text is not None:
-            return self.text
-        values = np.frombuffer(self.values, dtype=np.float64)
-        return values.reshape(self.rows, -1) if self.lists else values
-
-    def _list(self, cell: str) -> None:
-        if not _is_list(cell):
-            raise ValueError(cell)
-        parts = cell.strip()[1:-1].split(",")
-        if not all(map(str.strip, parts)) or self.width not in (0, len(parts)):
-            raise ValueError(cell)
-        self.width = len(parts)
-        self.values.extend([number(part) for part in parts])
-
-
-def _is_list(cell: str) -> bool:
-    return cell.startswith("[") and cell.rstrip().endswith("]")
-
-
-def _is_text(cell: str) -> bool:
-    try:
-        number(cell)
-    except ValueError:
-        return True
-    return False
+    return header, text.count(b"\n", 0, begin) + reader.line_num
 
 
 def _all_numbers(cells: list[str]) -> bool:
@@ -217,3 +110,146 @@ def _check_names(path: Path, names: tuple[str, ...]) -> None:
             where=f"{path}, line 1",
             fix="rename one of the two columns",
         )
+
+
+def _inked(text: bytes, begin: int, delimiter: str) -> tuple[bytes, Lines]:
+    """Return the lines from a byte on that hold more than blanks, and their numbers."""
+    blanks = string.whitespace + delimiter
+    if not begin and not re.search(f"\n[{blanks}]".encode(), text):
+        return text, range(1, text.count(b"\n") + 1)
+    edges = np.flatnonzero(np.append(True, np.frombuffer(text, dtype=np.uint8) == ord("\n")))
+    buffers = pa.py_buffer(edges), pa.py_buffer(text)
+    lines = pa.LargeStringArray.from_buffers(len(edges) - 1, *buffers)
+    inked = np.asarray(compute.not_equal(compute.ascii_trim(lines, blanks), ""))
+    inked[: edges.searchsorted(begin)] = False
+    return lines.filter(pa.array(inked)).buffers()[2].to_pybytes(), np.flatnonzero(inked) + 1
+
+
+def _check_size(path: Path, text: bytes, width: int) -> None:
+    lines = text.count(b"\n")
+    # Lists hold a comma for each of their numbers but one.
+    numbers = max(lines * width, lines + text.count(b","))
+    most = most_unpacked(size_of(path))
+    if numbers * 8 > most:
+        raise too_much(
+            f"the {numbers} numbers in {lines} lines of {width} columns take {numbers * 8} bytes, "
+            f"of which {most} are read",
+            str(path),
+        )
+
+
+def _rows(
+    path: Path, text: bytes, lines: Lines, delimiter: str, at: int, width: int
+) -> Iterator[tuple[Any, Lines]]:
+    """Give batches of rows, cells as texts or null, and the numbers of the lines they end on.
+
+    Args:
+        path: The file.
+        text: Lines that each end in a newline.
+        lines: Their numbers.
+        delimiter: What separates cells.
+        at: How many lines are before the first row.
+        width: How many cells each row has.
+
+    Raises:
+        RecordingError: A row has more or fewer cells, or one that does not end.
+    """
+    if at == len(lines):
+        return
+    quoted = b'"' in text
+    if b' "' in text:
+        # Arrow knows no spaces before a quote. Its `re` takes less memory than Python's.
+        whole = pa.array([text], pa.large_binary())
+        clean = compute.replace_substring_regex(whole, f'(^|{delimiter}|\n) +"', r'\1"')
+        text = clean.buffers()[2].to_pybytes()
+    numbers: Lines
+    ragged: list[Any] = []
+
+    def stop(row: Any) -> str:
+        ragged.append(row)
+        return "error"
+
+    names = [str(column) for column in range(width)]
+    block, step = MOST_LINE + COLUMN_BYTES * width, max(ROWS, CELLS // width)
+    try:
+        for batch in arrow.open_csv(
+            # Without the last newline, which an open quote would take in.
+            pa.BufferReader(memoryview(text)[:-1]),
+            arrow.ReadOptions(
+                use_threads=False, block_size=block, skip_rows=at, column_names=names
+            ),
+            arrow.ParseOptions(
+                delimiter=delimiter,
+                quote_char='"' if quoted else False,
+                newlines_in_values=quoted,
+                invalid_row_handler=stop,
+            ),
+            arrow.ConvertOptions(
+                check_utf8=False,
+                column_types=dict.fromkeys(names, pa.string()),
+                null_values=[""],
+                strings_can_be_null=True,
+            ),
+        ):
+            if quoted:
+                batch, numbers, at = _held(path, batch, lines, at)
+            else:
+                numbers, at = lines[at : at + batch.num_rows], at + batch.num_rows
+            for row in range(0, batch.num_rows, step):
+                yield batch.slice(row, step), numbers[row : row + step]
+    except pa.ArrowInvalid as error:
+        if ragged:
+            raise _ragged(path, text, lines, ragged[0]) from error
+        raise _endless(path, lines[at - 1] if at else 0) from error
+
+
+def _held(path: Path, batch: Any, lines: Lines, at: int) -> tuple[Any, Lines, int]:
+    """Return the rows that hold anything, their lines, and how many lines are behind all of them.
+
+    Args:
+        path: The file.
+        batch: Rows, whose cells may hold newlines.
+        lines: The numbers of all lines.
+        at: How many of them are before these rows.
+
+    Raises:
+        RecordingError: A row takes more lines than one does whose quotes end.
+    """
+    cells, shape = pa.concat_arrays(batch.columns).fill_null(""), (batch.num_columns, -1)
+    inked = compute.not_equal(compute.ascii_trim_whitespace(cells), "")
+    held = np.reshape(inked, shape).any(axis=0)
+    breaks = np.reshape(compute.count_substring(cells, "\n"), shape).sum(axis=0)
+    ends = at + np.cumsum(1 + breaks)
+    if held.all() and not breaks.any():
+        return batch, lines[at : ends[-1]], int(ends[-1])
+    numbers: Integers = ends if isinstance(lines, range) else lines[ends - 1]
+    longest = int(breaks.argmax())
+    if breaks[longest] > MOST_BREAKS:
+        raise _endless(path, numbers[longest] - breaks[longest] - 1)
+    return batch.filter(pa.array(held)), numbers[held], int(ends[-1])
+
+
+def _joined(parts: list[Lines]) -> Lines:
+    if all(isinstance(part, range) for part in parts):
+        return range(parts[0][0], parts[-1][-1] + 1)
+    return np.concatenate(parts)
+
+
+def _ragged(path: Path, text: bytes, lines: Lines, row: Any) -> RecordingError:
+    raw = row.text.encode()
+    end = text.find(b"\n" + raw + b"\n") + 1 + len(raw)
+    line, last = lines[text.count(b"\n", 0, end)], end + 1 == len(text)
+    return RecordingError(
+        f"the {'last ' if last else ''}line has {row.actual_columns} fields, the first has "
+        f"{row.expected_columns}" + ("; the file seems to be truncated" if last else ""),
+        where=f"{path}, line {line}",
+        fix="copy the file again, or remove this line by hand",
+    )
+
+
+def _endless(path: Path, line: int) -> RecordingError:
+    return RecordingError(
+        "the text cannot be split into fields: one is too long, or its quotes do not end",
+        where=f"{path}, behind line {line}",
+        fix="correct the quotes",
+    )

@@ -8,8 +8,9 @@ HDF5 and the process with it, so that `morph.record.read.hdf5_child` runs this i
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Generator, Iterator
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,7 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.errors import RecordingError
-from morph.record.limits import MOST_COLUMNS, most_unpacked, too_much
+from morph.record.limits import MOST_COLUMNS, MOST_ENTRIES, most_unpacked, too_much
 from morph.record.nearest import nearest
 from morph.record.read.inflate import check_chunks
 from morph.record.read.table import listed
@@ -45,14 +46,14 @@ class Block:
 
 def blocks_in(
     file: Any, path: Path, key: str | None, wanted: Collection[str] | None, every: bool
-) -> list[Block]:
-    """Return the episodes of a file that is open: one, or with `every` those of all groups.
+) -> Iterator[Block]:
+    """Give the episodes of a file that is open: one, or with `every` those of all groups.
 
     Raises:
         RecordingError: There is no such group or column, or it cannot be used.
     """
-    keys = _episodes(file) if every else (key,)
-    return [_block(file, one, wanted, path) for one in keys]
+    for one in _episodes(file, path) if every else (key,):
+        yield _block(file, one, wanted, path)
 
 
 def numbers_of(block: Block, path: Path) -> Iterator[Array]:
@@ -89,10 +90,14 @@ def _block(file: Any, key: str | None, wanted: Collection[str] | None, path: Pat
     return Block(key=key, named=True, columns=columns)
 
 
-def _episodes(file: Any) -> tuple[str | None, ...]:
+def _episodes(file: Any, path: Path) -> tuple[str | None, ...]:
     """Return the groups at the top, or None alone where there are numbers or no group."""
+    _left(MOST_COLUMNS, file, path)
     nodes = {name: _entry(file, name) for name in file}
     groups = tuple(name for name, node in nodes.items() if _is_group(node))
+    room = MOST_ENTRIES
+    for name in groups:
+        room = _left(room, nodes[name], path)
     numbers = any(not _is_group(node) and not _unfit(node) for node in nodes.values())
     return (None,) if numbers or not groups else groups
 
@@ -116,7 +121,7 @@ def _keyed(file: Any, key: str, path: Path) -> Any:
     node = file
     for name in filter(None, key.split("/")):
         if not _is_group(node) or name not in node:
-            known = list(node) if _is_group(node) else []
+            known = list(islice(node, MOST_COLUMNS)) if _is_group(node) else []
             raise RecordingError(
                 f"there is no group {key!r}; {node.name!r} holds {listed(known) or 'none'}",
                 where=str(path),
@@ -133,9 +138,8 @@ def _sorted_out(group: Any, path: Path) -> tuple[dict[str, Any], dict[str, str]]
     """Return the data sets of plain numbers in a group, and why all else is no column."""
     found: dict[str, Any] = {}
     other: dict[str, str] = {}
-    for name, node in _inside(group, "", frozenset()):
-        if len(found) + len(other) >= MOST_COLUMNS:
-            raise _refused(group.name, f"it holds more than {MOST_COLUMNS} data sets", path)
+    # All are counted before one is looked at.
+    for name, node in list(_inside(group, "", frozenset(), MOST_COLUMNS, path)):
         why = _unfit(node)
         if why:
             other[name] = why
@@ -144,18 +148,39 @@ def _sorted_out(group: Any, path: Path) -> tuple[dict[str, Any], dict[str, str]]
     return found, other
 
 
-def _inside(group: Any, prefix: str, above: frozenset[int]) -> Iterator[tuple[str, Any]]:
-    """Give what lies in a group and in those below it, by its path."""
+def _inside(
+    group: Any, prefix: str, above: frozenset[int], room: int, path: Path
+) -> Generator[tuple[str, Any], None, int]:
+    """Give what lies in a group and in those below it, by its path; return the room left."""
+    room = _left(room, group, path)
     # A group may be linked from below itself; its address tells that it is the same.
     above |= {h5py.h5o.get_info(group.id).addr}
     for name in group:
-        node, path = _entry(group, name), prefix + name
+        node, at = _entry(group, name), prefix + name
         if not _is_group(node):
-            yield path, node
+            yield at, node
         elif h5py.h5o.get_info(node.id).addr in above or len(above) >= DEEPEST:
-            yield path, "it is a group within itself, or too deep"
+            yield at, "it is a group within itself, or too deep"
         else:
-            yield from _inside(node, f"{path}/", above)
+            room = yield from _inside(node, f"{at}/", above, room, path)
+    return room
+
+
+def _left(room: int, group: Any, path: Path) -> int:
+    """Return how many entries may still be read after those of a group.
+
+    Raises:
+        RecordingError: The group has more than that.
+    """
+    # Their number is known before one is opened, which takes some hundred times longer.
+    if len(group) > room:
+        raise RecordingError(
+            f"with the {len(group)} entries of {group.name} there are more groups and data sets "
+            "than are read at once",
+            where=str(path),
+            fix="name the group of one episode as its key in a recording.toml, or cut the file",
+        )
+    return room - len(group)
 
 
 def _unfit(node: Any) -> str:

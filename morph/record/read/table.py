@@ -36,7 +36,7 @@ class Table:
     """The columns' names, in order; empty if the file has no header."""
     columns: tuple[Column, ...]
     """The columns, in order; those of an NPZ may differ in length."""
-    lines: Integers | None = None
+    lines: Integers | range | None = None
     """The line, or the topic's message, of each row, from 1; None where a file has neither."""
     topic: str = ""
     """The topic of a bag that the rows are messages of; empty for any other file."""

@@ -16,7 +16,7 @@ assert not {"rosbags", "h5py", "apsw", "pyarrow"} & set(sys.modules)
 from pathlib import Path
 from morph.record.load import load
 load(Path(sys.argv[1]))
-assert not {"rosbags", "h5py", "apsw", "pyarrow"} & set(sys.modules)
+assert not {"rosbags", "h5py", "apsw"} & set(sys.modules)
 """
 
 

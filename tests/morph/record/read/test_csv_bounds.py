@@ -22,6 +22,13 @@ def test_a_packed_file_of_a_ten_million_lines_is_refused(tmp_path: Path) -> None
         read_csv(path)
 
 
+def test_lists_count_by_their_elements(tmp_path: Path) -> None:
+    path = tmp_path / "lists.csv.gz"
+    path.write_bytes(gzip.compress((b'"[0' + b",0" * 999 + b']"\n') * 10_000, 1))
+    with pytest.raises(RecordingError, match=r"the 10000000 numbers .* take 80000000 bytes"):
+        read_csv(path)
+
+
 def test_text_beyond_the_bound_is_not_unpacked(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -37,5 +44,5 @@ def test_text_beyond_the_bound_is_not_unpacked(
 def test_a_row_of_blanks_is_no_sample(tmp_path: Path) -> None:
     path = tmp_path / "blank.csv"
     path.write_text("time,a\n,")
-    with pytest.raises(RecordingError, match="not one sample"):
+    with pytest.raises(RecordingError, match="a header and no samples"):
         read_csv(path)
