@@ -56,7 +56,7 @@ class EffectError(MorphError):
 
 
 class KernelError(MorphError):
-    """The compiled fluid cannot be built, loaded or installed."""
+    """Compiled code cannot be built, loaded or installed."""
 
 
 class SimulationFailed(MorphError):

@@ -9,6 +9,7 @@ import pytest
 
 from morph.body.load import load
 from morph.body.robot import Robot
+from morph.native.compilers import compilers
 
 ARM = """
 <mujoco model="arm">
@@ -142,3 +143,11 @@ def gripper(body: Callable[[str], Robot]) -> Robot:
 def long_snake(body: Callable[[str], Robot]) -> Robot:
     """A body with 48 joints."""
     return body(snake(48))
+
+
+@pytest.fixture
+def compiler() -> tuple[str, ...]:
+    """A C compiler."""
+    if not compilers():
+        pytest.skip("there is no C compiler")
+    return compilers()[0]

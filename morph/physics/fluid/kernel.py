@@ -1,37 +1,25 @@
-"""The compiled fluid: built once by the C compiler at hand, kept by content, given to MuJoCo."""
+"""The compiled fluid, given to MuJoCo."""
 
 from __future__ import annotations
 
-import contextlib
 import ctypes
 import functools
-import itertools
 import os
-import platform
-import subprocess
-import tempfile
 import threading
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import mujoco
 
-from morph.body.pieces import cache_folder
 from morph.errors import KernelError
-from morph.files import sha256
+from morph.native import library
 from morph.physics.fluid import reference
-from morph.physics.fluid.compiler import compilers, processor
 from morph.physics.fluid.numbers import SIGNATURE, WIDTH
-from morph.physics.fluid.private import changed_by_others, make_private
-from morph.regular_file import read_regular
 
 SOURCE = Path(__file__).with_name("kernel.c")
-FLAGS = ("-O3", "-fPIC", "-shared", "-std=c99")
-NATIVE = ("-march=native",)
-"""Lets the compiler use all that this processor has; left out where it does not know how."""
 NAMED = "MORPH_FLUID_KERNEL"
 """Environment variable: a library built elsewhere, or `numpy` to do without one."""
 BOUND = ("mj_factorM", "mj_stackAllocNum", "mj_markStack", "mj_freeStack")
@@ -119,12 +107,8 @@ def _kernel() -> Any:
     try:
         if named:
             return load(Path(named))
-        home = _home()
-        if home is not None:
-            return load(build(home))
-        # What lies in a folder of others may be theirs; once loaded, the file is not needed.
-        with tempfile.TemporaryDirectory(prefix="morph-") as folder:
-            return load(build(Path(folder)))
+        with library.kept_folder() as folder:
+            return load(build(folder))
     except KernelError as error:
         message = f"the fluid runs in numpy, slowly and without batches: {error}"
         warnings.warn(message, RuntimeWarning, stacklevel=3)
@@ -139,21 +123,14 @@ def load(path: Path) -> Any:
             have put it there.
     """
     fix = f"delete it, so that it is built again, or unset {NAMED}"
+    alone = f"unset {NAMED}, or let it name a copy in a folder that you alone may write to"
+    fluid = library.load(path, fix=alone)
     try:
-        why = changed_by_others(path)
-        if why:
-            raise KernelError(
-                f"is not loaded, as it may not be yours: {why}",
-                where=str(path),
-                fix=f"unset {NAMED}, or let it name a copy in a folder that you alone may write to",
-            )
-        # All links are followed, so that none can be turned after that look.
-        library = ctypes.CDLL(str(path.resolve()))
-        version, width = library.morph_fluid_version(), library.morph_fluid_width()
-        library.morph_fluid_signature.restype = ctypes.c_double
-        signature = library.morph_fluid_signature()
-        function, bind = library.morph_fluid, library.morph_fluid_bind
-    except (OSError, AttributeError) as error:
+        version, width = fluid.morph_fluid_version(), fluid.morph_fluid_width()
+        fluid.morph_fluid_signature.restype = ctypes.c_double
+        signature = fluid.morph_fluid_signature()
+        function, bind = fluid.morph_fluid, fluid.morph_fluid_bind
+    except AttributeError as error:
         raise KernelError(
             f"is no compiled fluid: {str(error)[:200]}", where=str(path), fix=fix
         ) from error
@@ -169,78 +146,22 @@ def load(path: Path) -> Any:
     return function
 
 
-def _home() -> Path | None:
-    """Return the folder of kernels in the cache, or None if others could change what is in it."""
-    folder = cache_folder() / "kernel"
-    with contextlib.suppress(OSError):
-        make_private(folder)
-        if not changed_by_others(folder):
-            return folder
-    return None
-
-
-def build(folder: Path | None = None) -> Path:
+def build(folder: Path) -> Path:
     """Return the compiled kernel, built first where a folder does not hold it yet.
 
-    Its key is the content of the source and of MuJoCo's headers, and the processor: a new MuJoCo
-    builds a new one, and so does another machine that shares the cache.
-
-    Args:
-        folder: By default that of the cache.
+    A new MuJoCo builds a new one: the headers are part of its key.
 
     Raises:
         KernelError: There is no C compiler, or it fails, or the folder cannot be written to.
     """
-    headers = Path(mujoco.HEADERS_DIR).parent
-    held = sorted(headers.glob("mujoco/*.h"))
-    key = sha256(SOURCE, *held, " ".join(FLAGS), platform.platform(), processor())
-    place = cache_folder() / "kernel" if folder is None else folder
-    path = place / f"fluid-{mujoco.mj_version()}-{key[:20]}.so"
-    if not _sound(path):
-        _compile(path, headers)
-    return path
-
-
-def _sum_of(path: Path) -> Path:
-    return path.with_suffix(".sha256")
-
-
-def _sound(path: Path) -> bool:
-    """Return whether a library is as it was built: one cut short would end this process."""
-    try:
-        return sha256(path) == read_regular(_sum_of(path), 100).decode()
-    except (OSError, ValueError):
-        return False
-
-
-def _compile(path: Path, headers: Path) -> None:
-    """Try each compiler in turn; the library appears whole or not at all."""
-    tried = []
-    for compiler, extra in itertools.product(compilers(), (NATIVE, ())):
-        try:
-            make_private(path.parent)
-            with tempfile.TemporaryDirectory(dir=path.parent) as folder:
-                made = Path(folder) / path.name
-                flags = (*FLAGS, *extra, f"-I{headers}")
-                _run([*compiler, *flags, str(SOURCE), "-o", str(made), "-lm"])
-                _sum_of(made).write_text(sha256(made))
-                os.replace(_sum_of(made), _sum_of(path))
-                os.replace(made, path)
-        except (OSError, subprocess.SubprocessError) as error:
-            tried.append(f"{' '.join(compiler)}: {str(error)[:200]}")
-        else:
-            return
-    raise KernelError(
-        "; ".join(tried) or "there is no C compiler",
-        where=str(path),
-        fix="install a C compiler, or `pip install ziglang`, which brings one",
+    include = Path(mujoco.HEADERS_DIR).parent
+    return library.build(
+        SOURCE,
+        folder,
+        name=f"fluid-{mujoco.mj_version()}",
+        headers=sorted(include.glob("mujoco/*.h")),
+        include=include,
     )
-
-
-def _run(command: Sequence[str]) -> None:
-    done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
-    if done.returncode:
-        raise subprocess.SubprocessError(done.stderr.strip() or f"status {done.returncode}")
 
 
 def _engine() -> Path:

@@ -14,7 +14,6 @@ from morph.arrays import Array
 from morph.body.load import load
 from morph.body.robot import Robot
 from morph.physics.fluid import numbers as at
-from morph.physics.fluid.compiler import compilers
 from morph.physics.fluid.kernel import install
 from morph.physics.fluid.settle import settle
 
@@ -26,14 +25,6 @@ HINGE, SLIDE, BALL, FREE = (
 )
 KINDS = ((HINGE,), (SLIDE,), (BALL,), (SLIDE, HINGE), ())
 """The joints of a branch; none where it is welded to its parent."""
-
-
-@pytest.fixture
-def compiler() -> tuple[str, ...]:
-    """A C compiler."""
-    if not compilers():
-        pytest.skip("there is no C compiler")
-    return compilers()[0]
 
 
 def numbers(rng: np.random.Generator, *, ideal: bool) -> list[float]:

@@ -19,8 +19,9 @@ import pytest
 from morph.body.load import load
 from morph.body.spec import spec_of
 from morph.errors import KernelError
+from morph.native import library as native
+from morph.native.compilers import compilers
 from morph.physics.fluid import kernel
-from morph.physics.fluid.compiler import compilers
 from morph.physics.fluid.linear_drag import LinearDrag
 from morph.physics.fluid.numbers import SIGNATURE, WIDTH
 from morph.sim.rollout import rollout
@@ -28,7 +29,7 @@ from morph.sim.simulator import compiled
 
 SWIM = """
 import json, os, sys, warnings
-import morph.physics.fluid.kernel as kernel
+import morph.native.library as native
 from morph.body.load import load
 from morph.errors import MorphError
 from morph.physics.fluid.added_mass import AddedMass
@@ -36,7 +37,7 @@ from morph.physics.fluid.quadratic_drag import QuadraticDrag
 from morph.sim.simulator import Simulator
 
 if "nothing" in sys.argv:
-    kernel.compilers = lambda: ()
+    native.compilers = lambda: ()
 robot, seconds = load("swimmer_three_links"), float(sys.argv[1])
 water = tuple(
     effect
@@ -56,6 +57,12 @@ ends = [[float(run[f"{j.name}.position"][-1]) for j in robot.joints] for run in 
 print(json.dumps({"ends": ends, "told": [str(each.message) for each in told]}))
 """
 """A swimmer swims, then in no water at all, then again."""
+
+
+def build() -> Path:
+    """Build the fluid's kernel into the cache."""
+    with native.kept_folder() as folder:
+        return kernel.build(folder)
 
 
 def swum(*arguments: str, seconds: float = 0.02, **environment: str) -> dict[str, Any]:
@@ -173,7 +180,7 @@ def test_a_file_that_is_no_library_is_refused(tmp_path: Path, content: bytes | N
     path = tmp_path / "fluid.so"
     if content is not None:
         path.write_bytes(content)
-    with pytest.raises(KernelError, match="is no compiled fluid"):
+    with pytest.raises(KernelError, match="is no library"):
         kernel.load(path)
 
 
@@ -182,14 +189,14 @@ def test_a_kernel_is_built_once_and_kept(
 ) -> None:
     monkeypatch.setenv("MORPH_CACHE", str(tmp_path))
     # A compiler that fails is passed over.
-    monkeypatch.setattr(kernel, "compilers", lambda: ((sys.executable, "-c", "1/0"), compiler))
-    path = kernel.build()
+    monkeypatch.setattr(native, "compilers", lambda: ((sys.executable, "-c", "1/0"), compiler))
+    path = build()
     assert ctypes.CDLL(str(path)).morph_fluid_width() == WIDTH
     kept = [path.name, path.with_suffix(".sha256").name]
     assert sorted(each.name for each in path.parent.iterdir()) == sorted(kept)
     before = path.stat().st_mtime_ns
-    monkeypatch.setattr(kernel, "compilers", tuple)
-    assert kernel.build() == path
+    monkeypatch.setattr(native, "compilers", tuple)
+    assert build() == path
     assert path.stat().st_mtime_ns == before
 
 
@@ -197,11 +204,11 @@ def test_a_kernel_cut_short_in_the_cache_is_built_again(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, compiler: tuple[str, ...]
 ) -> None:
     monkeypatch.setenv("MORPH_CACHE", str(tmp_path))
-    monkeypatch.setattr(kernel, "compilers", lambda: (compiler,))
-    whole = (path := kernel.build()).read_bytes()
+    monkeypatch.setattr(native, "compilers", lambda: (compiler,))
+    whole = (path := build()).read_bytes()
     # Loaded as it is, this ends the process by a bus error.
     path.write_bytes(whole[: len(whole) // 2])
-    assert kernel.build() == path
+    assert build() == path
     assert ctypes.CDLL(str(path)).morph_fluid_width() == WIDTH
 
 
@@ -242,9 +249,9 @@ def test_the_first_of_two_simulations_to_end_does_not_dry_the_other() -> None:
 def test_compilers_that_all_fail_are_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("MORPH_CACHE", str(tmp_path))
     broken = (sys.executable, "-c", "raise SystemExit('no headers')")
-    monkeypatch.setattr(kernel, "compilers", lambda: (broken, ("no-such-compiler",)))
+    monkeypatch.setattr(native, "compilers", lambda: (broken, ("no-such-compiler",)))
     with pytest.raises(KernelError, match=r"no headers.*no-such-compiler"):
-        kernel.build()
+        build()
 
 
 @pytest.fixture

@@ -11,8 +11,15 @@ import mujoco
 import pytest
 
 from morph.errors import KernelError
+from morph.native import library as native
+from morph.native.private import changed_by_others, make_private
 from morph.physics.fluid import kernel
-from morph.physics.fluid.private import changed_by_others, make_private
+
+
+def build() -> Path:
+    """Build the fluid's kernel into the cache."""
+    with native.kept_folder() as folder:
+        return kernel.build(folder)
 
 
 @pytest.fixture
@@ -81,15 +88,15 @@ def test_a_kernel_in_a_cache_that_others_may_write_to_is_compiled_anew_elsewhere
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, compiler: tuple[str, ...]
 ) -> None:
     monkeypatch.setenv("MORPH_CACHE", str(tmp_path))
-    monkeypatch.setattr(kernel, "compilers", lambda: (compiler,))
-    planted = kernel.build()
+    monkeypatch.setattr(native, "compilers", lambda: (compiler,))
+    planted = build()
     # Were it loaded, as its sum is right, the process would end with status 66.
     source = tmp_path / "planted.c"
     source.write_text(
         "#include <stdlib.h>\n__attribute__((constructor)) void f(void) { exit(66); }"
     )
-    kernel._run([*compiler, "-fPIC", "-shared", str(source), "-o", str(planted)])
-    planted.with_suffix(".sha256").write_text(kernel.sha256(planted))
+    native._run([*compiler, "-fPIC", "-shared", str(source), "-o", str(planted)])
+    planted.with_suffix(".sha256").write_text(native.sha256(planted))
     planted.parent.chmod(0o777)
     before = sorted(each.name for each in planted.parent.iterdir())
     assert kernel.install()
@@ -100,12 +107,12 @@ def test_a_library_that_is_named_in_a_folder_of_others_is_refused_by_name(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, compiler: tuple[str, ...]
 ) -> None:
     monkeypatch.setenv("MORPH_CACHE", str(tmp_path / "cache"))
-    monkeypatch.setattr(kernel, "compilers", lambda: (compiler,))
+    monkeypatch.setattr(native, "compilers", lambda: (compiler,))
     shared, own = tmp_path / "shared", tmp_path / "own"
     for each, mode in ((shared, 0o777), (own, 0o700)):
         each.mkdir()
         each.chmod(mode)
-        shutil.copy(kernel.build(), each / "fluid.so")
+        shutil.copy(build(), each / "fluid.so")
     with pytest.raises(KernelError, match=r"others may write to .*shared") as caught:
         kernel.load(shared / "fluid.so")
     assert caught.value.where == str(shared / "fluid.so")

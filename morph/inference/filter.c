@@ -1,0 +1,183 @@
+/* Kalman filter and smoother of a robot linearised along a motion.
+ *
+ * State x = (dq, dv, f): errors of position and velocity, and a generalized force that the model
+ * leaves out, an Ornstein-Uhlenbeck process. One step of length h, semi-implicit:
+ *
+ *   a   = J (dq, dv, f) + input,   J = [dqacc/dq, dqacc/dv, M^-1]
+ *   dv' = dv + h a,   dq' = dq + h dv',   f' = keep f + w
+ *
+ * Many columns are filtered by one gain. Of each the difference delta between its own response and
+ * what the filter explains by x is carried, so that its innovation is reading + C delta.
+ * Readings are taken in one after another, which is exact for independent noise.
+ * Source: Simon 2006, Optimal State Estimation, sections 6.1 (sequential updates) and 9.4.2.
+ */
+#include <math.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+int morph_filter_version(void) { return 1; }
+
+/* y = J x of `width` columns side by side; J (n, 3n), x (3n, width). */
+static void accelerate(int n, int width, const double *J, const double *x, double *y)
+{
+	int N = 3 * n;
+	memset(y, 0, sizeof(double) * (size_t)n * width);
+	for (int i = 0; i < n; i++)
+		for (int k = 0; k < N; k++) {
+			double g = J[i * N + k];
+			if (g == 0.0)
+				continue;
+			const double *from = x + (size_t)k * width;
+			double *to = y + (size_t)i * width;
+			for (int c = 0; c < width; c++)
+				to[c] += g * from[c];
+		}
+}
+
+/* x <- F x of `width` columns, input (n, width) or NULL added to the acceleration. */
+static void advance(int n, int width, double h, double keep, const double *J, const double *input,
+		    double *x, double *a)
+{
+	accelerate(n, width, J, x, a);
+	size_t block = (size_t)n * width;
+	if (input)
+		for (size_t i = 0; i < block; i++)
+			a[i] += input[i];
+	double *q = x, *v = x + block, *f = v + block;
+	for (size_t i = 0; i < block; i++) {
+		v[i] += h * a[i];
+		q[i] += h * v[i];
+		f[i] *= keep;
+	}
+}
+
+static void transpose(int N, double *P)
+{
+	for (int i = 0; i < N; i++)
+		for (int j = 0; j < i; j++) {
+			double kept = P[i * N + j];
+			P[i * N + j] = P[j * N + i];
+			P[j * N + i] = kept;
+		}
+}
+
+/* Filter `steps` samples of `width` columns.
+ *
+ * J (steps, n, 3n), input (steps, n, width) or NULL, C (m, 3n), valid (steps, m), reading and white
+ * (steps, m, width); noise (m) and added (n) are variances; delta (3n, width) and P (3n, 3n) are
+ * carried on. For a smoother: spread (steps, 3n, 3n), guess (steps, 3n), gain (steps, m, 3n) and
+ * size (steps, m) keep the predictions, all NULL or none; work holds n * max(width, 3n) numbers.
+ * Returns the sum of the logarithms of the innovations' variances.
+ */
+double morph_filter(int n, int m, int width, int64_t steps, double h, double keep, const double *J,
+		    const double *input, const double *C, const uint8_t *valid, const double *reading,
+		    const double *noise, const double *added, double *delta, double *P,
+		    double *white, double *spread, double *guess, double *gain, double *size,
+		    double *work)
+{
+	int N = 3 * n;
+	double logarithm = 0.0, column[N], k[N];
+	for (int64_t t = 0; t < steps; t++) {
+		if (spread) {
+			memcpy(spread + t * N * N, P, sizeof(double) * N * N);
+			for (int i = 0; i < N; i++)
+				guess[t * N + i] = -delta[(size_t)i * width];
+		}
+		for (int r = 0; r < m; r++) {
+			const double *row = C + r * N;
+			double *out = white + ((size_t)t * m + r) * width;
+			if (!valid[t * m + r]) {
+				memset(out, 0, sizeof(double) * width);
+				continue;
+			}
+			memcpy(out, reading + ((size_t)t * m + r) * width, sizeof(double) * width);
+			double s = noise[r];
+			for (int i = 0; i < N; i++) {
+				column[i] = 0.0;
+				for (int j = 0; j < N; j++)
+					if (row[j] != 0.0)
+						column[i] += P[i * N + j] * row[j];
+			}
+			for (int j = 0; j < N; j++)
+				if (row[j] != 0.0) {
+					s += row[j] * column[j];
+					const double *from = delta + (size_t)j * width;
+					for (int c = 0; c < width; c++)
+						out[c] += row[j] * from[c];
+				}
+			for (int i = 0; i < N; i++) {
+				k[i] = column[i] / s;
+				double *to = delta + (size_t)i * width;
+				for (int c = 0; c < width; c++)
+					to[c] -= k[i] * out[c];
+			}
+			for (int i = 0; i < N; i++)
+				for (int j = 0; j < N; j++)
+					P[i * N + j] -= k[i] * column[j];
+			if (spread) {
+				memcpy(gain + (t * m + r) * N, k, sizeof(double) * N);
+				size[t * m + r] = s;
+			}
+			double one = 1.0 / sqrt(s);
+			for (int c = 0; c < width; c++)
+				out[c] *= one;
+			logarithm += log(s);
+		}
+		const double *now = J + t * n * N;
+		advance(n, width, h, keep, now, input ? input + (size_t)t * n * width : NULL, delta, work);
+		/* F P F' = F (F P)' as P is symmetric. */
+		advance(n, N, h, keep, now, NULL, P, work);
+		transpose(N, P);
+		advance(n, N, h, keep, now, NULL, P, work);
+		for (int i = 0; i < n; i++)
+			P[(2 * n + i) * N + 2 * n + i] += added[i];
+		for (int i = 0; i < N; i++)
+			for (int j = 0; j < i; j++)
+				P[i * N + j] = P[j * N + i] = 0.5 * (P[i * N + j] + P[j * N + i]);
+	}
+	return logarithm;
+}
+
+/* Smooth the first column of a filter's run: the modified Bryson-Frazier form.
+ *
+ * white (steps, m) is that of the first column, the others as the filter kept them; x (steps, 3n).
+ * Source: Bierman 1973, Automatica 9(5), 503-511.
+ */
+void morph_smooth(int n, int m, int64_t steps, double h, double keep, const double *J,
+		  const double *C, const uint8_t *valid, const double *white, const double *spread,
+		  const double *guess, const double *gain, const double *size, double *x)
+{
+	int N = 3 * n;
+	double pull[N], next[N];
+	memset(pull, 0, sizeof pull);
+	for (int64_t t = steps - 1; t >= 0; t--) {
+		/* pull <- F' pull, with F' = I + ... of the semi-implicit step. */
+		const double *now = J + t * n * N;
+		for (int i = 0; i < n; i++)
+			next[i] = h * (pull[n + i] + h * pull[i]);
+		for (int j = 0; j < n; j++) {
+			pull[n + j] += h * pull[j];
+			pull[2 * n + j] *= keep;
+		}
+		for (int j = 0; j < N; j++)
+			for (int i = 0; i < n; i++)
+				pull[j] += now[i * N + j] * next[i];
+		for (int r = m - 1; r >= 0; r--) {
+			if (!valid[t * m + r])
+				continue;
+			const double *row = C + r * N, *k = gain + (t * m + r) * N;
+			double along = white[t * m + r] / sqrt(size[t * m + r]);
+			for (int i = 0; i < N; i++)
+				along -= k[i] * pull[i];
+			for (int j = 0; j < N; j++)
+				pull[j] += row[j] * along;
+		}
+		for (int i = 0; i < N; i++) {
+			double moved = guess[t * N + i];
+			for (int j = 0; j < N; j++)
+				moved += spread[((size_t)t * N + i) * N + j] * pull[j];
+			x[t * N + i] = moved;
+		}
+	}
+}

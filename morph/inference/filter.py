@@ -1,0 +1,214 @@
+"""Kalman filter and smoother of a robot linearised along a motion, with a missing force."""
+
+from __future__ import annotations
+
+import ctypes
+import functools
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from morph.arrays import Array, Mask
+from morph.native import library
+
+SOURCE = Path(__file__).with_name("filter.c")
+CHUNK = 2**22
+"""Numbers of whitened readings that are held at once."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Tangent:
+    """A robot linearised along one run, sample by sample, and how it is read."""
+
+    step: float
+    """Seconds from one sample to the next."""
+    jacobian: Array
+    """Change of the acceleration with position, velocity and force: [dqacc/dq, dqacc/dv, M^-1],
+    shape (samples, dofs, 3 dofs)."""
+    reads: Array
+    """Each channel by position and velocity, shape (channels, 2 dofs)."""
+    valid: Mask
+    """Which readings there are, shape (samples, channels)."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Disturbance:
+    """What a linearised model leaves out: noise of readings, and a slow force on each joint.
+
+    The force is an Ornstein-Uhlenbeck process, with the covariance scale^2 exp(-|t - t'| / time).
+    Source: Rasmussen and Williams 2006, Gaussian processes for machine learning, eq. B.27.
+    """
+
+    noise: Array
+    """Standard deviation of each channel's noise, shape (channels,)."""
+    scale: Array
+    """Standard deviation of the force on each degree of freedom, N m or N, shape (dofs,)."""
+    time: float
+    """Its correlation time, s."""
+    start: Array
+    """Standard deviation of the first position and velocity errors, shape (2 dofs,)."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Whitened:
+    """Innovations of columns, each of unit variance and independent of all before."""
+
+    gram: Array
+    """Their inner products, shape (columns, columns)."""
+    logarithm: float
+    """Logarithm of the determinant of the readings' covariance."""
+    readings: int
+    """How many readings there are."""
+
+    def __add__(self, other: Whitened) -> Whitened:
+        """Return that of two independent runs together."""
+        return Whitened(
+            gram=self.gram + other.gram,
+            logarithm=self.logarithm + other.logarithm,
+            readings=self.readings + other.readings,
+        )
+
+    def likelihood(self, column: int = 0) -> float:
+        """Return the log likelihood of one column of readings."""
+        square = float(self.gram[column, column])
+        return -0.5 * (square + self.logarithm + self.readings * math.log(2.0 * math.pi))
+
+
+def whitened(
+    tangent: Tangent, disturbance: Disturbance, readings: Array, accelerations: Array | None = None
+) -> Whitened:
+    """Return the inner products of columns, whitened by the innovations of one Kalman filter.
+
+    A column is what readings would show: directly, and through accelerations that move the state.
+    With S the covariance of all readings under the disturbance and D the columns' responses,
+    the Gram matrix is D' S^-1 D.
+
+    Source: Simon 2006, Optimal State Estimation, sections 6.1 and 10.2.
+
+    Args:
+        tangent: The linearised robot.
+        disturbance: What else moves it, and the noise.
+        readings: Direct change of each reading, shape (samples, channels, columns).
+        accelerations: Acceleration by each column, shape (samples, dofs, columns).
+    """
+    samples = len(tangent.jacobian)
+    channels, columns = tangent.reads.shape[0], readings.shape[2]
+    run = _Run(tangent, disturbance, columns)
+    gram, logarithm = np.zeros((columns, columns)), 0.0
+    length = max(1, CHUNK // (channels * columns))
+    for first in range(0, samples, length):
+        part = slice(first, first + length)
+        moved = None if accelerations is None else accelerations[part]
+        white, change = run.filter(part, readings[part], moved)
+        rows = white.reshape(-1, columns)
+        gram += rows.T @ rows
+        logarithm += change
+    return Whitened(gram=gram, logarithm=logarithm, readings=int(tangent.valid.sum()))
+
+
+def smoothed(tangent: Tangent, disturbance: Disturbance, reading: Array) -> Array:
+    """Return the errors of position and velocity, and the missing force, given all readings.
+
+    Source: Bierman 1973, Automatica 9(5), 503-511 (the modified Bryson-Frazier smoother).
+
+    Args:
+        tangent: The linearised robot.
+        disturbance: What moves it beside the model, and the noise.
+        reading: Readings less those of the motion that it was linearised along, shape
+            (samples, channels).
+
+    Returns:
+        Shape (samples, 3 dofs).
+    """
+    return _Run(tangent, disturbance, 1).smooth(reading)
+
+
+class _Run:
+    """The state of a filter between two stretches of one run."""
+
+    def __init__(self, tangent: Tangent, disturbance: Disturbance, columns: int) -> None:
+        self._tangent = tangent
+        dofs = tangent.jacobian.shape[1]
+        self._keep = float(np.exp(-tangent.step / disturbance.time))
+        self._noise = _packed(disturbance.noise**2)
+        self._added = _packed(disturbance.scale**2 * (1.0 - self._keep**2))
+        zeros = np.zeros((len(tangent.reads), dofs))
+        self._reads = _packed(np.concatenate([tangent.reads, zeros], axis=1))
+        self._delta = np.zeros((3 * dofs, columns))
+        self._spread = np.diag(np.concatenate([disturbance.start, disturbance.scale]) ** 2)
+        self._work = np.empty(dofs * max(columns, 3 * dofs))
+
+    def filter(
+        self,
+        part: slice,
+        readings: Array,
+        accelerations: Array | None,
+        kept: tuple[Array, Array, Array, Array] | None = None,
+    ) -> tuple[Array, float]:
+        """Return the whitened innovations of some samples and their log determinant."""
+        jacobian, valid = self._tangent.jacobian[part], self._tangent.valid[part]
+        samples, dofs, _ = jacobian.shape
+        channels, columns = readings.shape[1:]
+        white = np.empty((samples, channels, columns))
+        change: float = _code().morph_filter(
+            dofs, channels, columns, samples, self._tangent.step, self._keep,
+            *map(_pointer, (
+                _packed(jacobian), None if accelerations is None else _packed(accelerations),
+                self._reads, np.ascontiguousarray(valid, dtype=np.uint8), _packed(readings),
+                self._noise, self._added, self._delta, self._spread, white,
+                *(kept or (None,) * 4), self._work,
+            )),
+        )  # fmt: skip
+        return white, change
+
+    def smooth(self, reading: Array) -> Array:
+        """Return the smoothed state, shape (samples, 3 dofs)."""
+        samples, channels = reading.shape
+        size = self._delta.shape[0]
+        kept = (
+            np.empty((samples, size, size)),
+            np.empty((samples, size)),
+            np.empty((samples, channels, size)),
+            np.empty((samples, channels)),
+        )
+        white, _ = self.filter(slice(None), reading[:, :, None], None, kept)
+        state = np.empty((samples, size))
+        tangent = self._tangent
+        _code().morph_smooth(
+            size // 3, channels, samples, tangent.step, self._keep,
+            *map(_pointer, (
+                _packed(tangent.jacobian), self._reads,
+                np.ascontiguousarray(tangent.valid, dtype=np.uint8), white, *kept, state,
+            )),
+        )  # fmt: skip
+        return state
+
+
+def _packed(values: Array) -> Array:
+    return np.ascontiguousarray(values, dtype=np.float64)
+
+
+def _pointer(values: Any) -> Any:
+    # The array is passed on, so that it lives as long as the call.
+    return None if values is None else np.ctypeslib.as_ctypes(values.reshape(-1))
+
+
+@functools.lru_cache(maxsize=1)
+def _code() -> ctypes.CDLL:
+    """Return the compiled filter.
+
+    Raises:
+        KernelError: There is no C compiler, or it fails.
+    """
+    with library.kept_folder() as folder:
+        path = library.build(SOURCE, folder, name="filter")
+        code = library.load(path, fix="delete it, so that it is built again")
+    number, count, at = ctypes.c_double, ctypes.c_int, ctypes.c_void_p
+    code.morph_filter.restype = number
+    code.morph_filter.argtypes = [count] * 3 + [ctypes.c_int64] + [number] * 2 + [at] * 15
+    code.morph_smooth.restype = None
+    code.morph_smooth.argtypes = [count] * 2 + [ctypes.c_int64] + [number] * 2 + [at] * 9
+    return code

@@ -1,0 +1,138 @@
+"""The filter against the joint normal distribution of all states and readings, written out."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from morph.arrays import Array
+from morph.inference.filter import Disturbance, Tangent, smoothed, whitened
+
+H = 0.01
+
+
+def case(seed: int, samples: int = 40, dofs: int = 2, columns: int = 3) -> dict[str, Any]:
+    """Return a random robot that changes along the run, read through three channels."""
+    rng = np.random.default_rng(seed)
+    inertia = rng.normal(size=(samples, dofs, dofs)) + 3.0 * np.eye(dofs)
+    jacobian = np.concatenate(
+        [
+            20.0 * rng.normal(size=(samples, dofs, dofs)),
+            2.0 * rng.normal(size=(samples, dofs, dofs)),
+            inertia @ np.swapaxes(inertia, 1, 2),
+        ],
+        axis=2,
+    )
+    reads = np.zeros((3, 2 * dofs))
+    reads[0, 0], reads[1, 1], reads[2, dofs] = 1.0, 1.0, 0.7
+    return {
+        "tangent": Tangent(
+            step=H, jacobian=jacobian, reads=reads, valid=rng.random((samples, 3)) < 0.8
+        ),
+        "disturbance": Disturbance(
+            noise=np.array([0.01, 0.03, 0.2]),
+            scale=np.array([0.5, 2.0])[:dofs],
+            time=0.07,
+            start=np.full(2 * dofs, 0.3),
+        ),
+        "readings": rng.normal(size=(samples, 3, columns)),
+        "accelerations": rng.normal(size=(samples, dofs, columns)),
+    }
+
+
+def joint(tangent: Tangent, disturbance: Disturbance) -> tuple[Array, Array, Array]:
+    """Return the covariance of all states, the map from them to readings, and from inputs to them.
+
+    States (samples 3 dofs), readings that are there, inputs (samples dofs).
+    """
+    samples, dofs, size = tangent.jacobian.shape
+    keep = np.exp(-tangent.step / disturbance.time)
+    sources = np.zeros((samples * size, size + samples * dofs))
+    sources[:size, :size] = np.diag(np.concatenate([disturbance.start, disturbance.scale]))
+    inputs = np.zeros((samples * size, samples * dofs))
+    fresh = np.diag(disturbance.scale * np.sqrt(1.0 - keep**2))
+    eye, none = np.eye(dofs), np.zeros((dofs, dofs))
+    for t in range(samples - 1):
+        a = tangent.jacobian[t]
+        velocity = np.concatenate([none, eye, none], axis=1) + tangent.step * a
+        position = np.concatenate([eye, none, none], axis=1) + tangent.step * velocity
+        force = np.concatenate([none, none, keep * eye], axis=1)
+        move = np.concatenate([position, velocity, force])
+        now, then = slice(t * size, (t + 1) * size), slice((t + 1) * size, (t + 2) * size)
+        sources[then] = move @ sources[now]
+        inputs[then] = move @ inputs[now]
+        at = slice(t * dofs, (t + 1) * dofs)
+        inputs[then, at] += np.concatenate([tangent.step**2 * eye, tangent.step * eye, none])
+        sources[then, size + t * dofs : size + (t + 1) * dofs] = np.concatenate([none, none, fresh])
+    rows = np.concatenate([tangent.reads, np.zeros((len(tangent.reads), dofs))], axis=1)
+    reads = np.kron(np.eye(samples), rows)[tangent.valid.reshape(-1)]
+    return sources @ sources.T, reads, inputs
+
+
+def covariance(tangent: Tangent, disturbance: Disturbance) -> Array:
+    """Return that of all readings that are there."""
+    states, reads, _ = joint(tangent, disturbance)
+    noise = np.tile(disturbance.noise**2, len(tangent.valid))[tangent.valid.reshape(-1)]
+    return np.asarray(reads @ states @ reads.T + np.diag(noise))
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_gram_matrix_is_that_of_responses_in_the_metric_of_the_readings(seed: int) -> None:
+    given = case(seed)
+    tangent = given["tangent"]
+    _, reads, inputs = joint(tangent, given["disturbance"])
+    columns = given["readings"].shape[2]
+    moved = reads @ inputs @ given["accelerations"].reshape(-1, columns)
+    shown = given["readings"].reshape(-1, columns)[tangent.valid.reshape(-1)] + moved
+    spread = covariance(tangent, given["disturbance"])
+    found = whitened(**given)
+    exact = shown.T @ np.linalg.solve(spread, shown)
+    # Condition numbers near 1e6 leave ten digits.
+    assert np.allclose(found.gram, exact, rtol=1e-8, atol=1e-8 * np.abs(exact).max())
+    assert found.logarithm == pytest.approx(np.linalg.slogdet(spread)[1], rel=1e-9)
+    assert found.readings == len(spread)
+
+
+def test_the_likelihood_is_that_of_a_normal_distribution() -> None:
+    from scipy.stats import multivariate_normal
+
+    given = case(5)
+    tangent = given["tangent"]
+    reading = given["readings"][:, :, :1]
+    spread = covariance(tangent, given["disturbance"])
+    exact = multivariate_normal(np.zeros(len(spread)), spread).logpdf(
+        reading[:, :, 0][tangent.valid]
+    )
+    found = whitened(tangent, given["disturbance"], reading)
+    assert found.likelihood() == pytest.approx(exact, rel=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_smoothed_state_is_the_mean_given_all_readings(seed: int) -> None:
+    given = case(seed)
+    tangent = given["tangent"]
+    reading = given["readings"][:, :, 0]
+    states, reads, _ = joint(tangent, given["disturbance"])
+    gain = np.linalg.solve(covariance(tangent, given["disturbance"]), reading[tangent.valid])
+    exact = (states @ reads.T @ gain).reshape(len(reading), -1)
+    found = smoothed(tangent, given["disturbance"], reading)
+    assert np.allclose(found, exact, rtol=1e-7, atol=1e-8 * np.abs(exact).max())
+
+
+def test_a_run_in_stretches_is_the_whole_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    given = case(7)
+    whole = whitened(**given)
+    # 3 channels and 3 columns: stretches of 7 samples, the last of 5.
+    monkeypatch.setattr("morph.inference.filter.CHUNK", 7 * 9)
+    parts = whitened(**given)
+    assert np.allclose(whole.gram, parts.gram, rtol=1e-12, atol=1e-12 * whole.gram.max())
+    assert parts.logarithm == pytest.approx(whole.logarithm, rel=1e-13)
+
+
+def test_runs_add_up() -> None:
+    one, two = (whitened(**case(seed)) for seed in (1, 2))
+    both = one + two
+    assert np.allclose(both.gram, one.gram + two.gram)
+    assert both.likelihood() == pytest.approx(one.likelihood() + two.likelihood())
