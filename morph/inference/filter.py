@@ -109,7 +109,9 @@ def whitened(
     return Whitened(gram=gram, logarithm=logarithm, readings=int(tangent.valid.sum()))
 
 
-def smoothed(tangent: Tangent, disturbance: Disturbance, reading: Array) -> Array:
+def smoothed(
+    tangent: Tangent, disturbance: Disturbance, reading: Array, acceleration: Array | None = None
+) -> Array:
     """Return the errors of position and velocity, and the missing force, given all readings.
 
     Source: Bierman 1973, Automatica 9(5), 503-511 (the modified Bryson-Frazier smoother).
@@ -119,11 +121,15 @@ def smoothed(tangent: Tangent, disturbance: Disturbance, reading: Array) -> Arra
         disturbance: What moves it beside the model, and the noise.
         reading: Readings less those of the motion that it was linearised along, shape
             (samples, channels).
+        acceleration: By which the model's acceleration is above that of this motion, shape
+            (samples, dofs); by default none, as of a simulation.
 
     Returns:
         Shape (samples, 3 dofs).
     """
-    return _Run(tangent, disturbance, 1).smooth(reading)
+    # A column holds what readings show beyond the model: known inputs count against it.
+    known = None if acceleration is None else -acceleration[:, :, None]
+    return _Run(tangent, disturbance, 1).smooth(reading, known)
 
 
 class _Run:
@@ -164,7 +170,7 @@ class _Run:
         )  # fmt: skip
         return white, change
 
-    def smooth(self, reading: Array) -> Array:
+    def smooth(self, reading: Array, acceleration: Array | None) -> Array:
         """Return the smoothed state, shape (samples, 3 dofs)."""
         samples, channels = reading.shape
         size = self._delta.shape[0]
@@ -174,7 +180,7 @@ class _Run:
             np.empty((samples, channels, size)),
             np.empty((samples, channels)),
         )
-        white, _ = self.filter(slice(None), reading[:, :, None], None, kept)
+        white, _ = self.filter(slice(None), reading[:, :, None], acceleration, kept)
         state = np.empty((samples, size))
         tangent = self._tangent
         _code().morph_smooth(

@@ -113,11 +113,13 @@ def test_the_likelihood_is_that_of_a_normal_distribution() -> None:
 def test_the_smoothed_state_is_the_mean_given_all_readings(seed: int) -> None:
     given = case(seed)
     tangent = given["tangent"]
-    reading = given["readings"][:, :, 0]
-    states, reads, _ = joint(tangent, given["disturbance"])
-    gain = np.linalg.solve(covariance(tangent, given["disturbance"]), reading[tangent.valid])
-    exact = (states @ reads.T @ gain).reshape(len(reading), -1)
-    found = smoothed(tangent, given["disturbance"], reading)
+    reading, push = given["readings"][:, :, 0], given["accelerations"][:, :, 0]
+    states, reads, inputs = joint(tangent, given["disturbance"])
+    known = inputs @ push.reshape(-1)
+    surprise = reading[tangent.valid] - reads @ known
+    gain = np.linalg.solve(covariance(tangent, given["disturbance"]), surprise)
+    exact = (known + states @ reads.T @ gain).reshape(len(reading), -1)
+    found = smoothed(tangent, given["disturbance"], reading, push)
     assert np.allclose(found, exact, rtol=1e-7, atol=1e-8 * np.abs(exact).max())
 
 

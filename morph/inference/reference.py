@@ -1,0 +1,156 @@
+"""The motion that a robot most likely made, given its model, and what disturbs the model."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import mujoco
+import numpy as np
+
+from morph.arrays import Array, Mask
+from morph.inference.filter import Disturbance, Tangent, smoothed, whitened
+from morph.inference.linearise import linearised
+
+FLOOR = 2e-3
+"""Least share of a joint's RMS force that a model is taken to leave out."""
+TIMES = (0.02, 2.0)
+"""Correlation times that are tried, s: from a stroke of a servo to the drift of a run."""
+ROUNDS = 3
+"""How often a motion is smoothed and linearised again."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Run:
+    """One run on a grid of equal steps."""
+
+    step: float
+    """s."""
+    command: Array
+    """Controls from each sample to the next, shape (samples, actuators)."""
+    reads: Array
+    """Each channel by position and velocity, shape (channels, 2 dofs)."""
+    reading: Array
+    """Shape (samples, channels); anything where `valid` is not."""
+    valid: Mask
+    """Which readings there are, shape (samples, channels)."""
+    noise: Array
+    """Standard deviation of each channel's noise, shape (channels,)."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Reference:
+    """A motion and the model along it: position' = position + step velocity'."""
+
+    position: Array
+    """Shape (samples, dofs)."""
+    velocity: Array
+    """Same shape."""
+    force: Array
+    """Generalized force that the model leaves out, same shape."""
+    acceleration: Array
+    """By which the model's acceleration is above that of the motion, same shape."""
+    tangent: Tangent
+    """The model linearised along it."""
+    disturbance: Disturbance
+    """What the model leaves out, by evidence."""
+    error: Array
+    """Readings less those of the motion, shape (samples, channels)."""
+
+
+def reference(model: mujoco.MjModel, run: Run, guess: Array, *, rounds: int = ROUNDS) -> Reference:
+    """Return the motion along which a model is linearised: its own smoother's, not a spline's.
+
+    Noise of a spline would enter the columns of masses and correlate with the readings' errors.
+    Source: Bell 1994, SIAM Journal on Optimization 4(3), 626-636 (the iterated smoother).
+
+    Args:
+        model: The model; hinges and slides only.
+        run: What was commanded and read.
+        guess: Positions to begin with, shape (samples, dofs).
+        rounds: How often the motion is smoothed.
+    """
+    position = np.array(guess)
+    velocity = np.gradient(position, run.step, axis=0)
+    velocity[1:] = np.diff(position, axis=0) / run.step
+    force = np.zeros_like(position)
+    found = _along(model, run, position, velocity, force, None)
+    for _ in range(rounds):
+        known = likeliest(found)
+        state = smoothed(found.tangent, known, found.error, found.acceleration)
+        change, rate, force = np.split(state, 3, axis=1)
+        position, velocity = position + change, velocity + rate
+        found = _along(model, run, position, velocity, force, known)
+    return replace(found, disturbance=likeliest(found))
+
+
+def likeliest(about: Reference) -> Disturbance:
+    """Return the scales, the correlation time and the noise under which readings are likeliest.
+
+    Source: Rasmussen and Williams 2006, section 5.4.1 (the marginal likelihood).
+    """
+    from scipy.optimize import minimize
+
+    first, tangent = about.disturbance, about.tangent
+    dofs = len(first.scale)
+    least = first.scale * FLOOR
+
+    def at(point: Array) -> Disturbance:
+        return replace(
+            first,
+            scale=np.maximum(first.scale * np.exp(point[:dofs]), least),
+            time=float(np.exp(point[dofs])),
+            noise=first.noise * np.exp(point[dofs + 1]),
+        )
+
+    def cost(point: Array) -> float:
+        return -_evidence(tangent, at(point), about)
+
+    bounds = [(np.log(FLOOR), np.log(30.0))] * dofs
+    bounds += [tuple(np.log(TIMES)), (np.log(0.3), np.log(3.0))]
+    start = np.array([np.log(0.05)] * dofs + [np.log(0.2), 0.0])
+    best = minimize(
+        cost, start, method="L-BFGS-B", bounds=bounds, options={"maxiter": 12, "eps": 1e-3}
+    )
+    return at(best.x)
+
+
+def _evidence(tangent: Tangent, disturbance: Disturbance, about: Reference) -> float:
+    column = about.error[:, :, None]
+    return whitened(tangent, disturbance, column, -about.acceleration[:, :, None]).likelihood()
+
+
+def _along(
+    model: mujoco.MjModel,
+    run: Run,
+    position: Array,
+    velocity: Array,
+    force: Array,
+    known: Disturbance | None,
+) -> Reference:
+    """Linearise a model along a motion; what disturbs it is yet to be found."""
+    local = linearised(model, position, velocity, run.command)
+    acceleration = np.zeros_like(position)
+    acceleration[:-1] = local.acceleration[:-1] - np.diff(velocity, axis=0) / run.step
+    tangent = Tangent(step=run.step, jacobian=local.jacobian, reads=run.reads, valid=run.valid)
+    shown = np.concatenate([position, velocity], axis=1) @ run.reads.T
+    inertia = np.linalg.inv(local.jacobian[:, :, 2 * position.shape[1] :])
+    at_work = np.einsum("tij,tj->ti", inertia, np.gradient(velocity, run.step, axis=0))
+    scale = np.sqrt(np.mean(at_work**2, axis=0)) + 1e-12
+    if known is None:
+        wide = np.concatenate([_spread(run, position), _spread(run, velocity)])
+        known = Disturbance(noise=run.noise, scale=scale, time=0.2, start=wide)
+    return Reference(
+        position=position,
+        velocity=velocity,
+        force=force,
+        acceleration=acceleration,
+        tangent=tangent,
+        disturbance=replace(known, scale=scale),
+        error=np.where(run.valid, run.reading - shown, 0.0),
+    )
+
+
+def _spread(run: Run, values: Array) -> Array:
+    """Return how far the first values may be off: a tenth of what they cover."""
+    spread: Array = 0.1 * np.ptp(values, axis=0) + 10.0 * run.noise.max()
+    return spread

@@ -1,0 +1,95 @@
+"""Motion and missing force against a pendulum that SciPy integrates."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import mujoco
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from morph.arrays import Array
+from morph.inference.reference import Run, reference
+
+H, NOISE = 0.004, 2e-3
+PENDULUM = """
+<mujoco><compiler angle="radian"/><option timestep="0.004"/><worldbody><body>
+  <joint name="hinge" axis="0 1 0"/>
+  <inertial pos="0 0 -0.5" mass="2" diaginertia="0.02 0.02 0.02"/>
+</body></worldbody><actuator><motor joint="hinge"/></actuator></mujoco>
+"""
+INERTIA, WEIGHT = 2.0 * 0.25 + 0.02, 2.0 * 9.81 * 0.5
+
+
+def swing(missing: Callable[[float], float], seconds: float = 6.0) -> dict[str, Any]:
+    """Return a driven swing with a force that the model lacks, read with noise at 125 Hz."""
+    command = lambda t: 3.0 * np.sin(2.1 * t) + np.sin(5.3 * t)  # noqa: E731
+
+    def rates(t: float, state: Array) -> list[float]:
+        q, v = state
+        # The axis is y: a positive angle swings the mass to -x.
+        return [v, (command(t) + missing(t) - WEIGHT * np.sin(q)) / INERTIA]
+
+    time = H * np.arange(round(seconds / H))
+    found = solve_ivp(rates, (0.0, time[-1]), [0.4, 0.0], t_eval=time, rtol=1e-10, atol=1e-12)
+    rng = np.random.default_rng(3)
+    valid = np.zeros((len(time), 1), dtype=bool)
+    valid[::2] = True
+    return {
+        "time": time,
+        "position": found.y[0],
+        "velocity": found.y[1],
+        "run": Run(
+            step=H,
+            command=command(time)[:, None],
+            reads=np.array([[1.0, 0.0]]),
+            reading=found.y[:1].T + NOISE * rng.normal(size=(len(time), 1)),
+            valid=valid,
+            noise=np.array([NOISE]),
+        ),
+    }
+
+
+def guess(case: dict[str, Any]) -> Array:
+    """Return positions on lines between readings."""
+    run, time = case["run"], case["time"]
+    at = run.valid[:, 0]
+    return np.interp(time, time[at], run.reading[at, 0])[:, None]
+
+
+@pytest.fixture(scope="module")
+def model() -> mujoco.MjModel:
+    """The pendulum as described."""
+    return mujoco.MjModel.from_xml_string(PENDULUM)
+
+
+def test_a_true_model_gives_the_motion_back(model: mujoco.MjModel) -> None:
+    case = swing(lambda t: 0.0)
+    found = reference(model, case["run"], guess(case))
+    off = found.position[:, 0] - case["position"]
+    # 750 readings of two unknowns, the first position and velocity: an error near
+    # 2e-3 sqrt(2 / 750) = 1e-4 rad, and what a step of 4 ms costs.
+    assert np.sqrt(np.mean(off**2)) < 4e-4
+    # Differences of readings are off by 2e-3 sqrt(2) / 8 ms = 0.35 rad/s.
+    assert np.sqrt(np.mean((found.velocity[:, 0] - case["velocity"]) ** 2)) < 0.02
+    assert found.disturbance.noise[0] == pytest.approx(NOISE, rel=0.1)
+    assert np.sqrt(np.mean(found.force**2)) < 0.05
+
+
+def test_a_force_that_is_missing_is_found_along_the_run(model: mujoco.MjModel) -> None:
+    missing = lambda t: 0.8 * np.sin(1.3 * t)  # noqa: E731
+    case = swing(missing)
+    found = reference(model, case["run"], guess(case))
+    inside = slice(100, -100)
+    off = found.force[inside, 0] - missing(case["time"])[inside]
+    assert np.sqrt(np.mean(off**2)) < 0.15
+    wrong = found.force[inside, 0] + missing(case["time"])[inside]
+    assert np.sqrt(np.mean(wrong**2)) > 0.8
+
+
+def test_the_motion_obeys_the_step(model: mujoco.MjModel) -> None:
+    case = swing(lambda t: 0.3)
+    found = reference(model, case["run"], guess(case))
+    assert np.allclose(np.diff(found.position, axis=0), H * found.velocity[1:], atol=1e-9)
