@@ -39,13 +39,13 @@ class Run:
         return self.grids * GRID
 
     def widened(self, joints: int) -> Run:
-        """Return the run for a plant with more joints, which nothing drives."""
-        more = joints - self.feed.shape[1]
+        """Return the run for a plant with more joints, which nothing drives, or with fewer."""
+        more = max(joints - self.feed.shape[1], 0)
         wide = {
-            name: np.pad(getattr(self, name), ((0, 0), (0, more)))
+            name: np.pad(getattr(self, name), ((0, 0), (0, more)))[:, :joints]
             for name in ("feed", "reference", "noise")
         }
-        return replace(self, start=np.pad(self.start, (0, more)), **wide)
+        return replace(self, start=np.pad(self.start, (0, more))[:joints], **wide)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -127,7 +127,7 @@ def simulate(
     saved = np.zeros((len(marks), len(STATES), n))
     alive, arguments = plant.constants()
     reached = library().march(
-        *arguments, pointer(state), first * finer, last * finer, c_double(GRID / finer),
+        *arguments, pointer(state), int(first) * finer, int(last) * finer, c_double(GRID / finer),
         len(ticks), pointer(ticks), *(pointer(each) for each in (feed, reference, noise)),
         *(pointer(each) for each in (reading, command, path)),
         len(marks), pointer(marks), pointer(saved),

@@ -1,0 +1,85 @@
+"""Effects that no recording of a case can tell from the one left out, with the reason."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from experiments.missing_physics.mechanism import SERVO, TORQUE
+from experiments.missing_physics.truth import Effect, Truth
+
+
+@dataclass(frozen=True, kw_only=True)
+class Tie:
+    """Another answer that fits as well."""
+
+    effect: str
+    """Name of the law."""
+    where: str
+    """Name of the part."""
+    reason: str
+    """Why no refit of this case can tell them apart."""
+
+
+def ties_of(truth: Truth, effect: Effect) -> tuple[Tie, ...]:
+    """Return the other answers that are as right as the effect itself.
+
+    Only exact equalities count: the same equations of motion for some figures of the other law,
+    with the description's own figures inside what `vary` allows.
+    """
+    m, i, name = truth.mechanism, effect.place, effect.law.name
+    joint, link, actuator = m.joints[i], m.links[i], m.actuator(i)
+    kind = m.plant.of_joint("drive")[i]
+    hinge = not m.plant.slide[i]
+    found: list[Tie] = []
+
+    def add(law: str, where: str, reason: str) -> None:
+        found.append(Tie(effect=law, where=where, reason=reason))
+
+    if kind and not _coasted(truth) and name in ("viscous_friction", "back_emf"):
+        other, where = (
+            ("back_emf", actuator) if name == "viscous_friction" else ("viscous_friction", joint)
+        )
+        add(other, where, "the drive is never cut off, and back-EMF is viscous while it is powered")
+    if i == 0 and effect.law.kind != "world":
+        first = {
+            "viscous_friction": ("linear_drag", link),
+            "linear_drag": ("viscous_friction", joint),
+            "quadratic_damping": ("quadratic_drag", link),
+            "quadratic_drag": ("quadratic_damping", joint),
+        }
+        if name in first:
+            add(*first[name], "the first link moves with its joint alone, in one way")
+        if name in ("armature", "added_mass"):
+            for law, where in (
+                ("armature", joint), ("added_mass", link), ("link_inertia", link)
+            ):  # fmt: skip
+                if law != name:
+                    add(law, where, "of the first link only the inertia along its joint counts")
+        if name == "sensor_bias" and kind == TORQUE and hinge:
+            add("base_tilt", "world", "turning the first hinge's zero turns gravity for all links")
+        if name == "sensor_bias" and m.plant.count == 1:
+            add("com_offset", link, "an angle of the only hinge is a side step of the centre")
+    if m.plant.count == 1:
+        if name in ("base_tilt", "com_offset"):
+            for law, where in (("sensor_bias", f"{joint}.position"), ("base_tilt", "world"),
+                               ("com_offset", link)):  # fmt: skip
+                if law != name:
+                    add(law, where, "all three turn the rest position of the only hinge")
+        if name == "actuator_delay" and kind == TORQUE:
+            add("timestamp_offset", f"{joint}.position", "the only sensor and the only drive")
+        if name == "timestamp_offset" and kind == TORQUE:
+            add("actuator_delay", actuator, "the only sensor and the only drive")
+        bare = m.plant.of_joint("rotor")[0] == 0 and m.plant.of_joint("viscous")[0] == 0
+        if name == "torque_scale" and bare:
+            add("link_inertia", link, "with torques g times as large the link seems 1/g as heavy")
+        if name == "link_inertia" and bare:
+            add("torque_scale", actuator, "a link g times as heavy seems driven 1/g as much")
+    return tuple(found)
+
+
+def _coasted(truth: Truth) -> bool:
+    """Return whether the drives are cut off anywhere in the training runs."""
+    driven = list(truth.mechanism.driven)
+    return any(
+        bool((run.feed[:, driven] == 0).all(axis=1).sum() > 20) for run in truth.runs[:-1]
+    )
