@@ -151,8 +151,6 @@ def _tilt_figures(size: float, x: Setting) -> Figures:
     return {"roll": float(0.3 * size * np.cos(angle)), "pitch": float(0.3 * size * np.sin(angle))}
 
 
-
-
 BODY_LAWS = (
     Law(
         name="payload", kind="body", figures=_payload, largest=3.0,

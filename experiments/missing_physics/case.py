@@ -11,7 +11,7 @@ from experiments.missing_physics.excite import Logger, draw_logger, plan
 from experiments.missing_physics.law import Law, Setting
 from experiments.missing_physics.mechanism import TORQUE, Mechanism
 from experiments.missing_physics.mechanisms import FAMILIES, draw_mechanism
-from experiments.missing_physics.plant import Array, Plant
+from experiments.missing_physics.plant import Plant
 from experiments.missing_physics.scales import Scales, scales_of
 from experiments.missing_physics.simulate import Motion
 from experiments.missing_physics.sizing import NoSize, settle, size_for
@@ -73,9 +73,7 @@ def draw_case(suite: str, seed: int, number: int, *, seconds: float = SECONDS) -
     )
 
 
-def _try_case(
-    suite: str, seed: int, number: int, rng: np.random.Generator, seconds: float
-) -> Case:
+def _try_case(suite: str, seed: int, number: int, rng: np.random.Generator, seconds: float) -> Case:
     about = SUITES[suite]
     wanted, family = _wanted(about, seed, number, rng)
     mechanism = draw_mechanism(family, rng)
@@ -112,11 +110,13 @@ def _wanted(
     """
     if about.drives:
         return (), str(rng.choice(["six_joint_arm", "seven_joint_arm"]))
-    count = about.kind(float(np.random.default_rng([about.number, seed, number]).random()))
+    count = about.count(seed, number)
     if count == 0:
         return (), str(rng.choice(list(FAMILIES)))
     library = about.outside_laws() if count < 0 else LAWS
-    turn, place = divmod(number, len(library))
+    kin = sum((about.count(seed, each) < 0) == (count < 0) for each in range(number)
+              if about.count(seed, each) != 0)  # fmt: skip
+    turn, place = divmod(kin, len(library))
     order = np.random.default_rng([about.number, seed, 1, turn]).permutation(len(library))
     first = library[int(order[place])]
     wet = {"linear_drag", "quadratic_drag", "added_mass", "buoyancy", "thrust", "fluid_current"}
@@ -134,7 +134,7 @@ def _wanted(
     laws = [first]
     if first.needs:
         laws.insert(0, next(law for law in LAWS if law.name == first.needs))
-    while 0 < count and len(laws) < count:
+    while count > 0 and len(laws) < count:
         other = LAWS[int(rng.integers(len(LAWS)))]
         if other.name not in {law.name for law in laws} and other.needs is None:
             if other.name in wet and family != "submerged_arm":
@@ -213,5 +213,3 @@ def _real_drives(
         put("series_elasticity", place, rng.uniform(0.05, 0.3))
     put("payload", truth.mechanism.plant.count - 1, rng.uniform(1.0, 3.0))
     return replace(truth, effects=tuple(effects))
-
-

@@ -37,9 +37,10 @@ def library() -> ctypes.CDLL:
     Raises:
         CompilerError: There is no C compiler, or it refuses the source.
     """
-    command = shlex.split(os.environ.get("CC", "")) or [
-        name for name in ("cc", "gcc", "clang") if shutil.which(name)
-    ][:1]
+    command = (
+        shlex.split(os.environ.get("CC", ""))
+        or [name for name in ("cc", "gcc", "clang") if shutil.which(name)][:1]
+    )
     if not command:
         raise CompilerError(
             "there is no C compiler", where="PATH", fix="install gcc or clang, or name one by CC"

@@ -61,9 +61,7 @@ def plan(
     mechanism: Mechanism, logger: Logger, rng: np.random.Generator, seconds: float
 ) -> tuple[Run, ...]:
     """Return the runs of a case, the held-out one last."""
-    return tuple(
-        _plan_run(mechanism, logger, rng, kind, seconds) for kind in (*KINDS, "multisine")
-    )
+    return tuple(_plan_run(mechanism, logger, rng, kind, seconds) for kind in (*KINDS, "multisine"))
 
 
 def _plan_run(

@@ -23,13 +23,13 @@ JOINT: dict[str, float] = {
 """Figures of each joint, with the values at which they do nothing."""
 
 BODY: dict[str, float] = {
-    **{name: 0 for name in ("mass", "cx", "cy", "cz", "fx", "fy", "fz")},
+    **dict.fromkeys(("mass", "cx", "cy", "cz", "fx", "fy", "fz"), 0),
     **{f"linear{axis}": 0 for axis in ("", "_y", "_z", "_rx", "_ry", "_rz")},
     **{f"quadratic{axis}": 0 for axis in ("", "_y", "_z", "_rx", "_ry", "_rz")},
     **{f"added{axis}": 0 for axis in ("", "_y", "_z", "_rx", "_ry", "_rz")},
-    **{name: 0 for name in ("buoyancy", "thrust", "tether_k", "tether_length")},
-    **{name: 0 for name in ("anchor", "anchor_y", "anchor_z", "push_start", "push_end")},
-    **{name: 0 for name in ("push", "push_y", "push_z", "spin")},
+    **dict.fromkeys(("buoyancy", "thrust", "tether_k", "tether_length"), 0),
+    **dict.fromkeys(("anchor", "anchor_y", "anchor_z", "push_start", "push_end"), 0),
+    **dict.fromkeys(("push", "push_y", "push_z", "spin"), 0),
 }
 """Figures of each body; (fx, fy, fz) is the point at which fluid and tether act."""
 

@@ -31,6 +31,11 @@ def _spring(plant: Plant, i: int, f: Figures) -> Plant:
     return plant.with_joint(i, split=1.0, spring_k=f["k"], spring_d=f["d"])
 
 
+def _waves(number: float, x: Setting) -> float:
+    """Return a whole number of waves a turn, or ten times as many radians for a metre."""
+    return float(int(number) * (10 if x.mechanism.plant.slide[x.place] else 1))
+
+
 def _has_rotor(mechanism: Mechanism, i: int) -> bool:
     return bool(mechanism.plant.of_joint("rotor")[i] > 0 and mechanism.plant.of_joint("drive")[i])
 
@@ -101,7 +106,7 @@ JOINT_LAWS = (
         figures=lambda s, x: {
             "c": s * x.of("effort"),
             "a": 0.5 + 0.5 * x.chance[0],
-            "n": float((1 + int(2 + 7 * x.chance[1])) * (10 if x.mechanism.plant.slide[x.place] else 1)),
+            "n": _waves(3 + 7 * x.chance[1], x),
             "phase": 2 * np.pi * x.chance[2],
         },
     ),
@@ -120,7 +125,7 @@ JOINT_LAWS = (
         name="cogging", kind="joint", apply=fields(a="cog", n="cog_n", phase="cog_phase"),
         figures=lambda s, x: {
             "a": s * x.of("effort"),
-            "n": float(int(4 + 20 * x.chance[0]) * (5 if x.mechanism.plant.slide[x.place] else 1)),
+            "n": _waves(4 + 20 * x.chance[0], x),
             "phase": 2 * np.pi * x.chance[1],
         },
     ),

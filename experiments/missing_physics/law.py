@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
+import numpy as np
+
 from experiments.missing_physics.mechanism import Mechanism
 from experiments.missing_physics.plant import Array, Plant
 from experiments.missing_physics.scales import Scales
@@ -48,7 +50,7 @@ class Setting:
     @property
     def tip(self) -> Array:
         """A point near the far end of the body at the place: twice its centre of mass."""
-        return 2.0 * self.plant.com[self.place]
+        return np.asarray(2.0 * self.plant.com[self.place])
 
     @property
     def lever(self) -> float:

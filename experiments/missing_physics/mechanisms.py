@@ -17,6 +17,7 @@ from experiments.missing_physics.mechanism import (
 )
 
 X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
+Vector = tuple[float, float, float]
 Drawn = tuple[list[Link], float, bool]
 """Links, highest frequency of slow excitation (Hz), whether drives may be cut off."""
 
@@ -26,7 +27,12 @@ def _near(rng: np.random.Generator, value: float) -> float:
     return float(value * np.exp(rng.uniform(-1, 1) * np.log(1.4)))
 
 
-def _down(rng: np.random.Generator, length: float) -> tuple[float, float, float]:
+def _near_all(rng: np.random.Generator, values: Vector) -> Vector:
+    x, y, z = (_near(rng, value) if value else 0.0 for value in values)
+    return x, y, z
+
+
+def _down(rng: np.random.Generator, length: float) -> Vector:
     return (0.0, 0.0, -_near(rng, length))
 
 
@@ -39,7 +45,11 @@ def _cart_pole(rng: np.random.Generator) -> Drawn:
         axis=X, reach=(0.0, 0.03, 0.0), mass=_near(rng, 1.1), slide=True, span=0.35,
         damping=_near(rng, 0.4), thickness=0.06,
     )  # fmt: skip
-    return [cart, Link(axis=Y, reach=_down(rng, 0.45), mass=_near(rng, 0.35), drive=NONE)], 0.8, True
+    return (
+        [cart, Link(axis=Y, reach=_down(rng, 0.45), mass=_near(rng, 0.35), drive=NONE)],
+        0.8,
+        True,
+    )
 
 
 def _double_pendulum(rng: np.random.Generator) -> Drawn:
@@ -91,7 +101,7 @@ def _arm(rng: np.random.Generator, joints: int, kind: int) -> list[Link]:
         plan.insert(2, (Z, (0.0, 0.0, 0.12), 3.0, 0.3, 0.7, 0.3))
     return [
         Link(
-            axis=axis, reach=(r := tuple(_near(rng, x) if x else 0.0 for x in reach)),
+            axis=axis, reach=_near_all(rng, reach),
             mass=_near(rng, mass), rotor=_near(rng, rotor), span=span, home=home, drive=kind,
             thickness=0.06,
         )
@@ -129,7 +139,22 @@ FAMILIES: Mapping[str, Callable[[np.random.Generator], Drawn]] = {
 }
 """How each kind of mechanism is drawn."""
 
-SYLLABLES = ("ba", "do", "fi", "ga", "ku", "lem", "mor", "nit", "po", "rus", "sel", "ta", "vo", "zan")
+SYLLABLES = (
+    "ba",
+    "do",
+    "fi",
+    "ga",
+    "ku",
+    "lem",
+    "mor",
+    "nit",
+    "po",
+    "rus",
+    "sel",
+    "ta",
+    "vo",
+    "zan",
+)
 
 
 def _names(rng: np.random.Generator, count: int) -> list[str]:

@@ -66,14 +66,13 @@ def describe(mechanism: Mechanism, name: str) -> str:
         parts.append(body)
     actuators = ElementTree.SubElement(root, "actuator")
     for i in mechanism.driven:
-        common = {"name": mechanism.actuator(i), "joint": mechanism.joints[i]}
+        figures = {"name": mechanism.actuator(i), "joint": mechanism.joints[i]}
         if plant.of_joint("drive")[i] == SERVO:
-            gains = {name: _text(plant.of_joint(name)[i]) for name in ("kp", "kv")}
-            ElementTree.SubElement(actuators, "position", **common, **gains)
+            figures |= {name: _text(plant.of_joint(name)[i]) for name in ("kp", "kv")}
+            ElementTree.SubElement(actuators, "position", figures)
         else:
             most = _text(plant.of_joint("most")[i])
-            ElementTree.SubElement(
-                actuators, "motor", **common, ctrllimited="true", ctrlrange=f"-{most} {most}"
-            )
+            figures |= {"ctrllimited": "true", "ctrlrange": f"-{most} {most}"}
+            ElementTree.SubElement(actuators, "motor", figures)
     ElementTree.indent(root)
     return ElementTree.tostring(root, encoding="unicode") + "\n"

@@ -35,7 +35,7 @@ def _leaf(plant: Plant, i: int, f: Figures, *, slide: bool) -> Plant:
     mass = f["share"] * float(plant.of_body("mass")[i])
     at = 1.5 * plant.com[i]
     rest = add_mass(plant, i, -mass, at)
-    arm = 0.15 * np.linalg.norm(plant.com[i]) + 0.02
+    arm = 0.15 * float(np.linalg.norm(plant.com[i])) + 0.02
     pole = np.zeros(3) if slide else arm * plant.com[i] / np.linalg.norm(plant.com[i])
     axis = _across(plant, i) if slide else plant.axis[i]
     light = 1e-6 * mass * np.eye(3)
@@ -138,4 +138,3 @@ OUTSIDE_LAWS = (
     ),
 )  # fmt: skip
 """Half of them are flagged `judge`: only that suite has them."""
-

@@ -41,9 +41,7 @@ def scales_of(plant: Plant, motions: Sequence[Motion], every: int = 40) -> Scale
     """Return the sizes along motions, looked at every `every` steps."""
     q = np.concatenate([m.q[::every] for m in motions])
     v = np.concatenate([m.v[::every] for m in motions])
-    a = np.concatenate(
-        [np.gradient(m.v[::every], m.step * every, axis=0) for m in motions]
-    )
+    a = np.concatenate([np.gradient(m.v[::every], m.step * every, axis=0) for m in motions])
     mass, bias = plant.mass_and_bias(q, v)
     rotor = plant.of_joint("rotor")
     force = np.einsum("tij,tj->ti", mass, a) + bias + rotor * a

@@ -41,11 +41,14 @@ class Run:
     def widened(self, joints: int) -> Run:
         """Return the run for a plant with more joints, which nothing drives, or with fewer."""
         more = max(joints - self.feed.shape[1], 0)
-        wide = {
-            name: np.pad(getattr(self, name), ((0, 0), (0, more)))[:, :joints]
-            for name in ("feed", "reference", "noise")
-        }
-        return replace(self, start=np.pad(self.start, (0, more))[:joints], **wide)
+
+        def wide(columns: Array) -> Array:
+            return np.pad(columns, ((0, 0), (0, more)))[:, :joints]
+
+        return replace(
+            self, feed=wide(self.feed), reference=wide(self.reference), noise=wide(self.noise),
+            start=np.pad(self.start, (0, more))[:joints],
+        )  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)

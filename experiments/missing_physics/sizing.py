@@ -49,9 +49,14 @@ def size_for(truth: Truth, law: Law, setting: Setting, run: int | None, target: 
             best = found, tried
         if abs(np.log(found / target)) < 0.2:
             break
-        size, before = float(
-            np.clip(size * np.clip(target / max(found, 1e-9), 0.1, 10) ** 0.9, least, law.largest)
-        ), size
+        size, before = (
+            float(
+                np.clip(
+                    size * np.clip(target / max(found, 1e-9), 0.1, 10) ** 0.9, least, law.largest
+                )
+            ),
+            size,
+        )
         if size == before:
             break
     if best is None or best[0] < WEAKEST:

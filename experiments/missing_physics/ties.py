@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from experiments.missing_physics.mechanism import SERVO, TORQUE
+from experiments.missing_physics.mechanism import TORQUE
 from experiments.missing_physics.truth import Effect, Truth
 
 
@@ -80,6 +80,4 @@ def ties_of(truth: Truth, effect: Effect) -> tuple[Tie, ...]:
 def _coasted(truth: Truth) -> bool:
     """Return whether the drives are cut off anywhere in the training runs."""
     driven = list(truth.mechanism.driven)
-    return any(
-        bool((run.feed[:, driven] == 0).all(axis=1).sum() > 20) for run in truth.runs[:-1]
-    )
+    return any(bool((run.feed[:, driven] == 0).all(axis=1).sum() > 20) for run in truth.runs[:-1])

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from experiments.missing_physics.errors import BenchmarkError
 from experiments.missing_physics.law import Law
 from experiments.missing_physics.mechanism import Mechanism
 from experiments.missing_physics.plant import Array, Plant
@@ -164,10 +165,17 @@ def predict(plant: Plant, sent: Run, q: Array, v: Array, finer: int = 1) -> Arra
             np.pad((reading - bias) / scale + shift * speed, (0, n - joints)),
             np.pad(speed, (0, n - joints)),
         )
-        again = simulate(plant, sent, state=state, first=start, last=start + length, finer=finer)
+        inside = (sent.ticks >= start) & (sent.ticks < start + length)
+        try:
+            again = simulate(
+                plant, sent, state=state, first=start, last=start + length, finer=finer
+            )
+        except BenchmarkError:
+            # A plant that diverges predicts no better than what stays where it is.
+            out[inside] = reading
+            continue
         # Before the window the joints are taken to have moved at the rate given.
         before = np.arange(-start * finer, 0)[:, None] * again.step
         again.q[: start * finer, :joints] = state[0, :joints] + before * speed
-        inside = (sent.ticks >= start) & (sent.ticks < start + length)
         out[inside] = ideal_readings(plant, again.q, sent.ticks[inside], again.step, joints)
     return out

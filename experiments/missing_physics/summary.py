@@ -1,0 +1,121 @@
+"""The figures of many scored answers, with bootstrap intervals over cases."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+JSON = dict[str, Any]
+Figure = Callable[[Sequence[JSON]], float | None]
+RESAMPLES = 1000
+
+
+def _share(rows: Sequence[JSON], key: str, of: Callable[[JSON], bool]) -> float | None:
+    chosen = [row for row in rows if of(row)]
+    return float(np.mean([bool(row[key]) for row in chosen])) if chosen else None
+
+
+def _effects(row: JSON) -> bool:
+    return bool(row["answer"] == "effects")
+
+
+def _several(count: int) -> Callable[[JSON], bool]:
+    return lambda row: _effects(row) and len(row["truth"]) == count
+
+
+def _clean_accused(rows: Sequence[JSON]) -> float | None:
+    clean = [row for row in rows if row["answer"] == "none"]
+    return float(np.mean([bool(r["found"]) or r["unknown"] for r in clean])) if clean else None
+
+
+def _extra(rows: Sequence[JSON]) -> float | None:
+    chosen = [row["extra"] for row in rows if row["answer"] != "unknown"]
+    return float(np.mean(chosen)) if chosen else None
+
+
+def calibration_error(claims: Sequence[tuple[float, bool]], bins: int = 10) -> float | None:
+    """Return the expected calibration error over equal bins of probability.
+
+    Source: Naeini, Cooper and Hauskrecht 2015, AAAI, eq. 3.
+
+    Args:
+        claims: Stated probabilities, and whether what they are of was so.
+        bins: Number of bins.
+    """
+    if not claims:
+        return None
+    stated, true = (np.array(each, dtype=float) for each in zip(*claims, strict=True))
+    place = np.minimum((stated * bins).astype(int), bins - 1)
+    gaps = [abs((stated - true)[place == b].sum()) for b in range(bins)]
+    return float(sum(gaps) / len(stated))
+
+
+def _ece(rows: Sequence[JSON]) -> float | None:
+    return calibration_error([claim for row in rows for claim in row["claims"]])
+
+
+def _brier(rows: Sequence[JSON]) -> float | None:
+    claims = [claim for row in rows for claim in row["claims"]]
+    return float(np.mean([(p - t) ** 2 for p, t in claims])) if claims else None
+
+
+def _coverage(rows: Sequence[JSON]) -> float | None:
+    held = [each for row in rows for each in row["intervals"]]
+    return float(np.mean(held)) if held else None
+
+
+def _improvement(rows: Sequence[JSON]) -> list[float]:
+    return [row["E"] for row in rows if row["E"] is not None and _effects(row)]
+
+
+def _median(rows: Sequence[JSON]) -> float | None:
+    values = _improvement(rows)
+    return float(np.median(values)) if values else None
+
+
+def _worst(rows: Sequence[JSON]) -> float | None:
+    return min((row["E"] for row in rows if row["E"] is not None), default=None)
+
+
+FIGURES: Mapping[str, Figure] = {
+    "first": lambda rows: _share(rows, "first", _effects),
+    "first_three": lambda rows: _share(rows, "first_three", _effects),
+    "place": lambda rows: _share(rows, "place", _effects),
+    "exact_set": lambda rows: _share(rows, "exact", _effects),
+    "exact_set_of_one": lambda rows: _share(rows, "exact", _several(1)),
+    "exact_set_of_two": lambda rows: _share(rows, "exact", _several(2)),
+    "exact_set_of_three": lambda rows: _share(rows, "exact", _several(3)),
+    "extra_per_case": _extra,
+    "clean_accused": _clean_accused,
+    "unknown_right": lambda rows: _share(rows, "unknown", lambda r: r["answer"] == "unknown"),
+    "unknown_wrong": lambda rows: _share(rows, "unknown", lambda r: r["answer"] != "unknown"),
+    "ece": _ece,
+    "brier": _brier,
+    "coverage": _coverage,
+    "E_median": _median,
+    "E_worst": _worst,
+    "seconds_median": lambda rows: float(np.median([r["seconds"] for r in rows])) if rows else None,
+}
+"""Every figure of the table; None where no case or no answer bears on it."""
+
+
+def summarise(rows: Sequence[JSON], *, seed: int = 0) -> JSON:
+    """Return every figure with its 90 % bootstrap interval over cases, and the number of cases.
+
+    Source: Efron and Tibshirani 1993, An Introduction to the Bootstrap, section 13.3.
+    """
+    rng = np.random.default_rng(seed)
+    draws = [rng.integers(len(rows), size=len(rows)) for _ in range(RESAMPLES)] if rows else []
+    out: JSON = {"cases": len(rows)}
+    for name, figure in FIGURES.items():
+        value = figure(rows)
+        if value is None:
+            out[name] = None
+            continue
+        resampled = [figure([rows[i] for i in draw]) for draw in draws]
+        known = [x for x in resampled if x is not None]
+        low, high = np.quantile(known, [0.05, 0.95])
+        out[name] = {"value": value, "low90": float(low), "high90": float(high)}
+    return out
