@@ -79,7 +79,7 @@ def _try_case(suite: str, seed: int, number: int, rng: np.random.Generator, seco
     mechanism = draw_mechanism(family, rng)
     vary = {kind: float(rng.choice(choice)) for kind, choice in VARY.items()}
     base, factors = _perturb(mechanism.plant, vary, rng)
-    logger = draw_logger(mechanism, rng)
+    logger = draw_logger(mechanism, rng, quiet=about.drives)
     runs = plan(mechanism, logger, rng, seconds)
     peak = np.abs(np.concatenate([run.feed for run in runs])).max(axis=0)
     most = np.where(base.of_joint("drive") == TORQUE, (1.6 * peak).round(3) + 0.001, np.inf)

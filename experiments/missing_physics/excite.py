@@ -41,10 +41,11 @@ class Logger:
         return np.asarray(np.sqrt(self.noise**2 + self.count**2 / 12))
 
 
-def draw_logger(mechanism: Mechanism, rng: np.random.Generator) -> Logger:
-    """Return a logger from 50 to 500 Hz, with sensors from quiet to bad."""
+def draw_logger(mechanism: Mechanism, rng: np.random.Generator, *, quiet: bool) -> Logger:
+    """Return a logger from 50 to 500 Hz, with sensors from quiet to bad, or with quiet ones."""
     slide = mechanism.plant.slide == 1
-    noise = np.exp(rng.uniform(np.log(3e-5), np.log(2e-3))) * np.where(slide, 0.3, 1.0)
+    loudest = 1e-4 if quiet else 2e-3
+    noise = np.exp(rng.uniform(np.log(3e-5), np.log(loudest))) * np.where(slide, 0.3, 1.0)
     rate = float(np.round(np.exp(rng.uniform(np.log(50), np.log(500)))))
     return Logger(
         rate_hz=rate,
