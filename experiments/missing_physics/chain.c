@@ -410,7 +410,12 @@ static void step(const World *w, double *s, const double *u, double t, double h,
   int rubbing = 0, held[MOST] = {0};
   for (int i = 0; i < n; i++) rubbing += most[i] > 0;
   if (rubbing) {
-    double impulse[MOST] = {0};
+    double impulse[MOST];
+    /* The impulses of the last step, per unit time, are a good first guess. */
+    for (int i = 0; i < n; i++) {
+      impulse[i] = clip(h * STATE(S_rub, i), most[i]);
+      for (int j = 0; j < n; j++) free_v[j] += W[n * j + i] * impulse[i];
+    }
     for (int sweep = 0; sweep < (rubbing > 1 ? 100 : 1); sweep++) {
       double largest = 0;
       for (int i = 0; i < n; i++) {
@@ -420,10 +425,11 @@ static void step(const World *w, double *s, const double *u, double t, double h,
         held[i] = fabs(wanted) <= most[i];
         impulse[i] = next;
         for (int j = 0; j < n; j++) free_v[j] += W[n * j + i] * change;
-        if (fabs(change) > 1e-12 * most[i]) largest = 1;
+        if (fabs(change) > 1e-9 * most[i]) largest = 1;
       }
       if (largest == 0) break;
     }
+    for (int i = 0; i < n; i++) STATE(S_rub, i) = impulse[i] / h;
   }
   for (int i = 0; i < n; i++) {
     if (held[i]) free_v[i] = 0;

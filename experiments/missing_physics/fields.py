@@ -35,9 +35,9 @@ BODY: dict[str, float] = {
 
 STATES = (
     *("q", "v", "before", "rotor_q", "rotor_v", "rotor_before"),
-    *("lag", "heat", "loop", "warm", "memory"),
+    *("lag", "heat", "loop", "warm", "memory", "rub"),
 )
-"""State of each joint: motion, motor side, and what laws remember."""
+"""State of each joint: motion, motor side, what laws remember, and the last dry friction."""
 
 JOINT_ROW = {name: row for row, name in enumerate(JOINT)}
 BODY_ROW = {name: row for row, name in enumerate(BODY)}

@@ -37,7 +37,7 @@ def quaternion(R: Array) -> Array:
 
 
 def describe(mechanism: Mechanism, name: str) -> str:
-    """Return the MJCF of a mechanism; tiny spheres mark its links and weigh nothing."""
+    """Return the MJCF of a mechanism; its links have no shapes."""
     plant = mechanism.plant
     root = ElementTree.Element("mujoco", model=name)
     ElementTree.SubElement(root, "compiler", angle="radian", inertiafromgeom="false")
@@ -60,9 +60,6 @@ def describe(mechanism: Mechanism, name: str) -> str:
             axis=_text(plant.axis[i]), armature=_text(plant.of_joint("rotor")[i]),
             damping=_text(plant.of_joint("viscous")[i]),
         )  # fmt: skip
-        ElementTree.SubElement(
-            body, "geom", type="sphere", size="0.01", contype="0", conaffinity="0", group="1"
-        )
         parts.append(body)
     actuators = ElementTree.SubElement(root, "actuator")
     for i in mechanism.driven:

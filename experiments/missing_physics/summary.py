@@ -9,7 +9,7 @@ import numpy as np
 
 JSON = dict[str, Any]
 Figure = Callable[[Sequence[JSON]], float | None]
-RESAMPLES = 1000
+RESAMPLES = 500
 
 
 def _share(rows: Sequence[JSON], key: str, of: Callable[[JSON], bool]) -> float | None:

@@ -80,4 +80,4 @@ def ties_of(truth: Truth, effect: Effect) -> tuple[Tie, ...]:
 def _coasted(truth: Truth) -> bool:
     """Return whether the drives are cut off anywhere in the training runs."""
     driven = list(truth.mechanism.driven)
-    return any(bool((run.feed[:, driven] == 0).all(axis=1).sum() > 20) for run in truth.runs[:-1])
+    return any(bool((run.feed[:, driven] == 0).all(axis=1).sum() > 10) for run in truth.runs[:-1])
