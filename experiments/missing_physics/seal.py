@@ -48,6 +48,7 @@ def truth_of(case: Case, nominal_error: float, oracle_error: float) -> dict[str,
             "figures": {name: float(x) for name, x in effect.figures.items()},
             "scored": [name for name in effect.figures if name not in effect.law.given],
             "effect_to_noise": float(f"{ratio:.4g}"),
+            "after_refit": float(f"{left:.4g}"),
             "run": effect.run,
             "anywhere": effect.law.name == "voltage_sag",
             "ties": [
@@ -56,7 +57,7 @@ def truth_of(case: Case, nominal_error: float, oracle_error: float) -> dict[str,
             ],
             "why": effect.law.why,
         }
-        for effect, ratio in zip(truth.effects, case.strengths, strict=True)
+        for effect, ratio, left in zip(truth.effects, case.strengths, case.left, strict=True)
     ]
     parts = {"world": -1}
     for i, (joint, link) in enumerate(zip(mechanism.joints, mechanism.links, strict=True)):

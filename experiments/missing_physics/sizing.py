@@ -9,7 +9,7 @@ import numpy as np
 from experiments.missing_physics.errors import BenchmarkError
 from experiments.missing_physics.law import Law, Setting
 from experiments.missing_physics.simulate import Motion
-from experiments.missing_physics.truth import Effect, Truth, effect_to_noise
+from experiments.missing_physics.truth import Effect, Truth, changes, effect_to_noise
 
 WEAKEST = 2.0
 """Smallest effect-to-noise ratio of a case."""
@@ -68,14 +68,12 @@ def _measure(truth: Truth, run: int | None) -> float:
     wanted = (0, 1) if run is None else (run,)
     moved = {each: truth.move(each) for each in wanted}
     last = len(truth.effects) - 1
-    squares = [effect_to_noise_of(truth, each, motion, last) for each, motion in moved.items()]
+    squares = [_square(truth, each, motion, last) for each, motion in moved.items()]
     return max(float(np.sqrt(np.mean(squares))), 1e-9)
 
 
-def effect_to_noise_of(truth: Truth, run: int, motion: Motion, without: int) -> float:
+def _square(truth: Truth, run: int, motion: Motion, without: int) -> float:
     """Return the mean square change in one run, of a push over the windows that it changes."""
-    from experiments.missing_physics.truth import changes
-
     squares = changes(truth, run, motion, without)
     if truth.effects[without].run is not None and squares.max() > 0:
         squares = squares[squares > 0.1 * squares.max()]
