@@ -33,17 +33,10 @@ def split(spec: Any, effects: Sequence[Effect]) -> tuple[tuple[Effect, ...], str
         spec: The description as a `mujoco.MjSpec`; it is edited.
         effects: What acts on it.
     """
-    beside = tuple(effect for effect in effects if not _held_by_mujoco(effect))
-    apply(spec, (effect for effect in effects if _held_by_mujoco(effect)))
+    beside = tuple(effect for effect in effects if effect.outside)
+    apply(spec, (effect for effect in effects if not effect.outside))
     spec.compile()
     return beside, fulltext(spec)
-
-
-def _held_by_mujoco(effect: Effect) -> bool:
-    changes_signals = (
-        type(effect).command is not Effect.command or type(effect).sense is not Effect.sense
-    )
-    return not effect.stepped and not changes_signals
 
 
 def data(e: Evidence) -> JSON:

@@ -130,6 +130,8 @@ def _within(found: Needed) -> Needed:
         drive_rate=whole.drive_rate[inside],
         stiffness=whole.stiffness[inside],
         bodies={name: body.within(inside) for name, body in whole.bodies.items()},
+        time=whole.time[inside],
+        command=whole.command[inside],
     )
     return replace(found, time=found.time[inside], motion=motion, missing=found.missing[inside])
 
@@ -194,6 +196,11 @@ def _forces(
         joints=joints,
         actuators={a.name: i for i, a in enumerate(hypothesis.robot.actuators)},
         bodies=body_motions(model, links, position, velocity, acceleration) if links else {},
+        time=time,
+        command=command,
+        driven={a.name: a.joint for a in hypothesis.robot.actuators},
+        servo=-(model.actuator_gear[:, :1] ** 2) * model.actuator_biasprm[:, 1:3],
+        armature=model.dof_armature.copy(),
     )
     return motion, need
 

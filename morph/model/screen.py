@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -93,7 +92,7 @@ def suspects(screen: Screen) -> tuple[Suspect, ...]:
     found = []
     for effect in _all(screen.hypothesis):
         best: Suspect | None = None
-        for shaped in _shapes(effect):
+        for shaped in effect.shapes(screen.parts[0].motion):
             raw = screen.columns(shaped)
             suspect = _fitted(shaped, off_own(raw), rest, _sizes(raw, forces))
             if best is None or suspect.gain > best.gain:
@@ -133,17 +132,6 @@ def _all(hypothesis: Hypothesis) -> list[Effect]:
         for kind in EFFECTS
         for effect in (kind.at(place) for place in kind.suspects(hypothesis.robot))
         if not any(same_kind(effect, had) for had in hypothesis.effects)
-    ]
-
-
-def _shapes(effect: Effect) -> list[Effect]:
-    """Return the effect with each value of parameters in which its force is not linear."""
-    scanned = [p for p in effect.parameters() if p.scan and p.name not in effect.strengths]
-    grids = itertools.product(*(p.scan for p in scanned))
-    names = [p.name for p in scanned]
-    return [
-        replace(effect, **dict(zip(names, values, strict=True)))  # type: ignore[type-var]
-        for values in grids
     ]
 
 

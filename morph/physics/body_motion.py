@@ -23,6 +23,10 @@ class BodyMotion:
     """How those change: the rate of the components, m/s2 and rad/s2, shape (samples, 6)."""
     gravity: Array
     """m/s2, shape (samples, 3)."""
+    origin: Array
+    """The link's origin in the world, m, shape (samples, 3)."""
+    axes: Array
+    """The link's axes in the world as columns, shape (samples, 3, 3)."""
     mass: float
     """Mass of the link, kg."""
     com: Array
@@ -38,7 +42,20 @@ class BodyMotion:
             velocity=self.velocity[chosen],
             acceleration=self.acceleration[chosen],
             gravity=self.gravity[chosen],
+            origin=self.origin[chosen],
+            axes=self.axes[chosen],
         )
+
+    def pulled(self, force: Array, point: Array) -> Array:
+        """Return what forces at a point of the link do to the joints, (samples, dofs, columns).
+
+        Args:
+            force: Along the axes of the world, N, shape (samples, 3, columns).
+            point: In the link's frame, m, shape (3,).
+        """
+        own = np.einsum("sji,sjc->sic", self.axes, force)
+        turn = np.einsum("ij,sjc->sic", cross_matrix(point), own)
+        return self.forces(np.concatenate([own, turn], axis=1))
 
     def forces(self, load: Array) -> Array:
         """Return loads (samples, 6, columns) as joint forces, (samples, dofs, columns)."""
@@ -60,7 +77,7 @@ def body_motions(
     data = mujoco.MjData(model)
     samples, indices = len(velocity), [model.body(name).id for name in bodies]
     jacobian, rate = np.zeros((2, len(indices), samples, 2, 3, model.nv))
-    turned = np.empty((len(indices), samples, 3, 3))
+    turned, origin = np.empty((len(indices), samples, 3, 3)), np.empty((len(indices), samples, 3))
     for k in range(samples):
         data.qpos[:], data.qvel[:] = position[k], velocity[k]
         mujoco.mj_fwdPosition(model, data)
@@ -69,9 +86,9 @@ def body_motions(
             spot, here, change = data.xpos[index], jacobian[at, k], rate[at, k]
             mujoco.mj_jac(model, data, here[0], here[1], spot, index)
             mujoco.mj_jacDot(model, data, change[0], change[1], spot, index)
-            turned[at, k] = data.xmat[index].reshape(3, 3)
+            turned[at, k], origin[at, k] = data.xmat[index].reshape(3, 3), spot
     return {
-        name: _seen(model, index, jacobian[at], rate[at], turned[at], velocity, slope)
+        name: _seen(model, index, jacobian[at], rate[at], turned[at], origin[at], velocity, slope)
         for at, (name, index) in enumerate(zip(bodies, indices, strict=True))
     }
 
@@ -82,6 +99,7 @@ def _seen(
     jacobian: Array,
     rate: Array,
     turned: Array,
+    origin: Array,
     velocity: Array,
     slope: Array,
 ) -> BodyMotion:
@@ -93,6 +111,7 @@ def _seen(
         jacobian: In the world's axes, shape (samples, 2, 3, nv).
         rate: How that changes, likewise.
         turned: The link's axes as columns, shape (samples, 3, 3).
+        origin: The link's origin in the world, shape (samples, 3).
         velocity: Generalized velocities, shape (samples, nv).
         slope: Generalized accelerations, shape (samples, nv).
     """
@@ -110,6 +129,8 @@ def _seen(
         velocity=np.einsum("sji,srj->sri", turned, twist).reshape(-1, 6),
         acceleration=np.einsum("sji,srj->sri", turned, change).reshape(-1, 6),
         gravity=np.einsum("sji,j->si", turned, model.opt.gravity),
+        origin=origin,
+        axes=turned,
         mass=float(model.body_mass[index]),
         com=model.body_ipos[index].copy(),
         inertia=axes @ np.diag(model.body_inertia[index]) @ axes.T,

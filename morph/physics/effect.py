@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
-from typing import Any, ClassVar, Protocol, TypeVar
+from typing import Any, ClassVar, TypeVar
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from morph.arrays import Array
 from morph.body.robot import Robot
 from morph.errors import EffectError
 from morph.physics.motion import Motion
+from morph.physics.simulations import Simulations as Simulations
 
 Some = TypeVar("Some", bound="Effect")
 
@@ -67,24 +69,13 @@ SLIDING = {
     "rad": "m",
     "rad/s": "m/s",
     "kg m2": "kg",
+    "1/rad": "1/m",
+    "1/(N m)": "1/N",
 }
 """What the unit of a parameter becomes on a slide."""
 
-
-class Simulations(Protocol):
-    """What an effect may see and touch of many simulations before each step."""
-
-    step: float
-    """Seconds that the coming step lasts."""
-
-    def position(self, joint: str) -> Array:
-        """Return a joint's position, rad or m, shape (simulations,)."""
-
-    def velocity(self, joint: str) -> Array:
-        """Return a joint's velocity, per s, shape (simulations,)."""
-
-    def force(self, joint: str) -> Array:
-        """Return the view to which a joint's generalized forces are added."""
+UNLIMITED = 1e9
+"""A limit that nothing reaches and a stiffness that nothing bends."""
 
 
 class Effect(ABC):
@@ -112,6 +103,8 @@ class Effect(ABC):
     """What a recording must hold for it to be seen."""
     separate_by: ClassVar[Mapping[str, str]] = {}
     """The experiment that tells it from a twin, by the twin's name."""
+    suspected: ClassVar[bool] = True
+    """Whether a diagnosis looks for it at all."""
 
     @property
     @abstractmethod
@@ -135,7 +128,7 @@ class Effect(ABC):
     @classmethod
     def suspects(cls, robot: Robot) -> tuple[str, ...]:
         """Return the places at which a diagnosis looks for it, by default all of them."""
-        return cls.places(robot)
+        return cls.places(robot) if cls.suspected else ()
 
     def __post_init__(self) -> None:
         """Check every parameter against its bounds."""
@@ -173,6 +166,21 @@ class Effect(ABC):
         """Whether it must act before every step because MuJoCo cannot hold it."""
         return type(self).before_step is not Effect.before_step
 
+    @property
+    def remembers(self) -> bool:
+        """Whether what it does depends on more than the state that MuJoCo knows."""
+        return (
+            type(self).initial_state is not Effect.initial_state
+            or type(self).command is not Effect.command
+        )
+
+    @property
+    def outside(self) -> bool:
+        """Whether MuJoCo cannot hold it: it acts before every step or changes signals."""
+        own, none = type(self), Effect
+        changes_readings = own.sense is not none.sense or own.stamp is not none.stamp
+        return self.stepped or own.command is not none.command or changes_readings
+
     def neutral(self: Some) -> Some:
         """Return the effect with every strength at the value that does nothing."""
         idle = {p.name: p.neutral for p in self.parameters() if p.neutral is not None}
@@ -181,7 +189,7 @@ class Effect(ABC):
     def edit(self, spec: Any) -> None:
         """Write into a `mujoco.MjSpec` what MuJoCo can hold by itself."""
 
-    def start(self, simulations: Simulations) -> Any:
+    def initial_state(self, simulations: Simulations) -> Any:
         """Return the internal state that `before_step` is handed, here none."""
         return None
 
@@ -200,13 +208,35 @@ class Effect(ABC):
         """Return what a sensor reports when `reading` is true; (..., samples) each."""
         return reading
 
+    def stamp(self, channel: str, time: Array) -> Array:
+        """Return the times, s, that a recording says for readings taken at `time`."""
+        return time
+
     @abstractmethod
     def regressor(self, motion: Motion) -> Array:
         """Return its generalized force along a recording for strengths of one.
 
         Shape (samples, degrees of freedom, strengths): the force is this times
-        (strength - neutral), to first order.
+        `coefficients`, by default strength - neutral, to first order.
         """
+
+    def reading_regressor(self, motion: Motion) -> Array:
+        """Return how it changes readings along a recording, likewise for strengths of one.
+
+        Shape (samples, channels of the motion, strengths); zero unless it is a sensor's.
+        """
+        return np.zeros((*motion.reading.shape, len(self.strengths)))
+
+    def shapes(self, motion: Motion) -> tuple[Effect, ...]:
+        """Return the effect at a few values of the parameters in which it is not linear.
+
+        Each gives its own columns. By default the values are those to scan; laws whose
+        scale is the recording's take them from it.
+        """
+        scanned = [p for p in self.parameters() if p.scan and p.name not in self.strengths]
+        grid = itertools.product(*(p.scan for p in scanned))
+        names = [p.name for p in scanned]
+        return tuple(replace(self, **dict(zip(names, values, strict=True))) for values in grid)  # type: ignore[type-var]
 
     @property
     def coefficients(self) -> Array:

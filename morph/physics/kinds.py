@@ -78,6 +78,12 @@ class SensorEffect(Effect):
         names = (j.name for j in robot.joints if j.kind in {"hinge", "slide"})
         return tuple(f"{name}.position" for name in names)
 
+    @classmethod
+    def measured(cls, robot: Robot) -> tuple[str, ...]:
+        """Return the position and velocity channels of the hinges and slides."""
+        names = [j.name for j in robot.joints if j.kind in {"hinge", "slide"}]
+        return tuple(f"{n}.{what}" for n in names for what in ("position", "velocity"))
+
 
 class BodyEffect(Effect):
     """An effect on one link."""

@@ -11,6 +11,10 @@ from morph.arrays import Array
 from morph.physics.body_motion import BodyMotion
 
 
+def _none() -> Array:
+    return np.zeros((0, 0))
+
+
 @dataclass(frozen=True, kw_only=True)
 class Motion:
     """Positions, velocities, accelerations and actuator forces, sample by sample."""
@@ -32,7 +36,23 @@ class Motion:
     actuators: Mapping[str, int]
     """Index of each actuator."""
     bodies: Mapping[str, BodyMotion] = field(default_factory=dict)
-    """How links move, where effects on links are looked for."""
+    """How links move, where effects on links are looked for; for `base_tilt` all of them."""
+    time: Array = field(default_factory=_none)
+    """When each sample was taken, s, shape (samples,)."""
+    command: Array = field(default_factory=_none)
+    """What each actuator received, in its own unit, shape (samples, actuators)."""
+    driven: Mapping[str, str] = field(default_factory=dict)
+    """The joint that each actuator drives, by the actuator's name."""
+    servo: Array = field(default_factory=_none)
+    """By how much each actuator's force falls per rad and per rad/s, (actuators, 2)."""
+    armature: Array = field(default_factory=_none)
+    """Inertia of the rotor on each degree of freedom, in the model, shape (dofs,)."""
+    channels: Mapping[str, int] = field(default_factory=dict)
+    """Index of each channel."""
+    reading: Array = field(default_factory=_none)
+    """What each channel reads, shape (samples, channels)."""
+    reading_rate: Array = field(default_factory=_none)
+    """How that changes with time, same shape, per s."""
 
     def along(self, joint: str, *columns: Array) -> Array:
         """Return columns (samples,) as forces on one joint, (samples, dofs, columns)."""
@@ -44,6 +64,33 @@ class Motion:
     def speed(self, joint: str) -> Array:
         """Return a joint's velocity, shape (samples,)."""
         return np.asarray(self.velocity[:, self.joints[joint]])
+
+    def place(self, joint: str) -> Array:
+        """Return a joint's position, shape (samples,)."""
+        return np.asarray(self.position[:, self.joints[joint]])
+
+    def arriving(self, joint: str) -> Array:
+        """Return a joint's mean velocity since the sample before, shape (samples,).
+
+        It is the velocity that a simulation has at a position: half a step behind.
+        """
+        rate = np.diff(self.place(joint)) / np.diff(self.time)
+        return np.concatenate([self.speed(joint)[:1], rate])
+
+    def effort(self, actuator: str) -> Array:
+        """Return what an actuator produces at its joint, shape (samples,)."""
+        dof = self.joints[self.driven[actuator]]
+        return np.asarray(self.drive[:, self.actuators[actuator], dof])
+
+    def actuated(self, actuator: str, *columns: Array) -> Array:
+        """Return columns (samples,) as efforts of one actuator, (samples, dofs, columns)."""
+        return self.along(self.driven[actuator], *columns)
+
+    def noticed(self, channel: str, *columns: Array) -> Array:
+        """Return columns (samples,) as changes of one reading, (samples, channels, columns)."""
+        whole = np.zeros((*self.reading.shape, len(columns)))
+        whole[:, self.channels[channel]] = np.stack(columns, axis=-1)
+        return whole
 
     def sign(self, joint: str) -> Array:
         """Return the sense of a joint's motion, in [-1, 1], fading near rest.

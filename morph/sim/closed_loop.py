@@ -15,7 +15,8 @@ from morph.errors import SimulationFailed
 from morph.physics.effect import Effect, stacked
 from morph.physics.fluid.settle import batches
 from morph.sim.drive import received
-from morph.sim.rollout import Rows, quiet
+from morph.sim.rollout import quiet
+from morph.sim.rows import Rows
 from morph.sim.simulator import Simulator
 from morph.sim.threads import batch_threads
 
@@ -154,7 +155,7 @@ def _advance(simulator: Simulator, batch: Batch, each: int) -> Callable[[Array],
     rows = Rows(batch, simulator.step)
     control = batch.bind("ctrl")
     acting = [stacked([effect] * batch.nsim) for effect in simulator.effects if effect.stepped]
-    states = [effect.start(rows) for effect in acting]
+    states = [effect.initial_state(rows) for effect in acting]
 
     def step(given: Array) -> None:
         try:
@@ -164,9 +165,7 @@ def _advance(simulator: Simulator, batch: Batch, each: int) -> Callable[[Array],
                 return
             for at in range(each):
                 control[:] = given[..., min(at, given.shape[-1] - 1)]
-                rows.applied[:] = 0.0
-                for slot, effect in enumerate(acting):
-                    states[slot] = effect.before_step(rows, states[slot])
+                rows.act(acting, states)
                 batch.step()
         except SimulationError as error:
             raise SimulationFailed(

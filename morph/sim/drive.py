@@ -47,6 +47,13 @@ def sensed(effects: Sequence[Effect], channel: str, reading: Array) -> Array:
     return reading
 
 
+def stamped(effects: Sequence[Effect], channel: str, time: Array) -> Array:
+    """Return the times that a channel reports under effects, s, same shape."""
+    for effect in effects:
+        time = effect.stamp(channel, time)
+    return time
+
+
 def unsensed(effects: Sequence[Effect], channel: str, reading: Array) -> Array:
     """Return the truth behind a reading, to first order: exact for an offset."""
     return 2.0 * reading - sensed(effects, channel, reading)

@@ -17,6 +17,7 @@ from morph.errors import SimulationFailed
 from morph.physics.effect import Effect, stacked
 from morph.physics.fluid.settle import batches
 from morph.sim.one_by_one import one_by_one
+from morph.sim.rows import Rows
 from morph.sim.threads import batch_threads
 
 
@@ -28,30 +29,6 @@ class Variant:
     """A `mujoco.MjModel`, every effect's `edit` applied."""
     effects: tuple[Effect, ...]
     """All effects, also those that the model holds already."""
-
-
-class Rows:
-    """What effects see of a batch before each step; see `effect.Simulations`."""
-
-    def __init__(self, batch: Batch, step: float) -> None:
-        """Bind the batch's positions, velocities and applied forces."""
-        self.step = step
-        self._model = batch.model
-        self._position = batch.bind("qpos")
-        self._velocity = batch.bind("qvel")
-        self.applied = batch.bind("qfrc_applied")
-
-    def position(self, joint: str) -> Array:
-        """Return a joint's position, shape (rows,)."""
-        return np.asarray(self._position[:, self._model.joint(joint).qposadr[0]])
-
-    def velocity(self, joint: str) -> Array:
-        """Return a joint's velocity, shape (rows,)."""
-        return np.asarray(self._velocity[:, self._model.joint(joint).dofadr[0]])
-
-    def force(self, joint: str) -> Array:
-        """Return the view to which a joint's generalized forces are added."""
-        return np.asarray(self.applied[:, self._model.joint(joint).dofadr[0]])
 
 
 def rollout(
@@ -156,15 +133,13 @@ def _step_by_step(
         for slot, effect in enumerate(variants[0].effects)
         if effect.stepped
     ]
-    states = [effect.start(seen) for effect in acting]
+    states = [effect.initial_state(seen) for effect in acting]
     position, velocity, control = batch.bind("qpos"), batch.bind("qvel"), batch.bind("ctrl")
     q = np.empty((rows, steps, position.shape[1]))
     v = np.empty((rows, steps, velocity.shape[1]))
     for step in range(steps):
         control[:] = command[:, step]
-        seen.applied[:] = 0.0
-        for slot, effect in enumerate(acting):
-            states[slot] = effect.before_step(seen, states[slot])
+        seen.act(acting, states)
         batch.step()
         q[:, step], v[:, step] = position, velocity
     return q, v

@@ -17,7 +17,7 @@ from morph.physics.apply import apply
 from morph.physics.effect import Effect
 from morph.physics.fluid.settle import settle
 from morph.record.recording import Channel, Recording
-from morph.sim.drive import received, sensed
+from morph.sim.drive import received, sensed, stamped
 from morph.sim.integrator import INTEGRATORS, Integrator, best_integrator
 from morph.sim.observe import observed
 from morph.sim.rollout import Variant, rollout
@@ -224,7 +224,8 @@ class Simulator:
             self.robot, self.model, moved.time, moved.position, moved.velocity
         ).items():
             reading = sensed(self.effects, channel, true.value)
-            channels[channel] = Channel(time=true.time, value=reading)
+            time = stamped(self.effects, channel, true.time)
+            channels[channel] = Channel(time=time, value=reading)
         return Recording(name=name, channels=channels)
 
     def _told(self, actuator: str, command: Command, times: Array) -> Array:

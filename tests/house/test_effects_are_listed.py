@@ -17,10 +17,10 @@ _NAMES = """
     viscous_friction coulomb_friction stribeck_friction load_dependent_friction
     position_dependent_friction quadratic_damping joint_stiffness cogging hysteresis backlash
     series_elasticity end_stop actuator_delay actuator_lag torque_scale torque_saturation
-    back_emf thermal_derating voltage_sag dead_zone sensor_bias sensor_scale timestamp_offset
-    payload com_offset link_inertia armature base_tilt linear_drag quadratic_drag added_mass
-    buoyancy fluid_current thrust contact_friction contact_softness restitution ground_slope
-    external_push tether ground
+    speed_torque_limit back_emf thermal_derating voltage_sag dead_zone sensor_bias
+    sensor_scale timestamp_offset payload com_offset link_inertia armature base_tilt
+    linear_drag quadratic_drag added_mass buoyancy fluid_current thrust contact_friction
+    contact_softness restitution ground_slope external_push tether ground
 """
 VOCABULARY = frozenset(_NAMES.split())
 """The names of left-out physics, used in code, on the command line and in every output."""

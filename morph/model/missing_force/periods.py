@@ -16,7 +16,6 @@ from morph.model.episodes import moving_joints
 from morph.model.hypothesis import Hypothesis
 from morph.model.latent.run import Run
 from morph.model.missing_force.waves import Waves
-from morph.physics.effect import Effect
 from morph.physics.fluid.settle import batches
 from morph.sim.integrator import INTEGRATORS, Integrator, best_integrator
 from morph.sim.rollout import quiet
@@ -79,7 +78,7 @@ class Periods:
                 where=where,
                 fix="take the period of the runs, and a step that divides it",
             )
-        outside = [e.label for e in hypothesis.effects if _outside(e)]
+        outside = [e.label for e in hypothesis.effects if e.outside]
         model: Any = hypothesis.at(hypothesis.start).model
         if outside or model.na or not batches(model):
             raise DiagnosisError(
@@ -207,8 +206,3 @@ def _steepness(law: Callable[[Array], Array], inside: Array) -> Array:
     move = ROUGH * np.eye(inside.shape[-1])
     ahead, behind = (law(inside[:, :, None] + sign * move) for sign in (1.0, -1.0))
     return np.asarray(np.swapaxes((ahead - behind).mean(axis=1), 1, 2) / (2.0 * ROUGH))
-
-
-def _outside(effect: Effect) -> bool:
-    changed = type(effect).command is not Effect.command or type(effect).sense is not Effect.sense
-    return effect.stepped or changed

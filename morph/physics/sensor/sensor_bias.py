@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
+import numpy as np
+
 from morph.arrays import Array
 from morph.physics.effect import parameter
 from morph.physics.kinds import SensorEffect
@@ -39,6 +41,10 @@ class SensorBias(SensorEffect):
         """Return the change of force that a shifted position needs."""
         joint = self.channel.rsplit(".", 1)[0]
         return motion.stiffness[:, :, motion.joints[joint]][:, :, None]
+
+    def reading_regressor(self, motion: Motion) -> Array:
+        """Return one."""
+        return motion.noticed(self.channel, np.ones(len(motion.reading)))
 
     def statement(self, *, slide: bool = False) -> str:
         """Return the finding in one plain sentence."""

@@ -13,7 +13,8 @@ from morph.errors import SimulationFailed
 from morph.physics.effect import Effect, stacked
 from morph.physics.fluid.settle import batches
 from morph.sim.drive import received
-from morph.sim.rollout import Rows, quiet
+from morph.sim.rollout import quiet
+from morph.sim.rows import Rows
 from morph.sim.threads import batch_threads
 from morph.task.moved import Places
 from morph.task.task import Task
@@ -55,7 +56,7 @@ class Plant:
         self._acting = [stacked([each] * rows) for each in effects if each.stepped]
         for each in self._acting:
             # What an effect remembers could not be forgotten for some rows alone.
-            if each.start(self._seen) is not None:
+            if each.initial_state(self._seen) is not None:
                 raise SimulationFailed(
                     f"{each.label} remembers the past, which an environment cannot start anew",
                     where=f"robot {task.robot.name}",
@@ -103,9 +104,7 @@ class Plant:
                     return
                 for at in range(self._each):
                     self._control[rows] = given[..., min(at, given.shape[-1] - 1)]
-                    self._seen.applied[:] = 0.0
-                    for effect in self._acting:
-                        effect.before_step(self._seen, None)
+                    self._seen.act(self._acting, [None] * len(self._acting))
                     self._batch.step(ids, stage=self._stage)
         except SimulationError as error:
             raise SimulationFailed(
