@@ -5,6 +5,7 @@ from __future__ import annotations
 from morph.errors import EffectError
 from morph.physics.actuator.actuator_delay import ActuatorDelay
 from morph.physics.actuator.actuator_lag import ActuatorLag
+from morph.physics.actuator.torque_saturation import TorqueSaturation
 from morph.physics.actuator.torque_scale import TorqueScale
 from morph.physics.body.com_offset import ComOffset
 from morph.physics.body.link_inertia import LinkInertia
@@ -39,6 +40,7 @@ EFFECTS: tuple[type[Effect], ...] = (
     ActuatorDelay,
     ActuatorLag,
     TorqueScale,
+    TorqueSaturation,
     SensorBias,
     LinkInertia,
     ComOffset,
