@@ -5,6 +5,7 @@ from __future__ import annotations
 from morph.errors import EffectError
 from morph.physics.actuator.actuator_delay import ActuatorDelay
 from morph.physics.actuator.actuator_lag import ActuatorLag
+from morph.physics.actuator.back_emf import BackEmf
 from morph.physics.actuator.dead_zone import DeadZone
 from morph.physics.actuator.speed_torque_limit import SpeedTorqueLimit
 from morph.physics.actuator.torque_saturation import TorqueSaturation
@@ -44,6 +45,7 @@ EFFECTS: tuple[type[Effect], ...] = (
     TorqueScale,
     TorqueSaturation,
     SpeedTorqueLimit,
+    BackEmf,
     DeadZone,
     SensorBias,
     LinkInertia,

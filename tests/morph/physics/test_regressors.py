@@ -47,6 +47,7 @@ SERVOS = (
 FELT: Mapping[str, Mapping[str, float]] = {
     "torque_saturation": {"limit": 0.4},
     "speed_torque_limit": {"tau0": 0.5, "v0": 3.0},
+    "back_emf": {"k": 0.1},
     "dead_zone": {"threshold": 0.2},
 }
 """Parameters at which each law is felt."""
