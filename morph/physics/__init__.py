@@ -8,6 +8,7 @@ from morph.physics.actuator.actuator_lag import ActuatorLag
 from morph.physics.actuator.back_emf import BackEmf
 from morph.physics.actuator.dead_zone import DeadZone
 from morph.physics.actuator.speed_torque_limit import SpeedTorqueLimit
+from morph.physics.actuator.thermal_derating import ThermalDerating
 from morph.physics.actuator.torque_saturation import TorqueSaturation
 from morph.physics.actuator.torque_scale import TorqueScale
 from morph.physics.body.com_offset import ComOffset
@@ -46,6 +47,7 @@ EFFECTS: tuple[type[Effect], ...] = (
     TorqueSaturation,
     SpeedTorqueLimit,
     BackEmf,
+    ThermalDerating,
     DeadZone,
     SensorBias,
     LinkInertia,
