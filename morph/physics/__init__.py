@@ -11,6 +11,7 @@ from morph.physics.actuator.speed_torque_limit import SpeedTorqueLimit
 from morph.physics.actuator.thermal_derating import ThermalDerating
 from morph.physics.actuator.torque_saturation import TorqueSaturation
 from morph.physics.actuator.torque_scale import TorqueScale
+from morph.physics.actuator.voltage_sag import VoltageSag
 from morph.physics.body.com_offset import ComOffset
 from morph.physics.body.link_inertia import LinkInertia
 from morph.physics.body.payload import Payload
@@ -48,6 +49,7 @@ EFFECTS: tuple[type[Effect], ...] = (
     SpeedTorqueLimit,
     BackEmf,
     ThermalDerating,
+    VoltageSag,
     DeadZone,
     SensorBias,
     LinkInertia,

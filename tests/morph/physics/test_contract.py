@@ -91,6 +91,7 @@ FELT: Mapping[str, Felt] = {
     "speed_torque_limit": Felt(values={"tau0": 0.3, "v0": 2.0}),
     "back_emf": Felt(values={"k": 0.1}),
     "thermal_derating": Felt(values={"floor": 0.3, "rate": 5.0, "level": 0.3}),
+    "voltage_sag": Felt(values={"k": 0.8}),
     "dead_zone": Felt(values={"threshold": 0.1}),
     "sensor_bias": Felt(values={"bias": 0.05}),
     "link_inertia": Felt(values={"mass": 0.6, "inertia": 1.8}),

@@ -49,6 +49,7 @@ FELT: Mapping[str, Mapping[str, float]] = {
     "speed_torque_limit": {"tau0": 0.5, "v0": 3.0},
     "back_emf": {"k": 0.1},
     "thermal_derating": {"floor": 0.3, "rate": 5.0, "level": 0.8},
+    "voltage_sag": {"k": 0.6},
     "dead_zone": {"threshold": 0.2},
 }
 """Parameters at which each law is felt."""
