@@ -28,6 +28,7 @@ from morph.physics.fluid.thrust import Thrust
 from morph.physics.joint.armature import Armature
 from morph.physics.joint.coulomb_friction import CoulombFriction
 from morph.physics.joint.joint_stiffness import JointStiffness
+from morph.physics.joint.load_dependent_friction import LoadDependentFriction
 from morph.physics.joint.quadratic_damping import QuadraticDamping
 from morph.physics.joint.stribeck_friction import StribeckFriction
 from morph.physics.joint.viscous_friction import ViscousFriction
@@ -39,6 +40,7 @@ EFFECTS: tuple[type[Effect], ...] = (
     ViscousFriction,
     CoulombFriction,
     StribeckFriction,
+    LoadDependentFriction,
     QuadraticDamping,
     JointStiffness,
     Armature,

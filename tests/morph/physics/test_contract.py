@@ -81,6 +81,7 @@ FELT: Mapping[str, Felt] = {
     "viscous_friction": Felt(values={"b": 0.05}),
     "coulomb_friction": Felt(values={"c": 0.06}),
     "stribeck_friction": Felt(values={"c": 0.04, "s": 0.12, "vs": 0.5}),
+    "load_dependent_friction": Felt(values={"c0": 0.04, "k": 0.2}),
     "quadratic_damping": Felt(values={"b2": 0.02}),
     "joint_stiffness": Felt(values={"k": 0.8, "q0": 0.3}),
     "armature": Felt(values={"J": 0.01}),
