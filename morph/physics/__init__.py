@@ -26,6 +26,7 @@ from morph.physics.fluid.linear_drag import LinearDrag
 from morph.physics.fluid.quadratic_drag import QuadraticDrag
 from morph.physics.fluid.thrust import Thrust
 from morph.physics.joint.armature import Armature
+from morph.physics.joint.cogging import Cogging
 from morph.physics.joint.coulomb_friction import CoulombFriction
 from morph.physics.joint.joint_stiffness import JointStiffness
 from morph.physics.joint.load_dependent_friction import LoadDependentFriction
@@ -43,6 +44,7 @@ EFFECTS: tuple[type[Effect], ...] = (
     LoadDependentFriction,
     QuadraticDamping,
     JointStiffness,
+    Cogging,
     Armature,
     ActuatorDelay,
     ActuatorLag,

@@ -46,6 +46,7 @@ SERVOS = (
 
 FELT: Mapping[str, Mapping[str, float]] = {
     "load_dependent_friction": {"c0": 0.02, "k": 0.1},
+    "cogging": {"a": 0.3, "n": 6.0, "phase": -2.0},
     "torque_saturation": {"limit": 0.4},
     "speed_torque_limit": {"tau0": 0.5, "v0": 3.0},
     "back_emf": {"k": 0.1},
