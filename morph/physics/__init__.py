@@ -30,6 +30,7 @@ from morph.physics.joint.cogging import Cogging
 from morph.physics.joint.coulomb_friction import CoulombFriction
 from morph.physics.joint.joint_stiffness import JointStiffness
 from morph.physics.joint.load_dependent_friction import LoadDependentFriction
+from morph.physics.joint.position_dependent_friction import PositionDependentFriction
 from morph.physics.joint.quadratic_damping import QuadraticDamping
 from morph.physics.joint.stribeck_friction import StribeckFriction
 from morph.physics.joint.viscous_friction import ViscousFriction
@@ -42,6 +43,7 @@ EFFECTS: tuple[type[Effect], ...] = (
     CoulombFriction,
     StribeckFriction,
     LoadDependentFriction,
+    PositionDependentFriction,
     QuadraticDamping,
     JointStiffness,
     Cogging,

@@ -82,6 +82,7 @@ FELT: Mapping[str, Felt] = {
     "coulomb_friction": Felt(values={"c": 0.06}),
     "stribeck_friction": Felt(values={"c": 0.04, "s": 0.12, "vs": 0.5}),
     "load_dependent_friction": Felt(values={"c0": 0.04, "k": 0.2}),
+    "position_dependent_friction": Felt(values={"c": 0.06, "a": 0.04, "n": 3.0, "phase": 0.5}),
     "quadratic_damping": Felt(values={"b2": 0.02}),
     "joint_stiffness": Felt(values={"k": 0.8, "q0": 0.3}),
     "cogging": Felt(values={"a": 0.15, "n": 6.0, "phase": 0.7}),
