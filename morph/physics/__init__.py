@@ -28,6 +28,7 @@ from morph.physics.fluid.thrust import Thrust
 from morph.physics.joint.armature import Armature
 from morph.physics.joint.cogging import Cogging
 from morph.physics.joint.coulomb_friction import CoulombFriction
+from morph.physics.joint.hysteresis import Hysteresis
 from morph.physics.joint.joint_stiffness import JointStiffness
 from morph.physics.joint.load_dependent_friction import LoadDependentFriction
 from morph.physics.joint.position_dependent_friction import PositionDependentFriction
@@ -47,6 +48,7 @@ EFFECTS: tuple[type[Effect], ...] = (
     QuadraticDamping,
     JointStiffness,
     Cogging,
+    Hysteresis,
     Armature,
     ActuatorDelay,
     ActuatorLag,

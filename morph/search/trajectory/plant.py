@@ -12,7 +12,6 @@ from mujoco.batch import Batch, SimulationError
 
 from morph.arrays import Array
 from morph.errors import SimulationFailed
-from morph.physics.effect import Effect
 from morph.physics.fluid.settle import batches
 from morph.policy.policy import actions_of
 from morph.search.trajectory.tangent import apart
@@ -23,7 +22,12 @@ from morph.sim.threads import batch_threads
 HUGE = 1e6
 """Position or velocity, in its unit, from which a row counts as unstable."""
 
-DRY = ("coulomb_friction", "stribeck_friction")
+DRY = (
+    "coulomb_friction",
+    "stribeck_friction",
+    "load_dependent_friction",
+    "position_dependent_friction",
+)
 """Effects that can hold a joint still."""
 
 MOST_KEPT = 8
@@ -98,10 +102,10 @@ class Plant(Stepped):
                 where=where,
                 fix="give a period of one step or more",
             )
-        late = [e.label for e in simulator.effects if type(e).command is not Effect.command]
+        late = [effect.label for effect in simulator.effects if effect.remembers]
         if late:
             raise SimulationFailed(
-                f"{', '.join(late)} changes commands on their way, and a plan knows positions and "
+                f"{', '.join(late)} remembers the past, and a plan knows positions and "
                 "velocities alone",
                 where=where,
                 fix="leave it out, or take a search that tries policies, such as cmaes",

@@ -86,6 +86,7 @@ FELT: Mapping[str, Felt] = {
     "quadratic_damping": Felt(values={"b2": 0.02}),
     "joint_stiffness": Felt(values={"k": 0.8, "q0": 0.3}),
     "cogging": Felt(values={"a": 0.15, "n": 6.0, "phase": 0.7}),
+    "hysteresis": Felt(values={"c": 0.12, "z": 0.05}),
     "armature": Felt(values={"J": 0.01}),
     "actuator_delay": Felt(values={"T": 0.02}),
     "actuator_lag": Felt(values={"T": 0.03}),

@@ -48,6 +48,7 @@ FELT: Mapping[str, Mapping[str, float]] = {
     "load_dependent_friction": {"c0": 0.02, "k": 0.1},
     "position_dependent_friction": {"c": 0.05, "a": 0.03, "n": 3.0, "phase": 0.5},
     "cogging": {"a": 0.3, "n": 6.0, "phase": -2.0},
+    "hysteresis": {"c": 0.4, "z": 0.05},
     "torque_saturation": {"limit": 0.4},
     "speed_torque_limit": {"tau0": 0.5, "v0": 3.0},
     "back_emf": {"k": 0.1},

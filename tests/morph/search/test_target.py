@@ -10,6 +10,8 @@ import pytest
 from morph.body.load import load
 from morph.errors import SearchError, SimulationFailed
 from morph.physics.actuator.actuator_delay import ActuatorDelay
+from morph.physics.effect import Effect
+from morph.physics.joint.hysteresis import Hysteresis
 from morph.physics.sensor.sensor_bias import SensorBias
 from morph.policy.linear import Linear
 from morph.policy.observing import observations_of
@@ -72,6 +74,9 @@ def test_a_policy_of_another_period_is_refused(swing: Task, linear: Linear) -> N
         evaluate(swing, other, swing.simulator(), rng=np.random.default_rng(0), rows=2)
 
 
-def test_a_plan_refuses_a_command_that_comes_late(swing: Task) -> None:
-    with pytest.raises(SimulationFailed, match="actuator_delay@slide changes commands"):
-        Plant(swing.simulator((ActuatorDelay(actuator="slide", T=0.05),)), swing.period)
+@pytest.mark.parametrize(
+    "effect", [ActuatorDelay(actuator="slide", T=0.05), Hysteresis(joint="hinge", c=0.1)]
+)
+def test_a_plan_refuses_what_depends_on_the_past(swing: Task, effect: Effect) -> None:
+    with pytest.raises(SimulationFailed, match=f"{effect.label} remembers the past"):
+        Plant(swing.simulator((effect,)), swing.period)
