@@ -28,6 +28,7 @@ from morph.physics.fluid.thrust import Thrust
 from morph.physics.joint.armature import Armature
 from morph.physics.joint.cogging import Cogging
 from morph.physics.joint.coulomb_friction import CoulombFriction
+from morph.physics.joint.end_stop import EndStop
 from morph.physics.joint.hysteresis import Hysteresis
 from morph.physics.joint.joint_stiffness import JointStiffness
 from morph.physics.joint.load_dependent_friction import LoadDependentFriction
@@ -49,6 +50,7 @@ EFFECTS: tuple[type[Effect], ...] = (
     JointStiffness,
     Cogging,
     Hysteresis,
+    EndStop,
     Armature,
     ActuatorDelay,
     ActuatorLag,
