@@ -34,6 +34,7 @@ from morph.physics.joint.joint_stiffness import JointStiffness
 from morph.physics.joint.load_dependent_friction import LoadDependentFriction
 from morph.physics.joint.position_dependent_friction import PositionDependentFriction
 from morph.physics.joint.quadratic_damping import QuadraticDamping
+from morph.physics.joint.series_elasticity import SeriesElasticity
 from morph.physics.joint.stribeck_friction import StribeckFriction
 from morph.physics.joint.viscous_friction import ViscousFriction
 from morph.physics.sensor.sensor_bias import SensorBias
@@ -50,6 +51,7 @@ EFFECTS: tuple[type[Effect], ...] = (
     JointStiffness,
     Cogging,
     Hysteresis,
+    SeriesElasticity,
     EndStop,
     Armature,
     ActuatorDelay,

@@ -49,6 +49,7 @@ FELT: Mapping[str, Mapping[str, float]] = {
     "position_dependent_friction": {"c": 0.05, "a": 0.03, "n": 3.0, "phase": 0.5},
     "cogging": {"a": 0.3, "n": 6.0, "phase": -2.0},
     "hysteresis": {"c": 0.4, "z": 0.05},
+    "series_elasticity": {"k": 15.0, "d": 0.03},
     "end_stop": {"q_stop": 0.15, "side": -1.0, "k": 40.0, "d": 0.3},
     "torque_saturation": {"limit": 0.4},
     "speed_torque_limit": {"tau0": 0.5, "v0": 3.0},
@@ -224,3 +225,18 @@ def test_every_shape_to_try_is_one_that_the_recording_could_show(name: str, swin
         assert size.max() > 1e-6
         directions.add(tuple(np.round(columns[::100, :, 0].ravel() / size.max(), 9)))
     assert len(directions) == len(shapes) or name in {"position_dependent_friction", "tether"}
+
+
+def test_a_stiff_spring_lags_by_what_it_carries(swing: Motion) -> None:
+    # The rotor is ahead by x = (u - J a) / k, u - J a = (2 cos - 0.05 (-4.5 sin)) (3 t). Its own
+    # inertia, servo and damping miss J x'' + 0.3 x' + 5 x of it: k times that is known.
+    law, time = placed("series_elasticity"), 3.0 * swing.time
+    carried = 2.0 * np.cos(time) + 0.225 * np.sin(time)
+    rate = 3.0 * (-2.0 * np.sin(time) + 0.225 * np.cos(time))
+    due = -(0.05 * -9.0 * carried + 0.3 * rate + 5.0 * carried)
+    limit = law.regressor(swing)[:, 1, 0]
+    # Second differences at steps of 1 ms, w h = 3e-3: 1e-5 of it, but at the ends.
+    assert limit[3:-3] == pytest.approx(due[3:-3], abs=2e-4)
+    # A spring of 1e4 N m/rad with some damping: (5 + 9 * 0.05) / 1e4 of it once it is quiet.
+    stiff = replace(law, k=1e4, d=10.0).regressor(swing)[:, 1, 0]  # type: ignore[call-arg]
+    assert np.sqrt(np.mean((stiff - due)[200:] ** 2)) < 0.01 * np.sqrt(np.mean(due**2))

@@ -11,6 +11,9 @@ from morph.body.robot import Robot
 from morph.errors import SimulationFailed
 from morph.physics.actuator.actuator_delay import ActuatorDelay
 from morph.physics.actuator.actuator_lag import ActuatorLag
+from morph.physics.actuator.dead_zone import DeadZone
+from morph.physics.joint.armature import Armature
+from morph.physics.joint.series_elasticity import SeriesElasticity
 from morph.physics.joint.stribeck_friction import StribeckFriction
 from morph.sim.closed_loop import closed_loop
 from morph.sim.simulator import Simulator
@@ -36,6 +39,11 @@ EFFECTS = {
     "both kinds": (
         ActuatorDelay(actuator="slide", T=0.013),
         StribeckFriction(joint="hinge", c=0.01, s=0.02, vs=0.3),
+    ),
+    "one that remembers, on what another leaves": (
+        SeriesElasticity(joint="slide", k=300.0, d=2.0),
+        Armature(joint="slide", J=0.2),
+        DeadZone(actuator="slide", threshold=0.5),
     ),
 }
 
