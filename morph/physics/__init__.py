@@ -26,6 +26,7 @@ from morph.physics.fluid.linear_drag import LinearDrag
 from morph.physics.fluid.quadratic_drag import QuadraticDrag
 from morph.physics.fluid.thrust import Thrust
 from morph.physics.joint.armature import Armature
+from morph.physics.joint.backlash import Backlash
 from morph.physics.joint.cogging import Cogging
 from morph.physics.joint.coulomb_friction import CoulombFriction
 from morph.physics.joint.end_stop import EndStop
@@ -51,6 +52,7 @@ EFFECTS: tuple[type[Effect], ...] = (
     JointStiffness,
     Cogging,
     Hysteresis,
+    Backlash,
     SeriesElasticity,
     EndStop,
     Armature,

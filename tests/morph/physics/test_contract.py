@@ -87,6 +87,7 @@ FELT: Mapping[str, Felt] = {
     "joint_stiffness": Felt(values={"k": 0.8, "q0": 0.3}),
     "cogging": Felt(values={"a": 0.15, "n": 6.0, "phase": 0.7}),
     "hysteresis": Felt(values={"c": 0.12, "z": 0.05}),
+    "backlash": Felt(rig=GEARED, values={"gap": 0.05}),
     "series_elasticity": Felt(rig=GEARED, values={"k": 6.0, "d": 0.02}),
     "end_stop": Felt(values={"q_stop": -0.2, "k": 40.0, "d": 0.3}),
     "armature": Felt(values={"J": 0.01}),

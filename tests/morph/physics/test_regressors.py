@@ -49,6 +49,7 @@ FELT: Mapping[str, Mapping[str, float]] = {
     "position_dependent_friction": {"c": 0.05, "a": 0.03, "n": 3.0, "phase": 0.5},
     "cogging": {"a": 0.3, "n": 6.0, "phase": -2.0},
     "hysteresis": {"c": 0.4, "z": 0.05},
+    "backlash": {"gap": 0.06},
     "series_elasticity": {"k": 15.0, "d": 0.03},
     "end_stop": {"q_stop": 0.15, "side": -1.0, "k": 40.0, "d": 0.3},
     "torque_saturation": {"limit": 0.4},
