@@ -39,6 +39,7 @@ from morph.physics.joint.series_elasticity import SeriesElasticity
 from morph.physics.joint.stribeck_friction import StribeckFriction
 from morph.physics.joint.viscous_friction import ViscousFriction
 from morph.physics.sensor.sensor_bias import SensorBias
+from morph.physics.sensor.sensor_scale import SensorScale
 from morph.physics.world.ground import Ground
 from morph.physics.world.ground_slope import GroundSlope
 
@@ -66,6 +67,7 @@ EFFECTS: tuple[type[Effect], ...] = (
     VoltageSag,
     DeadZone,
     SensorBias,
+    SensorScale,
     LinkInertia,
     ComOffset,
     Payload,
