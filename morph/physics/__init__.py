@@ -40,6 +40,7 @@ from morph.physics.joint.stribeck_friction import StribeckFriction
 from morph.physics.joint.viscous_friction import ViscousFriction
 from morph.physics.sensor.sensor_bias import SensorBias
 from morph.physics.sensor.sensor_scale import SensorScale
+from morph.physics.sensor.timestamp_offset import TimestampOffset
 from morph.physics.world.ground import Ground
 from morph.physics.world.ground_slope import GroundSlope
 
@@ -68,6 +69,7 @@ EFFECTS: tuple[type[Effect], ...] = (
     DeadZone,
     SensorBias,
     SensorScale,
+    TimestampOffset,
     LinkInertia,
     ComOffset,
     Payload,

@@ -102,6 +102,7 @@ FELT: Mapping[str, Felt] = {
     "dead_zone": Felt(values={"threshold": 0.1}),
     "sensor_bias": Felt(values={"bias": 0.05}),
     "sensor_scale": Felt(values={"gain": 1.1}),
+    "timestamp_offset": Felt(values={"T": 0.02}),
     "link_inertia": Felt(values={"mass": 0.6, "inertia": 1.8}),
     "com_offset": Felt(values={"x": 0.03, "z": 0.05}),
     "payload": Felt(values={"m": 0.3, "x": 0.05, "z": -0.28}),
