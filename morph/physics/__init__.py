@@ -41,6 +41,7 @@ from morph.physics.joint.viscous_friction import ViscousFriction
 from morph.physics.sensor.sensor_bias import SensorBias
 from morph.physics.sensor.sensor_scale import SensorScale
 from morph.physics.sensor.timestamp_offset import TimestampOffset
+from morph.physics.world.base_tilt import BaseTilt
 from morph.physics.world.ground import Ground
 from morph.physics.world.ground_slope import GroundSlope
 
@@ -73,6 +74,7 @@ EFFECTS: tuple[type[Effect], ...] = (
     LinkInertia,
     ComOffset,
     Payload,
+    BaseTilt,
     AddedMass,
     Buoyancy,
     LinearDrag,
