@@ -13,6 +13,7 @@ from morph.physics.actuator.torque_saturation import TorqueSaturation
 from morph.physics.actuator.torque_scale import TorqueScale
 from morph.physics.actuator.voltage_sag import VoltageSag
 from morph.physics.body.com_offset import ComOffset
+from morph.physics.body.external_push import ExternalPush
 from morph.physics.body.link_inertia import LinkInertia
 from morph.physics.body.payload import Payload
 from morph.physics.contact.contact_friction import ContactFriction
@@ -74,6 +75,7 @@ EFFECTS: tuple[type[Effect], ...] = (
     LinkInertia,
     ComOffset,
     Payload,
+    ExternalPush,
     BaseTilt,
     AddedMass,
     Buoyancy,

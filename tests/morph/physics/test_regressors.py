@@ -58,6 +58,7 @@ FELT: Mapping[str, Mapping[str, float]] = {
     "thermal_derating": {"floor": 0.3, "rate": 5.0, "level": 0.8},
     "voltage_sag": {"k": 0.6},
     "dead_zone": {"threshold": 0.2},
+    "external_push": {"start": 0.1013, "end": 0.2027, "x": 0.1, "y": -0.2, "z": 0.15},
     "base_tilt": {"roll": 2e-6, "pitch": -1e-6},
 }
 """Parameters at which each law is felt."""

@@ -1,0 +1,80 @@
+"""A push that the simulation knows nothing of."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from morph.arrays import Array
+from morph.physics.effect import Simulations, parameter
+from morph.physics.kinds import BodyEffect
+from morph.physics.motion import Motion
+
+
+@dataclass(frozen=True, kw_only=True)
+class ExternalPush(BodyEffect):
+    """A link is pushed from start to end by a constant force, at its centre of mass.
+
+    Its impulse is (x, y, z) in the world's axes: the force times how long it lasts. Each step
+    has the mean over the step. Times count from where a run starts; one that is shorter
+    than a step is spread over a step.
+
+    Source: Newton 1687, Principia, law II: an impulse is the change of momentum.
+    """
+
+    name: ClassVar[str] = "external_push"
+    strengths: ClassVar[tuple[str, ...]] = ("x", "y", "z")
+    suspected: ClassVar[bool] = False
+    twins: ClassVar[tuple[str, ...]] = ("end_stop", "ground")
+    excited_by: ClassVar[str] = "The same run twice: a push is in one of them."
+    separate_by: ClassVar[dict[str, str]] = {
+        "end_stop": "Come to the same position twice: a stop is there every time.",
+        "ground": "Come down twice: a floor is there every time.",
+    }
+
+    body: str
+    """Link it acts on."""
+    start: float = parameter(0.0, unit="s", low=0.0, high=1e6)
+    """When it begins."""
+    end: float = parameter(0.1, unit="s", low=0.0, high=1e6)
+    """When it ends."""
+    x: float = parameter(0.0, unit="N s", low=-1e5, high=1e5, neutral=0.0)
+    """Impulse along the world's x."""
+    y: float = parameter(0.0, unit="N s", low=-1e5, high=1e5, neutral=0.0)
+    """Impulse along the world's y."""
+    z: float = parameter(0.0, unit="N s", low=-1e5, high=1e5, neutral=0.0)
+    """Impulse along the world's z."""
+
+    def initial_state(self, simulations: Simulations) -> Any:
+        """Return the time, s."""
+        return np.zeros(len(simulations.push(self.body)))
+
+    def before_step(self, simulations: Simulations, state: Any) -> Any:
+        """Push the link while it lasts."""
+        force = np.stack(np.broadcast_arrays(self.x, self.y, self.z), axis=-1)
+        share = np.asarray(self._share(state, simulations.step))
+        simulations.push(self.body)[:] += share[:, None] * force
+        return state + simulations.step
+
+    def regressor(self, motion: Motion) -> Array:
+        """Return what one N s along each axis of the world does, spread over the push."""
+        body = motion.bodies[self.body]
+        steps = np.diff(motion.time, append=2.0 * motion.time[-1] - motion.time[-2])
+        share = self._share(motion.time, steps)
+        return body.pulled(share[:, None, None] * np.eye(3), body.com)
+
+    def _share(self, time: Array, step: Any) -> Array:
+        """Return the mean force over steps for one N s, 1/s."""
+        end = np.maximum(self.end, self.start + step)
+        lasts = np.minimum(time + step, end) - np.maximum(time, self.start)
+        return np.asarray(np.maximum(lasts, 0.0) / (step * (end - self.start)))
+
+    def statement(self, *, slide: bool = False) -> str:
+        """Return the finding in one plain sentence."""
+        impulse = ", ".join(f"{value:.3g}" for value in (self.x, self.y, self.z))
+        return (
+            f"Link {self.body} is pushed from {self.start:.4g} s to {self.end:.4g} s with an "
+            f"impulse of ({impulse}) N s in the axes of the world: a push was left out."
+        )
