@@ -16,6 +16,7 @@ from morph.physics.body.com_offset import ComOffset
 from morph.physics.body.external_push import ExternalPush
 from morph.physics.body.link_inertia import LinkInertia
 from morph.physics.body.payload import Payload
+from morph.physics.body.tether import Tether
 from morph.physics.contact.contact_friction import ContactFriction
 from morph.physics.contact.contact_softness import ContactSoftness
 from morph.physics.contact.restitution import Restitution
@@ -76,6 +77,7 @@ EFFECTS: tuple[type[Effect], ...] = (
     ComOffset,
     Payload,
     ExternalPush,
+    Tether,
     BaseTilt,
     AddedMass,
     Buoyancy,

@@ -107,6 +107,7 @@ FELT: Mapping[str, Felt] = {
     "com_offset": Felt(values={"x": 0.03, "z": 0.05}),
     "payload": Felt(values={"m": 0.3, "x": 0.05, "z": -0.28}),
     "external_push": Felt(values={"start": 0.1, "end": 0.2, "x": 0.08, "z": 0.05}),
+    "tether": Felt(values={"k": 5.0, "length": 0.2, "x": 0.5, "z": -0.5, "cz": -0.1}),
     "base_tilt": Felt(values={"roll": 0.05, "pitch": 0.1}),
     "added_mass": Felt(values={"x": 0.4, "ry": 0.01, "cz": -0.05}),
     "buoyancy": Felt(values={"volume": 2e-4, "cz": -0.2}),

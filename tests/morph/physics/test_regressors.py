@@ -59,6 +59,7 @@ FELT: Mapping[str, Mapping[str, float]] = {
     "voltage_sag": {"k": 0.6},
     "dead_zone": {"threshold": 0.2},
     "external_push": {"start": 0.1013, "end": 0.2027, "x": 0.1, "y": -0.2, "z": 0.15},
+    "tether": {"k": 5.0, "length": 0.3, "x": 0.5, "y": 0.4, "z": -0.3, "cx": 0.1, "cz": -0.2},
     "base_tilt": {"roll": 2e-6, "pitch": -1e-6},
 }
 """Parameters at which each law is felt."""
