@@ -17,6 +17,7 @@ from experiments.missing_physics.scales import Scales, scales_of
 from experiments.missing_physics.simulate import Motion
 from experiments.missing_physics.sizing import NoSize, settle, size_for
 from experiments.missing_physics.suites import LAWS, SUITES, Suite
+from experiments.missing_physics.ties import are_distinct
 from experiments.missing_physics.truth import Effect, Truth
 
 SECONDS = 12.0
@@ -99,6 +100,8 @@ def _try_case(suite: str, seed: int, number: int, rng: np.random.Generator, seco
     else:
         for law in wanted:
             truth = _add(truth, law, scales, vary, rng, seconds)
+    if not are_distinct(truth):
+        raise NoSize("two effects are twins", where=mechanism.family, fix="draw another case")
     truth, motions, strengths = settle(truth, checked=not about.drives)
     left = ratios_after_refit(truth, motions[:-1], vary)
     ticking = any(effect.law.name == "clock_drift" for effect in truth.effects)

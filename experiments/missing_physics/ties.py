@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from experiments.missing_physics.mechanism import TORQUE
 from experiments.missing_physics.truth import Effect, Truth
 
@@ -49,11 +51,13 @@ def ties_of(truth: Truth, effect: Effect) -> tuple[Tie, ...]:
         }
         if name in first:
             add(*first[name], "the first link moves with its joint alone, in one way")
-        if name in ("armature", "added_mass"):
-            for law, where in (
-                ("armature", joint), ("added_mass", link), ("link_inertia", link)
-            ):  # fmt: skip
-                if law != name:
+        heavier = {"armature": joint, "added_mass": link, "link_inertia": link}
+        if _is_weightless(truth):
+            heavier["payload"] = link
+        grows = name != "link_inertia" or effect.figures.get("mass", 1.0) > 1.0
+        if name in ("armature", "added_mass") or (name in heavier and "payload" in heavier):
+            for law, where in heavier.items():
+                if law != name and grows:
                     add(law, where, "of the first link only the inertia along its joint counts")
         if name == "sensor_bias" and kind == TORQUE and hinge:
             add("base_tilt", "world", "turning the first hinge's zero turns gravity for all links")
@@ -77,7 +81,29 @@ def ties_of(truth: Truth, effect: Effect) -> tuple[Tie, ...]:
     return tuple(found)
 
 
+def _is_weightless(truth: Truth) -> bool:
+    """Return whether gravity never moves the first joint: a level slide or an upright hinge."""
+    plant = truth.mechanism.plant
+    upright = abs(float((plant.rotation[0] @ plant.axis[0])[2]))
+    tilted = any(effect.law.name == "base_tilt" for effect in truth.effects)
+    return not tilted and (upright < 1e-6 if plant.slide[0] else upright > 1 - 1e-6)
+
+
+def are_distinct(truth: Truth) -> bool:
+    """Return whether no two effects share an answer, so that their set can be found at all."""
+    seen: set[tuple[str, str]] = set()
+    for effect in truth.effects:
+        answers = {(effect.law.name, effect.where(truth.mechanism))}
+        answers |= {(tie.effect, tie.where) for tie in ties_of(truth, effect)}
+        if answers & seen:
+            return False
+        seen |= answers
+    return True
+
+
 def _coasted(truth: Truth) -> bool:
-    """Return whether the drives are cut off anywhere in the training runs."""
-    driven = list(truth.mechanism.driven)
-    return any(bool((run.feed[:, driven] == 0).all(axis=1).sum() > 10) for run in truth.runs[:-1])
+    """Return whether drives are cut off in motion anywhere in the training runs.
+
+    A servo that rests at exactly 0 is not powered either, but nothing moves then.
+    """
+    return any(bool(np.isnan(run.reference).any()) for run in truth.runs[:-1])

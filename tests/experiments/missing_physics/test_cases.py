@@ -19,7 +19,7 @@ from experiments.missing_physics.simulate import GRID, Run, moving_state, simula
 from experiments.missing_physics.sizing import WEAKEST
 from experiments.missing_physics.submission import CASE_SCHEMA_FILE
 from experiments.missing_physics.suites import LAWS, SUITES
-from experiments.missing_physics.ties import ties_of
+from experiments.missing_physics.ties import are_distinct, ties_of
 from experiments.missing_physics.truth import Effect, Truth, replayed
 from morph.body.load import load as load_robot
 from morph.files import sha256
@@ -175,8 +175,33 @@ def test_back_emf_is_told_from_viscous_friction_where_drives_are_cut_off(pendulu
 
     truth, law = pendulum.truth, BY_NAME["viscous_friction"]
     assert names(truth, law) == {"linear_drag"}
-    powered = tuple(replace(run, feed=run.feed + 1e-3 * (run.feed == 0)) for run in truth.runs)
+    powered = tuple(replace(run, reference=0 * run.feed) for run in truth.runs)
     assert names(replace(truth, runs=powered), law) == {"linear_drag", "back_emf"}
+
+
+def test_a_load_on_a_level_cart_is_as_good_as_a_rotor() -> None:
+    truth = _bare("cart_pole").truth
+    load = Effect(law=BY_NAME["payload"], place=0, figures={"m": 0.3, "x": 0.0, "y": 0.0, "z": 0.0})
+    q, v = np.zeros((1, 2)), np.array([[0.4, 1.0]])
+    loaded = load.law.apply(truth.base, 0, load.figures)
+    mass, bias = loaded.mass_and_bias(q, v)
+    before, same = truth.base.mass_and_bias(q, v)
+    np.testing.assert_allclose(mass[0] - before[0], [[0.3, 0.0], [0.0, 0.0]], atol=1e-12)
+    np.testing.assert_allclose(bias, same, atol=1e-12)
+    assert {tie.effect for tie in ties_of(truth, load)} == {
+        "armature", "added_mass", "link_inertia",
+    }  # fmt: skip
+    tilt = Effect(law=BY_NAME["base_tilt"], place=0, figures={"roll": 0.1, "pitch": 0.1})
+    assert not ties_of(replace(truth, effects=(tilt,)), load)
+
+
+def test_twins_are_never_left_out_together(pendulum: Case) -> None:
+    one, other, third = (
+        Effect(law=BY_NAME[name], place=0, figures={})
+        for name in ("sensor_bias", "com_offset", "cogging")
+    )
+    assert not are_distinct(replace(pendulum.truth, effects=(one, other)))
+    assert are_distinct(replace(pendulum.truth, effects=(one, third)))
 
 
 @pytest.fixture(scope="module")

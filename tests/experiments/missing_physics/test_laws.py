@@ -2,17 +2,59 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
+from experiments.missing_physics.fields import STATE_ROW
 from experiments.missing_physics.law import Law
 from experiments.missing_physics.outside import OUTSIDE_LAWS
-from experiments.missing_physics.plant import Plant
+from experiments.missing_physics.plant import Array, Plant, plant_of
 from experiments.missing_physics.readings import ideal_readings
-from experiments.missing_physics.simulate import GRID
+from experiments.missing_physics.simulate import GRID, Motion, Run, moving_state, simulate
 from experiments.missing_physics.suites import LAWS
-from tests.experiments.missing_physics.rigs import MASS, cart, go, pull, put
 from tests.house.test_effects_are_listed import VOCABULARY
+
+BY_NAME = {law.name: law for law in LAWS}
+MASS = 2.0
+G = 9.80665
+
+
+def cart(*, drive: float = 1.0) -> Plant:
+    """Return 2 kg on a rail along x."""
+    plant = plant_of(
+        parent=np.array([-1]), slide=np.array([1]), rotation=np.eye(3)[None],
+        origin=np.zeros((1, 3)), axis=np.array([[1.0, 0, 0]]), mass=np.array([MASS]),
+        com=np.array([[0.1, 0.0, 0.0]]), inertia=0.01 * np.eye(3)[None],
+        gravity=np.array([0, 0, -G]),
+    )  # fmt: skip
+    return plant.with_joint(0, drive=drive)
+
+
+def put(plant: Plant, name: str, **figures: float) -> Plant:
+    return BY_NAME[name].apply(plant, 0, figures)
+
+
+def go(
+    plant: Plant, force: Callable[[Array], Array] | float = 0.0, *, v: float = 0.0, q: float = 0.0,
+    seconds: float = 0.5, finer: int = 2,
+) -> Motion:  # fmt: skip
+    """Return the motion under a command that changes every millisecond."""
+    grids = round(seconds / GRID)
+    ticks = np.arange(0, grids, 4)
+    feed = force(ticks * GRID) if callable(force) else np.full(len(ticks), force)
+    none = np.zeros((len(ticks), 1))
+    run = Run(ticks=ticks, feed=feed[:, None], reference=np.full_like(none, np.nan), noise=none,
+              start=np.array([q]), grids=grids)  # fmt: skip
+    return simulate(plant, run, state=moving_state(plant, np.array([q]), np.array([v])),
+                    finer=finer)  # fmt: skip
+
+
+def pull(motion: Motion, at: float) -> float:
+    """Return the force at a time, from the change of velocity over two steps."""
+    i = round(at / motion.step)
+    return float(MASS * (motion.v[i + 1, 0] - motion.v[i - 1, 0]) / (2 * motion.step))
 
 
 def test_every_law_of_the_vocabulary_that_can_act_is_there() -> None:
@@ -103,6 +145,18 @@ def test_backlash_lets_the_motor_turn_before_the_link_moves() -> None:
     assert motion.q[round(0.12 / motion.step), 0] > 0.0
 
 
+def test_teeth_never_pull() -> None:
+    plant = split("backlash", gap=0.02, tooth_k=1e4, tooth_d=200.0)
+    state = moving_state(plant, np.array([0.0]), np.array([0.0]))
+    # The motor is 0.1 mm into the tooth, 1 N, and leaves it at 1 m/s: the damper would pull.
+    state[STATE_ROW["rotor_q"]] = 0.0101
+    state[STATE_ROW["rotor_v"]] = state[STATE_ROW["rotor_before"]] = -1.0
+    none = np.zeros((1, 1))
+    run = Run(ticks=np.array([0]), feed=none, reference=none * np.nan, noise=none,
+              start=np.zeros(1), grids=20)  # fmt: skip
+    assert (simulate(plant, run, state=state).q == 0.0).all()
+
+
 def test_a_flexible_drive_swings_at_the_rate_of_its_two_masses() -> None:
     motion = go(split("series_elasticity", k=600.0, d=0.0), 3.0)
     # 1 kg and 2 kg on 600 N/m: rate 30 rad/s; link = F/M (t^2/2 - (1 - cos wt)/w^2), M = 3 kg.
@@ -116,6 +170,12 @@ def test_an_end_stop_pushes_one_way_alone() -> None:
     motion = go(plant, 10.0, seconds=1.5)
     assert motion.q[-1, 0] == pytest.approx(0.1 + 10.0 / 1e4, abs=1e-5)
     assert go(plant, -10.0).q[-1, 0] == pytest.approx(-10 / MASS / 2 * 0.25, rel=1e-3)
+
+
+def test_an_end_stop_never_pulls() -> None:
+    plant = put(cart(), "end_stop", q_stop=0.1, side=1.0, stop_k=1e4, stop_d=200.0)
+    # At 0.1 mm depth it would push by 1 N; leaving at 1 m/s, its damper would pull by 200 N.
+    assert (go(plant, q=0.1001, v=-1.0, seconds=0.1).v[:, 0] == -1.0).all()
 
 
 def test_a_rotor_adds_to_the_inertia() -> None:
@@ -179,6 +239,11 @@ def test_sensors_show_what_their_laws_say() -> None:
     np.testing.assert_allclose(shown[:, 0], 1.1 * ticks * GRID + 0.02, rtol=1e-12)
     late = ideal_readings(put(cart(), "timestamp_offset", T=0.05), motion.q, ticks, motion.step, 1)
     np.testing.assert_allclose(late[:, 0], ticks * GRID - 0.05, rtol=1e-9)
+
+
+def test_a_push_gives_its_impulse() -> None:
+    plant = put(cart(), "external_push", start=0.1, end=0.2, x=3.0, y=1.0, z=0.0)
+    assert go(plant).v[-1, 0] == pytest.approx(3.0 / MASS, rel=1e-2)
 
 
 def test_every_law_has_figures_in_its_own_symbols() -> None:
