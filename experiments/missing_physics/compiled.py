@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import ctypes
-import os
-import shlex
-import shutil
 import subprocess
 import tempfile
 from functools import cache
@@ -16,6 +13,7 @@ import numpy as np
 
 from experiments.missing_physics.errors import CompilerError
 from experiments.missing_physics.fields import header
+from morph.native.compilers import compilers
 
 SOURCE = Path(__file__).with_name("chain.c")
 FLAGS = ("-O2", "-ffp-contract=off", "-fPIC", "-shared", "-std=c99", "-x", "c")
@@ -37,13 +35,12 @@ def library() -> ctypes.CDLL:
     Raises:
         CompilerError: There is no C compiler, or it refuses the source.
     """
-    command = (
-        shlex.split(os.environ.get("CC", ""))
-        or [name for name in ("cc", "gcc", "clang") if shutil.which(name)][:1]
-    )
-    if not command:
+    command = next(iter(compilers()), None)
+    if command is None:
         raise CompilerError(
-            "there is no C compiler", where="PATH", fix="install gcc or clang, or name one by CC"
+            "there is no C compiler",
+            where="PATH",
+            fix="install a C compiler, or `pip install ziglang`, which brings one",
         )
     with tempfile.TemporaryDirectory() as folder:
         target = Path(folder) / "chain.so"
