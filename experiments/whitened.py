@@ -30,7 +30,7 @@ from morph.body.load import load as load_robot
 from morph.body.robot import Robot
 from morph.inference.filter import Whitened, whitened
 from morph.inference.linearise import linearised
-from morph.inference.reference import Reference, Run, reference
+from morph.inference.reference import Reference, SampledRun, reference
 from morph.model.episodes import Episode, episode, moving_joints, step_for
 from morph.model.hypothesis import Hypothesis
 from morph.model.knobs import knobs
@@ -152,7 +152,7 @@ def _whitened(
     return [whitened(about.tangent, level, readings, accelerations) for level in levels], places
 
 
-def _run_of(read: Episode) -> tuple[Run, Array]:
+def _run_of(read: Episode) -> tuple[SampledRun, Array]:
     """Return an episode on its grid, and positions to begin with."""
     samples, dofs = len(read.command), read.reading.shape[1]
     at = np.rint(read.time / read.step).astype(int)
@@ -163,7 +163,7 @@ def _run_of(read: Episode) -> tuple[Run, Array]:
     reading[at[there]], valid[at[there]] = (read.reading - late)[there], True
     grid = read.step * np.arange(samples)
     guess = [np.interp(grid, read.time, read.position[:, dof]) for dof in range(dofs)]
-    run = Run(
+    run = SampledRun(
         step=read.step,
         command=read.command,
         reads=np.eye(dofs, 2 * dofs),
@@ -174,7 +174,7 @@ def _run_of(read: Episode) -> tuple[Run, Array]:
     return run, np.stack(guess, axis=1)
 
 
-def _motion(model: mujoco.MjModel, robot: Robot, about: Reference, run: Run) -> Motion:
+def _motion(model: mujoco.MjModel, robot: Robot, about: Reference, run: SampledRun) -> Motion:
     """Return a motion as effects' regressors see it."""
     samples, dofs = about.position.shape
     acceleration = np.gradient(about.velocity, run.step, axis=0)

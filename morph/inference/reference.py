@@ -20,7 +20,7 @@ ROUNDS = 3
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Run:
+class SampledRun:
     """One run on a grid of equal steps."""
 
     step: float
@@ -57,7 +57,9 @@ class Reference:
     """Readings less those of the motion, shape (samples, channels)."""
 
 
-def reference(model: mujoco.MjModel, run: Run, guess: Array, *, rounds: int = ROUNDS) -> Reference:
+def reference(
+    model: mujoco.MjModel, run: SampledRun, guess: Array, *, rounds: int = ROUNDS
+) -> Reference:
     """Return the motion along which a model is linearised: its own smoother's, not a spline's.
 
     Noise of a spline would enter the columns of masses and correlate with the readings' errors.
@@ -121,7 +123,7 @@ def _evidence(tangent: Tangent, disturbance: Disturbance, about: Reference) -> f
 
 def _along(
     model: mujoco.MjModel,
-    run: Run,
+    run: SampledRun,
     position: Array,
     velocity: Array,
     force: Array,
@@ -150,7 +152,7 @@ def _along(
     )
 
 
-def _spread(run: Run, values: Array) -> Array:
+def _spread(run: SampledRun, values: Array) -> Array:
     """Return how far the first values may be off: a tenth of what they cover."""
     spread: Array = 0.1 * np.ptp(values, axis=0) + 10.0 * run.noise.max()
     return spread

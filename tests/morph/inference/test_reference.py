@@ -11,7 +11,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from morph.arrays import Array
-from morph.inference.reference import Run, reference
+from morph.inference.reference import SampledRun, reference
 
 H, NOISE = 0.004, 2e-3
 PENDULUM = """
@@ -41,7 +41,7 @@ def swing(missing: Callable[[float], float], seconds: float = 6.0) -> dict[str, 
         "time": time,
         "position": found.y[0],
         "velocity": found.y[1],
-        "run": Run(
+        "run": SampledRun(
             step=H,
             command=command(time)[:, None],
             reads=np.array([[1.0, 0.0]]),
