@@ -146,7 +146,7 @@ def main(arguments: list[str] | None = None) -> int:
         if asked.plot:
             write_whole(Path(asked.plot), drawn(found["links"]))
     except MorphError as error:
-        print(error, file=sys.stderr)
+        print(f"error: {error}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         return 130

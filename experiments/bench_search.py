@@ -244,7 +244,7 @@ def main(arguments: list[str] | None = None) -> int:
         if asked.plot and "growth" in found:
             write_whole(Path(asked.plot), growth.drawn(found["growth"]))
     except MorphError as error:
-        print(error, file=sys.stderr)
+        print(f"error: {error}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         return 130

@@ -272,7 +272,7 @@ def main(arguments: list[str] | None = None) -> int:
         if save:
             save(**headline(result))
     except MorphError as error:
-        print(error, file=sys.stderr)
+        print(f"error: {error}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         return 130

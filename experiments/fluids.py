@@ -132,7 +132,7 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         found, stopped = judged(asked.only or list(KINDS), seeds)
     except MorphError as error:
-        print(error, file=sys.stderr)
+        print(f"error: {error}", file=sys.stderr)
         return 2
     if not found:
         return 130

@@ -170,7 +170,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 path = write_whole(asked.out / f"{picture.name}.jpg", shot)
                 print(f"{path}: {len(shot)} bytes; morph view {picture.words}")
     except MorphError as error:
-        print(error, file=sys.stderr)
+        print(f"error: {error}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         return 130

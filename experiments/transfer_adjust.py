@@ -286,7 +286,7 @@ def main(arguments: list[str] | None = None) -> int:
         if asked.only != "friction" and not asked.quick:
             found["figure"] = measured(FIGURE, seeds, controls=False)
     except MorphError as error:
-        print(error, file=sys.stderr)
+        print(f"error: {error}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         return 130

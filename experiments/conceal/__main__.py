@@ -39,7 +39,7 @@ def main(arguments: list[str] | None = None) -> int:
         for sealed in generate(cases, chosen.out):
             print(f"{chosen.out / sealed.case.name}: {sealed.case.robot}, truth sealed")
     except MorphError as error:
-        print(error, file=sys.stderr)
+        print(f"error: {error}", file=sys.stderr)
         return 2
     return 0
 

@@ -29,7 +29,7 @@ def main(arguments: list[str] | None = None) -> int:
             _write_pages()
         sys.stdout.flush()
     except MorphError as error:
-        print(error, file=sys.stderr)
+        print(f"error: {error}", file=sys.stderr)
         return 2
     except BrokenPipeError:
         return close_pipe()

@@ -163,7 +163,7 @@ def main(arguments: list[str] | None = None) -> int:
         if asked.plot:
             write_whole(Path(asked.plot), report.page(found))
     except MorphError as error:
-        print(error, file=sys.stderr)
+        print(f"error: {error}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         return 130

@@ -42,7 +42,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         check_applied(areas, root)
         cells = [cell_of(area, lists, root, options.timeout) for area in areas]
     except MorphError as error:
-        print(error, file=sys.stderr)
+        print(f"error: {error}", file=sys.stderr)
         return 2
     except BrokenPipeError:
         return close_pipe()

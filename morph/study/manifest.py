@@ -1,4 +1,4 @@
-"""Manifest of a study's folder; it also tells a folder of a study from a user's other folders."""
+"""Manifest and rows of a study's folder; a folder without manifest is the user's."""
 
 from __future__ import annotations
 
@@ -17,7 +17,8 @@ from morph.files import write_whole
 from morph.regular_file import open_regular, read_regular
 from morph.study.cell import Cell
 from morph.study.code_hash import source_folder
-from morph.study.store import MAX_BYTES
+from morph.study.encoding import encode_row
+from morph.study.store import MAX_BYTES, Result
 
 MANIFEST, ROWS = "study.json", "rows.json"
 STUDY_SCHEMA, ROWS_SCHEMA = "morph.study/1", "morph.rows/1"
@@ -53,6 +54,28 @@ def save_manifest(folder: Path, cells: Sequence[Cell], *, name: str, engine: JSO
         ],
     }
     return write_whole(folder / MANIFEST, json.dumps(manifest, indent=1) + "\n")
+
+
+def save_rows(folder: Path, results: Sequence[Result]) -> Path:
+    """Write the rows of all cells in one file and return its path.
+
+    Raises:
+        OutputError: The folder cannot be written to, or the disk is full.
+    """
+    rows = [
+        {
+            "function": each.cell.function,
+            "case": each.cell.encoded,
+            "status": each.status,
+            "row": encode_row(each.row),
+            "error": each.error,
+            "seconds": each.seconds,
+            "stale": each.stale,
+        }
+        for each in results
+    ]
+    content = json.dumps({"schema": ROWS_SCHEMA, "rows": rows}, indent=1)
+    return write_whole(folder / ROWS, content + "\n")
 
 
 def load_manifest(folder: Path) -> JSON:

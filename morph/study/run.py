@@ -12,7 +12,7 @@ from morph.run_folder import lock_run_folder
 from morph.study.cell import Cell, check_cells
 from morph.study.engine import Engine, EngineOptions
 from morph.study.inline import InlineEngine
-from morph.study.manifest import check_folder, save_manifest
+from morph.study.manifest import check_folder, save_manifest, save_rows
 from morph.study.progress import Progress, Watch, ignore
 from morph.study.scheduler import Scheduler
 from morph.study.source_watch import SourceWatch
@@ -36,7 +36,7 @@ def run(
     stale: Stale = "refuse",
     watch: Watch = ignore,
 ) -> list[Result]:
-    """Return the result of every cell, in the order of `cells`.
+    """Return the result of every cell, in the order of `cells`; `rows.json` holds all of them.
 
     With `resume`, cells that are done or refused are not run; failed and quarantined ones are.
 
@@ -67,7 +67,9 @@ def run(
                 clear(folder)
             save_manifest(folder, cells, name=name, engine=options.as_json())
             results |= Scheduler(engine, folder, progress, watch, sources).run(remaining)
-    return [results[cell.identity] for cell in cells]
+        ordered = [results[cell.identity] for cell in cells]
+        save_rows(folder, ordered)
+    return ordered
 
 
 @contextmanager

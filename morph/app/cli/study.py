@@ -10,18 +10,17 @@ from pathlib import Path
 
 from morph.app.cli.study_arguments import Study
 from morph.app.cli.words import harmless, say
-from morph.arrays import JSON
 from morph.errors import StudyError
-from morph.files import write_whole
+from morph.regular_file import read_regular
 from morph.study.cell import check_function
 from morph.study.compare import RowDifference, StudyComparison, compare
 from morph.study.encoding import encode_row
 from morph.study.engine import EngineOptions
 from morph.study.file import load_study
 from morph.study.live import in_words, live
-from morph.study.manifest import ROWS, ROWS_SCHEMA, identities
+from morph.study.manifest import ROWS, identities
 from morph.study.run import run
-from morph.study.store import FINAL, Result, count
+from morph.study.store import FINAL, MAX_BYTES, Result, count
 
 DONE, STOPPED_SHORT, INTERRUPTED = 0, 3, 130
 
@@ -60,13 +59,11 @@ def run_study(asked: Study) -> int:
         saved = count(out)
         sys.stderr.write(f"interrupted; {saved} results are saved in {out}: go on with --resume\n")
         return INTERRUPTED
-    rows = json.dumps({"schema": ROWS_SCHEMA, "rows": [_row(each) for each in results]}, indent=1)
-    write_whole(out / ROWS, rows + "\n")
     as_before = True
     if asked.against:
         as_before = _compare(out, asked.against, asked)
     elif asked.json:
-        sys.stdout.write(rows + "\n")
+        sys.stdout.write(read_regular(out / ROWS, MAX_BYTES).decode())
     else:
         _say_results(results, out)
     return DONE if as_before and all(each.status in FINAL for each in results) else STOPPED_SHORT
@@ -98,18 +95,6 @@ def _job(options: Sequence[str]) -> dict[str, str | int]:
                 fix="write, for example, --job timeout_min=60",
             )
     return {name: int(value) if value.isdecimal() else value for name, _, value in pairs}
-
-
-def _row(result: Result) -> JSON:
-    return {
-        "function": result.cell.function,
-        "case": result.cell.encoded,
-        "status": result.status,
-        "row": encode_row(result.row),
-        "error": result.error,
-        "seconds": result.seconds,
-        "stale": result.stale,
-    }
 
 
 def _say_results(results: Sequence[Result], out: Path) -> None:
