@@ -122,24 +122,29 @@ def _closure(module: str, roots: Roots, ignore: tuple[str, ...]) -> tuple[tuple[
             where="morph.study",
             fix="give a function that is defined in a .py file",
         )
-    waiting, strings_of, seen = [(module, True)], set[str](), dict[str, Path]()
+    waiting, met, seen = [(module, True)], set[tuple[str, bool]](), dict[str, Path]()
     while waiting:
         name, whole = waiting.pop()
-        file = None if _inside(name, ignore) else _file(name, roots)
-        if file is None or (name in seen and (not whole or name in strings_of)):
+        # Most names are met many times, and a look for a file takes longer than all else here.
+        if (name, whole) in met or (name, True) in met:
+            continue
+        met.add((name, whole))
+        file = None if _inside(name, ignore) else seen.get(name) or _file(name, roots)
+        if file is None:
             continue
         seen[name] = file
-        if whole:
-            strings_of.add(name)
         parent = name.rpartition(".")[0]
         if parent:
             # Importing a module runs its parent packages, but not their lazy imports by name.
             waiting.append((parent, False))
-        waiting += [(each, True) for each in _imports(name, file, roots, strings=whole)]
-    named = {file: name for name, file in seen.items()}
+        found = _imports(name, file, roots)
+        waiting += [(each, True) for each, string in found if whole or not string]
+    named, folders = {file: name for name, file in seen.items()}, dict[Path, str]()
     for name, file in seen.items():
-        for native in (each for kind in NATIVE for each in file.parent.glob(kind)):
-            named.setdefault(native, f"{name.rpartition('.')[0]}/{native.name}")
+        folders.setdefault(file.parent, name.rpartition(".")[0])
+    for folder, package in folders.items():
+        for native in (each for kind in NATIVE for each in folder.glob(kind)):
+            named.setdefault(native, f"{package}/{native.name}")
     return tuple(sorted((name, file) for file, name in named.items()))
 
 
@@ -151,16 +156,20 @@ def _file(name: str, roots: Roots) -> Path | None:
 
 
 @cache
-def _imports(name: str, file: Path, roots: Roots, *, strings: bool) -> tuple[str, ...]:
-    """Return the project modules that one module names; read once for all that import it."""
+def _imports(name: str, file: Path, roots: Roots) -> tuple[tuple[str, bool], ...]:
+    """Return the project modules that one module names, and whether by no more than a string."""
     package = name if file.name == "__init__.py" else name.rpartition(".")[0]
+    source = file.read_bytes()
     try:
-        nodes = tuple(_executable(ast.parse(file.read_bytes(), filename=str(file))))
+        nodes = tuple(_executable(ast.parse(source, filename=str(file))))
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         # Python cannot import it either: `try: import old` / `except SyntaxError` may use another.
         return ()
     names: list[str] = []
-    by_name = any(map(_mentions_loader, nodes))
+    strings = set[int]()
+    # Few files hold such a word at all: only there every node is looked at.
+    words = any(each.encode() in source for each in (*LOADERS, "importlib"))
+    by_name = words and any(map(_mentions_loader, nodes))
     for node in nodes:
         if isinstance(node, ast.Import):
             names += [each.name for each in node.names]
@@ -172,12 +181,13 @@ def _imports(name: str, file: Path, roots: Roots, *, strings: bool) -> tuple[str
                 names.append(origin)
         elif isinstance(node, ast.Call):
             names += [_absolute(each, package) for each in _loaded(node)]
-        elif strings and isinstance(node, ast.Constant) and isinstance(node.value, str):
+        elif isinstance(node, ast.Constant) and isinstance(node.value, str):
             text = node.value.partition(":")[0]
             bare = text.lstrip(".") if by_name else text
             if (by_name or "." in text) and all(part.isidentifier() for part in bare.split(".")):
+                strings.add(len(names))
                 names.append(_absolute(text, package))
-    return tuple(names)
+    return tuple((each, at in strings) for at, each in enumerate(names))
 
 
 def _absolute(name: str, package: str) -> str:
