@@ -25,13 +25,18 @@ def iqm(x: Array) -> float:
     that it changes smoothly with how many there are. Infinite numbers may lie in the outer
     quarters: times that were never reached.
     """
-    sorted_x = np.sort(np.asarray(x, dtype=float).ravel())
-    count = len(sorted_x)
+    return float(_iqms(np.asarray(x, dtype=float).reshape(1, -1))[0])
+
+
+def _iqms(rows: Array) -> Array:
+    """Return the interquartile mean of each of many rows, shape (rows,)."""
+    count = rows.shape[1]
     edges = np.arange(count + 1)
     low, high = 0.25 * count, 0.75 * count
     share = np.clip(np.minimum(edges[1:], high) - np.maximum(edges[:-1], low), 0.0, 1.0)
     held = share > 0.0
-    return float((share[held] * sorted_x[held]).sum() / share.sum())
+    middle = np.ascontiguousarray(np.sort(rows, axis=1)[:, held])
+    return np.asarray((share[held] * middle).sum(axis=1) / share.sum())
 
 
 def interval(
@@ -51,7 +56,11 @@ def interval(
     rng = np.random.default_rng(seed)
     strata, seeds = table.shape
     draws = rng.integers(seeds, size=(DRAWS, strata, seeds))
-    found = np.array([of(np.take_along_axis(table, draw, axis=1)) for draw in draws])
+    if of is iqm:
+        # Thousands of calls of `iqm` would take as long as a small study.
+        found = _iqms(table[np.arange(strata)[:, None], draws].reshape(DRAWS, -1))
+    else:
+        found = np.array([of(np.take_along_axis(table, draw, axis=1)) for draw in draws])
     tail = 0.5 * (1.0 - level)
     # Not interpolated: a draw may be infinite, and infinity less infinity is no number.
     low, high = np.quantile(found, (tail, 1.0 - tail), method="nearest")

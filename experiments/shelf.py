@@ -12,6 +12,7 @@ import shlex
 import subprocess
 import sys
 import time
+from collections.abc import Iterable
 from pathlib import Path
 
 from rich.console import Console
@@ -36,10 +37,10 @@ MOST_SECONDS = 600.0
 """Longest that a body may take, s."""
 
 
-def firsts() -> dict[str, str]:
-    """Return the first task of each body's card, by the body."""
-    tasks = {name: load(name).card for name in shelf.names()}
-    return {name: card.tasks[0] for name, card in tasks.items() if card is not None and card.tasks}
+def firsts(bodies: Iterable[str]) -> dict[str, str]:
+    """Return the first task of each body's card, by the body; bodies without one are left out."""
+    cards = {name: load(name).card for name in bodies if name in shelf.names()}
+    return {name: card.tasks[0] for name, card in cards.items() if card is not None and card.tasks}
 
 
 def learned(body: str, task: str, out: str, seed: int) -> JSON:
@@ -174,7 +175,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--json", action="store_true", help="print JSON instead of words")
     asked, save = parse_and_save(parser, arguments, module="experiments.shelf")
-    tasks = firsts()
+    tasks = firsts(asked.only or shelf.names())
     bodies = asked.only or sorted(tasks)
     unknown = [body for body in bodies if body not in tasks]
     if unknown:

@@ -9,6 +9,16 @@ import numpy as np
 
 from morph.arrays import Array, Mask
 
+# To compare with a member of the enumeration takes as long as all else of a move.
+FREE, BALL, HINGE = (
+    int(kind)
+    for kind in (
+        mujoco.mjtJoint.mjJNT_FREE,
+        mujoco.mjtJoint.mjJNT_BALL,
+        mujoco.mjtJoint.mjJNT_HINGE,
+    )
+)
+
 SMALL = 1e-9
 """Angle below which a rotation is told by its axis times its angle, rad."""
 
@@ -61,7 +71,7 @@ def apart(model: Any, position: Array, origin: Array, *, wrapped: bool = False) 
 def turning(model: Any) -> Mask:
     """Return which degrees of freedom are hinges without limits, shape (nv,)."""
     found = np.zeros(model.nv, dtype=bool)
-    free = (model.jnt_type == mujoco.mjtJoint.mjJNT_HINGE) & (model.jnt_limited == 0)
+    free = (model.jnt_type == HINGE) & (model.jnt_limited == 0)
     found[model.jnt_dofadr[free]] = True
     return found
 
@@ -71,12 +81,13 @@ def _addresses(model: Any) -> tuple[Any, Any, list[tuple[int, int]]]:
     straight: list[int] = []
     dof: list[int] = []
     balls: list[tuple[int, int]] = []
-    for kind, at, turn in zip(model.jnt_type, model.jnt_qposadr, model.jnt_dofadr, strict=True):
-        if kind == mujoco.mjtJoint.mjJNT_FREE:
+    kinds, places = model.jnt_type.tolist(), model.jnt_qposadr.tolist()
+    for kind, at, turn in zip(kinds, places, model.jnt_dofadr.tolist(), strict=True):
+        if kind == FREE:
             straight += range(at, at + 3)
             dof += range(turn, turn + 3)
             balls.append((at + 3, turn + 3))
-        elif kind == mujoco.mjtJoint.mjJNT_BALL:
+        elif kind == BALL:
             balls.append((at, turn))
         else:
             straight.append(at)

@@ -18,7 +18,7 @@ from morph.transfer.relay import same
 @pytest.fixture(scope="module")
 def figures(tmp_path_factory: pytest.TempPathFactory) -> JSON:
     out = tmp_path_factory.mktemp("chains") / "out.json"
-    said = ["--quick", "--seeds", "101:102", "--workers", "1", "--json", str(out)]
+    said = ["--quick", "--seeds", "101:102", "--engine", "inline", "--json", str(out)]
     said += ["--out", str(out.parent / "cells")]
     assert main(said) == 0
     found: JSON = json.loads(out.read_text(encoding="utf-8"))

@@ -13,7 +13,7 @@ from experiments.gaits_chained.summary import summary
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     found = tmp_path_factory.mktemp("gaits")
-    said = ["--quick", "--seeds", "100:101", "--chains", "aqua", "--workers", "1"]
+    said = ["--quick", "--seeds", "100:101", "--chains", "aqua", "--engine", "inline"]
     assert main([*said, "--out", str(found / "cells"), "--json", str(found / "figures")]) == 0
     return found
 

@@ -51,7 +51,8 @@ def test_the_truth_or_its_mirror_image_is_right_and_half_of_it_is_not() -> None:
 
 
 def test_a_small_study_finds_a_hidden_map_and_its_control_does_not(tmp_path: Path) -> None:
-    assert main(["--quick", "--json", str(tmp_path / "found.json"), "--out", str(tmp_path)]) == 0
+    told = ["--quick", "--engine", "inline", "--out", str(tmp_path)]
+    assert main([*told, "--json", str(tmp_path / "found.json")]) == 0
     figures = json.loads((tmp_path / "found.json").read_text())["figures"]
     by_way = {line["way"]: line for line in figures}
     assert by_way["transition_kernel"]["right"] == 1.0

@@ -141,7 +141,8 @@ def test_a_case_is_watched_to_its_end_and_every_control_answers(pushing: Linear)
 def test_the_study_reports_in_words_and_in_json(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert study.main(["--quick", "--seed", "1300", "--json", "--out", str(tmp_path)]) == 0
+    asked = ["--quick", "--seed", "1300", "--json"]
+    assert study.main([*asked, "--engine", "inline", "--out", str(tmp_path)]) == 0
     found = json.loads(capsys.readouterr().out)
     assert found["schema"] == "morph.gate/1"
     assert found["gate"]["cases"] == 4

@@ -141,7 +141,8 @@ def test_its_intervals_are_those_of_every_study(count: int) -> None:
 
 def test_the_quick_study_ends_with_every_control_beside_each_claim(tmp_path: Path) -> None:
     file = tmp_path / "study.json"
-    assert main(["--quick", "--json", str(file), "--out", str(tmp_path)]) == 0
+    told = ["--quick", "--engine", "inline", "--out", str(tmp_path)]
+    assert main([*told, "--json", str(file)]) == 0
     told = json.loads(file.read_text())
     shelf = next(each for each in told["figures"] if each["source"] != "formula")
     controls = {"hold still", "oracle", "no source", "features", "manifold, sign flipped"}

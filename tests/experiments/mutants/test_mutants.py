@@ -80,7 +80,9 @@ def test_every_mutant_still_applies_and_its_tests_exist(area: Area) -> None:
 
 
 @pytest.fixture
-def toy(tmp_path: Path) -> Path:
+def toy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    # Loading the plugins takes each pytest longer than the toy's tests.
+    monkeypatch.setenv("PYTEST_DISABLE_PLUGIN_AUTOLOAD", "1")
     root = tmp_path / "toy"
     (root / "lists").mkdir(parents=True)
     (root / "worth.py").write_text(WORTH)
@@ -92,7 +94,7 @@ def toy(tmp_path: Path) -> Path:
 def command(toy: Path, *more: str) -> list[str]:
     out = toy.parent / "cells"
     words = ["--root", str(toy), "--mutants", str(toy / "lists"), "--out", str(out), "--fresh"]
-    return [*words, "--workers", "1", *more]
+    return [*words, "--engine", "inline", *more]
 
 
 def test_a_bug_that_a_test_sees_is_killed_and_one_that_none_sees_survives(
@@ -120,7 +122,7 @@ def test_a_bug_that_makes_tests_hang_is_listed_as_such(
 ) -> None:
     (toy / "lists" / "sums.toml").write_text(
         'tests = ["test_worth.py"]\n[[mutant]]\nfile = "worth.py"\ntext = "x = x - 1"\n'
-        'replacement = "x = x + 0"\nbreaks = "a loop never ends"\n'
+        'replacement = "__import__(\'threading\').Event().wait()"\nbreaks = "a loop never ends"\n'
     )
     # A test that is slow on a busy machine would be stopped too, and listed as the same.
     assert main(command(toy, "--timeout", "0.01", "--fresh")) != 0
@@ -195,8 +197,12 @@ def test_a_file_that_cannot_be_written_is_refused_before_anything_is_run(
 def test_rows_of_an_earlier_tree_are_refused_and_run_anew_where_asked(
     toy: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    (toy / "lists" / "sums.toml").write_text(
+        'tests = ["test_worth.py"]\n[[mutant]]\nfile = "worth.py"\ntext = "return x / 2"\n'
+        'replacement = "return x / 3"\nbreaks = "a half is a third"\n'
+    )
     assert main(command(toy)) == 1
-    # A test that sees the second bug, too.
+    # A test that sees the bug.
     (toy / "test_worth.py").write_text(
         TESTS + "\n\ndef test_half():\n    from worth import half\n    assert half(6) == 3\n"
     )
