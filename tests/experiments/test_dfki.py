@@ -33,21 +33,28 @@ from morph.model.split import between
 from morph.physics.actuator.actuator_delay import ActuatorDelay
 from morph.physics.joint.coulomb_friction import CoulombFriction
 from morph.physics.joint.stribeck_friction import StribeckFriction
+from morph.record.recording import Recording
 from morph.sim.simulator import Simulator
+
+ROBOT = load_robot("double_pendulum")
 
 
 @pytest.fixture(scope="module")
-def slice_of_c0(recordings: Path) -> tuple[Diagnosis, Path]:
-    robot = load_robot("double_pendulum")
-    whole = bound("dfki_c0", FOLDER, robot, ("run_00", "run_01"), root=recordings)
+def runs(recordings: Path) -> list[Recording]:
+    """Two runs of the rig, and one that is held out."""
+    return bound("dfki_c0", FOLDER, ROBOT, ("run_00", "run_01", "run_03"), root=recordings)
+
+
+@pytest.fixture(scope="module")
+def slice_of_c0(runs: list[Recording]) -> tuple[Diagnosis, list[Episode]]:
     # Six seconds of each: the study fits all of four runs.
-    train = [between(run, run.start, run.start + 6.0) for run in whole]
-    aside = bound("dfki_c0", FOLDER, robot, ("run_03",), root=recordings)
-    return diagnose(robot, train, held_out=aside, horizon=1.0), recordings
+    train = [between(run, run.start, run.start + 6.0) for run in runs[:2]]
+    found = diagnose(ROBOT, train, held_out=runs[2:], horizon=1.0)
+    return found, laid(runs[2:], ROBOT)
 
 
 def test_two_runs_of_the_rig_are_enough_to_name_dry_friction_at_a_joint(
-    slice_of_c0: tuple[Diagnosis, Path],
+    slice_of_c0: tuple[Diagnosis, list[Episode]],
 ) -> None:
     found, _ = slice_of_c0
     assert found.verdict == "mismatch"
@@ -56,12 +63,10 @@ def test_two_runs_of_the_rig_are_enough_to_name_dry_friction_at_a_joint(
 
 
 def test_the_model_rebuilt_from_what_is_written_scores_as_the_diagnosis_says(
-    slice_of_c0: tuple[Diagnosis, Path],
+    slice_of_c0: tuple[Diagnosis, list[Episode]],
 ) -> None:
-    found, root = slice_of_c0
-    robot = load_robot("double_pendulum")
-    runs = laid(bound("dfki_c0", FOLDER, robot, ("run_03",), root=root), robot)
-    rebuilt = errors(corrected(found), runs, 1.0)
+    found, aside = slice_of_c0
+    rebuilt = errors(corrected(found), aside, 1.0)
     for joint, value in rebuilt.items():
         # Text at full precision and the same steps: what differs is rounding.
         assert value == pytest.approx(
@@ -70,17 +75,14 @@ def test_the_model_rebuilt_from_what_is_written_scores_as_the_diagnosis_says(
 
 
 def test_the_finding_at_the_wrong_joint_is_worse(slice_of_c0: tuple[Diagnosis, Path]) -> None:
-    found, root = slice_of_c0
-    robot = load_robot("double_pendulum")
-    runs = laid(bound("dfki_c0", FOLDER, robot, ("run_03",), root=root), robot)
-    right = errors(corrected(found), runs, 1.0)
-    wrong = errors(moved_to_the_wrong_joint(corrected(found)), runs, 1.0)
+    found, aside = slice_of_c0
+    right = errors(corrected(found), aside, 1.0)
+    wrong = errors(moved_to_the_wrong_joint(corrected(found)), aside, 1.0)
     assert sum(wrong.values()) > sum(right.values())
 
 
 def test_the_control_moves_what_was_found_and_nothing_else() -> None:
-    robot = load_robot("double_pendulum")
-    spec = spec_of(robot)
+    spec = spec_of(ROBOT)
     CoulombFriction(joint="shoulder", c=0.1).edit(spec)
     spec.compile()
     delay = ActuatorDelay(actuator="elbow", T=0.01)
@@ -109,7 +111,7 @@ def test_missing_recordings_are_one_message(
 
 
 def test_the_incumbent_told_that_friction_is_known_moves_the_rest_alone(
-    monkeypatch: pytest.MonkeyPatch, recordings: Path
+    monkeypatch: pytest.MonkeyPatch, runs: list[Recording]
 ) -> None:
     given = []
 
@@ -118,9 +120,7 @@ def test_the_incumbent_told_that_friction_is_known_moves_the_rest_alone(
         return Model(robot=robot), {}
 
     monkeypatch.setattr("experiments.dfki.by_sysid", fitted)
-    robot = load_robot("double_pendulum")
-    train = bound("dfki_c0", FOLDER, robot, ("run_00",), root=recordings)
-    models, told = rivals("C.0", robot, train)
+    models, told = rivals("C.0", ROBOT, runs[:1])
     # Published: 0.093 pi / 2 and 0.078 pi / 2 N m.
     assert given[0] == ([0.0, 0.0], ())
     assert given[1] == (pytest.approx([0.14608, 0.12252], abs=1e-5), HELD_BY_JOINT)
@@ -130,11 +130,11 @@ def test_the_incumbent_told_that_friction_is_known_moves_the_rest_alone(
 
 
 def test_every_row_says_how_many_times_the_corrected_error_it_has(
-    slice_of_c0: tuple[Diagnosis, Path],
+    slice_of_c0: tuple[Diagnosis, list[Episode]], recordings: Path
 ) -> None:
-    found, root = slice_of_c0
-    models = {NOMINAL: Model(robot=load_robot("double_pendulum")), CORRECTED: corrected(found)}
-    score = scores("C.0", models, found, ("run_03",), 1.0, root)
+    found, _ = slice_of_c0
+    models = {NOMINAL: Model(robot=ROBOT), CORRECTED: corrected(found)}
+    score = scores("C.0", models, found, ("run_03",), 1.0, recordings)
     assert PUBLISHER in score["rmse"]
     for title, row in score["rmse"].items():
         for joint, value in row.items():
