@@ -61,8 +61,8 @@ class Row:
     """The verdict on each spoiled copy."""
 
 
-def judged(path: Path, unit: str, profile: Profile) -> Row:
-    """Return what becomes of one file."""
+def judged(path: Path, unit: str, profile: Profile, *, ways: Sequence[str] = SPOILED) -> Row:
+    """Return what becomes of one file, and of its copies spoiled in these ways."""
     name = f"{path.parent.name}/{path.name}"
     try:
         read = read_mesh(path.read_bytes(), path.suffix, path.name)
@@ -73,7 +73,7 @@ def judged(path: Path, unit: str, profile: Profile) -> Row:
     checks = _check(mesh, path.stem, profile)
     seconds = time.process_time() - began
     verdict = worst(checks)
-    copies = () if verdict == "refused" else SPOILED
+    copies = () if verdict == "refused" else ways
     spoiled = {way: worst(_check(spoil(mesh, way), path.stem, profile)) for way in copies}
     return Row(file=name, verdict=verdict, why=reasons(checks), seconds=seconds, spoiled=spoiled)
 

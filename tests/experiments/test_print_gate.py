@@ -15,9 +15,9 @@ from print.printer import Profile, material, printer
 PROFILE = Profile(printer=printer("mk4"), material=material("pla"))
 
 
-def judged(folder: Path) -> list[print_gate.Row]:
+def judged(folder: Path, *ways: str) -> list[print_gate.Row]:
     paths = sorted(path for path in folder.iterdir() if path.suffix.lower() == ".stl")
-    return [print_gate.judged(path, "m", PROFILE) for path in paths]
+    return [print_gate.judged(path, "m", PROFILE, ways=ways) for path in paths]
 
 
 def test_all_parts_of_a_published_printed_robot_are_accepted(
@@ -58,7 +58,7 @@ def folder(tmp_path: Path) -> Path:
 
 @pytest.mark.parametrize("way", print_gate.SPOILED)
 def test_a_spoiled_copy_of_a_good_mesh_is_refused(folder: Path, way: str) -> None:
-    rows = judged(folder)
+    rows = judged(folder, way)
     copies = [row.spoiled[way] for row in rows if way in row.spoiled]
     assert copies == ["refused"] * len(copies)
     assert print_gate.headline(rows)["controls"][way]["copies"] == len(copies) > 0
