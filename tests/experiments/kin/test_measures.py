@@ -46,3 +46,10 @@ def test_a_source_is_chosen_well_if_it_is_within_noise_of_the_best() -> None:
     # The chosen of a is 0.01 below the best, the chosen of b 0.5.
     jumpstart = np.array([0.80, 0.81, 0.3, 0.8])
     assert chosen_well(targets, promise, jumpstart).tolist() == [1.0, 0.0]
+
+
+def test_an_interval_is_of_targets_drawn_and_not_of_their_pairs() -> None:
+    value = np.repeat([0.0, 1.0], 50)
+    # Of four draws of two targets one is the first alone, and one the second alone.
+    found = within(["a"] * 50 + ["b"] * 50, lambda rows: float(value[rows].mean()))
+    assert found == (0.0, 1.0)

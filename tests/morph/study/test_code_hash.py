@@ -45,6 +45,15 @@ def test_what_is_imported_at_the_top_inside_a_function_and_by_name_is_covered(
     assert names == {"__init__.py", "fast.py", "direct.py", "inside.py", "named.py", "kernel.c"}
 
 
+def test_a_package_met_above_a_module_first_is_read_whole_where_it_is_imported_later(
+    project: Path,
+) -> None:
+    (project / "__init__.py").write_text("LATER = 'hashed.named:Class'\n")
+    (project / "fast.py").write_text("from . import direct, inside\n")
+    (project / "direct.py").write_text("import hashed\n")
+    assert "named.py" in {path.name for path in sources("hashed.fast")}
+
+
 @pytest.mark.parametrize("name", ["fast.py", "direct.py", "inside.py", "named.py", "kernel.c"])
 def test_a_change_of_any_source_it_runs_changes_the_hash(project: Path, name: str) -> None:
     before = code_hash("hashed.fast")
