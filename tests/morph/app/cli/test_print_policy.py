@@ -30,8 +30,11 @@ def learned(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """The folder of a policy for the balance of the cart-pole."""
     monkeypatch.chdir(tmp_path)
     robot = load("cartpole")
-    still = pattern(robot, {}, period=task("balance", robot).period)
-    return write_policy(still, Path("out") / "policy", robot, task="balance")
+    asked = task("balance", robot)
+    still = pattern(robot, {}, period=asked.period)
+    return write_policy(
+        still, Path("out") / "policy", robot, task=asked.name, task_sha256=asked.sha256
+    )
 
 
 @pytest.mark.parametrize(
