@@ -9,12 +9,12 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-import jinja2
 from jinja2.utils import htmlsafe_json_dumps
 from markupsafe import Markup
 
 from morph.app.report import tracks, words
 from morph.app.report.curves import curves, episodes_drawn
+from morph.app.report.templates import environment
 from morph.arrays import JSON
 from morph.model.diagnosis import Diagnosis, Finding
 
@@ -32,7 +32,7 @@ def report_page(diagnosis: Diagnosis) -> str:
     """
     scripts = _scripts(diagnosis)
     hashes = " ".join(f"'sha256-{_hash(script)}'" for script in scripts)
-    return _environment().get_template("page.html.j2").render(
+    return environment(FOLDER).get_template("page.html.j2").render(
         d=diagnosis,
         style=Markup(_read("page.css")),
         plots=htmlsafe_json_dumps(curves(diagnosis), dumps=_dumps),
@@ -67,16 +67,6 @@ def _functions(diagnosis: Diagnosis) -> dict[str, Any]:
         "counted": words.counted,
         "many": MANY,
     }
-
-
-def _environment() -> jinja2.Environment:
-    return jinja2.Environment(
-        loader=jinja2.FileSystemLoader(FOLDER),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
 
 
 _dumps = partial(json.dumps, allow_nan=False, separators=(",", ":"))

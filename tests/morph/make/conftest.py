@@ -1,4 +1,4 @@
-"""A small package made by hand: two cubes on a pendulum, no slicer asked."""
+"""A small package made by hand: two cubes on a pendulum, no slicer asked; nothing of it changes."""
 
 from __future__ import annotations
 
@@ -28,17 +28,17 @@ def at(x: float, y: float, z: float) -> np.ndarray:
     return pose
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def profile() -> Profile:
     return Profile(printer=printer("mk4"), material=material("pla"))
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def pendulum() -> Robot:
     return load("pendulum")
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def job(profile: Profile, pendulum: Robot) -> Job:
     """Two bars of 10 g on the rod, 100 mm either side of 0.5 m, and a ball of 0.1 kg bought."""
     link = pendulum.links[-1].name
@@ -78,7 +78,7 @@ def job(profile: Profile, pendulum: Robot) -> Job:
     )
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def package(job: Job, pendulum: Robot) -> Package:
     link = pendulum.links[-1].name
     hinge = Hinge(

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import shutil
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -34,6 +36,14 @@ SHORT = 60.0
 """Seconds that matching may take; it ends when a policy does, far before."""
 
 
+@pytest.fixture(scope="module", autouse=True)
+def few_runs() -> Iterator[None]:
+    """Policies are judged by 20 runs, not by 100: what holds a pendulum holds it in every one."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("morph.make.match.case.MOST", 20)
+        yield
+
+
 @pytest.fixture(scope="module")
 def learned(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The folder of a policy that balances the pendulum."""
@@ -44,9 +54,11 @@ def learned(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return write_policy(policy, folder, robot, task=asked.name, task_sha256=asked.sha256)
 
 
-@pytest.fixture
-def written(tmp_path: Path, package: Package, pendulum: Robot, learned: Path) -> Path:
-    folder = tmp_path / "package"
+@pytest.fixture(scope="module")
+def made_once(
+    tmp_path_factory: pytest.TempPathFactory, package: Package, pendulum: Robot, learned: Path
+) -> Path:
+    folder = tmp_path_factory.mktemp("made") / "package"
     with package_folder(folder) as made:
         robot = write_robots(made, pendulum, package)
         _, said = matched_in(made, learned, pendulum, seconds=SHORT)
@@ -54,6 +66,12 @@ def written(tmp_path: Path, package: Package, pendulum: Robot, learned: Path) ->
         whole = replace(package, made_sha256=robot.sha256, policy=said)
         write_content(made, whole, files)
     return folder
+
+
+@pytest.fixture
+def written(tmp_path: Path, made_once: Path) -> Path:
+    """A copy, which a test may change."""
+    return Path(shutil.copytree(made_once, tmp_path / "package", symlinks=True))
 
 
 def test_the_policy_of_a_package_is_the_printed_robots_and_says_so(written: Path) -> None:

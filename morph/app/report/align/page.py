@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import jinja2
 from markupsafe import Markup
 
 from morph.app.report.align import arrows, words
 from morph.app.report.align.outcome import Aligned
 from morph.app.report.learn.page import POLICY
+from morph.app.report.templates import environment
 from morph.transfer.parts import Parts
 
 FOLDER = Path(__file__).parent
@@ -33,17 +33,6 @@ def align_page(found: Aligned) -> str:
         quality=words.quality_rows(found.quality),
         provenance=_provenance(found),
     )  # fmt: skip
-
-
-def environment(*folders: Path) -> jinja2.Environment:
-    """Return what renders the templates of these folders; every text is escaped."""
-    return jinja2.Environment(
-        loader=jinja2.FileSystemLoader([*folders]),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
 
 
 def style(*more: Path) -> str:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-import jinja2
 import numpy as np
 from markupsafe import Markup
 
@@ -13,6 +12,7 @@ from morph.app.report.learn import drawn, words
 from morph.app.report.learn.outcome import Outcome, as_json, robot_hash, settings
 from morph.app.report.learn.strip import Still
 from morph.app.report.learn.words import number
+from morph.app.report.templates import environment
 from morph.app.report.words import percent
 from morph.arrays import JSON, Array
 from morph.search.search import Trial
@@ -40,7 +40,7 @@ def learned_page(outcome: Outcome, stills: Sequence[Still], see: str) -> str:
         stills: Pictures of the typical run; none if this machine cannot draw.
         see: The command that shows the policy.
     """
-    return _environment().get_template("page.html.j2").render(
+    return environment(FOLDER).get_template("page.html.j2").render(
         o=outcome,
         judged=outcome.judged,
         policy=POLICY,
@@ -63,16 +63,6 @@ def learned_page(outcome: Outcome, stills: Sequence[Still], see: str) -> str:
         number=number,
         percent=percent,
     )  # fmt: skip
-
-
-def _environment() -> jinja2.Environment:
-    return jinja2.Environment(
-        loader=jinja2.FileSystemLoader(FOLDER),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
 
 
 def _read(path: Path) -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import jinja2
 import numpy as np
 from markupsafe import Markup
 
@@ -13,6 +12,7 @@ from morph.app.report.learn.words import number
 from morph.app.report.loop import drawn, words
 from morph.app.report.loop.outcome import Outcome
 from morph.app.report.loop.verdict import beyond, headline, sealed_rows, summary
+from morph.app.report.templates import environment
 from morph.app.report.words import counted, percent
 from morph.arrays import JSON
 from morph.search.evaluate import Score
@@ -23,7 +23,7 @@ FOLDER = Path(__file__).parent
 def loop_page(outcome: Outcome) -> str:
     """Return the report as one HTML page."""
     robot, record = outcome.task.robot, outcome.record().said()
-    return _environment().get_template("page.html.j2").render(
+    return environment(FOLDER).get_template("page.html.j2").render(
         o=outcome,
         policy=POLICY,
         style=Markup(_style()),
@@ -46,16 +46,6 @@ def loop_page(outcome: Outcome) -> str:
         number=number,
         percent=percent,
     )  # fmt: skip
-
-
-def _environment() -> jinja2.Environment:
-    return jinja2.Environment(
-        loader=jinja2.FileSystemLoader(FOLDER),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
 
 
 def _style() -> str:

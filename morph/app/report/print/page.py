@@ -11,11 +11,12 @@ from typing import TYPE_CHECKING
 from jinja2.utils import htmlsafe_json_dumps
 from markupsafe import Markup
 
-from morph.app.report.align.page import environment, style
+from morph.app.report.align.page import style
 from morph.app.report.page import _hash
 from morph.app.report.print import words
 from morph.app.report.print.solids import solids
 from morph.app.report.print.steps import advised, plate_rows, steps
+from morph.app.report.templates import environment
 from morph.make.content import Package
 
 if TYPE_CHECKING:

@@ -8,9 +8,10 @@ from pathlib import Path
 from markupsafe import Markup
 
 from morph.app.report.align import arrows
-from morph.app.report.align.page import environment, style, tables
+from morph.app.report.align.page import style, tables
 from morph.app.report.align.words import VERDICTS, lost_said, quality_rows, sure
 from morph.app.report.learn.page import POLICY
+from morph.app.report.templates import environment
 from morph.app.report.transfer import drawn, words
 from morph.arrays import JSON
 from morph.transfer.crossing import Crossing

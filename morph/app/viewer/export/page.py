@@ -7,12 +7,12 @@ from collections.abc import Collection
 from functools import partial
 from pathlib import Path
 
-import jinja2
 import numpy as np
 from jinja2.utils import htmlsafe_json_dumps
 from markupsafe import Markup
 
 import morph
+from morph.app.report.templates import environment
 from morph.app.viewer.camera import Camera
 from morph.app.viewer.charts import chart_html
 from morph.app.viewer.content import Content, Live
@@ -67,7 +67,7 @@ def exported_page(
     script = (FOLDER / "page.js").read_text(encoding="utf-8")
     kinds = sorted({kind for actor in content.actors for kind in actor.motion.arrows})
     shown = [kind for kind in kinds if arrows is None or kind in arrows]
-    return _environment().get_template("page.html.j2").render(
+    return environment(FOLDER).get_template("page.html.j2").render(
         title=_title(content, title),
         policy=policy(film.html, script),
         style=Markup(style() + _style()),
@@ -138,16 +138,6 @@ def _bodies(content: Content) -> list[tuple[str, str]]:
 
 def _style() -> str:
     return f"<style>{(FOLDER / 'page.css').read_text(encoding='utf-8')}</style>"
-
-
-def _environment() -> jinja2.Environment:
-    return jinja2.Environment(
-        loader=jinja2.FileSystemLoader(FOLDER),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
 
 
 _dumps = partial(json.dumps, allow_nan=False, separators=(",", ":"))

@@ -6,17 +6,18 @@ import json
 import re
 import sys
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import ModuleType
 from typing import Any, ClassVar
 
-import jsonschema
 import numpy as np
 import pytest
+from jsonschema import Draft202012Validator
 
 import morph.app.report.learn
 from morph.app.cli.main import main
+from morph.body.robot import Robot
 from morph.errors import OutputError, SearchError
 from morph.policy.linear import Linear
 from morph.policy.observing import observations_of
@@ -24,10 +25,15 @@ from morph.policy.policy import actions_of
 from morph.search import searches
 from morph.search.evaluate import evaluate
 from morph.search.search import Learned, Problem, Search, State, Told, Trial, ignore
+from morph.task.balance import balance
+from morph.task.task import Task
+from morph.task.tasks import TASKS
 
 SCHEMA = json.loads(
     (Path(morph.app.report.learn.__file__).parent / "learned.schema.json").read_text()
 )
+VALIDATOR = Draft202012Validator(SCHEMA)
+"""Made once: the schema itself is checked elsewhere, and that takes 0.1 s each time."""
 MESSAGE = re.compile(r"error: (?P<where>.+?): (?P<what>.+)\n  fix: (?P<fix>.+)\n")
 
 GAIN = np.array([[-2.7, 27.2, -3.3, 4.3]])
@@ -64,7 +70,7 @@ class Growing(Search):
             time.sleep(self.slow)
             policy = balancing(problem, number / 5)
             score = evaluate(
-                problem.task, policy, simulator, rng=np.random.default_rng([seed, number]), rows=10
+                problem.task, policy, simulator, rng=np.random.default_rng([seed, number]), rows=2
             )
             done.append(score.mean)
             success = score.share
@@ -115,12 +121,27 @@ def balancing(problem: Problem, share: float) -> Linear:
     )
 
 
+def shorter(robot: Robot) -> Task:
+    """Return the task with runs of 3 s, in which a pole that is not held falls as well."""
+    whole = balance(robot)
+    goals = tuple(replace(goal, last=2.0) for goal in whole.goals)
+    return replace(whole, horizon=3.0, goals=goals)
+
+
+@pytest.fixture
+def shorter_balance(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Makes the runs of the task balance short."""
+    monkeypatch.setitem(TASKS, "balance", shorter)
+
+
 def undrawn(*_: object) -> None:
     raise OutputError("there is no OpenGL", where="--video", fix="install one")
 
 
 @pytest.fixture
-def growing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> type[Growing]:
+def growing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, shorter_balance: None
+) -> type[Growing]:
     """The search, known to the command by its name, and two others; no pictures, few runs."""
     module = ModuleType("tried_searches")
     for kind in (Growing, FromTrials, Refusing):
@@ -136,8 +157,9 @@ def growing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> type[Growing]:
     monkeypatch.setattr(Growing, "seen", [])
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "80")
-    # A hundred runs take a second, and pictures another; the tests of the report have both.
-    monkeypatch.setattr("morph.app.report.learn.judge.ROWS", 10)
+    # A hundred runs take seconds, and pictures another; the tests of the report have both.
+    for name in ("FIRST", "ROWS"):
+        monkeypatch.setattr(f"morph.app.report.learn.judge.{name}", 2)
     monkeypatch.setattr("morph.app.report.learn.files.strip", undrawn)
     return Growing
 
@@ -157,7 +179,7 @@ class Bench:
     def record(self, out: str = "out") -> dict[str, Any]:
         """Return the record that it wrote, held against its schema."""
         said: dict[str, Any] = json.loads((Path(out) / "record.json").read_text())
-        jsonschema.validate(said, SCHEMA)
+        VALIDATOR.validate(said)
         return said
 
     def content(self, out: str = "out") -> dict[str, bytes]:

@@ -5,11 +5,14 @@ from __future__ import annotations
 import shutil
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from morph.app.cli.main import main
+from morph.body.load import load
+from morph.policy.pattern import pattern
+from morph.policy.store import write_policy
+from morph.task.tasks import task
 
 
 def spoilt(folder: Path) -> None:
@@ -23,9 +26,15 @@ def other(folder: Path) -> None:
 
 
 @pytest.fixture
-def learned(bench: Any) -> Path:
-    bench.learn("balance", "--robot", "cartpole", "--search", "growing", "--out", "out", "--quiet")
-    return Path("out") / "policy"
+def learned(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The folder of a policy for the balance of the cart-pole."""
+    monkeypatch.chdir(tmp_path)
+    robot = load("cartpole")
+    asked = task("balance", robot)
+    still = pattern(robot, {}, period=asked.period)
+    return write_policy(
+        still, Path("out") / "policy", robot, task=asked.name, task_sha256=asked.sha256
+    )
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import shutil
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -57,9 +59,18 @@ def job(weight: Weight) -> Job:
     )
 
 
-@pytest.fixture
-def folder(tmp_path: Path) -> Path:
+@pytest.fixture(scope="module", autouse=True)
+def few_runs() -> Iterator[None]:
+    """Policies are judged by 20 runs, not by 100: what holds a pendulum holds it in every one."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("morph.make.match.case.MOST", 20)
+        yield
+
+
+@pytest.fixture(scope="module")
+def made_once(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A pendulum that a spring of 20 N m/rad balances, printed as it was designed."""
+    base = tmp_path_factory.mktemp("made")
     robot = load("pendulum")
     before = designed(robot)["rod"]
     package = Package(
@@ -85,9 +96,9 @@ def folder(tmp_path: Path) -> Path:
         period=asked.period,
     )
     learned = write_policy(
-        spring, tmp_path / "learned", robot, task=asked.name, task_sha256=asked.sha256
+        spring, base / "learned", robot, task=asked.name, task_sha256=asked.sha256
     )
-    place = tmp_path / "package"
+    place = base / "package"
     with package_folder(place) as made:
         found = write_robots(made, robot, package)
         _, said = matched_in(made, learned, robot, seconds=2.0)
@@ -95,6 +106,12 @@ def folder(tmp_path: Path) -> Path:
         files = write_parts(made, package.job, {})
         write_content(made, replace(package, made_sha256=found.sha256, policy=said), files)
     return place
+
+
+@pytest.fixture
+def folder(tmp_path: Path, made_once: Path) -> Path:
+    """A copy, which a test may change."""
+    return Path(shutil.copytree(made_once, tmp_path / "package", symlinks=True))
 
 
 def test_a_reading_corrects_the_robot_and_the_policy_is_tried(

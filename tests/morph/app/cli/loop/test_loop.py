@@ -44,8 +44,8 @@ def test_a_loop_that_succeeds_leaves_a_policy_a_model_a_record_and_a_report(
     assert [trial["success"] for trial in hop["trials"]] == [False, True]
     assert hop["guard"] == {"verdict": "safe", "probability": 1.0}
     assert hop["gate"] == {"verdict": "not good", "probability": 0.01}
-    balance = task("balance", load("cartpole"))
-    periods = round(balance.horizon / balance.period)
+    # Two runs of 3 s, with a command each 0.02 s.
+    periods = 150
     assert (hop["samples"], said["samples_total"]) == (2 * periods, 2 * periods)
 
 
@@ -109,14 +109,15 @@ def test_a_policy_that_promises_little_is_judged_unsafe_though_its_trial_went_we
 def test_the_seal_is_opened_at_the_end_and_not_before(
     capsys: pytest.CaptureFixture[str], bench: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    truth = Concealed(factors={"length:pole": 1.15, "weight:cart": 0.7})
+    # Under a heavier cart the oracle stays the best: no plan is searched there from the policy.
+    truth = Concealed(factors={"length:pole": 1.15, "weight:cart": 1.4})
     monkeypatch.setattr("morph.app.cli.aim.drawn", lambda *_: truth)
     bench.loop("--sealed", "7")
     told = capsys.readouterr()
-    assert "0.7" not in told.err
+    assert "1.4" not in told.err
     opened = " ".join(told.out.partition("the seal, opened:")[2].split())
     assert "found as 1.20 (1.19 to 1.21): found, outside the interval" in opened
-    assert "cart is 0.7 times as heavy: not named" in opened
+    assert "cart is 1.4 times as heavy: not named" in opened
     sealed = bench.record()["sealed"]
     assert sealed["seed"] == 7
     assert [each["found"] for each in sealed["concealed"]] == [1.2, None]
@@ -127,7 +128,7 @@ def test_a_seed_conceals_the_same_again_and_keeps_within_what_is_said() -> None:
     robot = load("cartpole")
     balance = task("balance", robot)
     still = pattern(robot, {}, period=balance.period)
-    all_drawn = [drawn(balance, still, seed) for seed in range(100, 130)]
+    all_drawn = [drawn(balance, still, seed) for seed in range(100, 112)]
     assert drawn(balance, still, 100) == all_drawn[0]
     assert {len(each.factors) + len(each.effects) for each in all_drawn} == {1, 2}
     sizes = [abs(np.log(factor)) for each in all_drawn for factor in each.factors.values()]
