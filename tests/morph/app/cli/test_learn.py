@@ -32,7 +32,7 @@ def test_a_search_that_succeeds_leaves_a_policy_a_record_and_a_report(
     said = bench.record()
     assert (said["succeeded"], said["why"], said["judged"]["success"]) == (True, "", 1.0)
     assert [trial["number"] for trial in said["trials"]] == [1, 2, 3, 4, 5]
-    # Nothing falls from 11,000, and what balances costs a few.
+    # Who does nothing pays some 5,000, and what balances costs a few.
     assert said["controls"]["nothing"]["loss"]["mean"] > 1e3 > said["judged"]["loss"]["mean"]
     assert said["controls"]["random"]["success"] == 0.0
     assert sum(said["judged"]["terms"].values()) == pytest.approx(said["judged"]["loss"]["mean"])
