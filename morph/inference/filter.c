@@ -4,7 +4,7 @@
  * leaves out, an Ornstein-Uhlenbeck process. One step of length h, semi-implicit:
  *
  *   a   = J (dq, dv, f) + input,   J = [dqacc/dq, dqacc/dv, M^-1]
- *   dv' = dv + h a,   dq' = dq + h dv',   f' = keep f + w
+ *   dv' = dv + h a + jolt,   dq' = dq + h dv',   f' = keep f + w
  *
  * Many columns are filtered by one gain. Of each the difference delta between its own response and
  * what the filter explains by x is carried, so that its innovation is reading + C delta.
@@ -65,14 +65,15 @@ static void transpose(int N, double *P)
 /* Filter `steps` samples of `width` columns.
  *
  * J (steps, n, 3n), input (steps, n, width) or NULL, C (m, 3n), valid (steps, m), reading and white
- * (steps, m, width); noise (m) and added (n) are variances; delta (3n, width) and P (3n, 3n) are
+ * (steps, m, width); noise (m), added (n) and jolt (steps, n) or NULL are variances; delta (3n, width) and P (3n, 3n) are
  * carried on. For a smoother: spread (steps, 3n, 3n), guess (steps, 3n), gain (steps, m, 3n) and
  * size (steps, m) keep the predictions, all NULL or none; work holds n * max(width, 3n) numbers.
  * Returns the sum of the logarithms of the innovations' variances.
  */
 double morph_filter(int n, int m, int width, int64_t steps, double h, double keep, const double *J,
 		    const double *input, const double *C, const uint8_t *valid, const double *reading,
-		    const double *noise, const double *added, double *delta, double *P,
+		    const double *noise, const double *added, const double *jolt, double *delta,
+		    double *P,
 		    double *white, double *spread, double *guess, double *gain, double *size,
 		    double *work)
 {
@@ -132,6 +133,13 @@ double morph_filter(int n, int m, int width, int64_t steps, double h, double kee
 		advance(n, N, h, keep, now, NULL, P, work);
 		for (int i = 0; i < n; i++)
 			P[(2 * n + i) * N + 2 * n + i] += added[i];
+		for (int i = 0; jolt && i < n; i++) {
+			double s = jolt[t * n + i];
+			P[i * N + i] += h * h * s;
+			P[i * N + n + i] += h * s;
+			P[(n + i) * N + i] += h * s;
+			P[(n + i) * N + n + i] += s;
+		}
 		for (int i = 0; i < N; i++)
 			for (int j = 0; j < i; j++)
 				P[i * N + j] = P[j * N + i] = 0.5 * (P[i * N + j] + P[j * N + i]);

@@ -50,6 +50,9 @@ class Disturbance:
     """Its correlation time, s."""
     start: Array
     """Standard deviation of the first position and velocity errors, shape (2 dofs,)."""
+    jolt: Array | None = None
+    """Standard deviation of the change of velocity in each step that is left out, shape
+    (samples, dofs): of commands that step at a time known only roughly."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -139,6 +142,7 @@ class _Run:
         self._tangent = tangent
         dofs = tangent.jacobian.shape[1]
         self._keep = float(np.exp(-tangent.step / disturbance.time))
+        self._jolt = None if disturbance.jolt is None else disturbance.jolt**2
         self._noise = _packed(disturbance.noise**2)
         self._added = _packed(disturbance.scale**2 * (1.0 - self._keep**2))
         zeros = np.zeros((len(tangent.reads), dofs))
@@ -164,7 +168,8 @@ class _Run:
             *map(_pointer, (
                 _packed(jacobian), None if accelerations is None else _packed(accelerations),
                 self._reads, np.ascontiguousarray(valid, dtype=np.uint8), _packed(readings),
-                self._noise, self._added, self._delta, self._spread, white,
+                self._noise, self._added, None if self._jolt is None else _packed(self._jolt[part]),
+                self._delta, self._spread, white,
                 *(kept or (None,) * 4), self._work,
             )),
         )  # fmt: skip
@@ -214,7 +219,7 @@ def _code() -> ctypes.CDLL:
         code = library.load(path, fix="delete it, so that it is built again")
     number, count, at = ctypes.c_double, ctypes.c_int, ctypes.c_void_p
     code.morph_filter.restype = number
-    code.morph_filter.argtypes = [count] * 3 + [ctypes.c_int64] + [number] * 2 + [at] * 15
+    code.morph_filter.argtypes = [count] * 3 + [ctypes.c_int64] + [number] * 2 + [at] * 16
     code.morph_smooth.restype = None
     code.morph_smooth.argtypes = [count] * 2 + [ctypes.c_int64] + [number] * 2 + [at] * 9
     return code

@@ -36,6 +36,7 @@ def case(seed: int, samples: int = 40, dofs: int = 2, columns: int = 3) -> dict[
             scale=np.array([0.5, 2.0])[:dofs],
             time=0.07,
             start=np.full(2 * dofs, 0.3),
+            jolt=rng.uniform(0.0, 0.2, (samples, dofs)),
         ),
         "readings": rng.normal(size=(samples, 3, columns)),
         "accelerations": rng.normal(size=(samples, dofs, columns)),
@@ -49,11 +50,12 @@ def joint(tangent: Tangent, disturbance: Disturbance) -> tuple[Array, Array, Arr
     """
     samples, dofs, size = tangent.jacobian.shape
     keep = np.exp(-tangent.step / disturbance.time)
-    sources = np.zeros((samples * size, size + samples * dofs))
+    sources = np.zeros((samples * size, size + 2 * samples * dofs))
     sources[:size, :size] = np.diag(np.concatenate([disturbance.start, disturbance.scale]))
     inputs = np.zeros((samples * size, samples * dofs))
     fresh = np.diag(disturbance.scale * np.sqrt(1.0 - keep**2))
     eye, none = np.eye(dofs), np.zeros((dofs, dofs))
+    jolt = np.zeros((samples, dofs)) if disturbance.jolt is None else disturbance.jolt
     for t in range(samples - 1):
         a = tangent.jacobian[t]
         velocity = np.concatenate([none, eye, none], axis=1) + tangent.step * a
@@ -66,6 +68,9 @@ def joint(tangent: Tangent, disturbance: Disturbance) -> tuple[Array, Array, Arr
         at = slice(t * dofs, (t + 1) * dofs)
         inputs[then, at] += np.concatenate([tangent.step**2 * eye, tangent.step * eye, none])
         sources[then, size + t * dofs : size + (t + 1) * dofs] = np.concatenate([none, none, fresh])
+        hit = np.concatenate([tangent.step * eye, eye, none]) * jolt[t]
+        first = size + (samples + t) * dofs
+        sources[then, first : first + dofs] = hit
     rows = np.concatenate([tangent.reads, np.zeros((len(tangent.reads), dofs))], axis=1)
     reads = np.kron(np.eye(samples), rows)[tangent.valid.reshape(-1)]
     return sources @ sources.T, reads, inputs
