@@ -51,8 +51,14 @@ class ActuatorDelay(ActuatorEffect):
         return np.asarray((1.0 - part) * command[..., before] + part * command[..., after])
 
     def regressor(self, motion: Motion) -> Array:
-        """Return what is missing, per second of delay, while the command changes."""
+        """Return what is missing, per second of delay: the mean change of the drive in it."""
         rate = motion.drive_rate[:, motion.actuators[self.actuator]]
+        if self.T > 0.0:
+            step = np.diff(motion.time, prepend=motion.time[0])[:, None]
+            total = np.cumsum(step * rate, axis=0)
+            before = motion.time - self.T
+            columns = [np.interp(before, motion.time, each) for each in total.T]
+            rate = (total - np.stack(columns, axis=1)) / self.T
         return -rate[:, :, None]
 
     def statement(self, *, slide: bool = False) -> str:

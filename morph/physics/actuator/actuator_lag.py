@@ -54,8 +54,13 @@ class ActuatorLag(ActuatorEffect):
         return np.asarray(command + (before - command) * (1.0 - decay) * self.T / step)
 
     def regressor(self, motion: Motion) -> Array:
-        """Return what is missing, per second of lag, while the command changes."""
+        """Return what is missing, per second of lag: the faded change of the drive so far."""
         rate = motion.drive_rate[:, motion.actuators[self.actuator]]
+        if self.T > 0.0:
+            from scipy.signal import lfilter
+
+            decay = float(np.exp(-np.median(np.diff(motion.time)) / self.T))
+            rate = lfilter([1.0 - decay], [1.0, -decay], rate, axis=0)
         return -rate[:, :, None]
 
     def statement(self, *, slide: bool = False) -> str:

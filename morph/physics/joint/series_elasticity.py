@@ -99,24 +99,34 @@ class SeriesElasticity(MotorSideEffect):
         self, motion: Motion, effort: Array, stiffness: Any, damping: Any, inertia: float
     ) -> Array:
         """Return what the spring carries along a recording, shape (samples,)."""
-        place, late = motion.place(self.joint), motion.arriving(self.joint)
-        speed = motion.speed(self.joint)
         steps = np.diff(motion.time, append=2.0 * motion.time[-1] - motion.time[-2])
         fastest = np.sqrt((self.k + stiffness) / max(inertia, 1e-12)) * steps.max() / FINE
         parts = int(np.clip(np.ceil(fastest), 1, MOST))
-        carried = np.empty_like(effort)
-        rotor, before = (place[0] + effort[0] / (self.k + stiffness), late[0]), late[0]
-        for at, step in enumerate(steps):
-            spring = _Spring(k=self.k, d=self.d, J=inertia, h=step / parts)
-            after, total, v = min(at + 1, len(steps) - 1), 0.0, late[at]
-            for part in np.arange(parts) / parts:
-                q, u, rate = (x[at] + part * (x[after] - x[at]) for x in (place, effort, speed))
-                torque = u - stiffness * (rotor[0] - q) - damping * (rotor[1] - rate)
-                motors = Motors(torque=torque, stiffness=stiffness, damping=damping)
-                tau, rotor = spring.step(rotor, (q, v, v - before), motors)
-                total, before, v = total + tau, v, late[after]
-            carried[at] = total / parts
-        return carried
+        h = float(np.mean(steps)) / parts
+        fine = motion.time[0] + h * np.arange(parts * len(steps))
+        q, u, rate = (
+            np.interp(fine, motion.time, each)
+            for each in (motion.place(self.joint), effort, motion.speed(self.joint))
+        )
+        late = motion.arriving(self.joint)
+        coming = np.append(late[1:], late[-1])
+        v = np.column_stack([late, *[coming] * (parts - 1)]).reshape(-1)
+        given = np.stack([q, u, rate, v, np.diff(v, prepend=v[:1])], axis=1)
+        # The rotor is linear in its state and in what is given: its columns are its responses.
+        r, s, *units = np.eye(7)
+        torque = units[1] - stiffness * (r - units[0]) - damping * (s - units[2])
+        motors = Motors(torque=torque, stiffness=stiffness, damping=damping)
+        spring = _Spring(k=self.k, d=self.d, J=inertia, h=h)
+        tau, (place, speed) = spring.step((r, s), (units[0], units[3], units[4]), motors)
+        forced = given @ np.stack([place[2:], speed[2:]], axis=1)
+        (a, b), (c, d) = place[:2].tolist(), speed[:2].tolist()
+        x, y = float(q[0] + effort[0] / (self.k + stiffness)), float(late[0])
+        rotor = []
+        for push, kick in forced.tolist():
+            rotor.append((x, y))
+            x, y = a * x + b * y + push, c * x + d * y + kick
+        carried = np.array(rotor) @ tau[:2] + given @ tau[2:]
+        return np.asarray(carried.reshape(-1, parts).mean(axis=1))
 
     @property
     def coefficients(self) -> Array:
