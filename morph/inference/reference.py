@@ -17,6 +17,11 @@ TIMES = (0.02, 2.0)
 """Correlation times that are tried, s: from a stroke of a servo to the drift of a run."""
 ROUNDS = 3
 """How often a motion is smoothed and linearised again."""
+STRAY = 5.0
+"""Standard deviations from its neighbours at which a single reading is left out: its time stamp is
+wrong, or a bit of it."""
+BESIDE = 20
+"""Readings on either side that tell how far readings are off around one."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -35,6 +40,10 @@ class SampledRun:
     """Which readings there are, shape (samples, channels)."""
     noise: Array
     """Standard deviation of each channel's noise, shape (channels,)."""
+    late: Array | float = 0.0
+    """By how much a reading was taken after its sample, s, shape (samples, 1)."""
+    clock: float = 0.0
+    """Standard deviation of the times at which commands change, s."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -55,6 +64,13 @@ class Reference:
     """What the model leaves out, by evidence."""
     error: Array
     """Readings less those of the motion, shape (samples, channels)."""
+    effort: Array
+    """RMS force on each degree of freedom that the motion needs, shape (dofs,)."""
+
+    def leaving(self, share: float) -> Disturbance:
+        """Return the disturbance with a share of its force, yet no less than models err by."""
+        scale = np.maximum(share * self.disturbance.scale, FLOOR * self.effort)
+        return replace(self.disturbance, scale=scale)
 
 
 def reference(
@@ -81,6 +97,7 @@ def reference(
         state = smoothed(found.tangent, known, found.error, found.acceleration)
         change, rate, force = np.split(state, 3, axis=1)
         position, velocity = position + change, velocity + rate
+        run = replace(run, valid=run.valid & ~strays(found.error / run.noise, run.valid))
         found = _along(model, run, position, velocity, force, known)
     return replace(found, disturbance=likeliest(found))
 
@@ -116,6 +133,31 @@ def likeliest(about: Reference) -> Disturbance:
     return at(best.x)
 
 
+def strays(error: Array, valid: Mask) -> Mask:
+    """Return which readings are far off while those before and after are not.
+
+    Args:
+        error: Readings less those of a smoothed motion, in units of their noise, shape (samples,
+            channels).
+        valid: Which readings there are, same shape.
+    """
+    found = np.zeros_like(valid)
+    for channel in range(error.shape[1]):
+        at = np.flatnonzero(valid[:, channel])
+        off = np.abs(error[at, channel])
+        if len(off) <= 2 * BESIDE:
+            continue
+        around = np.lib.stride_tricks.sliding_window_view(
+            np.pad(off, BESIDE, mode="reflect"), 2 * BESIDE + 1
+        )
+        # Of a normal distribution the median is 0.6745 standard deviations.
+        usual = np.maximum(np.median(around, axis=1) / 0.6745, 1.0)
+        padded = np.pad(off, 1)
+        alone = np.maximum(padded[:-2], padded[2:]) < 0.5 * off
+        found[at[(off > STRAY * usual) & alone], channel] = True
+    return found
+
+
 def _evidence(tangent: Tangent, disturbance: Disturbance, about: Reference) -> float:
     column = about.error[:, :, None]
     return whitened(tangent, disturbance, column, -about.acceleration[:, :, None]).likelihood()
@@ -135,9 +177,15 @@ def _along(
     acceleration[:-1] = local.acceleration[:-1] - np.diff(velocity, axis=0) / run.step
     tangent = Tangent(step=run.step, jacobian=local.jacobian, reads=run.reads, valid=run.valid)
     shown = np.concatenate([position, velocity], axis=1) @ run.reads.T
-    inertia = np.linalg.inv(local.jacobian[:, :, 2 * position.shape[1] :])
+    rate = np.gradient(shown, run.step, axis=0)
+    shown += run.late * (rate + 0.5 * run.late * np.gradient(rate, run.step, axis=0))
+    mobility = local.jacobian[:, :, 2 * position.shape[1] :]
+    inertia = np.linalg.inv(mobility)
     at_work = np.einsum("tij,tj->ti", inertia, np.gradient(velocity, run.step, axis=0))
     scale = np.sqrt(np.mean(at_work**2, axis=0)) + 1e-12
+    steps = np.abs(np.diff(run.command, axis=0, prepend=run.command[:1]))
+    forces = steps @ np.abs(_drives(model))
+    jolt = run.clock * np.einsum("tij,tj->ti", np.abs(mobility), forces)
     if known is None:
         wide = np.concatenate([_spread(run, position), _spread(run, velocity)])
         known = Disturbance(noise=run.noise, scale=scale, time=0.2, start=wide)
@@ -147,8 +195,9 @@ def _along(
         force=force,
         acceleration=acceleration,
         tangent=tangent,
-        disturbance=replace(known, scale=scale),
+        disturbance=replace(known, scale=scale, jolt=jolt),
         error=np.where(run.valid, run.reading - shown, 0.0),
+        effort=scale,
     )
 
 
@@ -156,3 +205,12 @@ def _spread(run: SampledRun, values: Array) -> Array:
     """Return how far the first values may be off: a tenth of what they cover."""
     spread: Array = 0.1 * np.ptp(values, axis=0) + 10.0 * run.noise.max()
     return spread
+
+
+def _drives(model: mujoco.MjModel) -> Array:
+    """Return the generalized force by each command, shape (actuators, dofs)."""
+    force = np.zeros((model.nu, model.nv))
+    for at in range(model.nu):
+        dof = model.jnt_dofadr[model.actuator_trnid[at, 0]]
+        force[at, dof] = model.actuator_gear[at, 0] * model.actuator_gainprm[at, 0]
+    return force

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import mujoco
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.interpolate import CubicHermiteSpline
 
 from morph.arrays import Array
-from morph.inference.reference import SampledRun, reference
+from morph.inference.reference import FLOOR, SampledRun, reference, strays
 
 H, NOISE = 0.004, 2e-3
 PENDULUM = """
@@ -89,7 +91,59 @@ def test_a_force_that_is_missing_is_found_along_the_run(model: mujoco.MjModel) -
     assert np.sqrt(np.mean(wrong**2)) > 0.8
 
 
+def test_a_disturbance_keeps_a_share_of_the_force_that_the_motion_needs(
+    model: mujoco.MjModel,
+) -> None:
+    case = swing(lambda t: 0.0)
+    found = reference(model, case["run"], guess(case))
+    needed = INERTIA * np.gradient(case["velocity"], H)
+    # The slope of smoothed velocities; at the ends of the run it is a line's.
+    assert found.effort[0] == pytest.approx(np.sqrt(np.mean(needed**2)), rel=0.03)
+    assert found.leaving(0.0).scale == pytest.approx(FLOOR * found.effort)
+    assert found.leaving(1.0).scale == pytest.approx(found.disturbance.scale)
+
+
 def test_the_motion_obeys_the_step(model: mujoco.MjModel) -> None:
     case = swing(lambda t: 0.3)
     found = reference(model, case["run"], guess(case))
     assert np.allclose(np.diff(found.position, axis=0), H * found.velocity[1:], atol=1e-9)
+
+
+def test_readings_between_samples_are_compared_with_the_motion_there(
+    model: mujoco.MjModel,
+) -> None:
+    case = swing(lambda t: 0.0)
+    rng, run = np.random.default_rng(3), case["run"]
+    between = CubicHermiteSpline(case["time"], case["position"], case["velocity"])
+    late = rng.uniform(-0.5 * H, 0.5 * H, (len(case["time"]), 1))
+    noise = 1e-4 * rng.normal(size=late.shape)
+    reading = between(case["time"][:, None] + late) + noise
+    told = replace(run, reading=reading, late=late, noise=np.array([1e-4]))
+    found = reference(model, told, case["position"][:, None])
+    at = run.valid[:, 0]
+    # At 2 rad/s a reading 1 ms late is 2e-3 off: twenty times the noise.
+    assert np.sqrt(np.mean(found.error[at] ** 2)) < 1.5e-4
+    without = reference(model, replace(told, late=0.0), case["position"][:, None])
+    assert np.sqrt(np.mean(without.error[at] ** 2)) > 5e-4
+
+
+def test_a_reading_far_from_its_neighbours_is_left_out(model: mujoco.MjModel) -> None:
+    case = swing(lambda t: 0.0)
+    run, reading = case["run"], case["run"].reading.copy()
+    wrong = np.flatnonzero(run.valid[:, 0])[[50, 200, 201, 500]]
+    reading[wrong, 0] += NOISE * np.array([12.0, 40.0, 40.0, -12.0])
+    found = reference(model, replace(run, reading=reading), guess(case))
+    left = np.flatnonzero(run.valid[:, 0] & ~found.tangent.valid[:, 0])
+    # Two beside each other may be a fact; among 750 none is 5 standard deviations off by chance.
+    assert list(left) == [wrong[0], wrong[3]]
+
+
+def test_strays_are_judged_by_the_errors_around_them() -> None:
+    rng = np.random.default_rng(0)
+    error = rng.normal(size=(400, 1)) * np.where(np.arange(400)[:, None] < 200, 1.0, 10.0)
+    error[[100, 300]] = 15.0
+    error[[99, 101, 299, 301]] = 0.0
+    valid = np.ones_like(error, dtype=bool)
+    found = np.flatnonzero(strays(error, valid))
+    assert 100 in found
+    assert 300 not in found

@@ -1,0 +1,118 @@
+"""One run of a robot: its smoothed motion, its linearised model, and the forces along it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from morph.arrays import Array
+from morph.body.robot import Robot
+from morph.inference.reference import Reference, SampledRun, reference
+from morph.model.episodes import Episode, moving_joints
+from morph.physics.body_motion import body_motions
+from morph.physics.motion import Motion
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Observed:
+    """One run, smoothed by a model and linearised along its motion."""
+
+    run: SampledRun
+    """What was commanded and read."""
+    about: Reference
+    """The smoothed motion and the tangent along it."""
+    motion: Motion
+    """The same as the regressors of effects see it."""
+
+
+def observed(model: mujoco.MjModel, robot: Robot, read: Episode) -> Observed:
+    """Return a run smoothed and linearised by a model of hinges and slides."""
+    run, guess = _sampled(read)
+    about = reference(model, run, guess)
+    return Observed(run=run, about=about, motion=_motion(model, robot, about, run))
+
+
+def _sampled(read: Episode) -> tuple[SampledRun, Array]:
+    """Return an episode on its grid, and positions to begin with."""
+    samples, dofs = len(read.command), read.reading.shape[1]
+    at = np.rint(read.time / read.step).astype(int)
+    there = at < samples
+    reading, valid = np.zeros((samples, dofs)), np.zeros((samples, dofs), dtype=bool)
+    # A reading between two samples is put on the nearer one.
+    late = np.zeros((samples, 1))
+    late[at[there], 0] = (read.time - at * read.step)[there]
+    reading[at[there]], valid[at[there]] = read.reading[there], True
+    grid = read.step * np.arange(samples)
+    guess = [np.interp(grid, read.time, read.position[:, dof]) for dof in range(dofs)]
+    run = SampledRun(
+        step=read.step,
+        command=read.command,
+        reads=np.eye(dofs, 2 * dofs),
+        reading=reading,
+        valid=valid,
+        noise=read.noise,
+        late=late,
+        clock=_jitter(read),
+    )
+    return run, np.stack(guess, axis=1)
+
+
+def _jitter(read: Episode) -> float:
+    """Return the standard deviation of the times of commands, s."""
+    times = [c.time for n, c in read.recording.channels.items() if n.endswith(".command")]
+    periods = [np.diff(time) for time in times]
+    spread = [np.median(np.abs(p - np.median(p))) / 0.6745 / np.sqrt(2.0) for p in periods]
+    return float(max(spread, default=0.0))
+
+
+def _motion(model: mujoco.MjModel, robot: Robot, about: Reference, run: SampledRun) -> Motion:
+    """Return a motion as effects' regressors see it.
+
+    Its acceleration is the model's: that of the motion holds what is missing and the readings'
+    noise, which a change of all masses and gains together would seem to explain.
+    """
+    samples, dofs = about.position.shape
+    acceleration = about.acceleration.copy()
+    acceleration[:-1] += np.diff(about.velocity, axis=0) / run.step
+    moment = np.zeros((model.nu, dofs))
+    for actuator in range(model.nu):
+        dof = model.jnt_dofadr[model.actuator_trnid[actuator, 0]]
+        moment[actuator, dof] = model.actuator_gear[actuator, 0]
+    drive = np.zeros((samples, model.nu, dofs))
+    data = mujoco.MjData(model)
+    for t in range(samples):
+        data.qpos[:], data.qvel[:] = about.position[t], about.velocity[t]
+        data.ctrl[:] = run.command[t]
+        mujoco.mj_fwdPosition(model, data)
+        mujoco.mj_fwdVelocity(model, data)
+        mujoco.mj_fwdActuation(model, data)
+        drive[t] = moment * data.actuator_force[:, None]
+    rate = np.gradient(run.command, run.step, axis=0) * model.actuator_gainprm[:, 0]
+    jacobian = about.tangent.jacobian
+    channels = [f"{name}.position" for name in moving_joints(robot)]
+    return Motion(
+        position=about.position,
+        velocity=about.velocity,
+        acceleration=acceleration,
+        drive=drive,
+        drive_rate=moment * rate[:, :, None],
+        stiffness=np.asarray(-np.linalg.solve(jacobian[:, :, 2 * dofs :], jacobian[:, :, :dofs])),
+        joints={joint.name: model.joint(joint.name).dofadr[0] for joint in robot.joints},
+        actuators={actuator.name: at for at, actuator in enumerate(robot.actuators)},
+        bodies=body_motions(model, _links(robot), about.position, about.velocity, acceleration),
+        time=run.step * np.arange(samples, dtype=float),
+        command=run.command,
+        driven={actuator.name: actuator.joint for actuator in robot.actuators},
+        servo=-(model.actuator_gear[:, :1] ** 2) * model.actuator_biasprm[:, 1:3],
+        armature=model.dof_armature.copy(),
+        channels={name: at for at, name in enumerate(channels)},
+        reading=about.position,
+        reading_rate=about.velocity,
+    )
+
+
+def _links(robot: Robot) -> Sequence[str]:
+    return [link.name for link in robot.links]

@@ -1,0 +1,68 @@
+"""Rankings of pendulums whose dynamics share nothing with MuJoCo or the effects."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+from experiments.missing_physics.generate import TRUTHS, generate
+from experiments.missing_physics.seal import open_seal
+from experiments.missing_physics.solvers import solve_by_ranking
+from morph.body.load import load as load_robot
+from morph.body.spec import spec_of
+from morph.inference.filter import Whitened
+from morph.inference.observed import observed
+from morph.inference.rank import believed
+from morph.model.episodes import episode, step_for
+from morph.record.load import load as load_recordings
+from morph.sim.simulator import compiled
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    return tmp_path / "cases"
+
+
+def test_a_prior_is_as_good_as_readings_of_the_figures() -> None:
+    rng = np.random.default_rng(0)
+    columns, error, effect = rng.normal(size=(30, 3)), rng.normal(size=30), rng.normal(size=30)
+    trust, point = np.array([4.0, 100.0, 0.5]), np.array([0.3, -0.1, 0.2])
+    whole = np.column_stack([error, columns, effect])
+    rows = np.zeros((3, 5))
+    rows[:, 0], rows[:, 1:4] = -np.sqrt(trust) * point, np.diag(np.sqrt(trust))
+    stacked = np.concatenate([whole, rows])
+    level = Whitened(gram=whole.T @ whole, logarithm=0.0, readings=30)
+    assert np.allclose(believed(level, trust, point).gram, stacked.T @ stacked, atol=1e-12)
+
+
+def test_effects_see_the_motion_at_the_acceleration_of_the_model(folder: Path) -> None:
+    (case,) = generate("clean", 1, [4], folder, seconds=2.0)
+    robot = load_robot(str(case / "robot.xml"))
+    (first, *_) = load_recordings(case / "recordings", robot=robot)
+    step = step_for([first], robot)
+    model = compiled(spec_of(robot, timestep=step), (), robot).model
+    seen = observed(model, robot, episode(first, robot, step))
+    data, at = mujoco.MjData(model), 100
+    data.qpos[:], data.qvel[:] = seen.motion.position[at], seen.motion.velocity[at]
+    data.ctrl[:] = seen.motion.command[at]
+    mujoco.mj_forward(model, data)
+    assert seen.motion.acceleration[at] == pytest.approx(data.qacc, abs=1e-9)
+    assert seen.motion.drive[at].sum(axis=0) == pytest.approx(data.qfrc_actuator, abs=1e-12)
+
+
+def test_nothing_is_found_where_nothing_is_missing(folder: Path) -> None:
+    # Mass, centre, inertia and gain are wrong by 10, 5, 25 and 5 % at most.
+    (case,) = generate("clean", 1, [4], folder, seconds=6.0)
+    assert json.loads((case / "case.json").read_text())["vary"]["inertia"] == 0.25
+    assert solve_by_ranking(case, 0)["findings"] == []
+
+
+def test_backlash_stands_first(folder: Path) -> None:
+    (case,) = generate("development", 1, [5], folder, seconds=6.0)
+    (effect,) = open_seal(folder / TRUTHS, case.name).about["effects"]
+    found = solve_by_ranking(case, 0)["findings"]
+    assert (found[0]["effect"], found[0]["where"]) == (effect["effect"], effect["where"]["name"])
