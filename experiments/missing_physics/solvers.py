@@ -17,7 +17,11 @@ from experiments.missing_physics.submission import JSON, submission
 from experiments.missing_physics.suites import LAWS
 from morph.body.load import load as load_robot
 from morph.errors import DiagnosisError
+from morph.inference.rank import ranked
 from morph.model.diagnose import diagnose
+from morph.model.episodes import episode, step_for
+from morph.model.hypothesis import Hypothesis
+from morph.model.knobs import knobs
 from morph.record.load import load as load_recordings
 
 Solver = Callable[[Path, int], JSON]
@@ -57,6 +61,34 @@ def solve_by_morph(folder: Path, seed: int) -> JSON:
         rivals=rivals, none=float(said["probabilities"].get("none", 0.0)),
         # A verdict is an answer, whatever number stands beside it.
         unknown=max(unknown, 0.51) if said["verdict"] == "unknown" else min(unknown, 0.5),
+    )  # fmt: skip
+
+
+def solve_by_ranking(folder: Path, seed: int) -> JSON:
+    """Return what `morph.inference` ranks first by linear algebra alone, without intervals."""
+    begin = time.process_time()
+    known = json.loads((folder / "case.json").read_text())
+    robot = load_robot(str(folder / known["description"]))
+    recordings = load_recordings(folder / "recordings", robot=robot)
+    step = step_for(recordings, robot)
+    nominal = Hypothesis(robot=robot, step=step, knobs=knobs(robot, known["vary"]))
+    steps = ranked(nominal, [episode(each, robot, step) for each in recordings])
+    findings, rivals = [], []
+    for listed in steps:
+        # Evidence of one more effect against that of none: their posterior at even odds.
+        gains = np.array([0.0, *(each.gain for each in listed)])
+        odds = np.exp(gains - gains.max()) / np.exp(gains - gains.max()).sum()
+        named = [
+            {"effect": each.effect.name, "where": each.effect.where, "probability": float(p)}
+            for each, p in zip(listed[:3], odds[1:4], strict=False)
+        ]
+        if listed[0].gain > 0.0:
+            findings.append(named[0])
+            rivals += named[1:]
+    none = 1.0 / float(1.0 + np.exp(min(700.0, steps[0][0].gain)))
+    return submission(
+        known["name"], "linear", seconds=time.process_time() - begin, findings=findings,
+        rivals=rivals, none=none,
     )  # fmt: skip
 
 
@@ -119,6 +151,7 @@ def solve_by_oracle(folder: Path, seed: int) -> JSON:
 
 SOLVERS: Mapping[str, Solver] = {
     "morph": solve_by_morph,
+    "linear": solve_by_ranking,
     "random": solve_by_chance,
     "none": solve_by_trust,
     "oracle": solve_by_oracle,
