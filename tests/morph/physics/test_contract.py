@@ -379,6 +379,7 @@ def test_a_regressor_tells_the_force_that_the_simulation_feels(kind: type[Effect
     drives = moments(model)
     bodies = [effect.where] if kind.kind == "body" else []
     motion = Motion(
+        time=time,
         position=q,
         velocity=v,
         acceleration=a,
