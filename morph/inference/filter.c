@@ -65,8 +65,8 @@ static void transpose(int N, double *P)
 /* Filter `steps` samples of `width` columns.
  *
  * J (steps, n, 3n), input (steps, n, width) or NULL, C (m, 3n), valid (steps, m), reading and white
- * (steps, m, width); noise (m), added (n) and jolt (steps, n) or NULL are variances; delta (3n, width) and P (3n, 3n) are
- * carried on. For a smoother: spread (steps, 3n, 3n), guess (steps, 3n), gain (steps, m, 3n) and
+ * (steps, m, width); noise (m), added (n) and jolt (steps, n) or NULL are variances; delta
+ * (3n, width) and P (3n, 3n) are carried on. For a smoother: spread (steps, 3n, 3n), guess (steps, 3n), gain (steps, m, 3n) and
  * size (steps, m) keep the predictions, all NULL or none; work holds n * max(width, 3n) numbers.
  * Returns the sum of the logarithms of the innovations' variances.
  */

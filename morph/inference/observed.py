@@ -13,7 +13,7 @@ from morph.body.robot import Robot
 from morph.inference.reference import Reference, SampledRun, reference
 from morph.model.episodes import Episode, moving_joints
 from morph.physics.body_motion import body_motions
-from morph.physics.motion import Motion
+from morph.physics.motion import Motion, actuator_moments
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -77,11 +77,9 @@ def _motion(model: mujoco.MjModel, robot: Robot, about: Reference, run: SampledR
     samples, dofs = about.position.shape
     acceleration = about.acceleration.copy()
     acceleration[:-1] += np.diff(about.velocity, axis=0) / run.step
-    moment = np.zeros((model.nu, dofs))
-    for actuator in range(model.nu):
-        dof = model.jnt_dofadr[model.actuator_trnid[actuator, 0]]
-        moment[actuator, dof] = model.actuator_gear[actuator, 0]
     drive = np.zeros((samples, model.nu, dofs))
+    drive_rate = np.zeros_like(drive)
+    rate = np.gradient(run.command, run.step, axis=0) * model.actuator_gainprm[:, 0]
     data = mujoco.MjData(model)
     for t in range(samples):
         data.qpos[:], data.qvel[:] = about.position[t], about.velocity[t]
@@ -89,8 +87,9 @@ def _motion(model: mujoco.MjModel, robot: Robot, about: Reference, run: SampledR
         mujoco.mj_fwdPosition(model, data)
         mujoco.mj_fwdVelocity(model, data)
         mujoco.mj_fwdActuation(model, data)
+        moment = actuator_moments(model, data)
         drive[t] = moment * data.actuator_force[:, None]
-    rate = np.gradient(run.command, run.step, axis=0) * model.actuator_gainprm[:, 0]
+        drive_rate[t] = moment * rate[t, :, None]
     jacobian = about.tangent.jacobian
     channels = [f"{name}.position" for name in moving_joints(robot)]
     return Motion(
@@ -98,7 +97,7 @@ def _motion(model: mujoco.MjModel, robot: Robot, about: Reference, run: SampledR
         velocity=about.velocity,
         acceleration=acceleration,
         drive=drive,
-        drive_rate=moment * rate[:, :, None],
+        drive_rate=drive_rate,
         stiffness=np.asarray(-np.linalg.solve(jacobian[:, :, 2 * dofs :], jacobian[:, :, :dofs])),
         joints={joint.name: model.joint(joint.name).dofadr[0] for joint in robot.joints},
         actuators={actuator.name: at for at, actuator in enumerate(robot.actuators)},

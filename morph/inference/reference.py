@@ -10,6 +10,7 @@ import numpy as np
 from morph.arrays import Array, Mask
 from morph.inference.filter import Disturbance, Tangent, smoothed, whitened
 from morph.inference.linearise import linearised
+from morph.physics.motion import actuator_moments
 
 FLOOR = 2e-3
 """Least share of a joint's RMS force that a model is taken to leave out."""
@@ -183,8 +184,10 @@ def _along(
     inertia = np.linalg.inv(mobility)
     at_work = np.einsum("tij,tj->ti", inertia, np.gradient(velocity, run.step, axis=0))
     scale = np.sqrt(np.mean(at_work**2, axis=0)) + 1e-12
+    data = mujoco.MjData(model)
+    mujoco.mj_fwdPosition(model, data)
     steps = np.abs(np.diff(run.command, axis=0, prepend=run.command[:1]))
-    forces = steps @ np.abs(_drives(model))
+    forces = steps @ np.abs(model.actuator_gainprm[:, :1] * actuator_moments(model, data))
     jolt = run.clock * np.einsum("tij,tj->ti", np.abs(mobility), forces)
     if known is None:
         wide = np.concatenate([_spread(run, position), _spread(run, velocity)])
@@ -205,12 +208,3 @@ def _spread(run: SampledRun, values: Array) -> Array:
     """Return how far the first values may be off: a tenth of what they cover."""
     spread: Array = 0.1 * np.ptp(values, axis=0) + 10.0 * run.noise.max()
     return spread
-
-
-def _drives(model: mujoco.MjModel) -> Array:
-    """Return the generalized force by each command, shape (actuators, dofs)."""
-    force = np.zeros((model.nu, model.nv))
-    for at in range(model.nu):
-        dof = model.jnt_dofadr[model.actuator_trnid[at, 0]]
-        force[at, dof] = model.actuator_gear[at, 0] * model.actuator_gainprm[at, 0]
-    return force

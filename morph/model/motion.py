@@ -15,7 +15,7 @@ from morph.model.hypothesis import Hypothesis
 from morph.physics import EFFECTS
 from morph.physics.body_motion import body_motions
 from morph.physics.fluid.kernel import flowing
-from morph.physics.motion import Motion
+from morph.physics.motion import Motion, actuator_moments
 from morph.sim.drive import received, unsensed
 from morph.sim.rollout import Variant
 from morph.sim.simulator import compiled
@@ -169,7 +169,7 @@ def _forces(
             data.qpos[:], data.qvel[:], data.qacc[:] = position[k], velocity[k], acceleration[k]
             data.ctrl[:] = command[k]
             need[k] = inverse()
-            moment = _moments(model)
+            moment = actuator_moments(model, data)
             drive[k] = moment * data.actuator_force[:, None]
             gain = model.actuator_gainprm[:, 0]
             drive_rate[k] = moment * (gain * rate[k])[:, None]
@@ -212,15 +212,6 @@ def _links(hypothesis: Hypothesis, suspects: bool) -> list[str]:
         bodies = [kind for kind in EFFECTS if kind.kind == "body"]
         names |= {place for kind in bodies for place in kind.suspects(hypothesis.robot)}
     return sorted(names)
-
-
-def _moments(model: mujoco.MjModel) -> Array:
-    """Return how each actuator's force becomes joint forces, (actuators, dofs)."""
-    moment = np.zeros((model.nu, model.nv))
-    for index in range(model.nu):
-        joint = model.actuator_trnid[index, 0]
-        moment[index, model.jnt_dofadr[joint]] = model.actuator_gear[index, 0]
-    return moment
 
 
 def all_needed(

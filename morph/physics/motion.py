@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+import mujoco
 import numpy as np
 
 from morph.arrays import Array
@@ -101,3 +102,17 @@ class Motion:
         speed = self.speed(joint)
         slow = 0.02 * float(np.sqrt(np.mean(speed**2))) + 1e-9
         return np.clip(speed / slow, -1.0, 1.0)
+
+
+def actuator_moments(model: mujoco.MjModel, data: mujoco.MjData) -> Array:
+    """Return generalized forces by the force of each actuator, shape (actuators, dofs).
+
+    Args:
+        model: The compiled robot.
+        data: Its state; positions passed forward.
+    """
+    moments = np.zeros((model.nu, model.nv))
+    mujoco.mju_sparse2dense(
+        moments, data.actuator_moment, data.moment_rownnz, data.moment_rowadr, data.moment_colind
+    )
+    return moments

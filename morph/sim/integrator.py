@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Literal
 
 import mujoco
 import numpy as np
@@ -10,6 +10,7 @@ import numpy as np
 from morph.physics.fluid.kernel import flowing
 from morph.physics.fluid.numbers import ADDED, DISPLACED, LINEAR, QUADRATIC, SHED
 from morph.physics.fluid.reference import wet_bodies
+from morph.physics.motion import actuator_moments
 
 Integrator = Literal["implicitfast", "rk4"]
 """`implicitfast` bears contacts and stiff joints; `rk4` keeps the energy of free motion."""
@@ -76,18 +77,9 @@ def _fastest(model: mujoco.MjModel) -> float:
     for joint in range(model.njnt):
         at = model.jnt_dofadr[joint]
         stiffness[at, at] += model.jnt_stiffness[joint].flat[0]
-    moments = _moments(model, data)
-    for servo, row in enumerate(moments):
+    for servo, row in enumerate(actuator_moments(model, data)):
         stiffness += max(-model.actuator_biasprm[servo, 1], 0.0) * np.outer(row, row)
         damping += max(-model.actuator_biasprm[servo, 2], 0.0) * np.outer(row, row)
     damped = np.abs(np.linalg.eigvals(np.linalg.solve(inertia, damping))).max(initial=0.0)
     sprung = np.abs(np.linalg.eigvals(np.linalg.solve(inertia, stiffness))).max(initial=0.0)
     return float(max(damped, np.sqrt(sprung)))
-
-
-def _moments(model: Any, data: Any) -> Any:
-    moments = np.zeros((model.nu, model.nv))
-    mujoco.mju_sparse2dense(
-        moments, data.actuator_moment, data.moment_rownnz, data.moment_rowadr, data.moment_colind
-    )
-    return moments
