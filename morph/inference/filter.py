@@ -106,7 +106,7 @@ def whitened(
         part = slice(first, first + length)
         moved = None if accelerations is None else accelerations[part]
         white, change = run.filter(part, readings[part], moved)
-        rows = white.reshape(-1, columns)
+        rows = white[tangent.valid[part]]
         gram += rows.T @ rows
         logarithm += change
     return Whitened(gram=gram, logarithm=logarithm, readings=int(tangent.valid.sum()))

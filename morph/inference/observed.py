@@ -28,10 +28,19 @@ class Observed:
     """The same as the regressors of effects see it."""
 
 
-def observed(model: mujoco.MjModel, robot: Robot, read: Episode) -> Observed:
-    """Return a run smoothed and linearised by a model of hinges and slides."""
+def observed(
+    model: mujoco.MjModel, robot: Robot, read: Episode, *, before: Observed | None = None
+) -> Observed:
+    """Return a run smoothed and linearised by a model of hinges and slides.
+
+    Args:
+        model: The robot's.
+        robot: Its description.
+        read: The run.
+        before: The same run by a model that differed a little, which saves time.
+    """
     run, guess = _sampled(read)
-    about = reference(model, run, guess)
+    about = reference(model, run, guess, before=None if before is None else before.about)
     return Observed(run=run, about=about, motion=_motion(model, robot, about, run))
 
 

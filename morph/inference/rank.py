@@ -7,7 +7,6 @@ explains beside the description's own figures.
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
@@ -19,8 +18,8 @@ from scipy.optimize import lsq_linear
 from morph.arrays import Array
 from morph.body.robot import Robot
 from morph.errors import EffectError
+from morph.inference.figures import force_between
 from morph.inference.filter import Whitened, whitened
-from morph.inference.linearise import spare
 from morph.inference.observed import Observed, observed
 from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis
@@ -46,7 +45,7 @@ class _Column:
     """Columns of one effect at one shape."""
 
     effect: Effect
-    place: Array
+    place: slice
     price: float
 
 
@@ -74,20 +73,15 @@ def ranked(nominal: Hypothesis, episodes: Sequence[Episode]) -> list[list[Ranked
     """
     trust = np.array([1.0 / knob.fraction**2 for knob in nominal.knobs])
     point = nominal.start
-    for _ in range(ROUNDS):
-        point = _refitted(nominal, point, trust, episodes)
     runs = _seen(nominal, point, episodes)
+    for _ in range(ROUNDS if len(trust) else 0):
+        point = _refitted(nominal, point, trust, runs)
+        runs = _seen(nominal, point, episodes, runs)
     grids = list(_dictionary(nominal.robot, runs))
-    entries = [(each, math.log(len(grid) * len(grids))) for grid in grids for each in grid]
-    effects = [effect for effect, _ in entries]
-    places = _places(effects)
-    columns = [
-        _Column(effect=effect, place=place + 1 + len(trust), price=price)
-        for (effect, price), place in zip(entries, places, strict=True)
-    ]
+    columns = list(_columns(grids, first=1 + len(trust)))
     levels = [
-        _without(believed(_sum(grams), trust, point), trust)
-        for grams in zip(*(_whitened(nominal, point, effects, run) for run in runs), strict=True)
+        _without(believed(level, trust, point), trust)
+        for level in _whitened(nominal, point, grids, runs, LEVELS)
     ]
     readings = sum(int(run.about.tangent.valid.sum()) for run in runs)
     found = [_ranked(levels, columns, readings)]
@@ -108,7 +102,7 @@ def _ranked(
     for evidence, rest in levels:
         for column in columns:
             place, effect = column.place, column.effect
-            fitted, gain, rank = _fit(effect, rest[np.ix_(place, place)], rest[place, 0])
+            fitted, gain, rank = _fit(effect, rest[place, place], rest[place, 0])
             gain += evidence - none - 0.5 * rank * math.log(readings) - column.price
             if effect.label not in best or gain > best[effect.label].gain:
                 best[effect.label] = Ranked(effect=fitted, tried=effect, gain=gain)
@@ -118,7 +112,7 @@ def _ranked(
 def _taken(evidence: float, rest: Array, column: _Column, readings: int) -> tuple[float, Array]:
     """Return the evidence with one more effect, and the Gram matrix of what it leaves."""
     place = column.place
-    inner = rest[np.ix_(place, place)]
+    inner = rest[place, place]
     _, gain, rank = _fit(column.effect, inner, rest[place, 0])
     size = np.sqrt(np.maximum(np.diag(inner), 1e-300))
     pseudo = np.linalg.pinv(inner / np.outer(size, size), rcond=SEEN) / np.outer(size, size)
@@ -150,24 +144,23 @@ def _shapes(effect: Effect, motion: Motion) -> tuple[Effect, ...]:
     )
 
 
-def _seen(nominal: Hypothesis, point: Array, episodes: Sequence[Episode]) -> list[Observed]:
+def _seen(
+    nominal: Hypothesis,
+    point: Array,
+    episodes: Sequence[Episode],
+    before: Sequence[Observed] | None = None,
+) -> list[Observed]:
     """Return runs as the description with these own figures explains them."""
     model = nominal.at(point).model
-    return [observed(model, nominal.robot, each) for each in episodes]
+    return [
+        observed(model, nominal.robot, each, before=before[at] if before else None)
+        for at, each in enumerate(episodes)
+    ]
 
 
-def _sum(grams: Sequence[Whitened]) -> Whitened:
-    return sum(grams[1:], start=grams[0])
-
-
-def _refitted(
-    nominal: Hypothesis, point: Array, trust: Array, episodes: Sequence[Episode]
-) -> Array:
+def _refitted(nominal: Hypothesis, point: Array, trust: Array, runs: Sequence[Observed]) -> Array:
     """Return the likeliest own figures to first order about a point."""
-    if not len(point):
-        return point
-    runs = _seen(nominal, point, episodes)
-    likeliest = _sum([_whitened(nominal, point, (), run)[0] for run in runs])
+    (likeliest,) = _whitened(nominal, point, (), runs, LEVELS[:1])
     gram = believed(likeliest, trust, point).gram
     root = np.linalg.cholesky(gram[1:, 1:])
     goal = np.linalg.solve(root, gram[1:, 0])
@@ -229,43 +222,40 @@ def _bounds(effect: Effect) -> tuple[Array, Array]:
     return low - 1e-12, high + 1e-12
 
 
-def _places(effects: Sequence[Effect]) -> list[Array]:
-    """Return the columns of each effect, one for each strength."""
-    ends = np.cumsum([0, *(len(effect.strengths) for effect in effects)])
-    return [np.arange(first, end) for first, end in itertools.pairwise(ends)]
+def _columns(grids: Sequence[tuple[Effect, ...]], first: int) -> Iterator[_Column]:
+    """Give where each effect stands in the Gram matrix, one column for each strength."""
+    for grid in grids:
+        for effect in grid:
+            end = first + len(effect.strengths)
+            price = math.log(len(grid) * len(grids))
+            yield _Column(effect=effect, place=slice(first, end), price=price)
+            first = end
 
 
 def _whitened(
-    nominal: Hypothesis, point: Array, effects: Sequence[Effect], seen: Observed
+    nominal: Hypothesis,
+    point: Array,
+    grids: Sequence[tuple[Effect, ...]],
+    runs: Sequence[Observed],
+    levels: Sequence[float],
 ) -> list[Whitened]:
-    """Return the Gram matrices of one run, one a level: its errors, own figures, effects."""
-    about, run, motion = seen.about, seen.run, seen.motion
-    samples, dofs = about.position.shape
-    moved, shown = [-about.acceleration[:, :, None]], [about.error[:, :, None]]
-    for turned in _turned(nominal, point, seen):
-        moved.append(turned[:, :, None])
-        shown.append(np.zeros((samples, len(run.noise), 1)))
-    mobility = about.tangent.jacobian[:, :, 2 * dofs :]
-    for effect in effects:
-        moved.append(np.einsum("tij,tjk->tik", mobility, effect.regressor(motion)))
-        shown.append(effect.reading_regressor(motion))
-    readings, accelerations = np.concatenate(shown, axis=2), np.concatenate(moved, axis=2)
-    levels = [replace(about.leaving(level), noise=run.noise) for level in LEVELS]
-    return [whitened(about.tangent, level, readings, accelerations) for level in levels]
-
-
-def _turned(nominal: Hypothesis, start: Array, seen: Observed) -> Iterator[Array]:
-    """Give how each own figure's logarithm changes the acceleration, shape (samples, dofs)."""
-    about, dofs = seen.about, seen.about.position.shape[1]
-    mobility = about.tangent.jacobian[:, :, 2 * dofs :]
-
-    def force(point: Array) -> Array:
-        motion, model = seen.motion, nominal.at(point).model
-        # At the same acceleration as the columns of effects.
-        return spare(model, motion.position, motion.velocity, motion.acceleration, motion.command)
-
-    base = force(start)
-    for at in range(len(nominal.knobs)):
-        point = start.copy()
-        point[at] += NUDGE
-        yield np.einsum("tij,tj->ti", mobility, (force(point) - base) / NUDGE)
+    """Return Gram matrices of all runs, one a level: their errors, own figures, effects."""
+    model = nominal.at(point).model
+    turned = [nominal.at(point + NUDGE * axis).model for axis in np.eye(len(point))]
+    grams: list[list[Whitened]] = [[] for _ in levels]
+    for seen in runs:
+        about, motion = seen.about, seen.motion
+        samples, dofs = about.position.shape
+        columns = [force_between(model, each, motion)[:, :, None] / NUDGE for each in turned]
+        shown = [about.error[:, :, None], np.zeros((*about.error.shape, len(turned)))]
+        for grid in grids:
+            columns.append(grid[0].regressors(grid, motion))
+            shown += [effect.reading_regressor(motion) for effect in grid]
+        forces = np.concatenate([np.zeros((samples, dofs, 0)), *columns], axis=2)
+        mobility = about.tangent.jacobian[:, :, 2 * dofs :]
+        moved = np.concatenate([-about.acceleration[:, :, None], mobility @ forces], axis=2)
+        readings = np.concatenate(shown, axis=2)
+        for level, found in zip(levels, grams, strict=True):
+            leaving = replace(about.leaving(level), noise=seen.run.noise)
+            found.append(whitened(about.tangent, leaving, readings, moved))
+    return [sum(found[1:], start=found[0]) for found in grams]

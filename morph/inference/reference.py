@@ -18,6 +18,8 @@ TIMES = (0.02, 2.0)
 """Correlation times that are tried, s: from a stroke of a servo to the drift of a run."""
 ROUNDS = 3
 """How often a motion is smoothed and linearised again."""
+STEPS, FEWER_STEPS = 12, 4
+"""Most steps to the likeliest disturbance, and from one that was likeliest nearby."""
 STRAY = 5.0
 """Standard deviations from its neighbours at which a single reading is left out: its time stamp is
 wrong, or a bit of it."""
@@ -65,6 +67,8 @@ class Reference:
     """What the model leaves out, by evidence."""
     error: Array
     """Readings less those of the motion, shape (samples, channels)."""
+    sensed: Array
+    """Standard deviation of noise that each channel is known for, shape (channels,)."""
     effort: Array
     """RMS force on each degree of freedom that the motion needs, shape (dofs,)."""
 
@@ -75,7 +79,7 @@ class Reference:
 
 
 def reference(
-    model: mujoco.MjModel, run: SampledRun, guess: Array, *, rounds: int = ROUNDS
+    model: mujoco.MjModel, run: SampledRun, guess: Array, *, before: Reference | None = None
 ) -> Reference:
     """Return the motion along which a model is linearised: its own smoother's, not a spline's.
 
@@ -86,40 +90,48 @@ def reference(
         model: The model; hinges and slides only.
         run: What was commanded and read.
         guess: Positions to begin with, shape (samples, dofs).
-        rounds: How often the motion is smoothed.
+        before: What was found with a model that differed a little, to begin with instead.
     """
-    position = np.array(guess)
-    velocity = np.gradient(position, run.step, axis=0)
-    velocity[1:] = np.diff(position, axis=0) / run.step
-    force = np.zeros_like(position)
-    found = _along(model, run, position, velocity, force, None)
-    for _ in range(rounds):
-        known = likeliest(found)
+    if before is None:
+        position = np.array(guess)
+        velocity = np.gradient(position, run.step, axis=0)
+        velocity[1:] = np.diff(position, axis=0) / run.step
+        found = _along(model, run, position, velocity, np.zeros_like(position), None)
+    else:
+        position, velocity, known = before.position, before.velocity, before.disturbance
+        run = replace(run, valid=before.tangent.valid)
+        found = _along(model, run, position, velocity, before.force, known)
+    if before is None:
+        known = likeliest(found, steps=STEPS)
+    for _ in range(ROUNDS if before is None else 1):
         state = smoothed(found.tangent, known, found.error, found.acceleration)
         change, rate, force = np.split(state, 3, axis=1)
         position, velocity = position + change, velocity + rate
         run = replace(run, valid=run.valid & ~strays(found.error / run.noise, run.valid))
         found = _along(model, run, position, velocity, force, known)
-    return replace(found, disturbance=likeliest(found))
+    return replace(found, disturbance=likeliest(found, steps=FEWER_STEPS))
 
 
-def likeliest(about: Reference) -> Disturbance:
+def likeliest(about: Reference, *, steps: int = STEPS) -> Disturbance:
     """Return the scales, the correlation time and the noise under which readings are likeliest.
 
     Source: Rasmussen and Williams 2006, section 5.4.1 (the marginal likelihood).
+
+    Args:
+        about: The motion; its disturbance is where the search starts.
+        steps: Most steps of L-BFGS.
     """
     from scipy.optimize import minimize
 
     first, tangent = about.disturbance, about.tangent
     dofs = len(first.scale)
-    least = first.scale * FLOOR
 
     def at(point: Array) -> Disturbance:
         return replace(
             first,
-            scale=np.maximum(first.scale * np.exp(point[:dofs]), least),
+            scale=about.effort * np.exp(point[:dofs]),
             time=float(np.exp(point[dofs])),
-            noise=first.noise * np.exp(point[dofs + 1]),
+            noise=about.sensed * np.exp(point[dofs + 1]),
         )
 
     def cost(point: Array) -> float:
@@ -127,9 +139,11 @@ def likeliest(about: Reference) -> Disturbance:
 
     bounds = [(np.log(FLOOR), np.log(30.0))] * dofs
     bounds += [tuple(np.log(TIMES)), (np.log(0.3), np.log(3.0))]
-    start = np.array([np.log(0.05)] * dofs + [np.log(0.2), 0.0])
+    noisier = np.log(first.noise[0] / about.sensed[0])
+    start = np.array([*np.log(first.scale / about.effort), np.log(first.time), noisier])
+    start = np.clip(start, *np.transpose(bounds))
     best = minimize(
-        cost, start, method="L-BFGS-B", bounds=bounds, options={"maxiter": 12, "eps": 1e-3}
+        cost, start, method="L-BFGS-B", bounds=bounds, options={"maxiter": steps, "eps": 1e-3}
     )
     return at(best.x)
 
@@ -191,15 +205,16 @@ def _along(
     jolt = run.clock * np.einsum("tij,tj->ti", np.abs(mobility), forces)
     if known is None:
         wide = np.concatenate([_spread(run, position), _spread(run, velocity)])
-        known = Disturbance(noise=run.noise, scale=scale, time=0.2, start=wide)
+        known = Disturbance(noise=run.noise, scale=0.05 * scale, time=0.2, start=wide)
     return Reference(
         position=position,
         velocity=velocity,
         force=force,
         acceleration=acceleration,
         tangent=tangent,
-        disturbance=replace(known, scale=scale, jolt=jolt),
+        disturbance=replace(known, jolt=jolt),
         error=np.where(run.valid, run.reading - shown, 0.0),
+        sensed=run.noise,
         effort=scale,
     )
 

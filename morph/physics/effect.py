@@ -238,6 +238,14 @@ class Effect(ABC):
         names = [p.name for p in scanned]
         return tuple(replace(self, **dict(zip(names, values, strict=True))) for values in grid)  # type: ignore[type-var]
 
+    @classmethod
+    def regressors(cls: type[Some], shapes: Sequence[Some], motion: Motion) -> Array:
+        """Return the regressors of one effect at several shapes side by side.
+
+        Shape (samples, degrees of freedom, strengths of all shapes).
+        """
+        return np.concatenate([effect.regressor(motion) for effect in shapes], axis=2)
+
     @property
     def coefficients(self) -> Array:
         """What the columns of its regressor are multiplied by, shape (strengths,)."""

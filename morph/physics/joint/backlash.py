@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
 
 from morph.arrays import Array, Mask
-from morph.physics.effect import Simulations, parameter
+from morph.physics.effect import Simulations, parameter, stacked
 from morph.physics.joint.motor_side import Motors, MotorSideEffect
 from morph.physics.motion import Motion
 
@@ -77,24 +78,29 @@ class Backlash(MotorSideEffect):
     def regressor(self, motion: Motion) -> Array:
         """Return what the play changes of the force on the link, for each rad of the gap."""
         effort, (stiffness, damping), inertia = self.recorded(motion)
-        if self.gap <= 0.0:
-            return motion.along(self.joint, np.zeros_like(effort))
+        gap = np.atleast_1d(self.gap)
+        plays, each = gap > 0.0, np.ones_like(gap)
         slope = motion.acceleration[:, motion.joints[self.joint]]
         late, speed = motion.arriving(self.joint), motion.speed(self.joint)
         steps = np.diff(motion.time, append=2.0 * motion.time[-1] - motion.time[-2])
-        rotor = _Rotor.at_end(effort[0], self.gap, late[0])
-        change, known = np.empty_like(effort), (np.asarray(stiffness), np.asarray(damping))
+        rotor = _Rotor.at_end(effort[0] * each, gap, late[0] * each)
+        change, known = np.empty((len(effort), len(gap))), (stiffness * each, damping * each)
         for at, step in enumerate(steps):
-            lead = 0.0 if rotor.side != 0.0 else rotor.rate - speed[at]
+            lead = np.where(rotor.side != 0.0, 0.0, rotor.rate - speed[at])
             motors = Motors(
                 torque=effort[at] - stiffness * rotor.ahead - damping * lead,
                 stiffness=known[0],
                 damping=known[1],
             )
             past = slope[at - 1] if at else 0.0 * slope[0]
-            felt, loose, rotor = rotor.step(motors, np.asarray(inertia), late[at], past, step)
-            change[at] = felt - effort[at] + (inertia * slope[at] if loose else 0.0)
-        return motion.along(self.joint, change / self.gap)
+            felt, loose, rotor = rotor.step(motors, inertia * each, late[at], past, step)
+            change[at] = felt - effort[at] + np.where(loose, inertia * slope[at], 0.0)
+        return motion.along(self.joint, *np.where(plays, change / np.where(plays, gap, 1.0), 0.0).T)
+
+    @classmethod
+    def regressors(cls, shapes: Sequence[Backlash], motion: Motion) -> Array:
+        """Return the regressors of several gaps, followed together."""
+        return stacked(shapes).regressor(motion)
 
     def shapes(self, motion: Motion) -> tuple[Backlash, ...]:
         """Return gaps of a few shares of the recorded range."""

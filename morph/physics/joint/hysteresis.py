@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
 
 from morph.arrays import Array
-from morph.physics.effect import Simulations, parameter
+from morph.physics.effect import Simulations, parameter, stacked
 from morph.physics.kinds import JointEffect
 from morph.physics.motion import Motion
 
@@ -66,11 +67,16 @@ class Hysteresis(JointEffect):
 
     def regressor(self, motion: Motion) -> Array:
         """Return minus h along the recorded positions."""
-        moves = np.diff(motion.place(self.joint)) / self.z
-        held = np.zeros(len(moves) + 1)
+        moves = np.diff(motion.place(self.joint))[:, None] / np.atleast_1d(self.z)
+        held = np.zeros((len(moves) + 1, moves.shape[1]))
         for at, move in enumerate(moves):
             held[at + 1] = followed(held[at], move)
-        return motion.along(self.joint, -held)
+        return motion.along(self.joint, *-held.T)
+
+    @classmethod
+    def regressors(cls, shapes: Sequence[Hysteresis], motion: Motion) -> Array:
+        """Return the regressors of several displacements z, followed together."""
+        return stacked(shapes).regressor(motion)
 
     def shapes(self, motion: Motion) -> tuple[Hysteresis, ...]:
         """Return the loop with a few displacements z between fine and coarse."""

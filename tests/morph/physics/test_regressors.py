@@ -229,6 +229,9 @@ def test_every_shape_to_try_is_one_that_the_recording_could_show(name: str, swin
         assert size.max() > 1e-6
         directions.add(tuple(np.round(columns[::100, :, 0].ravel() / size.max(), 9)))
     assert len(directions) == len(shapes) or name in {"position_dependent_friction", "tether"}
+    # What is followed together is as it was alone, to the last bits.
+    alone = np.concatenate([shape.regressor(swing) for shape in shapes], axis=2)
+    assert shapes[0].regressors(shapes, swing) == pytest.approx(alone, rel=1e-12, abs=1e-15)
 
 
 def test_a_stiff_spring_lags_by_what_it_carries(swing: Motion) -> None:
