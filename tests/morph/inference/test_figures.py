@@ -17,7 +17,8 @@ ARM = """
   <body name="tip" pos="0.2 0 0.4"><joint name="b" axis="1 0.5 0" armature="{armature}"/>
     <inertial pos="0 0.1 0.2" quat="0.7 0.1 0.6 0.2" mass="1.2" diaginertia="{turn} 0.01 0.015"/>
     <body name="slider" pos="0 0 0.5"><joint name="c" type="slide" axis="0 0.2 1"/>
-      <inertial pos="0 0 0" mass="0.7" diaginertia="0.01 0.01 0.01"/></body></body></body></worldbody>
+      <inertial pos="0 0 0" mass="0.7" diaginertia="0.01 0.01 0.01"/></body></body></body>
+</worldbody>
 <actuator>
   <position name="servo" joint="a" kp="{kp}" kv="2" gear="1.5" forcerange="-30 30"/>
   <general name="motor" joint="b" gainprm="{gain}" ctrlrange="-0.8 0.8" gear="-3"/>
