@@ -80,9 +80,9 @@ def swum(*arguments: str, seconds: float = 0.02, **environment: str) -> dict[str
 
 
 def test_the_numpy_fluid_swims_as_the_compiled_one() -> None:
-    fast, slow = swum(seconds=1.0), swum(seconds=1.0, MORPH_FLUID_KERNEL="numpy")
+    fast, slow = swum(seconds=0.25), swum(seconds=0.25, MORPH_FLUID_KERNEL="numpy")
     assert fast["told"] == slow["told"] == []
-    # 500 steps of sums in another order, each 1e-16 of its terms.
+    # 125 steps of sums in another order, each 1e-16 of its terms.
     assert np.array(slow["ends"]) == pytest.approx(np.array(fast["ends"]), abs=1e-9)
     wet, dry, again = (np.array(end) for end in fast["ends"])
     assert np.abs(wet - dry).max() > 0.1
