@@ -56,13 +56,13 @@ def test_effects_see_the_motion_at_the_acceleration_of_the_model(folder: Path) -
 
 def test_nothing_is_found_where_nothing_is_missing(folder: Path) -> None:
     # Mass, centre, inertia and gain are wrong by 10, 5, 25 and 5 % at most.
-    (case,) = generate("clean", 1, [4], folder, seconds=6.0)
+    (case,) = generate("clean", 1, [4], folder, seconds=2.0)
     assert json.loads((case / "case.json").read_text())["vary"]["inertia"] == 0.25
     assert solve_by_ranking(case, 0)["findings"] == []
 
 
 def test_backlash_stands_first(folder: Path) -> None:
-    (case,) = generate("development", 1, [5], folder, seconds=6.0)
+    (case,) = generate("development", 1, [5], folder, seconds=2.0)
     (effect,) = open_seal(folder / TRUTHS, case.name).about["effects"]
     found = solve_by_ranking(case, 0)["findings"]
     assert (found[0]["effect"], found[0]["where"]) == (effect["effect"], effect["where"]["name"])

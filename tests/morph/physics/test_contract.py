@@ -411,7 +411,7 @@ def test_its_parameters_are_recovered_from_a_simulation_with_it(kind: type[Effec
     # 40 * 0.00125 = 0.05 rad/s of the 0.5 rad/s that fade Stribeck's friction, 10 %.
     rig, robot = rig_of(kind)
     true = felt(kind, robot)
-    fine = run(rig, (true,), step=0.0005, seconds=8.0)
+    fine = run(rig, (true,), step=0.0005, seconds=4.0)
     channels = {
         name: c if c.hold else Channel(time=c.time[::10], value=c.value[::10])
         for name, c in fine.channels.items()
