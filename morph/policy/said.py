@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from importlib.metadata import version
+from functools import cache
+from importlib import metadata
 
 from morph.arrays import JSON
 from morph.body.robot import Robot
@@ -19,6 +20,9 @@ SCHEMA = "morph.policy/1"
 
 MOST_PARTS = 1000
 """Most actions, and most observations."""
+
+version = cache(metadata.version)
+"""The version of an installed package, read once: a loop writes a policy for each trial."""
 
 
 def said_of(
