@@ -72,23 +72,29 @@ def solve_by_ranking(folder: Path, seed: int) -> JSON:
     recordings = load_recordings(folder / "recordings", robot=robot)
     step = step_for(recordings, robot)
     nominal = Hypothesis(robot=robot, step=step, knobs=knobs(robot, known["vary"]))
-    steps = ranked(nominal, [episode(each, robot, step) for each in recordings])
-    findings, rivals = [], []
-    for listed in steps:
-        # Evidence of one more effect against that of none: their posterior at even odds.
-        gains = np.array([0.0, *(each.gain for each in listed)])
-        odds = np.exp(gains - gains.max()) / np.exp(gains - gains.max()).sum()
-        named = [
-            {"effect": each.effect.name, "where": each.effect.where, "probability": float(p)}
-            for each, p in zip(listed[:3], odds[1:4], strict=False)
-        ]
-        if listed[0].gain > 0.0:
-            findings.append(named[0])
-            rivals += named[1:]
-    none = 1.0 / float(1.0 + np.exp(min(700.0, steps[0][0].gain)))
+    sets = ranked(nominal, [episode(each, robot, step) for each in recordings])
+    # Sets of effects by their evidence, no effect among them, all alike before.
+    weights = np.exp([each.gain - sets[0].gain for each in sets])
+    weights /= weights.sum()
+    share: dict[tuple[str, str], float] = {}
+    for each, weight in zip(sets, weights, strict=True):
+        for effect in each.effects:
+            key = effect.name, effect.where
+            share[key] = share.get(key, 0.0) + float(weight)
+    named = {(effect.name, effect.where) for effect in sets[0].effects}
+    # Beside what is in many sets stands what is best alone.
+    alone = [(e.effects[0].name, e.effects[0].where) for e in sets if len(e.effects) == 1]
+    ordered = sorted(share, key=lambda key: (-round(share[key], 3), alone.index(key)))
+    listed = [
+        {"effect": effect, "where": where, "probability": min(1.0, share[effect, where])}
+        for effect, where in ordered
+    ]
+    none = sum(float(w) for w, each in zip(weights, sets, strict=True) if not each.effects)
     return submission(
-        known["name"], "linear", seconds=time.process_time() - begin, findings=findings,
-        rivals=rivals, none=none,
+        known["name"], "linear", seconds=time.process_time() - begin,
+        findings=[each for each in listed if (each["effect"], each["where"]) in named],
+        rivals=[each for each in listed if (each["effect"], each["where"]) not in named][:5],
+        none=min(1.0, none),
     )  # fmt: skip
 
 

@@ -78,20 +78,19 @@ def _jitter(read: Episode) -> float:
 
 
 def _motion(model: mujoco.MjModel, robot: Robot, about: Reference, run: SampledRun) -> Motion:
-    """Return a motion as effects' regressors see it.
-
-    Its acceleration is the model's: that of the motion holds what is missing and the readings'
-    noise, which a change of all masses and gains together would seem to explain.
-    """
+    """Return a motion as effects' regressors see it."""
     samples, dofs = about.position.shape
-    acceleration = about.acceleration.copy()
-    acceleration[:-1] += np.diff(about.velocity, axis=0) / run.step
+    acceleration = np.zeros_like(about.velocity)
+    acceleration[:-1] = np.diff(about.velocity, axis=0) / run.step
+    acceleration[-1] = acceleration[-2]
+    velocity = about.velocity + 0.5 * run.step * acceleration
+    acceleration += about.acceleration
     drive = np.zeros((samples, model.nu, dofs))
     drive_rate = np.zeros_like(drive)
     rate = np.gradient(run.command, run.step, axis=0) * model.actuator_gainprm[:, 0]
     data = mujoco.MjData(model)
     for t in range(samples):
-        data.qpos[:], data.qvel[:] = about.position[t], about.velocity[t]
+        data.qpos[:], data.qvel[:] = about.position[t], velocity[t]
         data.ctrl[:] = run.command[t]
         mujoco.mj_fwdPosition(model, data)
         mujoco.mj_fwdVelocity(model, data)
@@ -103,14 +102,14 @@ def _motion(model: mujoco.MjModel, robot: Robot, about: Reference, run: SampledR
     channels = [f"{name}.position" for name in moving_joints(robot)]
     return Motion(
         position=about.position,
-        velocity=about.velocity,
+        velocity=velocity,
         acceleration=acceleration,
         drive=drive,
         drive_rate=drive_rate,
         stiffness=np.asarray(-np.linalg.solve(jacobian[:, :, 2 * dofs :], jacobian[:, :, :dofs])),
         joints={joint.name: model.joint(joint.name).dofadr[0] for joint in robot.joints},
         actuators={actuator.name: at for at, actuator in enumerate(robot.actuators)},
-        bodies=body_motions(model, _links(robot), about.position, about.velocity, acceleration),
+        bodies=body_motions(model, _links(robot), about.position, velocity, acceleration),
         time=run.step * np.arange(samples, dtype=float),
         command=run.command,
         driven={actuator.name: actuator.joint for actuator in robot.actuators},
@@ -118,7 +117,7 @@ def _motion(model: mujoco.MjModel, robot: Robot, about: Reference, run: SampledR
         armature=model.dof_armature.copy(),
         channels={name: at for at, name in enumerate(channels)},
         reading=about.position,
-        reading_rate=about.velocity,
+        reading_rate=velocity,
     )
 
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.optimize import lsq_linear
 
-from morph.arrays import Array
+from morph.arrays import Array, Mask
 from morph.body.robot import Robot
 from morph.errors import EffectError
 from morph.inference.figures import force_between
@@ -33,9 +33,15 @@ explains it needs less: each is judged at the scale under which it is likeliest.
 NUDGE = 1e-3
 """Step of the difference by an own figure's logarithm."""
 MOST = 4
-"""Most effects that are taken one after another."""
+"""Most effects of a set."""
+WIDTH, SHORT = 6, 12
+"""How many sets of one size are grown, and with how many effects each."""
 ROUNDS = 2
 """How often own figures are refitted before effects are looked for."""
+ODDS = 3.0
+"""Logarithm of the odds, before any data, against one more effect."""
+SLACK = 1e-9
+"""Least width of a bound."""
 SEEN = 1e-8
 """Least eigenvalue of an effect's scaled columns that counts as a direction."""
 
@@ -49,23 +55,82 @@ class _Column:
     price: float
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Fit:
+    """Own figures and effects at their likeliest under one scale of the missing force."""
+
+    effects: tuple[Effect, ...]
+    evidence: float
+    held: Mask
+    """Which own figures are at a bound."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Level:
+    """Errors, own figures and effects, whitened under one scale of the missing force."""
+
+    gram: Array
+    """Their Gram matrix, with the prior of the own figures."""
+    logarithm: float
+    """Logarithm of the determinant of the readings' covariance."""
+    low: Array
+    """By how much each own figure may fall."""
+    high: Array
+    """By how much each may rise."""
+
+    def rest(self, held: Mask) -> Array:
+        """Return the Gram matrix of errors and effects beside own figures that are free."""
+        count = len(self.low)
+        own, kept = 1 + np.flatnonzero(~held), np.r_[0, 1 + count : len(self.gram)]
+        across = self.gram[np.ix_(own, kept)]
+        inner = self.gram[np.ix_(own, own)]
+        left = self.gram[np.ix_(kept, kept)] - across.T @ np.linalg.solve(inner, across)
+        return np.asarray(left)
+
+    def fit(self, columns: Sequence[_Column], readings: int) -> _Fit:
+        """Return own figures and effects at their likeliest, all within their bounds."""
+        count = len(self.low)
+        effects = tuple(column.effect for column in columns)
+        places = [np.r_[column.place] + count for column in columns]
+        low, high = _ends(effects)
+        low, high = np.concatenate([self.low, low]), np.concatenate([self.high, high])
+        chosen = np.concatenate([np.arange(1, 1 + count), *places]).astype(int)
+        inner, along = self.gram[np.ix_(chosen, chosen)], self.gram[chosen, 0]
+        best, rank = _bounded(inner, along, low, high)
+        ends = np.cumsum([count, *(len(place) for place in places)])[:-1]
+        own, *parts = np.split(best, ends) if columns else [best]
+        # Shapes that scale with the strength stay as they were tried.
+        effects = tuple(e.with_strengths(part) for e, part in zip(effects, parts, strict=True))
+        strengths = np.concatenate([best[:0], *(effect.coefficients for effect in effects)])
+        if not np.allclose(strengths, best[count:], rtol=1e-6):
+            left = along[:count] - inner[:count, count:] @ strengths
+            own, _ = _bounded(inner[:count, :count], left, self.low, self.high)
+        whole = np.concatenate([own, strengths])
+        square = self.gram[0, 0] - 2.0 * along @ whole + whole @ inner @ whole
+        price = 0.5 * (rank - count) * math.log(readings) + sum(c.price for c in columns)
+        slack = 1e-3 * (self.high - self.low)
+        return _Fit(
+            effects=effects,
+            evidence=-0.5 * float(square + self.logarithm) - price,
+            held=(own < self.low + slack) | (own > self.high - slack),
+        )
+
+
 @dataclass(frozen=True, kw_only=True)
-class Ranked:
-    """One effect at its likeliest strength."""
+class Explanation:
+    """Effects at their likeliest strengths, with the description's own figures refitted."""
 
-    effect: Effect
-    """The effect; shapes of its law as in the best entry of their grid."""
-    tried: Effect
-    """The entry of the dictionary that it is."""
+    effects: tuple[Effect, ...]
+    """None, one or several; shapes of their laws as in the best entries of their grids."""
     gain: float
-    """Logarithm of the evidence beyond that of the description's own figures, less its price."""
+    """Logarithm of the evidence beyond that of no effect, less the price of what was tried."""
 
 
-def ranked(nominal: Hypothesis, episodes: Sequence[Episode]) -> list[list[Ranked]]:
-    """Return every effect at every place, the one with the most evidence first.
+def ranked(nominal: Hypothesis, episodes: Sequence[Episode]) -> list[Explanation]:
+    """Return sets of effects, the one with the most evidence first; no effect is among them.
 
-    While the first explains more than its price it is taken, and the others are ranked again
-    beside it: one list for each effect that is taken, and one of what is left.
+    Sets are grown one effect at a time from the best few of each size (a beam search), so that
+    two effects are found together of which neither explains much alone.
 
     Args:
         nominal: The description, with the figures of it that may be wrong.
@@ -78,46 +143,94 @@ def ranked(nominal: Hypothesis, episodes: Sequence[Episode]) -> list[list[Ranked
         point = _refitted(nominal, point, trust, runs)
         runs = _seen(nominal, point, episodes, runs)
     grids = list(_dictionary(nominal.robot, runs))
-    columns = list(_columns(grids, first=1 + len(trust)))
-    levels = [
-        _without(believed(level, trust, point), trust)
-        for level in _whitened(nominal, point, grids, runs, LEVELS)
-    ]
-    readings = sum(int(run.about.tangent.valid.sum()) for run in runs)
-    found = [_ranked(levels, columns, readings)]
-    while found[-1][0].gain > 0.0 and len(found) < MOST:
-        taken = next(c for c in columns if c.effect is found[-1][0].tried)
-        levels = [_taken(evidence, rest, taken, readings) for evidence, rest in levels]
-        columns = [c for c in columns if c.effect.label != taken.effect.label]
-        found.append(_ranked(levels, columns, readings))
-    return found
+    search = _Search(
+        columns=tuple(_columns(grids)),
+        levels=tuple(
+            _Level(
+                gram=believed(level, trust, point).gram,
+                logarithm=level.logarithm,
+                low=nominal.low - point - SLACK,
+                high=nominal.high - point + SLACK,
+            )
+            for level in _whitened(nominal, point, grids, runs, LEVELS)
+        ),
+        readings=sum(int(run.about.tangent.valid.sum()) for run in runs),
+    )
+    return search.sets()
 
 
-def _ranked(
-    levels: Sequence[tuple[float, Array]], columns: Sequence[_Column], readings: int
-) -> list[Ranked]:
-    """Return every effect by its evidence beyond that of what was taken already."""
-    none = max(evidence for evidence, _ in levels)
-    best: dict[str, Ranked] = {}
-    for evidence, rest in levels:
-        for column in columns:
-            place, effect = column.place, column.effect
-            fitted, gain, rank = _fit(effect, rest[place, place], rest[place, 0])
-            gain += evidence - none - 0.5 * rank * math.log(readings) - column.price
-            if effect.label not in best or gain > best[effect.label].gain:
-                best[effect.label] = Ranked(effect=fitted, tried=effect, gain=gain)
-    return sorted(best.values(), key=lambda each: -each.gain)
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Search:
+    """A search for sets of effects by the Gram matrix of their columns."""
+
+    columns: tuple[_Column, ...]
+    levels: tuple[_Level, ...]
+    readings: int
+
+    def sets(self) -> list[Explanation]:
+        """Return what was tried, the best first."""
+        tried = [_Tried(members=(), fits=[level.fit((), self.readings) for level in self.levels])]
+        none, beam = tried[0].best.evidence, list(tried)
+        while len(beam[0].members) < MOST:
+            grown: dict[tuple[int, ...], _Tried] = {}
+            for base in beam:
+                for at in self._promising(base):
+                    members = tuple(sorted((*base.members, at)))
+                    if members not in grown:
+                        columns = [self.columns[each] for each in members]
+                        fits = [level.fit(columns, self.readings) for level in self.levels]
+                        grown[members] = _Tried(members=members, fits=fits)
+            if not grown:
+                break
+            ordered = sorted(grown.values(), key=lambda each: -each.best.evidence)
+            tried += ordered
+            if ordered[0].best.evidence <= beam[0].best.evidence:
+                break
+            beam = ordered[:WIDTH]
+        explained = [
+            Explanation(effects=each.best.effects, gain=each.best.evidence - none) for each in tried
+        ]
+        return sorted(explained, key=lambda each: -each.gain)
+
+    def _promising(self, base: _Tried) -> list[int]:
+        """Return the entries that explain most beside some, each effect at its best shape."""
+        taken = {effect.label for effect in base.best.effects}
+        place = np.concatenate(
+            [np.zeros(0, int), *(np.r_[self.columns[m].place] for m in base.members)]
+        )
+        best: dict[str, tuple[float, int]] = {}
+        for level, fit in zip(self.levels, base.fits, strict=True):
+            rest = level.rest(fit.held)
+            if len(place):
+                scale = np.sqrt(np.maximum(np.diag(rest)[place], 1e-300))
+                inner = rest[np.ix_(place, place)] / np.outer(scale, scale)
+                across = rest[place] / scale[:, None]
+                rest = rest - across.T @ np.linalg.pinv(inner, rcond=SEEN) @ across
+            for at, column in enumerate(self.columns):
+                label, along = column.effect.label, rest[column.place, 0]
+                if label in taken:
+                    continue
+                inner = rest[column.place, column.place]
+                strengths, rank = _bounded(inner, along, *_ends([column.effect]))
+                gain = strengths @ along - 0.5 * strengths @ inner @ strengths
+                gain += fit.evidence - 0.5 * rank * math.log(self.readings) - column.price
+                best[label] = max(best.get(label, (-math.inf, at)), (float(gain), at))
+        ordered = sorted(best.values(), reverse=True)
+        return [at for _, at in (ordered[:SHORT] if len(place) else ordered)]
 
 
-def _taken(evidence: float, rest: Array, column: _Column, readings: int) -> tuple[float, Array]:
-    """Return the evidence with one more effect, and the Gram matrix of what it leaves."""
-    place = column.place
-    inner = rest[place, place]
-    _, gain, rank = _fit(column.effect, inner, rest[place, 0])
-    size = np.sqrt(np.maximum(np.diag(inner), 1e-300))
-    pseudo = np.linalg.pinv(inner / np.outer(size, size), rcond=SEEN) / np.outer(size, size)
-    left = rest - rest[:, place] @ pseudo @ rest[place, :]
-    return evidence + gain - 0.5 * rank * math.log(readings) - column.price, left
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Tried:
+    """A set of entries of the dictionary."""
+
+    members: tuple[int, ...]
+    fits: list[_Fit]
+    """One a level."""
+
+    @property
+    def best(self) -> _Fit:
+        """That under which the set is likeliest."""
+        return max(self.fits, key=lambda fit: fit.evidence)
 
 
 def _dictionary(robot: Robot, runs: Sequence[Observed]) -> Iterator[tuple[Effect, ...]]:
@@ -164,8 +277,7 @@ def _refitted(nominal: Hypothesis, point: Array, trust: Array, runs: Sequence[Ob
     gram = believed(likeliest, trust, point).gram
     root = np.linalg.cholesky(gram[1:, 1:])
     goal = np.linalg.solve(root, gram[1:, 0])
-    slack = 1e-9
-    bounds = (nominal.low - point - slack, nominal.high - point + slack)
+    bounds = (nominal.low - point - SLACK, nominal.high - point + SLACK)
     step = lsq_linear(root.T, goal, bounds=bounds).x
     return np.asarray(np.clip(point + step, nominal.low, nominal.high))
 
@@ -180,34 +292,31 @@ def believed(level: Whitened, trust: Array, point: Array) -> Whitened:
     return replace(level, gram=gram)
 
 
-def _without(level: Whitened, trust: Array) -> tuple[float, Array]:
-    """Return the evidence with own figures alone, and the Gram matrix of what they leave."""
-    own = slice(1, 1 + len(trust))
-    inner = level.gram[own, own]
-    rest = level.gram - level.gram[:, own] @ np.linalg.solve(inner, level.gram[own, :])
-    return -0.5 * (rest[0, 0] + level.logarithm), rest
-
-
-def _fit(effect: Effect, inner: Array, along: Array) -> tuple[Effect, float, int]:
-    """Return an effect at its best strengths, the log likelihood that it adds, and its rank."""
+def _bounded(inner: Array, along: Array, low: Array, high: Array) -> tuple[Array, int]:
+    """Return the least squares within bounds, by their Gram matrix, and its rank."""
     size = np.sqrt(np.maximum(np.diag(inner), 0.0))
     seen = size > 1e-6 * size.max(initial=1e-300)
+    found = np.clip(np.zeros_like(along), low, high)
     if not seen.any():
-        return effect, 0.0, 1
+        return found, 1
     scale = size[seen]
     values, vectors = np.linalg.eigh(inner[np.ix_(seen, seen)] / np.outer(scale, scale))
     kept = values > SEEN
     root = np.sqrt(values[kept])[:, None] * vectors[:, kept].T
     goal = (vectors[:, kept].T @ (along[seen] / scale)) / np.sqrt(values[kept])
-    low, high = _bounds(effect)
-    found = lsq_linear(root, goal, bounds=(low[seen] * scale, high[seen] * scale))
-    free = np.zeros(len(along))
-    free[seen] = found.x / scale
-    fitted = effect.with_strengths(free)
-    # Shapes that scale with the strength stay as they were tried.
-    strengths = fitted.coefficients
-    gain = float(strengths @ along - 0.5 * strengths @ inner @ strengths)
-    return fitted, max(0.0, gain), int(kept.sum())
+    least, most = low[seen] * scale, high[seen] * scale
+    best = root.T @ (goal / values[kept])
+    if np.any((best < least) | (best > most)):
+        best = lsq_linear(root, goal, bounds=(least, most), method="bvls").x
+    found[seen] = best / scale
+    return found, int(kept.sum())
+
+
+def _ends(effects: Sequence[Effect]) -> tuple[Array, Array]:
+    """Return the bounds of the columns of some effects."""
+    pairs = [(np.zeros(0), np.zeros(0)), *(_bounds(effect) for effect in effects)]
+    low, high = zip(*pairs, strict=True)
+    return np.concatenate(low), np.concatenate(high)
 
 
 def _bounds(effect: Effect) -> tuple[Array, Array]:
@@ -222,12 +331,13 @@ def _bounds(effect: Effect) -> tuple[Array, Array]:
     return low - 1e-12, high + 1e-12
 
 
-def _columns(grids: Sequence[tuple[Effect, ...]], first: int) -> Iterator[_Column]:
-    """Give where each effect stands in the Gram matrix, one column for each strength."""
+def _columns(grids: Sequence[tuple[Effect, ...]]) -> Iterator[_Column]:
+    """Give where each effect stands behind the errors, one column for each strength."""
+    first = 1
     for grid in grids:
         for effect in grid:
             end = first + len(effect.strengths)
-            price = math.log(len(grid) * len(grids))
+            price = ODDS + math.log(len(grid) * len(grids))
             yield _Column(effect=effect, place=slice(first, end), price=price)
             first = end
 
