@@ -82,9 +82,7 @@ def solve_by_ranking(folder: Path, seed: int) -> JSON:
             key = effect.name, effect.where
             share[key] = share.get(key, 0.0) + float(weight)
     named = {(effect.name, effect.where) for effect in sets[0].effects}
-    # Beside what is in many sets stands what is best alone.
-    alone = [(e.effects[0].name, e.effects[0].where) for e in sets if len(e.effects) == 1]
-    ordered = sorted(share, key=lambda key: (-round(share[key], 3), alone.index(key)))
+    ordered = sorted(share, key=lambda key: -share[key])
     listed = [
         {"effect": effect, "where": where, "probability": min(1.0, share[effect, where])}
         for effect, where in ordered

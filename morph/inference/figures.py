@@ -21,7 +21,7 @@ def force_between(one: mujoco.MjModel, other: mujoco.MjModel, motion: Motion) ->
         other: Another of the same robot.
         motion: Positions, velocities, accelerations, commands, and how links move.
     """
-    force = _driven(other, motion) - _driven(one, motion)
+    force = driven(other, motion) - driven(one, motion)
     force -= (other.dof_damping.reshape(-1) - one.dof_damping.reshape(-1)) * motion.velocity
     force -= (other.dof_armature - one.dof_armature) * motion.acceleration
     force += _sprung(other, motion) - _sprung(one, motion)
@@ -41,7 +41,7 @@ def _inertia(model: mujoco.MjModel, name: str) -> Array:
     return spatial(mass, mass * com, about_com + mass * steiner(com, com))
 
 
-def _driven(model: mujoco.MjModel, motion: Motion) -> Array:
+def driven(model: mujoco.MjModel, motion: Motion) -> Array:
     """Return the generalized forces of actuators on joints, within their limits."""
     data = mujoco.MjData(model)
     mujoco.mj_fwdPosition(model, data)

@@ -66,6 +66,36 @@ def linearised(
     return Linearisation(acceleration=acceleration, jacobian=jacobian)
 
 
+def supplied(
+    model: mujoco.MjModel, position: Array, velocity: Array, acceleration: Array, command: Array
+) -> Array:
+    """Return the force of the drives beyond what a motion needs, shape (samples, dofs).
+
+    Constraints are left out.
+
+    Args:
+        model: The model; its state has a position for each degree of freedom.
+        position: Shape (samples, dofs).
+        velocity: Same shape.
+        acceleration: Same shape.
+        command: Controls, shape (samples, actuators).
+    """
+    data, force = mujoco.MjData(model), np.empty_like(position)
+    flags = model.opt.disableflags
+    model.opt.disableflags = flags | mujoco.mjtDisableBit.mjDSBL_CONSTRAINT.value
+    try:
+        with flowing(model):
+            for t in range(len(position)):
+                data.qpos[:], data.qvel[:] = position[t], velocity[t]
+                data.qacc[:], data.ctrl[:] = acceleration[t], command[t]
+                mujoco.mj_inverse(model, data)
+                mujoco.mj_fwdActuation(model, data)
+                force[t] = data.qfrc_actuator - data.qfrc_inverse
+    finally:
+        model.opt.disableflags = flags
+    return force
+
+
 def _jacobian(model: mujoco.MjModel, data: mujoco.MjData) -> Array:
     """Return [dqacc/dq, dqacc/dv, M^-1] at the state that data holds, shape (dofs, 3 dofs)."""
     dofs = model.nv

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
 
 from morph.arrays import Array
 from morph.body.robot import Robot
-from morph.inference.reference import Reference, SampledRun, reference
+from morph.inference.reference import FEWER_STEPS, Reference, SampledRun, likeliest, reference
 from morph.model.episodes import Episode, moving_joints
 from morph.physics.body_motion import body_motions
+from morph.physics.effect import Effect
 from morph.physics.motion import Motion, actuator_moments
+from morph.sim.drive import received
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -26,10 +28,17 @@ class Observed:
     """The smoothed motion and the tangent along it."""
     motion: Motion
     """The same as the regressors of effects see it."""
+    sent: Array
+    """Commands as they were sent, shape (samples, actuators)."""
 
 
 def observed(
-    model: mujoco.MjModel, robot: Robot, read: Episode, *, before: Observed | None = None
+    model: mujoco.MjModel,
+    robot: Robot,
+    read: Episode,
+    *,
+    effects: Sequence[Effect] = (),
+    before: Observed | None = None,
 ) -> Observed:
     """Return a run smoothed and linearised by a model of hinges and slides.
 
@@ -37,11 +46,50 @@ def observed(
         model: The robot's.
         robot: Its description.
         read: The run.
+        effects: What acts beside the model, along the motion of `before`.
         before: The same run by a model that differed a little, which saves time.
     """
     run, guess = _sampled(read)
+    command = [
+        received(effects, actuator.name, run.command[:, at], run.step)
+        for at, actuator in enumerate(robot.actuators)
+    ]
+    run = replace(run, command=np.stack(command, axis=1) if command else run.command)
+    if before is not None:
+        motion = before.motion
+        run = replace(run, force=force_of(effects, motion), shift=shift_of(effects, motion))
     about = reference(model, run, guess, before=None if before is None else before.about)
-    return Observed(run=run, about=about, motion=_motion(model, robot, about, run))
+    motion = _motion(model, robot, about, run)
+    if before is not None and effects:
+        # A stiff servo turns what the motion moved by into force: along the motion now.
+        mobility = about.tangent.jacobian[:, :, 2 * guess.shape[1] :]
+        change = np.einsum("tij,tj->ti", mobility, force_of(effects, motion) - run.force)
+        shift = shift_of(effects, motion) - run.shift
+        about = replace(
+            about,
+            acceleration=about.acceleration + change,
+            error=np.where(about.tangent.valid, about.error - shift, 0.0),
+        )
+        about = replace(about, disturbance=likeliest(about, steps=FEWER_STEPS))
+    return Observed(run=run, about=about, motion=motion, sent=read.command)
+
+
+def force_of(effects: Sequence[Effect], motion: Motion) -> Array:
+    """Return the generalized force of effects along a motion, shape (samples, dofs)."""
+    force = np.zeros_like(motion.position)
+    for effect in effects:
+        # What changes a command acts through it, and a sensor on no joint.
+        if type(effect).command is Effect.command and effect.kind != "sensor":
+            force += effect.regressor(motion) @ effect.coefficients
+    return force
+
+
+def shift_of(effects: Sequence[Effect], motion: Motion) -> Array:
+    """Return by how much effects change readings along a motion, shape (samples, channels)."""
+    shift = np.zeros_like(motion.reading)
+    for effect in effects:
+        shift += effect.reading_regressor(motion) @ effect.coefficients
+    return shift
 
 
 def _sampled(read: Episode) -> tuple[SampledRun, Array]:

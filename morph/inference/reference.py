@@ -47,6 +47,10 @@ class SampledRun:
     """By how much a reading was taken after its sample, s, shape (samples, 1)."""
     clock: float = 0.0
     """Standard deviation of the times at which commands change, s."""
+    force: Array | float = 0.0
+    """Generalized force beside the model's, shape (samples, dofs)."""
+    shift: Array | float = 0.0
+    """What channels read beside the state, shape (samples, channels)."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -141,7 +145,10 @@ def likeliest(about: Reference, *, steps: int = STEPS) -> Disturbance:
     bounds += [tuple(np.log(TIMES)), (np.log(0.3), np.log(3.0))]
     noisier = np.log(first.noise[0] / about.sensed[0])
     start = np.array([*np.log(first.scale / about.effort), np.log(first.time), noisier])
-    start = np.clip(start, *np.transpose(bounds))
+    # What was explained since leaves less force: a few steps alone would not go that far.
+    shares = [np.log(share) * (np.arange(dofs + 2) < dofs) for share in (1.0, 0.3, 0.1)]
+    starts = [np.clip(start + share, *np.transpose(bounds)) for share in shares]
+    start = min(starts, key=cost)
     best = minimize(
         cost, start, method="L-BFGS-B", bounds=bounds, options={"maxiter": steps, "eps": 1e-3}
     )
@@ -189,19 +196,22 @@ def _along(
     """Linearise a model along a motion; what disturbs it is yet to be found."""
     dofs = position.shape[1]
     local = linearised(model, position, velocity, run.command)
+    mobility = local.jacobian[:, :, 2 * dofs :]
+    modelled = local.acceleration + np.einsum(
+        "tij,tj->ti", mobility, np.broadcast_to(run.force, position.shape)
+    )
     slope = np.zeros_like(position)
     slope[:-1] = np.diff(velocity, axis=0) / run.step
     # Velocities lie half a step before positions. By the trapezoidal rule of what damps them a
     # step is of second order and stable: (1 - h/2 A_v) v' = v + h (a - A_v v / 2).
     damped = np.eye(dofs) - 0.5 * run.step * local.jacobian[:, :, dofs : 2 * dofs]
     jacobian = np.asarray(np.linalg.solve(damped, local.jacobian))
-    acceleration = np.linalg.solve(damped, local.acceleration[:, :, None])[:, :, 0] - slope
+    acceleration = np.linalg.solve(damped, modelled[:, :, None])[:, :, 0] - slope
     acceleration[-1] = 0.0
     tangent = Tangent(step=run.step, jacobian=jacobian, reads=run.reads, valid=run.valid)
     shown = np.concatenate([position, velocity], axis=1) @ run.reads.T
     rate = np.gradient(shown, run.step, axis=0)
-    shown += run.late * (rate + 0.5 * run.late * np.gradient(rate, run.step, axis=0))
-    mobility = local.jacobian[:, :, 2 * dofs :]
+    shown += run.shift + run.late * (rate + 0.5 * run.late * np.gradient(rate, run.step, axis=0))
     inertia = np.linalg.inv(mobility)
     at_work = np.einsum("tij,tj->ti", inertia, np.gradient(velocity, run.step, axis=0))
     scale = np.sqrt(np.mean(at_work**2, axis=0)) + 1e-12

@@ -47,8 +47,13 @@ PATIENCE = 60.0
 
 HARMLESS = re.compile(
     r"THREE\.Clock|\[Performance\]|GPU stall due to ReadPixels|\(OK\) Tried to remove"
+    r"|Tried to update non-existent component"
 )
-"""What viser's client and the browser say of themselves."""
+"""What viser's client and the browser say of themselves.
+
+The client applies a picture's updates after its removals (`MessageHandler.tsx`): what was set and
+then removed between two pictures of a slow page is said not to exist.
+"""
 
 
 def differs(one: np.ndarray, other: np.ndarray) -> bool:

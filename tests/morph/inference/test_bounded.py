@@ -1,0 +1,40 @@
+"""Least squares within bounds against SciPy on the columns themselves."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.optimize import lsq_linear
+
+from morph.inference.bounded import bounded
+
+
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("width", [1e-3, 0.3, np.inf])
+def test_it_agrees_with_the_columns_themselves(seed: int, width: float) -> None:
+    rng = np.random.default_rng(seed)
+    # Columns of masses and of gains differ by orders of magnitude.
+    columns = rng.normal(size=(50, 4)) * [1.0, 1e-4, 30.0, 1.0]
+    goal = columns @ (rng.normal(size=4) / [1.0, 1e-4, 30.0, 1.0]) + rng.normal(size=50)
+    low, high = -width / np.array([1.0, 1e-4, 30.0, 1.0]), 2.0 * width / np.ones(4)
+    exact = lsq_linear(columns, goal, bounds=(low, high), method="bvls", tol=1e-14).x
+    found, rank = bounded(columns.T @ columns, columns.T @ goal, low, high)
+    assert rank == 4
+    # A Gram matrix squares the condition, about 1e1 here once columns are scaled.
+    assert found * [1.0, 1e-4, 30.0, 1.0] == pytest.approx(exact * [1.0, 1e-4, 30.0, 1.0], abs=1e-9)
+
+
+def test_two_columns_alike_count_once_and_share() -> None:
+    rng = np.random.default_rng(0)
+    one, other = rng.normal(size=(2, 50))
+    columns, wide = np.column_stack([one, 2.0 * one, other]), np.full(3, np.inf)
+    goal = 5.0 * one + other
+    found, rank = bounded(columns.T @ columns, columns.T @ goal, -wide, wide)
+    # Scaled columns are equal, so each explains half.
+    assert (rank, found) == (2, pytest.approx([2.5, 1.25, 1.0], abs=1e-7))
+
+
+def test_what_is_not_seen_stays_at_nothing() -> None:
+    inner = np.diag([1.0, 0.0])
+    found, rank = bounded(inner, np.array([0.5, 0.0]), np.array([-1.0, 0.2]), np.ones(2))
+    assert (rank, found.tolist()) == (1, [0.5, 0.2])

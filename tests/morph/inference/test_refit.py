@@ -1,0 +1,187 @@
+"""Own figures and effects refitted to a pendulum that SciPy integrates."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from morph.body.load import load
+from morph.body.robot import Robot
+from morph.inference.observed import observed
+from morph.inference.refit import Columns, acting, offset, prior, refitted, seen
+from morph.model.episodes import Episode, episode
+from morph.model.hypothesis import Hypothesis
+from morph.model.knobs import knobs
+from morph.physics import EFFECTS
+from morph.physics.effect import Effect
+from morph.record.recording import Channel, Recording
+
+STEP, READ, NOISE = 0.004, 0.008, 1e-3
+MASS, ARM, INERTIA = 2.0, 0.5, 0.02
+PENDULUM = f"""
+<mujoco model="pendulum"><worldbody><body name="rod"><joint name="hinge" axis="0 1 0"/>
+  <inertial pos="0 0 {-ARM}" mass="{MASS}" diaginertia="{INERTIA} {INERTIA} {INERTIA}"/>
+</body></worldbody><actuator><motor name="motor" joint="hinge"/></actuator></mujoco>
+"""
+HEAVIER, VISCOUS, COULOMB, BIAS = 1.1, 0.3, 0.4, 0.05
+KINDS = {kind.__name__: kind for kind in EFFECTS}
+
+
+def effect(kind: str, where: str, **figures: float) -> Effect:
+    """Return an effect of a kind, with some figures of its own."""
+    return replace(KINDS[kind].at(where), **figures)  # type: ignore[type-var]
+
+
+@pytest.fixture(scope="module")
+def pendulum(tmp_path_factory: pytest.TempPathFactory) -> Robot:
+    """The pendulum as described."""
+    path = tmp_path_factory.mktemp("robot") / "pendulum.xml"
+    path.write_text(PENDULUM)
+    return load(str(path))
+
+
+@pytest.fixture(scope="module")
+def run(pendulum: Robot) -> Episode:
+    """Six seconds of a heavier one with friction and a biased sensor, torque held for 4 ms each."""
+    time = np.arange(0.0, 6.0, STEP)
+    torque = 4.0 * np.sin(2.1 * time) + 3.0 * np.sin(5.3 * time)
+    inertia = HEAVIER * MASS * ARM**2 + INERTIA
+
+    def rates(t: float, state: np.ndarray) -> list[float]:
+        q, v = state
+        drive = torque[min(int(t / STEP + 1e-9), len(time) - 1)]
+        lost = VISCOUS * v + COULOMB * np.tanh(v / 1e-3)
+        return [v, (drive - lost - HEAVIER * MASS * ARM * 9.81 * np.sin(q)) / inertia]
+
+    found = solve_ivp(
+        rates, (0.0, time[-1]), [0.4, 0.0], t_eval=time, method="LSODA", rtol=1e-8, atol=1e-10,
+        max_step=STEP,
+    )  # fmt: skip
+    every = round(READ / STEP)
+    read = found.y[0, ::every] + BIAS
+    read = read + NOISE * np.random.default_rng(0).normal(size=len(read))
+    recording = Recording(
+        name="swing",
+        channels={
+            "hinge.position": Channel(time=time[::every], value=read),
+            "motor.command": Channel(time=time, value=torque, hold=True),
+        },
+    )
+    return episode(recording, pendulum, STEP)
+
+
+@pytest.fixture(scope="module")
+def nominal(pendulum: Robot) -> Hypothesis:
+    """The description, whose mass and centre may be wrong."""
+    vary = {"mass": 0.25, "com": 0.0, "inertia": 0.0, "gain": 0.0}
+    return Hypothesis(robot=pendulum, step=STEP, knobs=knobs(pendulum, vary))
+
+
+MISSING = (
+    effect("ViscousFriction", "hinge"),
+    effect("CoulombFriction", "hinge"),
+    effect("SensorBias", "hinge.position"),
+)
+
+
+def test_the_truth_comes_back(nominal: Hypothesis, run: Episode) -> None:
+    whole = replace(nominal, effects=MISSING)
+    found = refitted(whole, whole.start, [run], rounds=4)
+    assert nominal.names == ("mass:rod",)
+    lighter, viscous, coulomb, bias = found.point
+    # Of 750 readings: the bias is known to 1e-3 / sqrt(750); forces near 5 N m move the pendulum
+    # by a radian, so 1e-3 rad tells 5e-3 N m in any second. A grid of 4 ms costs as much.
+    assert np.exp(lighter) == pytest.approx(HEAVIER, abs=5e-3)
+    assert viscous == pytest.approx(VISCOUS, abs=0.03)
+    assert coulomb == pytest.approx(COULOMB, abs=0.04)
+    assert bias == pytest.approx(BIAS, abs=3e-3)
+
+
+def test_what_is_missing_costs_evidence(nominal: Hypothesis, run: Episode) -> None:
+    def evidence(effects: tuple[Effect, ...]) -> float:
+        hypothesis = replace(nominal, effects=effects)
+        return refitted(hypothesis, hypothesis.start, [run], rounds=3).evidence
+
+    whole = evidence(MISSING)
+    for gone in MISSING:
+        assert evidence(tuple(each for each in MISSING if each is not gone)) < whole - 5.0
+    # A fifth of a law that does nothing explains nothing.
+    assert evidence((*MISSING, effect("Armature", "hinge"))) < whole + 1.0
+
+
+def test_a_step_that_helps_nothing_is_not_taken(nominal: Hypothesis, run: Episode) -> None:
+    whole = replace(nominal, effects=MISSING)
+    first = refitted(whole, whole.start, [run], rounds=4)
+    again = refitted(whole, first.point, [run], before=first.runs, rounds=3)
+    assert again.evidence >= first.evidence - 1e-6 or again.point == pytest.approx(first.point)
+
+
+def test_models_hold_what_is_smooth(nominal: Hypothesis) -> None:
+    effects = (
+        effect("ViscousFriction", "hinge", b=0.7),
+        effect("CoulombFriction", "hinge", c=0.4),
+        effect("DeadZone", "motor", threshold=0.1),
+        effect("SensorBias", "hinge.position", bias=0.1),
+        effect("Payload", "rod", m=0.5),
+    )
+    whole = replace(nominal, effects=effects)
+    model, beside = acting(whole, whole.start)
+    assert [each.name for each in beside] == ["coulomb_friction", "dead_zone", "sensor_bias"]
+    assert model.dof_damping[0] == pytest.approx(0.7)
+    assert model.dof_frictionloss[0] == 0.0
+    assert model.body_mass[-1] == pytest.approx(MASS + 0.5)
+
+
+def test_columns_are_differences_of_what_the_model_does(nominal: Hypothesis, run: Episode) -> None:
+    effects = (
+        effect("ViscousFriction", "hinge", b=0.3),
+        effect("CoulombFriction", "hinge", c=0.4),
+        effect("Payload", "rod", m=0.2),
+        effect("SensorBias", "hinge.position", bias=0.05),
+    )
+    whole = replace(nominal, effects=effects)
+    (here,) = seen(whole, whole.start, [run], seen(nominal, nominal.start, [run]))
+    moved, shown = Columns.of(whole, whole.start).along(here)
+    assert moved[:, :, 0] == pytest.approx(-here.about.acceleration)
+    velocity, position = here.motion.velocity[:, 0], here.motion.position[:, 0]
+    rotates = MASS * ARM**2 + INERTIA + 0.2 * 0.0
+    # The payload stands at the link's origin, which turns about itself: it weighs nothing here.
+    own = -MASS * ARM**2 * here.motion.acceleration[:, 0] - MASS * ARM * 9.81 * np.sin(position)
+    # Half a step of the trapezoidal rule: friction of 0.3 N m s.
+    scale = 1.0 / (rotates + 0.5 * STEP * 0.3)
+    names = {name: 1 + at for at, name in enumerate(whole.names)}
+    exact = {
+        "mass:rod": own * scale,
+        "viscous_friction@hinge:b": -velocity * scale,
+        "coulomb_friction@hinge:c": -np.sign(velocity) * scale,
+        "payload@rod:m": 0.0 * velocity,
+        "sensor_bias@hinge.position:bias": 0.0 * velocity,
+    }
+    moving = np.abs(velocity) > 0.2
+    for name, accelerates in exact.items():
+        # A step of 1e-3 in the logarithm: half of it in the figure.
+        assert moved[moving, 0, names[name]] == pytest.approx(
+            accelerates[moving], rel=2e-3, abs=1e-6
+        ), name
+    bias = shown[:, 0, names["sensor_bias@hinge.position:bias"]]
+    assert bias == pytest.approx(np.ones(len(bias)))
+
+
+def test_what_is_known_beforehand_counts_from_the_nominal(nominal: Hypothesis) -> None:
+    whole = replace(nominal, effects=MISSING)
+    point = whole.start + 0.1
+    assert prior(whole).tolist() == pytest.approx([1.0 / 0.25**2, 0.0, 0.0, 0.0])
+    assert offset(whole, point).tolist() == pytest.approx([0.1, 0.0, 0.0, 0.0])
+
+
+def test_effects_act_on_the_motion_that_is_seen(nominal: Hypothesis, run: Episode) -> None:
+    model, beside = acting(nominal, nominal.start)
+    plain = observed(model, nominal.robot, run, effects=beside)
+    biased = effect("SensorBias", "hinge.position", bias=BIAS)
+    shifted = observed(model, nominal.robot, run, effects=[biased], before=plain)
+    # The sensor reads that much more than the joint has turned.
+    off = plain.motion.position - shifted.motion.position
+    assert np.median(off) == pytest.approx(BIAS, abs=0.3 * BIAS)

@@ -1,0 +1,113 @@
+"""Sets of effects against least squares on the columns themselves."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+
+from morph.inference.search import Column, Level, Search
+from morph.physics import EFFECTS
+from morph.physics.effect import Effect
+
+READINGS = 200
+PRICES = (3.0, 7.0, 5.0, 4.0)
+KINDS = {kind.__name__: kind for kind in EFFECTS}
+EFFECTS_TRIED: tuple[Effect, ...] = (
+    KINDS["ViscousFriction"].at("a"),
+    KINDS["CoulombFriction"].at("a"),
+    KINDS["ViscousFriction"].at("b"),
+    KINDS["CoulombFriction"].at("b"),
+)
+
+
+def columns(rng: np.random.Generator, own: int) -> np.ndarray:
+    """Return columns of own figures and effects, shape (readings, own + 4)."""
+    return rng.normal(size=(READINGS, own + len(EFFECTS_TRIED)))
+
+
+def searched(table: np.ndarray, error: np.ndarray, own: int) -> Search:
+    """Return a search among the effects, whose strengths are small beside their bounds."""
+    whole = np.column_stack([error, table])
+    ends = np.arange(2, 2 + len(EFFECTS_TRIED))
+    return Search(
+        columns=tuple(
+            Column(effect=effect, place=slice(end - 1, end), price=price)
+            for effect, end, price in zip(EFFECTS_TRIED, ends, PRICES, strict=True)
+        ),
+        levels=(
+            Level(gram=whole.T @ whole, logarithm=0.0, low=np.full(own, -1e3),
+                  high=np.full(own, 1e3)),
+        ),
+        readings=READINGS,
+    )  # fmt: skip
+
+
+def left(table: np.ndarray, error: np.ndarray) -> float:
+    """Return the sum of squares that columns leave."""
+    fit = np.linalg.lstsq(table, error, rcond=None)[0]
+    return float(np.sum((error - table @ fit) ** 2))
+
+
+def gain(table: np.ndarray, error: np.ndarray, own: int, chosen: Sequence[int]) -> float:
+    """Return by how much more likely a set of effects is, by Schwarz's criterion and its prices."""
+    with_them = left(table[:, [*range(own), *(own + each for each in chosen)]], error)
+    price = sum(PRICES[each] for each in chosen) + 0.5 * len(chosen) * math.log(READINGS)
+    return 0.5 * (left(table[:, :own], error) - with_them) - price
+
+
+@pytest.mark.parametrize("own", [0, 3])
+def test_every_set_has_the_gain_of_its_columns(own: int) -> None:
+    rng = np.random.default_rng(own)
+    table = columns(rng, own)
+    strengths = np.array([*rng.normal(size=own), 0.8, 0.0, 0.9, 0.0])
+    error = table @ strengths + rng.normal(size=READINGS)
+    found = searched(table, error, own).sets(4)
+    seen = {frozenset(effect.label for effect in each.effects): each.gain for each in found}
+    for chosen in [(), (0,), (2,), (0, 2)]:
+        label = frozenset(EFFECTS_TRIED[each].label for each in chosen)
+        # Nine-digit sums of squares near 200.
+        assert seen[label] == pytest.approx(gain(table, error, own, chosen), abs=1e-6)
+    best = max(
+        (chosen for size in range(4) for chosen in itertools.combinations(range(4), size)),
+        key=lambda chosen: gain(table, error, own, chosen),
+    )
+    assert {effect.label for effect in found[0].effects} == {EFFECTS_TRIED[i].label for i in best}
+    assert best == (0, 2)
+
+
+def test_two_effects_are_found_of_which_neither_explains_much_alone() -> None:
+    rng = np.random.default_rng(5)
+    table = columns(rng, 0)
+    # The third column hides the first but for a tenth: alone neither leaves less.
+    table[:, 2] = -table[:, 0] + 0.1 * rng.normal(size=READINGS)
+    error = table @ [9.0, 0.0, 9.0, 0.0] + 0.1 * rng.normal(size=READINGS)
+    error *= 10.0
+    alone = [gain(table, error, 0, (each,)) for each in (0, 2)]
+    assert max(alone) < 0.25 * gain(table, error, 0, (0, 2))
+    best = searched(table, error, 0).sets(2)[0]
+    assert [effect.label for effect in best.effects] == [EFFECTS_TRIED[i].label for i in (0, 2)]
+
+
+def test_a_strength_stays_within_its_bounds() -> None:
+    rng = np.random.default_rng(1)
+    table = columns(rng, 0)
+    # No friction drives.
+    error = -5.0 * table[:, 0] + rng.normal(size=READINGS)
+    found = searched(table, error, 0).sets(1)
+    (driving,) = [e for e in found if [one.label for one in e.effects] == [EFFECTS_TRIED[0].label]]
+    assert driving.gain == pytest.approx(-PRICES[0] - 0.5 * math.log(READINGS), abs=1e-6)
+
+
+def test_of_equal_columns_the_cheaper_effect_stands_first() -> None:
+    rng = np.random.default_rng(2)
+    table = columns(rng, 0)
+    table[:, 1] = table[:, 0]
+    error = 0.9 * table[:, 0] + rng.normal(size=READINGS)
+    first, second, *_ = searched(table, error, 0).sets(1)
+    assert first.effects[0].label == EFFECTS_TRIED[0].label
+    assert second.effects[0].label == EFFECTS_TRIED[1].label
+    assert first.gain - second.gain == pytest.approx(PRICES[1] - PRICES[0], abs=1e-6)
