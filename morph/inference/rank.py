@@ -36,6 +36,10 @@ MOST = 4
 """Most effects of a set."""
 ROUNDS = 2
 """How often own figures are refitted before effects are looked for."""
+STEPS = 5
+"""Most steps of the refit of a finalist."""
+WORSE = 20.0
+"""By how much less evidence a refit may promise than the best so far and still goes on."""
 ODDS = 3.0
 """Logarithm of the odds, before any data, against one more effect."""
 SLACK = 1e-9
@@ -59,10 +63,18 @@ def ranked(nominal: Hypothesis, episodes: Sequence[Episode]) -> list[Explanation
         search = _search(best, episodes)
         prices |= {c.effect.label: c.price for c in search.columns}
         before = best
-        for effects in _finalists(search.sets(most)):
-            start = replace(nominal, effects=(*before.effects, *effects))
-            point = np.concatenate([before.point, start.start[len(before.point) :]])
-            refit = refitted(start, point, episodes, before=before.runs)
+        for found in _finalists(search.sets(most)):
+            start = replace(nominal, effects=(*before.effects, *found.effects))
+            point = np.concatenate([before.point + found.own, start.start[len(before.point) :]])
+            price = sum(prices[effect.label] for effect in start.effects)
+            refit = refitted(
+                start,
+                point,
+                episodes,
+                before=before.runs,
+                rounds=STEPS,
+                least=_gain(best, prices) + price - WORSE,
+            )
             gain = _gain(refit, prices) - none.evidence
             tried.append(Explanation(effects=refit.effects, gain=gain))
             if gain > _gain(best, prices) - none.evidence:
@@ -76,15 +88,18 @@ def _gain(refit: Refit, prices: Mapping[str, float]) -> float:
     return refit.evidence - sum(prices[effect.label] for effect in refit.effects)
 
 
-def _finalists(sets: Sequence[Explanation]) -> list[tuple[Effect, ...]]:
+def _finalists(sets: Sequence[Explanation]) -> list[Explanation]:
     """Return the best sets, the best one less each of its effects, and the best alone."""
-    some = [each.effects for each in sets if each.effects and each.gain > -5.0]
-    alone = [effects for effects in some if len(effects) == 1]
-    less = [tuple(e for e in some[0] if e is not gone) for gone in some[0]] if some else []
-    found: dict[tuple[str, ...], tuple[Effect, ...]] = {}
-    for effects in [*some[:FINALISTS], *less, *alone[:FINALISTS]]:
-        if effects:
-            found.setdefault(tuple(effect.label for effect in effects), effects)
+    some = [each for each in sets if each.effects and each.gain > -5.0]
+    alone = [each for each in some if len(each.effects) == 1]
+    less: list[Explanation] = []
+    if some:
+        (best, *_), whole = some, some[0].effects
+        less = [replace(best, effects=tuple(e for e in whole if e is not gone)) for gone in whole]
+    found: dict[tuple[str, ...], Explanation] = {}
+    for each in [*some[:FINALISTS], *alone[:FINALISTS], *less]:
+        if each.effects:
+            found.setdefault(tuple(sorted(effect.label for effect in each.effects)), each)
     return list(found.values())
 
 

@@ -15,7 +15,7 @@ from morph.inference.bounded import bounded
 from morph.inference.figures import driven, force_between
 from morph.inference.filter import whitened
 from morph.inference.linearise import supplied
-from morph.inference.observed import Observed, force_of, observed, shift_of
+from morph.inference.observed import Observed, observed, shift_of
 from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis, bare_spec
 from morph.physics.effect import Effect
@@ -24,6 +24,8 @@ from morph.sim.drive import received
 
 NUDGE = 1e-3
 """Step of the difference by an own figure's logarithm."""
+SETTLED = 1.0
+"""Logarithm of the evidence: a refit ends with a step that brings less."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -106,6 +108,7 @@ def refitted(
     *,
     before: Sequence[Observed] | None = None,
     rounds: int = 2,
+    least: float = -math.inf,
 ) -> Refit:
     """Return a hypothesis at its likeliest point; of some steps the best.
 
@@ -116,26 +119,32 @@ def refitted(
         point: Where to begin.
         episodes: The runs.
         before: The runs by a hypothesis that differed a little.
-        rounds: How many steps.
+        rounds: Most steps.
+        least: Where a step promises less evidence none is taken.
     """
     # Effects act along a motion: without one it is that of the model alone.
     runs = before or seen(replace(hypothesis, effects=()), point[: len(hypothesis.knobs)], episodes)
     runs = seen(hypothesis, point, episodes, runs) if hypothesis.effects or before else runs
-    best, trust = None, prior(hypothesis)
+    best, rank, trust = None, 0, prior(hypothesis)
     for turn in range(rounds + 1):
-        gram, logarithm = _gram(hypothesis, point, runs)
-        readings = sum(int(run.about.tangent.valid.sum()) for run in runs)
+        last = turn == rounds and turn > 0
+        gram, logarithm = _gram(hypothesis, point, runs, errors_alone=last)
         at = offset(hypothesis, point)
-        inner = gram[1:, 1:] + np.diag(trust)
-        along = gram[1:, 0] - trust * at
-        low, high = hypothesis.low - point - 1e-9, hypothesis.high - point + 1e-9
-        step, rank = bounded(inner, along, low, high)
+        if not last:
+            inner = gram[1:, 1:] + np.diag(trust)
+            along = gram[1:, 0] - trust * at
+            low, high = hypothesis.low - point - 1e-9, hypothesis.high - point + 1e-9
+            step, rank = bounded(inner, along, low, high)
+        readings = sum(int(run.about.tangent.valid.sum()) for run in runs)
         effects = max(0, rank - len(hypothesis.knobs))
         square = gram[0, 0] + at @ (trust * at)
         evidence = -0.5 * float(square + logarithm) - 0.5 * effects * math.log(readings)
-        if best is None or evidence > best.evidence:
-            best = Refit(hypothesis=hypothesis, point=point, runs=runs, evidence=evidence)
-        elif turn:
+        if best is not None and evidence <= best.evidence:
+            break
+        settled = best is not None and evidence < best.evidence + SETTLED
+        best = Refit(hypothesis=hypothesis, point=point, runs=runs, evidence=evidence)
+        promised = evidence + (0.0 if last else float(along @ step - 0.5 * step @ inner @ step))
+        if settled or promised < least:
             break
         if turn < rounds:
             point = np.clip(point + step, hypothesis.low, hypothesis.high)
@@ -154,13 +163,18 @@ def offset(hypothesis: Hypothesis, point: Array) -> Array:
     return np.asarray(point - np.where(np.isnan(hypothesis.likely), point, hypothesis.likely))
 
 
-def _gram(hypothesis: Hypothesis, point: Array, runs: Sequence[Observed]) -> tuple[Array, float]:
+def _gram(
+    hypothesis: Hypothesis, point: Array, runs: Sequence[Observed], *, errors_alone: bool
+) -> tuple[Array, float]:
     """Return the Gram matrix of errors and of every entry of a point, over all runs."""
-    whole, logarithm = np.zeros((1 + len(point), 1 + len(point))), 0.0
-    columns = Columns.of(hypothesis, point)
+    size, logarithm = 1 if errors_alone else 1 + len(point), 0.0
+    columns = None if errors_alone else Columns.of(hypothesis, point)
+    whole = np.zeros((size, size))
     for run in runs:
-        moved, shown = columns.along(run)
         about = run.about
+        moved, shown = -about.acceleration[:, :, None], about.error[:, :, None]
+        if columns is not None:
+            moved, shown = columns.along(run)
         leaving = replace(about.disturbance, noise=run.run.noise)
         found = whitened(about.tangent, leaving, shown, moved)
         whole += found.gram
@@ -176,9 +190,8 @@ class Columns:
     model: mujoco.MjModel
     turned: list[mujoco.MjModel]
     """With each own figure a little larger."""
-    nudged: list[tuple[float, mujoco.MjModel, list[Effect], list[Effect]]]
-    """For each entry of the effects by how much it is larger, the model then, and effects that the
-    model does not hold before and after."""
+    nudged: list[_Nudged]
+    """With each entry of the effects a little larger."""
 
     @classmethod
     def of(cls, hypothesis: Hypothesis, point: Array) -> Columns:
@@ -191,10 +204,7 @@ class Columns:
             step = float(steps[at])
             there, changed = acting(hypothesis, point + step * axes[at])
             pairs = [(a, b) for a, b in zip(beside, changed, strict=True) if a != b]
-            # What is held by the model changes it, what is not does not.
-            nudged.append(
-                (step, model if pairs else there, [a for a, _ in pairs], [b for _, b in pairs])
-            )
+            nudged.append(_Nudged(step=step, model=there, change=pairs[0] if pairs else None))
         turned = [acting(hypothesis, point + NUDGE * axis)[0] for axis in axes[:own]]
         return cls(hypothesis=hypothesis, model=model, turned=turned, nudged=nudged)
 
@@ -204,32 +214,60 @@ class Columns:
         samples, dofs = about.position.shape
         forces = [force_between(self.model, each, motion) / NUDGE for each in self.turned]
         shown = [about.error, *([np.zeros_like(about.error)] * len(self.turned))]
-        held = [model is not self.model for _, model, _, _ in self.nudged]
-        base = _supplied(self.model, motion) if any(held) else np.zeros((samples, dofs))
-        for step, model, before, after in self.nudged:
-            if model is not self.model:
-                change = _supplied(model, motion) - base
+        held = [each for each in self.nudged if each.change is None]
+        base = _supplied(self.model, motion) if held else np.zeros((samples, dofs))
+        beside = self._beside(seen)
+        for each in self.nudged:
+            if each.change is None:
+                change, shift = _supplied(each.model, motion) - base, np.zeros_like(about.error)
             else:
-                change = self._beside(after, seen) - self._beside(before, seen)
-            forces.append(change / step)
-            shift = shift_of(after, motion) - shift_of(before, motion)
-            shown.append(shift + np.zeros_like(about.error))
-            shown[-1] /= step
+                before, after = each.change
+                change = beside[after] - beside[before]
+                shift = shift_of([after], motion) - shift_of([before], motion)
+            forces.append(change / each.step)
+            shown.append(shift / each.step)
         stacked = np.stack([np.zeros((samples, dofs)), *forces], axis=2)
         moved = about.tangent.jacobian[:, :, 2 * dofs :] @ stacked
         moved[:, :, 0] = -about.acceleration
         return moved, np.stack(shown, axis=2)
 
-    def _beside(self, effects: Sequence[Effect], seen: Observed) -> Array:
-        """Return the force of effects that the model does not hold."""
-        force, motion = force_of(effects, seen.motion), seen.motion
-        if any(type(effect).command is not Effect.command for effect in effects):
-            command = [
-                received(effects, actuator.name, seen.sent[:, at], seen.run.step)
-                for at, actuator in enumerate(self.hypothesis.robot.actuators)
-            ]
-            force += driven(self.model, replace(motion, command=np.stack(command, axis=1)))
-        return force
+    def _beside(self, seen: Observed) -> dict[Effect, Array]:
+        """Return forces of effects that the model does not hold, before and after each nudge."""
+        changes = [each.change for each in self.nudged if each.change is not None]
+        found: dict[Effect, Array] = {}
+        for first in dict.fromkeys(before for before, _ in changes):
+            shapes = [first, *(after for before, after in changes if before == first)]
+            if type(first).command is not Effect.command:
+                found |= {effect: self._commanded(effect, seen) for effect in shapes}
+            elif first.kind == "sensor":
+                found |= dict.fromkeys(shapes, np.zeros_like(seen.motion.position))
+            else:
+                # Laws with a memory are followed together.
+                whole = type(first).regressors(shapes, seen.motion)
+                parts = np.split(whole, len(shapes), axis=2)
+                for effect, part in zip(shapes, parts, strict=True):
+                    found[effect] = part @ effect.coefficients
+        return found
+
+    def _commanded(self, effect: Effect, seen: Observed) -> Array:
+        """Return the force of the drives by commands as an effect changes them."""
+        command = [
+            received([effect], actuator.name, seen.sent[:, at], seen.run.step)
+            for at, actuator in enumerate(self.hypothesis.robot.actuators)
+        ]
+        return driven(self.model, replace(seen.motion, command=np.stack(command, axis=1)))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Nudged:
+    """A hypothesis with one entry of its effects a little larger."""
+
+    step: float
+    """By how much."""
+    model: mujoco.MjModel
+    """What holds it, where a model does."""
+    change: tuple[Effect, Effect] | None
+    """Where no model holds it: the effect before and after."""
 
 
 def _supplied(model: mujoco.MjModel, motion: Motion) -> Array:

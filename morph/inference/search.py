@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -31,8 +31,10 @@ class _Fit:
 
     effects: tuple[Effect, ...]
     evidence: float
+    own: Array
+    """By how much each own figure changes."""
     held: Mask
-    """Which own figures are at a bound."""
+    """Which of them are at a bound."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -82,6 +84,7 @@ class Level:
         return _Fit(
             effects=effects,
             evidence=-0.5 * float(square + self.logarithm) - price,
+            own=own,
             held=(own < self.low + slack) | (own > self.high - slack),
         )
 
@@ -94,6 +97,8 @@ class Explanation:
     """None, one or several; shapes of their laws as in the best entries of their grids."""
     gain: float
     """Logarithm of the evidence beyond that of no effect, less the price of what was tried."""
+    own: Array = field(default_factory=lambda: np.zeros(0), repr=False, compare=False)
+    """By how much each entry of the point changes about which the runs are linearised."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -125,7 +130,10 @@ class Search:
                 break
             beam = ordered[:WIDTH]
         explained = [
-            Explanation(effects=each.best.effects, gain=each.best.evidence - none) for each in tried
+            Explanation(
+                effects=each.best.effects, gain=each.best.evidence - none, own=each.best.own
+            )
+            for each in tried
         ]
         return sorted(explained, key=lambda each: -each.gain)
 
