@@ -58,9 +58,11 @@ def observed(
     if before is not None:
         motion = before.motion
         run = replace(run, force=force_of(effects, motion), shift=shift_of(effects, motion))
-    about = reference(model, run, guess, before=None if before is None else before.about)
+    acted = before is not None and bool(effects)
+    known = None if before is None else before.about
+    about = reference(model, run, guess, before=known, settle=not acted)
     motion = _motion(model, robot, about, run)
-    if before is not None and effects:
+    if acted:
         # A stiff servo turns what the motion moved by into force: along the motion now.
         mobility = about.tangent.jacobian[:, :, 2 * guess.shape[1] :]
         change = np.einsum("tij,tj->ti", mobility, force_of(effects, motion) - run.force)

@@ -83,7 +83,12 @@ class Reference:
 
 
 def reference(
-    model: mujoco.MjModel, run: SampledRun, guess: Array, *, before: Reference | None = None
+    model: mujoco.MjModel,
+    run: SampledRun,
+    guess: Array,
+    *,
+    before: Reference | None = None,
+    settle: bool = True,
 ) -> Reference:
     """Return the motion along which a model is linearised: its own smoother's, not a spline's.
 
@@ -95,6 +100,7 @@ def reference(
         run: What was commanded and read.
         guess: Positions to begin with, shape (samples, dofs).
         before: What was found with a model that differed a little, to begin with instead.
+        settle: Whether the disturbance is the likeliest of the motion, not that of the last.
     """
     if before is None:
         position = np.array(guess)
@@ -113,7 +119,7 @@ def reference(
         position, velocity = position + change, velocity + rate
         run = replace(run, valid=run.valid & ~strays(found.error / run.noise, run.valid))
         found = _along(model, run, position, velocity, force, known)
-    return replace(found, disturbance=likeliest(found, steps=FEWER_STEPS))
+    return replace(found, disturbance=likeliest(found, steps=FEWER_STEPS)) if settle else found
 
 
 def likeliest(about: Reference, *, steps: int = STEPS) -> Disturbance:
