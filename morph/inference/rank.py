@@ -34,10 +34,8 @@ FINALISTS = 2
 """How many sets of effects, and how many alone, are refitted."""
 MOST = 4
 """Most effects of a set."""
-ROUNDS = 2
-"""How often own figures are refitted before effects are looked for."""
 STEPS = 5
-"""Most steps of the refit of a finalist."""
+"""Most steps of a refit, of own figures alone and of a finalist."""
 WORSE = 20.0
 """By how much less evidence a refit may promise than the best so far and still goes on."""
 ODDS = 3.0
@@ -56,7 +54,7 @@ def ranked(nominal: Hypothesis, episodes: Sequence[Episode]) -> list[Explanation
         nominal: The description, with the figures of it that may be wrong.
         episodes: Its runs.
     """
-    none = refitted(nominal, nominal.start, episodes, rounds=ROUNDS)
+    none = refitted(nominal, nominal.start, episodes, rounds=STEPS)
     tried, best = [Explanation(effects=(), gain=0.0)], none
     prices: dict[str, float] = {}
     for most in (MOST, 1, 1):
