@@ -7,20 +7,37 @@ from scipy.optimize import lsq_linear
 
 from morph.arrays import Array
 
-SEEN = 1e-8
-"""Least eigenvalue of scaled columns that counts as a direction."""
+RANK_TOLERANCE = 1e-8
+"""Least eigenvalue that counts towards the rank of a Gram matrix with a unit diagonal."""
+NEGLIGIBLE = 1e-6
+"""Norm of a column, as a share of the greatest, up to which it is taken for zero."""
 
 
 def bounded(inner: Array, along: Array, low: Array, high: Array) -> tuple[Array, int]:
-    """Return the least squares within bounds, by their Gram matrix, and its rank."""
+    """Return the least-squares solution within bounds, and the rank of the problem.
+
+    Directions in which the columns are dependent take the solution of least norm, in units of the
+    columns. Negligible columns stay at zero, or at the bound nearest to it.
+    Source: Stark and Parker 1995, Computational Statistics 10, 129-141 (BVLS).
+
+    Args:
+        inner: Gram matrix of the columns, shape (columns, columns).
+        along: Inner products of the columns with the goal, shape (columns,).
+        low: Least values, each below that of `high`, shape (columns,).
+        high: Greatest values, same shape.
+
+    Returns:
+        The solution, shape (columns,), and how many independent directions the columns have,
+        bounds aside.
+    """
     size = np.sqrt(np.maximum(np.diag(inner), 0.0))
-    seen = size > 1e-6 * size.max(initial=1e-300)
+    seen = size > NEGLIGIBLE * size.max(initial=1e-300)
     found = np.clip(np.zeros_like(along), low, high)
     if not seen.any():
         return found, 0
     scale = size[seen]
     values, vectors = np.linalg.eigh(inner[np.ix_(seen, seen)] / np.outer(scale, scale))
-    kept = values > SEEN
+    kept = values > RANK_TOLERANCE
     root = np.sqrt(values[kept])[:, None] * vectors[:, kept].T
     goal = (vectors[:, kept].T @ (along[seen] / scale)) / np.sqrt(values[kept])
     least, most = low[seen] * scale, high[seen] * scale

@@ -1,4 +1,4 @@
-"""Generalized forces by which a description's own figures change its motion."""
+"""Generalized forces of a change in a description's own figures: masses, gains, joint constants."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from morph.physics.motion import Motion, actuator_moments
 
 
 def force_between(one: mujoco.MjModel, other: mujoco.MjModel, motion: Motion) -> Array:
-    """Return how much more force acts on a motion in another model, shape (samples, dofs).
+    """Return the force that a motion lacks in one model and has in another, (samples, dofs).
 
-    The models may differ in what links weigh and how they turn, in the gains of actuators, and in
-    damping, armature and stiffness of hinges and slides; nothing is simulated.
+    N m or N. The models may differ in mass, centre and inertia of links, in gains of actuators,
+    and in damping, armature and stiffness of hinges and slides. Nothing is simulated.
 
     Args:
         one: A model.
@@ -24,7 +24,7 @@ def force_between(one: mujoco.MjModel, other: mujoco.MjModel, motion: Motion) ->
     force = driven(other, motion) - driven(one, motion)
     force -= (other.dof_damping.reshape(-1) - one.dof_damping.reshape(-1)) * motion.velocity
     force -= (other.dof_armature - one.dof_armature) * motion.acceleration
-    force += _sprung(other, motion) - _sprung(one, motion)
+    force += _spring(other, motion) - _spring(one, motion)
     for name, body in motion.bodies.items():
         change = _inertia(other, name) - _inertia(one, name)
         if change.any():
@@ -34,31 +34,34 @@ def force_between(one: mujoco.MjModel, other: mujoco.MjModel, motion: Motion) ->
 
 def _inertia(model: mujoco.MjModel, name: str) -> Array:
     """Return the spatial inertia of a link about its origin, shape (6, 6)."""
-    body, axes = model.body(name).id, np.empty(9)
-    mujoco.mju_quat2Mat(axes, model.body_iquat[body])
-    turned, mass, com = axes.reshape(3, 3), float(model.body_mass[body]), model.body_ipos[body]
-    about_com = turned @ np.diag(model.body_inertia[body]) @ turned.T
+    body, turn = model.body(name).id, np.empty(9)
+    mujoco.mju_quat2Mat(turn, model.body_iquat[body])
+    axes, mass, com = turn.reshape(3, 3), float(model.body_mass[body]), model.body_ipos[body]
+    about_com = axes @ np.diag(model.body_inertia[body]) @ axes.T
     return spatial(mass, mass * com, about_com + mass * steiner(com, com))
 
 
 def driven(model: mujoco.MjModel, motion: Motion) -> Array:
-    """Return the generalized forces of actuators on joints, within their limits."""
+    """Return the actuators' generalized forces within their limits, N m or N, (samples, dofs).
+
+    Moments are those of the model's zero position: actuators pull on joints, not on tendons.
+    """
     data = mujoco.MjData(model)
     mujoco.mj_fwdPosition(model, data)
     moments = actuator_moments(model, data)
     gain, bias = model.actuator_gainprm[:, 0], model.actuator_biasprm
-    force = gain * _within(motion.command, model.actuator_ctrllimited, model.actuator_ctrlrange)
+    force = gain * _clamped(motion.command, model.actuator_ctrllimited, model.actuator_ctrlrange)
     force += bias[:, 0] + bias[:, 1] * (motion.position @ moments.T)
     force += bias[:, 2] * (motion.velocity @ moments.T)
-    force = _within(force, model.actuator_forcelimited, model.actuator_forcerange)
-    return _within(force @ moments, model.jnt_actfrclimited, model.jnt_actfrcrange)
+    force = _clamped(force, model.actuator_forcelimited, model.actuator_forcerange)
+    return _clamped(force @ moments, model.jnt_actfrclimited, model.jnt_actfrcrange)
 
 
-def _within(values: Array, limited: Array, ranges: Array) -> Array:
+def _clamped(values: Array, limited: Array, ranges: Array) -> Array:
     low = np.where(limited, ranges[:, 0], -np.inf)
     return np.clip(values, low, np.where(limited, ranges[:, 1], np.inf))
 
 
-def _sprung(model: mujoco.MjModel, motion: Motion) -> Array:
+def _spring(model: mujoco.MjModel, motion: Motion) -> Array:
     stiffness = model.jnt_stiffness.reshape(model.njnt, -1)[:, 0]
     return np.asarray(-stiffness * (motion.position - model.qpos_spring))

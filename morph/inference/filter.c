@@ -1,22 +1,21 @@
 /* Kalman filter and smoother of a robot linearised along a motion.
  *
  * State x = (dq, dv, f): errors of position and velocity, and a generalized force that the model
- * leaves out, an Ornstein-Uhlenbeck process. One step of length h, semi-implicit:
+ * leaves out, an Ornstein-Uhlenbeck process. One semi-implicit step of length h:
  *
  *   a   = J (dq, dv, f) + input,   J = [dqacc/dq, dqacc/dv, M^-1]
- *   dv' = dv + h a + jolt,   dq' = dq + h dv',   f' = keep f + w
+ *   dv' = dv + h a + jolt,   dq' = dq + h dv',   f' = keep f + w,   keep = exp(-h / time)
  *
- * Many columns are filtered by one gain. Of each the difference delta between its own response and
- * what the filter explains by x is carried, so that its innovation is reading + C delta.
- * Readings are taken in one after another, which is exact for independent noise.
+ * The gain does not depend on the readings, so one gain serves many columns, each a reading and an
+ * input of its own. Per column the filter carries delta = (response to the input) - (estimate of x);
+ * the innovation is reading + C delta, where `reading` is the column's direct part alone.
+ * Readings are processed one at a time, which is exact where their noise is independent.
  * Source: Simon 2006, Optimal State Estimation, sections 6.1 (sequential updates) and 9.4.2.
  */
 #include <math.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <string.h>
-
-int morph_filter_version(void) { return 1; }
 
 /* y = J x of `width` columns side by side; J (n, 3n), x (3n, width). */
 static void accelerate(int n, int width, const double *J, const double *x, double *y)
@@ -62,28 +61,30 @@ static void transpose(int N, double *P)
 		}
 }
 
-/* Filter `steps` samples of `width` columns.
+/* Filter `steps` samples of `width` columns, for n degrees of freedom and m channels.
  *
- * J (steps, n, 3n), input (steps, n, width) or NULL, C (m, 3n), valid (steps, m), reading and white
- * (steps, m, width); noise (m), added (n) and jolt (steps, n) or NULL are variances; delta
- * (3n, width) and P (3n, 3n) are carried on. For a smoother: spread (steps, 3n, 3n), guess (steps, 3n), gain (steps, m, 3n) and
- * size (steps, m) keep the predictions, all NULL or none; work holds n * max(width, 3n) numbers.
+ * In: J (steps, n, 3n), input (steps, n, width) or NULL, C (m, 3n), valid (steps, m), reading
+ * (steps, m, width); variances noise (m) of readings, added (n) of w, jolt (steps, n) or NULL.
+ * In and out, from one call to the next: delta (3n, width) and covariance P (3n, 3n).
+ * Out: white (steps, m, width), the innovations over their standard deviation.
+ * Out for the smoother, all NULL or none: covariance (steps, 3n, 3n) and state predicted
+ * (steps, 3n) before each sample's readings, gain (steps, m, 3n), innovation variance (steps, m).
+ * Scratch: work, n * max(width, 3n) numbers.
  * Returns the sum of the logarithms of the innovations' variances.
  */
 double morph_filter(int n, int m, int width, int64_t steps, double h, double keep, const double *J,
 		    const double *input, const double *C, const uint8_t *valid, const double *reading,
 		    const double *noise, const double *added, const double *jolt, double *delta,
-		    double *P,
-		    double *white, double *spread, double *guess, double *gain, double *size,
-		    double *work)
+		    double *P, double *white, double *covariance, double *predicted, double *gain,
+		    double *variance, double *work)
 {
 	int N = 3 * n;
 	double logarithm = 0.0, column[N], k[N];
 	for (int64_t t = 0; t < steps; t++) {
-		if (spread) {
-			memcpy(spread + t * N * N, P, sizeof(double) * N * N);
+		if (covariance) {
+			memcpy(covariance + t * N * N, P, sizeof(double) * N * N);
 			for (int i = 0; i < N; i++)
-				guess[t * N + i] = -delta[(size_t)i * width];
+				predicted[t * N + i] = -delta[(size_t)i * width];
 		}
 		for (int r = 0; r < m; r++) {
 			const double *row = C + r * N;
@@ -116,9 +117,9 @@ double morph_filter(int n, int m, int width, int64_t steps, double h, double kee
 			for (int i = 0; i < N; i++)
 				for (int j = 0; j < N; j++)
 					P[i * N + j] -= k[i] * column[j];
-			if (spread) {
+			if (covariance) {
 				memcpy(gain + (t * m + r) * N, k, sizeof(double) * N);
-				size[t * m + r] = s;
+				variance[t * m + r] = s;
 			}
 			double one = 1.0 / sqrt(s);
 			for (int c = 0; c < width; c++)
@@ -149,42 +150,43 @@ double morph_filter(int n, int m, int width, int64_t steps, double h, double kee
 
 /* Smooth the first column of a filter's run: the modified Bryson-Frazier form.
  *
- * white (steps, m) is that of the first column, the others as the filter kept them; x (steps, 3n).
+ * white (steps, m) is that of the first column; covariance, predicted, gain and variance as the
+ * filter left them; x (steps, 3n) is the smoothed state. `adjoint` is Bierman's lambda.
  * Source: Bierman 1973, Automatica 9(5), 503-511.
  */
 void morph_smooth(int n, int m, int64_t steps, double h, double keep, const double *J,
-		  const double *C, const uint8_t *valid, const double *white, const double *spread,
-		  const double *guess, const double *gain, const double *size, double *x)
+		  const double *C, const uint8_t *valid, const double *white, const double *covariance,
+		  const double *predicted, const double *gain, const double *variance, double *x)
 {
 	int N = 3 * n;
-	double pull[N], next[N];
-	memset(pull, 0, sizeof pull);
+	double adjoint[N], next[N];
+	memset(adjoint, 0, sizeof adjoint);
 	for (int64_t t = steps - 1; t >= 0; t--) {
-		/* pull <- F' pull, with F' = I + ... of the semi-implicit step. */
+		/* adjoint <- F' adjoint, with F' = I + ... of the semi-implicit step. */
 		const double *now = J + t * n * N;
 		for (int i = 0; i < n; i++)
-			next[i] = h * (pull[n + i] + h * pull[i]);
+			next[i] = h * (adjoint[n + i] + h * adjoint[i]);
 		for (int j = 0; j < n; j++) {
-			pull[n + j] += h * pull[j];
-			pull[2 * n + j] *= keep;
+			adjoint[n + j] += h * adjoint[j];
+			adjoint[2 * n + j] *= keep;
 		}
 		for (int j = 0; j < N; j++)
 			for (int i = 0; i < n; i++)
-				pull[j] += now[i * N + j] * next[i];
+				adjoint[j] += now[i * N + j] * next[i];
 		for (int r = m - 1; r >= 0; r--) {
 			if (!valid[t * m + r])
 				continue;
 			const double *row = C + r * N, *k = gain + (t * m + r) * N;
-			double along = white[t * m + r] / sqrt(size[t * m + r]);
+			double along = white[t * m + r] / sqrt(variance[t * m + r]);
 			for (int i = 0; i < N; i++)
-				along -= k[i] * pull[i];
+				along -= k[i] * adjoint[i];
 			for (int j = 0; j < N; j++)
-				pull[j] += row[j] * along;
+				adjoint[j] += row[j] * along;
 		}
 		for (int i = 0; i < N; i++) {
-			double moved = guess[t * N + i];
+			double moved = predicted[t * N + i];
 			for (int j = 0; j < N; j++)
-				moved += spread[((size_t)t * N + i) * N + j] * pull[j];
+				moved += covariance[((size_t)t * N + i) * N + j] * adjoint[j];
 			x[t * N + i] = moved;
 		}
 	}

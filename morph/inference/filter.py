@@ -16,20 +16,20 @@ from morph.native import library
 
 SOURCE = Path(__file__).with_name("filter.c")
 CHUNK = 2**22
-"""Numbers of whitened readings that are held at once."""
+"""Whitened numbers held at once: 32 MiB of doubles."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Tangent:
-    """A robot linearised along one run, sample by sample, and how it is read."""
+    """A robot linearised along one run, and which readings of it there are."""
 
     step: float
     """Seconds from one sample to the next."""
     jacobian: Array
-    """Change of the acceleration with position, velocity and force: [dqacc/dq, dqacc/dv, M^-1],
-    shape (samples, dofs, 3 dofs)."""
+    """[dqacc/dq, dqacc/dv, dqacc/dforce], the last M^-1 but for the integrator's damping, shape
+    (samples, dofs, 3 dofs)."""
     reads: Array
-    """Each channel by position and velocity, shape (channels, 2 dofs)."""
+    """Observation matrix: each channel by position and velocity, shape (channels, 2 dofs)."""
     valid: Mask
     """Which readings there are, shape (samples, channels)."""
 
@@ -38,36 +38,38 @@ class Tangent:
 class Disturbance:
     """What a linearised model leaves out: noise of readings, and a slow force on each joint.
 
-    The force is an Ornstein-Uhlenbeck process, with the covariance scale^2 exp(-|t - t'| / time).
+    The force is an Ornstein-Uhlenbeck process, of covariance scale^2 exp(-|t - t'| /
+    correlation_time).
     Source: Rasmussen and Williams 2006, Gaussian processes for machine learning, eq. B.27.
     """
 
     noise: Array
-    """Standard deviation of each channel's noise, shape (channels,)."""
+    """Standard deviation of each channel's noise, in its unit, shape (channels,)."""
     scale: Array
     """Standard deviation of the force on each degree of freedom, N m or N, shape (dofs,)."""
-    time: float
-    """Its correlation time, s."""
-    start: Array
-    """Standard deviation of the first position and velocity errors, shape (2 dofs,)."""
+    correlation_time: float
+    """Of that force, s."""
+    initial: Array
+    """Standard deviation of position and velocity errors at the first sample, shape (2 dofs,)."""
     jolt: Array | None = None
-    """Standard deviation of the change of velocity in each step that is left out, shape
-    (samples, dofs): of commands that step at a time known only roughly."""
+    """Standard deviation of a change of velocity in each step, rad/s or m/s, shape (samples, dofs):
+    commands change at times that are known only roughly. None: no such change."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Whitened:
-    """Innovations of columns, each of unit variance and independent of all before."""
+    """Inner products of columns, whitened by a filter's innovations, over all readings."""
 
     gram: Array
-    """Their inner products, shape (columns, columns)."""
+    """The Gram matrix D' S^-1 D of columns D, S the covariance of readings, shape (columns,
+    columns)."""
     logarithm: float
-    """Logarithm of the determinant of the readings' covariance."""
+    """Log determinant of S."""
     readings: int
     """How many readings there are."""
 
     def __add__(self, other: Whitened) -> Whitened:
-        """Return that of two independent runs together."""
+        """Return the sums over two independent runs."""
         return Whitened(
             gram=self.gram + other.gram,
             logarithm=self.logarithm + other.logarithm,
@@ -75,7 +77,7 @@ class Whitened:
         )
 
     def likelihood(self, column: int = 0) -> float:
-        """Return the log likelihood of one column of readings."""
+        """Return the log likelihood of the readings that one column holds, normalised."""
         square = float(self.gram[column, column])
         return -0.5 * (square + self.logarithm + self.readings * math.log(2.0 * math.pi))
 
@@ -83,11 +85,10 @@ class Whitened:
 def whitened(
     tangent: Tangent, disturbance: Disturbance, readings: Array, accelerations: Array | None = None
 ) -> Whitened:
-    """Return the inner products of columns, whitened by the innovations of one Kalman filter.
+    """Return the Gram matrix of columns in the metric of the readings, by one Kalman filter.
 
-    A column is what readings would show: directly, and through accelerations that move the state.
-    With S the covariance of all readings under the disturbance and D the columns' responses,
-    the Gram matrix is D' S^-1 D.
+    A column changes readings directly, and through accelerations that move the state. With S the
+    covariance of all readings under the disturbance and D their changes, the matrix is D' S^-1 D.
 
     Source: Simon 2006, Optimal State Estimation, sections 6.1 and 10.2.
 
@@ -95,7 +96,11 @@ def whitened(
         tangent: The linearised robot.
         disturbance: What else moves it, and the noise.
         readings: Direct change of each reading, shape (samples, channels, columns).
-        accelerations: Acceleration by each column, shape (samples, dofs, columns).
+        accelerations: Acceleration by each column, per s2, shape (samples, dofs, columns); by
+            default none.
+
+    Raises:
+        KernelError: There is no C compiler, or it fails.
     """
     samples = len(tangent.jacobian)
     channels, columns = tangent.reads.shape[0], readings.shape[2]
@@ -105,17 +110,17 @@ def whitened(
     for first in range(0, samples, length):
         part = slice(first, first + length)
         moved = None if accelerations is None else accelerations[part]
-        white, change = run.filter(part, readings[part], moved)
+        white, log_determinant = run.filter(part, readings[part], moved)
         rows = white[tangent.valid[part]]
         gram += rows.T @ rows
-        logarithm += change
+        logarithm += log_determinant
     return Whitened(gram=gram, logarithm=logarithm, readings=int(tangent.valid.sum()))
 
 
 def smoothed(
     tangent: Tangent, disturbance: Disturbance, reading: Array, acceleration: Array | None = None
 ) -> Array:
-    """Return the errors of position and velocity, and the missing force, given all readings.
+    """Return the mean of position and velocity errors and of the missing force, given all readings.
 
     Source: Bierman 1973, Automatica 9(5), 503-511 (the modified Bryson-Frazier smoother).
 
@@ -124,31 +129,34 @@ def smoothed(
         disturbance: What moves it beside the model, and the noise.
         reading: Readings less those of the motion that it was linearised along, shape
             (samples, channels).
-        acceleration: By which the model's acceleration is above that of this motion, shape
-            (samples, dofs); by default none, as of a simulation.
+        acceleration: The model's acceleration less that of this motion, per s2, shape
+            (samples, dofs); by default zero, as for a motion that the model simulated.
 
     Returns:
         Shape (samples, 3 dofs).
+
+    Raises:
+        KernelError: There is no C compiler, or it fails.
     """
-    # A column holds what readings show beyond the model: known inputs count against it.
+    # The filter takes readings less the response to known inputs: hence the sign.
     known = None if acceleration is None else -acceleration[:, :, None]
     return _Run(tangent, disturbance, 1).smooth(reading, known)
 
 
 class _Run:
-    """The state of a filter between two stretches of one run."""
+    """A filter that goes through one run in stretches, and its state between two of them."""
 
     def __init__(self, tangent: Tangent, disturbance: Disturbance, columns: int) -> None:
         self._tangent = tangent
         dofs = tangent.jacobian.shape[1]
-        self._keep = float(np.exp(-tangent.step / disturbance.time))
+        self._keep = float(np.exp(-tangent.step / disturbance.correlation_time))
         self._jolt = None if disturbance.jolt is None else disturbance.jolt**2
         self._noise = _packed(disturbance.noise**2)
         self._added = _packed(disturbance.scale**2 * (1.0 - self._keep**2))
         zeros = np.zeros((len(tangent.reads), dofs))
         self._reads = _packed(np.concatenate([tangent.reads, zeros], axis=1))
         self._delta = np.zeros((3 * dofs, columns))
-        self._spread = np.diag(np.concatenate([disturbance.start, disturbance.scale]) ** 2)
+        self._covariance = np.diag(np.concatenate([disturbance.initial, disturbance.scale]) ** 2)
         self._work = np.empty(dofs * max(columns, 3 * dofs))
 
     def filter(
@@ -158,22 +166,29 @@ class _Run:
         accelerations: Array | None,
         kept: tuple[Array, Array, Array, Array] | None = None,
     ) -> tuple[Array, float]:
-        """Return the whitened innovations of some samples and their log determinant."""
+        """Return whitened innovations of some samples and the log determinant of their covariance.
+
+        Args:
+            part: The samples; each call goes on where the one before ended.
+            readings: Of these samples, shape (samples, channels, columns).
+            accelerations: Shape (samples, dofs, columns).
+            kept: Arrays that receive what `smooth` needs.
+        """
         jacobian, valid = self._tangent.jacobian[part], self._tangent.valid[part]
         samples, dofs, _ = jacobian.shape
         channels, columns = readings.shape[1:]
         white = np.empty((samples, channels, columns))
-        change: float = _code().morph_filter(
+        log_determinant: float = _code().morph_filter(
             dofs, channels, columns, samples, self._tangent.step, self._keep,
             *map(_pointer, (
                 _packed(jacobian), None if accelerations is None else _packed(accelerations),
                 self._reads, np.ascontiguousarray(valid, dtype=np.uint8), _packed(readings),
                 self._noise, self._added, None if self._jolt is None else _packed(self._jolt[part]),
-                self._delta, self._spread, white,
+                self._delta, self._covariance, white,
                 *(kept or (None,) * 4), self._work,
             )),
         )  # fmt: skip
-        return white, change
+        return white, log_determinant
 
     def smooth(self, reading: Array, acceleration: Array | None) -> Array:
         """Return the smoothed state, shape (samples, 3 dofs)."""

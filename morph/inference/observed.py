@@ -1,4 +1,4 @@
-"""One run of a robot: its smoothed motion, its linearised model, and the forces along it."""
+"""One run of a robot, smoothed and linearised by a model, and the effects' forces along it."""
 
 from __future__ import annotations
 
@@ -10,7 +10,13 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.body.robot import Robot
-from morph.inference.reference import FEWER_STEPS, Reference, SampledRun, likeliest, reference
+from morph.inference.reference import (
+    FEWER_STEPS,
+    Reference,
+    SampledRun,
+    likeliest_disturbance,
+    reference,
+)
 from morph.model.episodes import Episode, moving_joints
 from morph.physics.body_motion import body_motions
 from morph.physics.effect import Effect
@@ -23,13 +29,13 @@ class Observed:
     """One run, smoothed by a model and linearised along its motion."""
 
     run: SampledRun
-    """What was commanded and read."""
+    """Commands as the actuators receive them, and readings."""
     about: Reference
-    """The smoothed motion and the tangent along it."""
+    """The smoothed motion and the model linearised along it."""
     motion: Motion
-    """The same as the regressors of effects see it."""
+    """The smoothed motion as effects' regressors take it."""
     sent: Array
-    """Commands as they were sent, shape (samples, actuators)."""
+    """Commands as the controller sent them, shape (samples, actuators)."""
 
 
 def observed(
@@ -46,15 +52,20 @@ def observed(
         model: The robot's.
         robot: Its description.
         read: The run.
-        effects: What acts beside the model, along the motion of `before`.
-        before: The same run by a model that differed a little, which saves time.
+        effects: What acts beside the model. Forces and changes of readings act along the motion
+            of `before` and are left out without it; changes of commands always act.
+        before: The same run by a similar model, to start from.
+
+    Raises:
+        DiagnosisError: The robot has a joint that is neither a hinge nor a slide, or has none.
+        KernelError: There is no C compiler for the filter, or it fails.
     """
     run, guess = _sampled(read)
-    command = [
+    commands = [
         received(effects, actuator.name, run.command[:, at], run.step)
         for at, actuator in enumerate(robot.actuators)
     ]
-    run = replace(run, command=np.stack(command, axis=1) if command else run.command)
+    run = replace(run, command=np.stack(commands, axis=1) if commands else run.command)
     if before is not None:
         motion = before.motion
         run = replace(run, force=force_of(effects, motion), shift=shift_of(effects, motion))
@@ -63,7 +74,8 @@ def observed(
     about = reference(model, run, guess, before=known, settle=not acted)
     motion = _motion(model, robot, about, run)
     if acted:
-        # A stiff servo turns what the motion moved by into force: along the motion now.
+        # The motion has changed, and under a stiff servo the effects' forces with it: evaluate them
+        # along the new one.
         mobility = about.tangent.jacobian[:, :, 2 * guess.shape[1] :]
         change = np.einsum("tij,tj->ti", mobility, force_of(effects, motion) - run.force)
         shift = shift_of(effects, motion) - run.shift
@@ -72,22 +84,22 @@ def observed(
             acceleration=about.acceleration + change,
             error=np.where(about.tangent.valid, about.error - shift, 0.0),
         )
-        about = replace(about, disturbance=likeliest(about, steps=FEWER_STEPS))
+        about = replace(about, disturbance=likeliest_disturbance(about, steps=FEWER_STEPS))
     return Observed(run=run, about=about, motion=motion, sent=read.command)
 
 
 def force_of(effects: Sequence[Effect], motion: Motion) -> Array:
-    """Return the generalized force of effects along a motion, shape (samples, dofs)."""
+    """Return the generalized force of effects along a motion, N m or N, shape (samples, dofs)."""
     force = np.zeros_like(motion.position)
     for effect in effects:
-        # What changes a command acts through it, and a sensor on no joint.
+        # Effects on a command act through the actuators, and those on a sensor on no joint.
         if type(effect).command is Effect.command and effect.kind != "sensor":
             force += effect.regressor(motion) @ effect.coefficients
     return force
 
 
 def shift_of(effects: Sequence[Effect], motion: Motion) -> Array:
-    """Return by how much effects change readings along a motion, shape (samples, channels)."""
+    """Return how much effects change readings along a motion, shape (samples, channels)."""
     shift = np.zeros_like(motion.reading)
     for effect in effects:
         shift += effect.reading_regressor(motion) @ effect.coefficients
@@ -95,14 +107,14 @@ def shift_of(effects: Sequence[Effect], motion: Motion) -> Array:
 
 
 def _sampled(read: Episode) -> tuple[SampledRun, Array]:
-    """Return an episode on its grid, and positions to begin with."""
+    """Return an episode on the simulation's grid, and a first guess of positions on it."""
     samples, dofs = len(read.command), read.reading.shape[1]
     at = np.rint(read.time / read.step).astype(int)
     there = at < samples
     reading, valid = np.zeros((samples, dofs)), np.zeros((samples, dofs), dtype=bool)
-    # A reading between two samples is put on the nearer one.
-    late = np.zeros((samples, 1))
-    late[at[there], 0] = (read.time - at * read.step)[there]
+    # A reading between two samples belongs to the nearer one.
+    offset = np.zeros((samples, 1))
+    offset[at[there], 0] = (read.time - at * read.step)[there]
     reading[at[there]], valid[at[there]] = read.reading[there], True
     grid = read.step * np.arange(samples)
     guess = [np.interp(grid, read.time, read.position[:, dof]) for dof in range(dofs)]
@@ -113,22 +125,28 @@ def _sampled(read: Episode) -> tuple[SampledRun, Array]:
         reading=reading,
         valid=valid,
         noise=read.noise,
-        late=late,
-        clock=_jitter(read),
+        time_offset=offset,
+        jitter=_jitter(read),
     )
     return run, np.stack(guess, axis=1)
 
 
 def _jitter(read: Episode) -> float:
-    """Return the standard deviation of the times of commands, s."""
+    """Return the standard deviation of the times of commands, s: the least regular channel's."""
     times = [c.time for n, c in read.recording.channels.items() if n.endswith(".command")]
     periods = [np.diff(time) for time in times]
+    # The median absolute deviation of a normal distribution is 0.6745 of its standard deviation,
+    # and a period is the difference of two times.
     spread = [np.median(np.abs(p - np.median(p))) / 0.6745 / np.sqrt(2.0) for p in periods]
     return float(max(spread, default=0.0))
 
 
 def _motion(model: mujoco.MjModel, robot: Robot, about: Reference, run: SampledRun) -> Motion:
-    """Return a motion as effects' regressors see it."""
+    """Return a smoothed motion as effects' regressors take it.
+
+    Velocities and accelerations are those at the positions' times, and the acceleration is the
+    model's: the missing force is not in it.
+    """
     samples, dofs = about.position.shape
     acceleration = np.zeros_like(about.velocity)
     acceleration[:-1] = np.diff(about.velocity, axis=0) / run.step
@@ -149,6 +167,7 @@ def _motion(model: mujoco.MjModel, robot: Robot, about: Reference, run: SampledR
         drive[t] = moment * data.actuator_force[:, None]
         drive_rate[t] = moment * rate[t, :, None]
     jacobian = about.tangent.jacobian
+    links = [link.name for link in robot.links]
     channels = [f"{name}.position" for name in moving_joints(robot)]
     return Motion(
         position=about.position,
@@ -159,7 +178,7 @@ def _motion(model: mujoco.MjModel, robot: Robot, about: Reference, run: SampledR
         stiffness=np.asarray(-np.linalg.solve(jacobian[:, :, 2 * dofs :], jacobian[:, :, :dofs])),
         joints={joint.name: model.joint(joint.name).dofadr[0] for joint in robot.joints},
         actuators={actuator.name: at for at, actuator in enumerate(robot.actuators)},
-        bodies=body_motions(model, _links(robot), about.position, velocity, acceleration),
+        bodies=body_motions(model, links, about.position, velocity, acceleration),
         time=run.step * np.arange(samples, dtype=float),
         command=run.command,
         driven={actuator.name: actuator.joint for actuator in robot.actuators},
@@ -169,7 +188,3 @@ def _motion(model: mujoco.MjModel, robot: Robot, about: Reference, run: SampledR
         reading=about.position,
         reading_rate=velocity,
     )
-
-
-def _links(robot: Robot) -> Sequence[str]:
-    return [link.name for link in robot.links]

@@ -1,8 +1,9 @@
-"""Which effects explain a robot's runs, by linear algebra, before any of them is simulated.
+"""Ranking of sets of effects by how well they explain a robot's runs; nothing is simulated.
 
-Each run is smoothed by the description, its own figures refitted, and linearised once. Every effect
-at every place is a column, or a few; one Gram matrix in the metric of the readings tells what each
-explains beside the description's own figures.
+The description is refitted to the runs and linearised along them. Every effect at every place and
+shape gives a column or a few; their Gram matrix in the metric of the readings scores each set
+beside the description's own figures. The best sets are refitted, and the search goes on from the
+best refit.
 """
 
 from __future__ import annotations
@@ -28,30 +29,30 @@ from morph.physics.effect import Effect
 from morph.physics.motion import Motion
 
 LEVELS = (1.0, 0.3, 0.1, 0.03)
-"""Scales of the missing force, as shares of what is likeliest without any effect. An effect that
-explains it needs less: each is judged at the scale under which it is likeliest."""
+"""Scales of the missing force, as shares of the likeliest one before effects are added. A set that
+explains more leaves less of it: each is scored at the scale under which it is likeliest."""
 FINALISTS = 2
-"""How many sets of effects, and how many alone, are refitted."""
+"""How many of the best sets, and of the best single effects, are refitted in each search."""
 MOST = 4
-"""Most effects of a set."""
+"""Most effects that the first search adds; each of the two later ones adds at most one."""
 STEPS = 5
-"""Most steps of a refit, of own figures alone and of a finalist."""
+"""Most Gauss-Newton steps of a refit, of own figures alone and of a finalist."""
 WORSE = 20.0
-"""By how much less evidence a refit may promise than the best so far and still goes on."""
+"""Nats: a refit stops when it predicts this much less evidence than the best so far."""
 ODDS = 3.0
-"""Logarithm of the odds, before any data, against one more effect."""
+"""Prior log odds against one more effect, nats."""
 SLACK = 1e-9
-"""Least width of a bound."""
+"""By how much bounds are widened, so that equal ones leave an interval."""
 
 
 def ranked(nominal: Hypothesis, episodes: Sequence[Episode]) -> list[Explanation]:
-    """Return sets of effects, the one with the most evidence first; no effect is among them.
+    """Return the refitted sets of effects, most evidence first; the empty set is among them.
 
-    Sets are grown one effect at a time from the best few of each size (a beam search), so that
-    two effects are found together of which neither explains much alone.
+    A beam search grows sets one effect at a time from the best few of each size, which finds two
+    effects of which neither explains much alone.
 
     Args:
-        nominal: The description, with the figures of it that may be wrong.
+        nominal: The description, with its figures that may be wrong, and no effect.
         episodes: Its runs.
     """
     none = refitted(nominal, nominal.start, episodes, rounds=STEPS)
@@ -87,7 +88,7 @@ def _gain(refit: Refit, prices: Mapping[str, float]) -> float:
 
 
 def _finalists(sets: Sequence[Explanation]) -> list[Explanation]:
-    """Return the best sets, the best one less each of its effects, and the best alone."""
+    """Return the best sets, the best single effects, and the best set less each of its effects."""
     some = [each for each in sets if each.effects and each.gain > -5.0]
     alone = [each for each in some if len(each.effects) == 1]
     less: list[Explanation] = []
@@ -102,7 +103,7 @@ def _finalists(sets: Sequence[Explanation]) -> list[Explanation]:
 
 
 def _search(base: Refit, episodes: Sequence[Episode]) -> Search:
-    """Return a search for what acts beside a hypothesis that was refitted."""
+    """Return a search for effects to add to a refitted hypothesis."""
     hypothesis, point, runs = base.hypothesis, base.point, base.runs
     taken = {effect.label for effect in base.effects}
     grids = [g for g in _dictionary(hypothesis.robot, runs) if g[0].label not in taken]
@@ -123,7 +124,7 @@ def _search(base: Refit, episodes: Sequence[Episode]) -> Search:
 
 
 def _dictionary(robot: Robot, runs: Sequence[Observed]) -> Iterator[tuple[Effect, ...]]:
-    """Give every effect at every place, with each shape of its grid."""
+    """Yield each effect at each place, as a tuple over the shapes of its grid."""
     longest = max((run.motion for run in runs), key=lambda motion: len(motion.time))
     measured = set(longest.channels)
     for kind in EFFECTS:
@@ -135,10 +136,10 @@ def _dictionary(robot: Robot, runs: Sequence[Observed]) -> Iterator[tuple[Effect
 
 
 def _shapes(effect: Effect, motion: Motion) -> tuple[Effect, ...]:
-    """Return the effect at a few values of what it is not linear in."""
+    """Return the effect at a few values of the parameters in which it is not linear."""
     if type(effect).command is Effect.command:
         return effect.shapes(motion)
-    # What filters a command is linear in its time only while that is short.
+    # A filter of a command is linear in its time constant only while that is short.
     return tuple(
         replace(effect, **{known.name: value})  # type: ignore[type-var]
         for known in effect.parameters()
@@ -147,7 +148,13 @@ def _shapes(effect: Effect, motion: Motion) -> tuple[Effect, ...]:
 
 
 def believed(level: Whitened, trust: Array, point: Array) -> Whitened:
-    """Return a Gram matrix with the prior of the own figures as further readings."""
+    """Return a Gram matrix with the Gaussian prior of own figures as further readings.
+
+    Args:
+        level: Of [errors, own figures, effects].
+        trust: One over the prior variance of each own figure, shape (own,).
+        point: Their values less the likeliest ones beforehand, same shape.
+    """
     gram, own = level.gram.copy(), slice(1, 1 + len(trust))
     gram[own, own] += np.diag(trust)
     gram[0, own] -= trust * point
@@ -157,7 +164,7 @@ def believed(level: Whitened, trust: Array, point: Array) -> Whitened:
 
 
 def _columns(grids: Sequence[tuple[Effect, ...]]) -> Iterator[Column]:
-    """Give where each effect stands behind the errors, one column for each strength."""
+    """Yield the columns of each effect at each shape: one for each strength, after the errors."""
     first = 1
     for grid in grids:
         for effect in grid:
@@ -173,7 +180,7 @@ def _whitened(
     grids: Sequence[tuple[Effect, ...]],
     runs: Sequence[Observed],
 ) -> list[Whitened]:
-    """Return Gram matrices of all runs, one a level: errors, entries of the point, effects."""
+    """Return the Gram matrix of [errors, entries of the point, effects] over all runs, by level."""
     own = Columns.of(hypothesis, point)
     grams: list[list[Whitened]] = [[] for _ in LEVELS]
     for seen in runs:
@@ -192,6 +199,6 @@ def _whitened(
 
 
 def _pushed(shapes: tuple[Effect, ...], motion: Motion) -> Array:
-    """Return forces of one effect at several shapes side by side; a sensor has none."""
+    """Return forces of one effect at several shapes, (samples, dofs, columns); sensors: zero."""
     forces = shapes[0].regressors(shapes, motion)
     return np.zeros_like(forces) if shapes[0].kind == "sensor" else forces

@@ -1,4 +1,4 @@
-"""A description's own figures and effects at their likeliest, by Gauss and Newton."""
+"""Refit of a description's own figures and of effects to runs, by Gauss-Newton."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ from morph.physics.motion import Motion
 from morph.sim.drive import received
 
 NUDGE = 1e-3
-"""Step of the difference by an own figure's logarithm."""
+"""Finite-difference step of an own figure's logarithm."""
 SETTLED = 1.0
-"""Logarithm of the evidence: a refit ends with a step that brings less."""
+"""Nats: a refit ends with a step that gains less evidence."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -33,17 +33,17 @@ class Refit:
     """A hypothesis about some runs, linearised at a point."""
 
     hypothesis: Hypothesis
-    """Own figures and effects that are free."""
+    """Its free own figures and effects."""
     point: Array
-    """Where."""
+    """Log factors of own figures, then parameters of effects, shape (entries,)."""
     runs: Sequence[Observed]
-    """The runs as smoothed there."""
+    """The runs smoothed and linearised at the point."""
     evidence: float
-    """Logarithm of the evidence, without the price of what was tried."""
+    """Log evidence by Schwarz's criterion, nats, up to a constant; without prices of the search."""
 
     @property
     def effects(self) -> tuple[Effect, ...]:
-        """The effects there."""
+        """The effects at the point."""
         return self.hypothesis.effects_at(self.point)
 
 
@@ -53,14 +53,14 @@ def seen(
     episodes: Sequence[Episode],
     before: Sequence[Observed] | None = None,
 ) -> list[Observed]:
-    """Return runs as a hypothesis explains them at a point.
+    """Return runs smoothed and linearised by a hypothesis at a point.
 
     Args:
         hypothesis: Own figures and effects.
-        point: Where.
+        point: Shape (entries,).
         episodes: The runs.
-        before: The same runs by a hypothesis that differed a little; effects that MuJoCo cannot
-            hold act along its motion.
+        before: The same runs by a similar hypothesis. Effects outside the model act along its
+            motion; without it their forces and changes of readings are left out.
     """
     model, beside = acting(hypothesis, point)
     return [
@@ -72,7 +72,10 @@ def seen(
 
 
 def acting(hypothesis: Hypothesis, point: Array) -> tuple[mujoco.MjModel, list[Effect]]:
-    """Return a model that holds those effects that are smooth, and the others."""
+    """Return a model that includes the smooth effects, and the other effects.
+
+    Effects outside MuJoCo, dry friction and stops are the others: a linearised model lacks them.
+    """
     held = [_smooth(effect, hypothesis) for effect in hypothesis.effects]
     effects = hypothesis.effects_at(point)
     inside = [effect for effect, smooth in zip(effects, held, strict=True) if smooth]
@@ -81,7 +84,7 @@ def acting(hypothesis: Hypothesis, point: Array) -> tuple[mujoco.MjModel, list[E
 
 
 def _smooth(effect: Effect, hypothesis: Hypothesis) -> bool:
-    """Whether MuJoCo holds an effect, and not as a constraint, which linearised models lack."""
+    """Return whether MuJoCo's model can include an effect without a constraint."""
     if effect.outside:
         return False
     spec = bare_spec(hypothesis.robot, hypothesis.step).copy()
@@ -91,12 +94,12 @@ def _smooth(effect: Effect, hypothesis: Hypothesis) -> bool:
 
 
 def _constraints(spec: Any) -> list[tuple[Any, ...]]:
-    """Return dry friction and stops of all joints."""
+    """Return what makes constraints: dry friction and stops of all joints."""
     return [(joint.frictionloss, joint.limited, *joint.range) for joint in spec.joints]
 
 
 def _part(hypothesis: Hypothesis, point: Array, effects: Sequence[Effect]) -> Array:
-    """Return the point of a hypothesis with some effects only."""
+    """Return the point of a hypothesis with some effects only, which already have its values."""
     part = replace(hypothesis, effects=tuple(effects))
     return np.concatenate([point[: len(hypothesis.knobs)], part.start[len(hypothesis.knobs) :]])
 
@@ -110,17 +113,17 @@ def refitted(
     rounds: int = 2,
     least: float = -math.inf,
 ) -> Refit:
-    """Return a hypothesis at its likeliest point; of some steps the best.
+    """Return the best of some Gauss-Newton steps of a hypothesis to its likeliest point.
 
     Source: Bell 1994, SIAM Journal on Optimization 4(3), 626-636 (Gauss-Newton through a smoother).
 
     Args:
         hypothesis: Own figures and effects.
-        point: Where to begin.
+        point: The first point, shape (entries,).
         episodes: The runs.
-        before: The runs by a hypothesis that differed a little.
+        before: The runs by a similar hypothesis.
         rounds: Most steps.
-        least: Where a step promises less evidence none is taken.
+        least: Stop where the next step predicts less evidence, nats.
     """
     # Effects act along a motion: without one it is that of the model alone.
     runs = before or seen(replace(hypothesis, effects=()), point[: len(hypothesis.knobs)], episodes)
@@ -154,19 +157,19 @@ def refitted(
 
 
 def prior(hypothesis: Hypothesis) -> Array:
-    """Return one over the variance of each entry; nothing where all values are alike."""
+    """Return one over the prior variance, zero where the prior is flat, shape (entries,)."""
     return np.where(np.isnan(hypothesis.likely), 0.0, hypothesis.trust)
 
 
 def offset(hypothesis: Hypothesis, point: Array) -> Array:
-    """Return how far a point is from what is likeliest beforehand, zero where all is alike."""
+    """Return a point less the prior mean, zero where the prior is flat, shape (entries,)."""
     return np.asarray(point - np.where(np.isnan(hypothesis.likely), point, hypothesis.likely))
 
 
 def _gram(
     hypothesis: Hypothesis, point: Array, runs: Sequence[Observed], *, errors_alone: bool
 ) -> tuple[Array, float]:
-    """Return the Gram matrix of errors and of every entry of a point, over all runs."""
+    """Return the Gram matrix of [errors, entries of a point] and log det S, over all runs."""
     size, logarithm = 1 if errors_alone else 1 + len(point), 0.0
     columns = None if errors_alone else Columns.of(hypothesis, point)
     whole = np.zeros((size, size))
@@ -184,18 +187,18 @@ def _gram(
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Columns:
-    """How each entry of a point acts on a run, to first order."""
+    """Derivatives of accelerations and readings by each entry of a point."""
 
     hypothesis: Hypothesis
     model: mujoco.MjModel
     turned: list[mujoco.MjModel]
-    """With each own figure a little larger."""
+    """The model with each own figure a little larger."""
     nudged: list[_Nudged]
-    """With each entry of the effects a little larger."""
+    """Each parameter of the effects a little larger."""
 
     @classmethod
     def of(cls, hypothesis: Hypothesis, point: Array) -> Columns:
-        """Return those about a point."""
+        """Return the derivatives about a point."""
         own, steps = len(hypothesis.knobs), hypothesis.nudge(point)
         axes = np.eye(len(point))
         model, beside = acting(hypothesis, point)
@@ -209,7 +212,10 @@ class Columns:
         return cls(hypothesis=hypothesis, model=model, turned=turned, nudged=nudged)
 
     def along(self, seen: Observed) -> tuple[Array, Array]:
-        """Return accelerations (samples, dofs, entries) and readings likewise, errors first."""
+        """Return columns [errors, entries] of accelerations and of readings along a run.
+
+        Shapes (samples, dofs, 1 + entries) and (samples, channels, 1 + entries).
+        """
         motion, about = seen.motion, seen.about
         samples, dofs = about.position.shape
         forces = [force_between(self.model, each, motion) / NUDGE for each in self.turned]
@@ -232,7 +238,7 @@ class Columns:
         return moved, np.stack(shown, axis=2)
 
     def _beside(self, seen: Observed) -> dict[Effect, Array]:
-        """Return forces of effects that the model does not hold, before and after each nudge."""
+        """Return forces of effects outside the model, before and after each nudge."""
         changes = [each.change for each in self.nudged if each.change is not None]
         found: dict[Effect, Array] = {}
         for first in dict.fromkeys(before for before, _ in changes):
@@ -250,7 +256,7 @@ class Columns:
         return found
 
     def _commanded(self, effect: Effect, seen: Observed) -> Array:
-        """Return the force of the drives by commands as an effect changes them."""
+        """Return the actuators' generalized force by commands that one effect alone changed."""
         command = [
             received([effect], actuator.name, seen.sent[:, at], seen.run.step)
             for at, actuator in enumerate(self.hypothesis.robot.actuators)
@@ -260,14 +266,14 @@ class Columns:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Nudged:
-    """A hypothesis with one entry of its effects a little larger."""
+    """A hypothesis with one parameter of its effects a little larger."""
 
     step: float
     """By how much."""
     model: mujoco.MjModel
-    """What holds it, where a model does."""
+    """The model at that parameter."""
     change: tuple[Effect, Effect] | None
-    """Where no model holds it: the effect before and after."""
+    """The effect before and after, where it is outside the model; else None."""
 
 
 def _supplied(model: mujoco.MjModel, motion: Motion) -> Array:

@@ -24,7 +24,7 @@ def test_it_agrees_with_the_columns_themselves(seed: int, width: float) -> None:
     assert found * [1.0, 1e-4, 30.0, 1.0] == pytest.approx(exact * [1.0, 1e-4, 30.0, 1.0], abs=1e-9)
 
 
-def test_two_columns_alike_count_once_and_share() -> None:
+def test_equal_columns_count_once_and_share() -> None:
     rng = np.random.default_rng(0)
     one, other = rng.normal(size=(2, 50))
     columns, wide = np.column_stack([one, 2.0 * one, other]), np.full(3, np.inf)
@@ -34,7 +34,7 @@ def test_two_columns_alike_count_once_and_share() -> None:
     assert (rank, found) == (2, pytest.approx([2.5, 1.25, 1.0], abs=1e-7))
 
 
-def test_what_is_not_seen_stays_at_nothing() -> None:
+def test_a_zero_column_stays_at_the_bound_nearest_to_zero() -> None:
     inner = np.diag([1.0, 0.0])
     found, rank = bounded(inner, np.array([0.5, 0.0]), np.array([-1.0, 0.2]), np.ones(2))
     assert (rank, found.tolist()) == (1, [0.5, 0.2])

@@ -34,8 +34,8 @@ def case(seed: int, samples: int = 40, dofs: int = 2, columns: int = 3) -> dict[
         "disturbance": Disturbance(
             noise=np.array([0.01, 0.03, 0.2]),
             scale=np.array([0.5, 2.0])[:dofs],
-            time=0.07,
-            start=np.full(2 * dofs, 0.3),
+            correlation_time=0.07,
+            initial=np.full(2 * dofs, 0.3),
             jolt=rng.uniform(0.0, 0.2, (samples, dofs)),
         ),
         "readings": rng.normal(size=(samples, 3, columns)),
@@ -44,14 +44,14 @@ def case(seed: int, samples: int = 40, dofs: int = 2, columns: int = 3) -> dict[
 
 
 def joint(tangent: Tangent, disturbance: Disturbance) -> tuple[Array, Array, Array]:
-    """Return the covariance of all states, the map from them to readings, and from inputs to them.
+    """Return the covariance of all states, their map to valid readings, and that of inputs to them.
 
-    States (samples 3 dofs), readings that are there, inputs (samples dofs).
+    There are (samples 3 dofs) states and (samples dofs) inputs.
     """
     samples, dofs, size = tangent.jacobian.shape
-    keep = np.exp(-tangent.step / disturbance.time)
+    keep = np.exp(-tangent.step / disturbance.correlation_time)
     sources = np.zeros((samples * size, size + 2 * samples * dofs))
-    sources[:size, :size] = np.diag(np.concatenate([disturbance.start, disturbance.scale]))
+    sources[:size, :size] = np.diag(np.concatenate([disturbance.initial, disturbance.scale]))
     inputs = np.zeros((samples * size, samples * dofs))
     fresh = np.diag(disturbance.scale * np.sqrt(1.0 - keep**2))
     eye, none = np.eye(dofs), np.zeros((dofs, dofs))
@@ -77,7 +77,7 @@ def joint(tangent: Tangent, disturbance: Disturbance) -> tuple[Array, Array, Arr
 
 
 def covariance(tangent: Tangent, disturbance: Disturbance) -> Array:
-    """Return that of all readings that are there."""
+    """Return the covariance of all valid readings."""
     states, reads, _ = joint(tangent, disturbance)
     noise = np.tile(disturbance.noise**2, len(tangent.valid))[tangent.valid.reshape(-1)]
     return np.asarray(reads @ states @ reads.T + np.diag(noise))

@@ -54,7 +54,7 @@ def test_derivatives_are_those_of_another_library(model: mujoco.MjModel) -> None
         assert np.allclose(found.jacobian[t], np.hstack(exact[1:]), rtol=1e-6, atol=1e-6)
 
 
-def test_between_keys_derivatives_are_on_a_line(model: mujoco.MjModel) -> None:
+def test_derivatives_are_interpolated_between_keys(model: mujoco.MjModel) -> None:
     time = 0.01 * np.arange(11)
     position = np.stack([np.sin(time), np.cos(time)], axis=1)
     velocity = np.stack([np.cos(time), -np.sin(time)], axis=1)
@@ -68,7 +68,7 @@ def test_between_keys_derivatives_are_on_a_line(model: mujoco.MjModel) -> None:
     assert np.allclose(thin, whole, atol=1e-3 * np.abs(whole).max())
 
 
-def test_friction_that_holds_is_no_part_of_it(arm: Callable[..., Robot]) -> None:
+def test_dry_friction_is_left_out(arm: Callable[..., Robot]) -> None:
     command, still = np.full((3, 2), 0.1), np.zeros((3, 2))
     free = linearised(spec_of(arm()).compile(), still, still, command)
     held = spec_of(arm('frictionloss="5"', 'frictionloss="5"')).compile()

@@ -54,7 +54,7 @@ def test_effects_see_the_motion_at_the_acceleration_of_the_model(folder: Path) -
     # Half a step after the velocity of the simulation, by the model's own acceleration.
     data.qvel[:] = seen.about.velocity[at] + 0.5 * step * seen.motion.acceleration[at]
     mujoco.mj_forward(model, data)
-    # Between derivatives at every fourth sample are lines: 1e-3 of them.
+    # Derivatives are interpolated between every fourth sample, which costs about 1e-3.
     assert seen.motion.acceleration[at] == pytest.approx(data.qacc, rel=2e-3)
 
 

@@ -13,7 +13,7 @@ from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicHermiteSpline
 
 from morph.arrays import Array
-from morph.inference.reference import FLOOR, SampledRun, reference, strays
+from morph.inference.reference import FLOOR, SampledRun, outliers, reference
 
 H, NOISE = 0.004, 2e-3
 PENDULUM = """
@@ -67,7 +67,7 @@ def model() -> mujoco.MjModel:
     return mujoco.MjModel.from_xml_string(PENDULUM)
 
 
-def test_a_true_model_gives_the_motion_back(model: mujoco.MjModel) -> None:
+def test_the_true_model_recovers_the_motion(model: mujoco.MjModel) -> None:
     case = swing(lambda t: 0.0)
     found = reference(model, case["run"], guess(case))
     off = found.position[:, 0] - case["position"]
@@ -80,7 +80,7 @@ def test_a_true_model_gives_the_motion_back(model: mujoco.MjModel) -> None:
     assert np.sqrt(np.mean(found.force**2)) < 0.05
 
 
-def test_a_force_that_is_missing_is_found_along_the_run(model: mujoco.MjModel) -> None:
+def test_the_missing_force_is_recovered_along_the_run(model: mujoco.MjModel) -> None:
     missing = lambda t: 0.8 * np.sin(1.3 * t)  # noqa: E731
     case = swing(missing)
     found = reference(model, case["run"], guess(case))
@@ -91,7 +91,7 @@ def test_a_force_that_is_missing_is_found_along_the_run(model: mujoco.MjModel) -
     assert np.sqrt(np.mean(wrong**2)) > 0.8
 
 
-def test_a_disturbance_keeps_a_share_of_the_force_that_the_motion_needs(
+def test_the_missing_force_has_a_floor_relative_to_the_effort(
     model: mujoco.MjModel,
 ) -> None:
     case = swing(lambda t: 0.0)
@@ -103,7 +103,7 @@ def test_a_disturbance_keeps_a_share_of_the_force_that_the_motion_needs(
     assert found.leaving(1.0).scale == pytest.approx(found.disturbance.scale)
 
 
-def test_the_motion_obeys_the_step(model: mujoco.MjModel) -> None:
+def test_the_motion_is_that_of_a_semi_implicit_integrator(model: mujoco.MjModel) -> None:
     case = swing(lambda t: 0.3)
     found = reference(model, case["run"], guess(case))
     assert np.allclose(np.diff(found.position, axis=0), H * found.velocity[1:], atol=1e-9)
@@ -115,16 +115,16 @@ def test_readings_between_samples_are_compared_with_the_motion_there(
     case = swing(lambda t: 0.0)
     rng, run = np.random.default_rng(3), case["run"]
     between = CubicHermiteSpline(case["time"], case["position"], case["velocity"])
-    late = rng.uniform(-0.5 * H, 0.5 * H, (len(case["time"]), 1))
-    noise = 1e-4 * rng.normal(size=late.shape)
-    reading = between(case["time"][:, None] + late) + noise
-    told = replace(run, reading=reading, late=late, noise=np.array([1e-4]))
+    offset = rng.uniform(-0.5 * H, 0.5 * H, (len(case["time"]), 1))
+    noise = 1e-4 * rng.normal(size=offset.shape)
+    reading = between(case["time"][:, None] + offset) + noise
+    told = replace(run, reading=reading, time_offset=offset, noise=np.array([1e-4]))
     found = reference(model, told, case["position"][:, None])
     at = run.valid[:, 0]
     # At 2 rad/s a reading 1 ms late is 2e-3 off: twenty times the noise.
     assert np.sqrt(np.mean(found.error[at] ** 2)) < 1.5e-4
-    without = reference(model, replace(told, late=0.0), case["position"][:, None])
-    # Else they look like a force: nothing is missing, yet it is a hundred times the least.
+    without = reference(model, replace(told, time_offset=0.0), case["position"][:, None])
+    # Without the offsets, errors of time look like a force, a hundred times the floor.
     assert found.disturbance.scale[0] == pytest.approx(FLOOR * found.effort[0])
     assert without.disturbance.scale[0] > 100.0 * FLOOR * without.effort[0]
 
@@ -136,16 +136,16 @@ def test_a_reading_far_from_its_neighbours_is_left_out(model: mujoco.MjModel) ->
     reading[wrong, 0] += NOISE * np.array([12.0, 40.0, 40.0, -12.0])
     found = reference(model, replace(run, reading=reading), guess(case))
     left = np.flatnonzero(run.valid[:, 0] & ~found.tangent.valid[:, 0])
-    # Two beside each other may be a fact; among 750 none is 5 standard deviations off by chance.
+    # Two neighbours may be a real motion. Of 750 one is 5 deviations off in 1 of 2,000 runs.
     assert list(left) == [wrong[0], wrong[3]]
 
 
-def test_strays_are_judged_by_the_errors_around_them() -> None:
+def test_an_outlier_is_judged_by_the_errors_around_it() -> None:
     rng = np.random.default_rng(0)
     error = rng.normal(size=(400, 1)) * np.where(np.arange(400)[:, None] < 200, 1.0, 10.0)
     error[[100, 300]] = 15.0
     error[[99, 101, 299, 301]] = 0.0
     valid = np.ones_like(error, dtype=bool)
-    found = np.flatnonzero(strays(error, valid))
+    found = np.flatnonzero(outliers(error, valid))
     assert 100 in found
     assert 300 not in found

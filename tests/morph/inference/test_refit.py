@@ -87,7 +87,7 @@ MISSING = (
 )
 
 
-def test_the_truth_comes_back(nominal: Hypothesis, run: Episode) -> None:
+def test_the_true_figures_are_recovered(nominal: Hypothesis, run: Episode) -> None:
     whole = replace(nominal, effects=MISSING)
     found = refitted(whole, whole.start, [run], rounds=4)
     assert nominal.names == ("mass:rod",)
@@ -100,7 +100,7 @@ def test_the_truth_comes_back(nominal: Hypothesis, run: Episode) -> None:
     assert bias == pytest.approx(BIAS, abs=3e-3)
 
 
-def test_what_is_missing_costs_evidence(nominal: Hypothesis, run: Episode) -> None:
+def test_each_missing_effect_costs_evidence(nominal: Hypothesis, run: Episode) -> None:
     def evidence(effects: tuple[Effect, ...]) -> float:
         hypothesis = replace(nominal, effects=effects)
         return refitted(hypothesis, hypothesis.start, [run], rounds=3).evidence
@@ -108,18 +108,18 @@ def test_what_is_missing_costs_evidence(nominal: Hypothesis, run: Episode) -> No
     whole = evidence(MISSING)
     for gone in MISSING:
         assert evidence(tuple(each for each in MISSING if each is not gone)) < whole - 5.0
-    # A fifth of a law that does nothing explains nothing.
+    # A fourth effect, which nothing calls for, gains nothing.
     assert evidence((*MISSING, effect("Armature", "hinge"))) < whole + 1.0
 
 
-def test_a_step_that_helps_nothing_is_not_taken(nominal: Hypothesis, run: Episode) -> None:
+def test_a_step_that_gains_nothing_is_not_taken(nominal: Hypothesis, run: Episode) -> None:
     whole = replace(nominal, effects=MISSING)
     first = refitted(whole, whole.start, [run], rounds=4)
     again = refitted(whole, first.point, [run], before=first.runs, rounds=3)
     assert again.evidence >= first.evidence - 1e-6 or again.point == pytest.approx(first.point)
 
 
-def test_models_hold_what_is_smooth(nominal: Hypothesis) -> None:
+def test_the_model_includes_smooth_effects_only(nominal: Hypothesis) -> None:
     effects = (
         effect("ViscousFriction", "hinge", b=0.7),
         effect("CoulombFriction", "hinge", c=0.4),
@@ -135,7 +135,7 @@ def test_models_hold_what_is_smooth(nominal: Hypothesis) -> None:
     assert model.body_mass[-1] == pytest.approx(MASS + 0.5)
 
 
-def test_columns_are_differences_of_what_the_model_does(nominal: Hypothesis, run: Episode) -> None:
+def test_columns_are_derivatives_of_the_pendulum(nominal: Hypothesis, run: Episode) -> None:
     effects = (
         effect("ViscousFriction", "hinge", b=0.3),
         effect("CoulombFriction", "hinge", c=0.4),
@@ -147,11 +147,11 @@ def test_columns_are_differences_of_what_the_model_does(nominal: Hypothesis, run
     moved, shown = Columns.of(whole, whole.start).along(here)
     assert moved[:, :, 0] == pytest.approx(-here.about.acceleration)
     velocity, position = here.motion.velocity[:, 0], here.motion.position[:, 0]
-    rotates = MASS * ARM**2 + INERTIA + 0.2 * 0.0
-    # The payload stands at the link's origin, which turns about itself: it weighs nothing here.
+    # The payload is at the link's origin, on the axis: it has neither inertia nor weight there.
+    inertia = MASS * ARM**2 + INERTIA
     own = -MASS * ARM**2 * here.motion.acceleration[:, 0] - MASS * ARM * 9.81 * np.sin(position)
-    # Half a step of the trapezoidal rule: friction of 0.3 N m s.
-    scale = 1.0 / (rotates + 0.5 * STEP * 0.3)
+    # The trapezoidal rule adds half a step of the friction, 0.3 N m s/rad, to the inertia.
+    scale = 1.0 / (inertia + 0.5 * STEP * 0.3)
     names = {name: 1 + at for at, name in enumerate(whole.names)}
     exact = {
         "mass:rod": own * scale,
@@ -162,7 +162,7 @@ def test_columns_are_differences_of_what_the_model_does(nominal: Hypothesis, run
     }
     moving = np.abs(velocity) > 0.2
     for name, accelerates in exact.items():
-        # A step of 1e-3 in the logarithm: half of it in the figure.
+        # A step of 1e-3 in the logarithm of the mass: a one-sided difference is off by half of it.
         assert moved[moving, 0, names[name]] == pytest.approx(
             accelerates[moving], rel=2e-3, abs=1e-6
         ), name
@@ -170,7 +170,7 @@ def test_columns_are_differences_of_what_the_model_does(nominal: Hypothesis, run
     assert bias == pytest.approx(np.ones(len(bias)))
 
 
-def test_what_is_known_beforehand_counts_from_the_nominal(nominal: Hypothesis) -> None:
+def test_the_prior_is_about_the_nominal(nominal: Hypothesis) -> None:
     whole = replace(nominal, effects=MISSING)
     point = whole.start + 0.1
     assert prior(whole).tolist() == pytest.approx([1.0 / 0.25**2, 0.0, 0.0, 0.0])
