@@ -56,7 +56,8 @@ def check_chunks(dataset: Any) -> str:
 
 def _nominal(dataset: Any) -> int:
     """Return how many bytes a chunk declares."""
-    return math.prod(dataset.chunks) * int(dataset.dtype.itemsize)
+    nominal: int = math.prod(dataset.chunks) * dataset.dtype.itemsize
+    return nominal
 
 
 def _check_stored(dataset: Any, nominal: int, packer: int) -> str:
