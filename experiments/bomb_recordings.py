@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import gzip
+import sqlite3
 import struct
 import zlib
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
@@ -30,6 +32,20 @@ def objects_npz(path: Path) -> None:
 def many_npz(path: Path) -> None:
     """Two million members."""
     archive(path, {"a.npy": npy("(1,)", bytes(8))}, times=200_000)
+
+
+def header_npz(path: Path) -> None:
+    """An array's header of 400 MB."""
+    size = 400 * MIB
+    archive(path, {"a.npy": b"\x93NUMPY\x02\x00" + struct.pack("<I", size) + bytes(size)})
+
+
+def headers_npz(path: Path) -> None:
+    """Ten thousand headers, each with 600 entries for Python to parse."""
+    entries = "'fortran_order': False, 'shape': (1,), " + "'descr': '<f8', " * 600
+    head = f"{{{entries}}}\n".encode()
+    body = b"\x93NUMPY\x01\x00" + struct.pack("<H", len(head)) + head + bytes(8)
+    archive(path, {"a.npy": body}, times=9999)
 
 
 def nested_gz(path: Path) -> None:
@@ -113,6 +129,48 @@ def groups_hdf5(path: Path) -> None:
             group = inner
 
 
+def chunk_hdf5(path: Path) -> None:
+    """A hundred data sets of one number, each in a chunk of 250 MB."""
+    import h5py
+
+    size = 250 * MIB
+    with h5py.File(path, "w") as file:
+        like = {"maxshape": (None,), "chunks": (size,), "compression": "gzip"}
+        made = file.create_dataset("0", (1,), "i1", **like)
+        made.id.write_direct_chunk((0,), zlib.compress(bytes(size)))
+        for at in range(1, 100):
+            file.id.links.create_hard(str(at).encode(), file.id, b"0")
+
+
+def tree_db3(path: Path) -> None:
+    """70^12 messages: each page of a tree lists the one below it 70 times.
+
+    Source: https://www.sqlite.org/fileformat2.html, section 1.6.
+    """
+    size, children = 512, 70
+    with closing(sqlite3.connect(path)) as database:
+        database.executescript(
+            f"PRAGMA page_size = {size}; CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT, "
+            "type TEXT, serialization_format TEXT); CREATE TABLE messages(id INTEGER PRIMARY KEY, "
+            "topic_id INTEGER, timestamp INTEGER, data BLOB); "
+            "INSERT INTO topics VALUES (1, '/a', 'std_msgs/msg/Header', 'cdr'); "
+            "INSERT INTO messages VALUES (1, 2, 3, x'00');"
+        )
+        ((root,),) = database.execute("SELECT rootpage FROM sqlite_master WHERE name = 'messages'")
+    content = bytearray(path.read_bytes())
+    begin, places = (root - 1) * size, range(size - 5 * children, size, 5)
+    content += content[begin : begin + size]
+    for _ in range(12):
+        below = len(content) // size
+        page = struct.pack(">BHHHBI", 5, 0, children, places[0], 0, below)
+        page += struct.pack(f">{children}H", *places)
+        page += bytes(places[0] - len(page)) + (struct.pack(">I", below) + b"\x01") * children
+        content += page
+    content[begin : begin + size] = page
+    content[28:32] = struct.pack(">I", len(content) // size)
+    path.write_bytes(content)
+
+
 def chunks_mcap(path: Path) -> None:
     """Chunks of 64 MB of zeros, packed to some kilobytes each."""
     import zstandard
@@ -130,6 +188,8 @@ RECORDINGS = (
     Bomb(name="long.npz", reader="recording", make=long_npz),
     Bomb(name="objects.npz", reader="recording", make=objects_npz),
     Bomb(name="many.npz", reader="recording", make=many_npz),
+    Bomb(name="header.npz", reader="recording", make=header_npz),
+    Bomb(name="headers.npz", reader="recording", make=headers_npz),
     Bomb(name="zeros.csv.gz", reader="recording", make=lambda p: gz(p, b"0,0\n" * MIB, 128)),
     Bomb(name="commas.csv.gz", reader="recording", make=lambda p: gz(p, b"," * MIB, 500)),
     Bomb(
@@ -177,6 +237,8 @@ RECORDINGS = (
     Bomb(name="zeros.h5", reader="recording", make=zeros_hdf5),
     Bomb(name="sets.h5", reader="recording", make=sets_hdf5),
     Bomb(name="groups.h5", reader="recording", make=groups_hdf5),
+    Bomb(name="chunk.h5", reader="recording", make=chunk_hdf5),
+    Bomb(name="tree.db3", reader="recording", make=tree_db3),
     Bomb(name="chunks.mcap", reader="recording", make=chunks_mcap),
 )
 """Tricks on readers of recordings."""

@@ -57,13 +57,11 @@ def cost_of(bomb: Bomb, folder: Path) -> tuple[Cost, Cost]:
     with tempfile.TemporaryDirectory() as other:
         good = _good(path, Path(other))
         _refusal(bomb.reader, good)
-        baseline = _cost(bomb.reader, good)
-    return _cost(bomb.reader, path), baseline
+        return _cost(bomb.reader, path, good), _cost(bomb.reader, good, good)
 
 
-def _cost(reader: str, path: Path) -> Cost:
-    started = _children()
-    row = _forked(lambda: vars(_read_within_limits(reader, path, started)))
+def _cost(reader: str, path: Path, good: Path) -> Cost:
+    row = _forked(lambda: vars(_read_within_limits(reader, path, good)))
     return Cost(refused="", memory_mb=math.inf, cpu_s=math.inf) if row is None else Cost(**row)
 
 
@@ -87,21 +85,27 @@ def _forked(work: Callable[[], Any]) -> Any:
     return json.loads(content) if content else None
 
 
-def _read_within_limits(reader: str, path: Path, started: float) -> Cost:
+def _read_within_limits(reader: str, path: Path, good: Path) -> Cost:
     """Read a file within limits of memory and time, and return the cost.
 
     Args:
         reader: Key of `READERS`.
         path: The file.
-        started: Peak memory of the reader's child processes on a good file, bytes.
+        good: A good file, read first: its child processes take what libraries take.
     """
+    # A fork begins without children: those of earlier bombs would hide the growth of this one's.
+    _refusal(reader, good)
     memory, spent = _used(resource.RUSAGE_SELF)
+    children, their_spent = _used(resource.RUSAGE_CHILDREN)
     resource.setrlimit(resource.RLIMIT_CPU, (int(spent) + MAX_SECONDS,) * 2)
     refused = _refusal(reader, path)
     after, later = _used(resource.RUSAGE_SELF)
-    _, children = _used(resource.RUSAGE_CHILDREN)
-    grown = after - memory + max(0.0, _children() - started)
-    return Cost(refused=refused, memory_mb=grown / 1e6, cpu_s=later - spent + children)
+    their_after, their_later = _used(resource.RUSAGE_CHILDREN)
+    return Cost(
+        refused=refused,
+        memory_mb=(after - memory + their_after - children) / 1e6,
+        cpu_s=later - spent + their_later - their_spent,
+    )
 
 
 def _refusal(reader: str, path: Path) -> str:
@@ -121,10 +125,6 @@ def _used(who: int) -> tuple[float, float]:
     used = resource.getrusage(who)
     # Linux gives ru_maxrss in KiB.
     return used.ru_maxrss * 1024.0, used.ru_utime + used.ru_stime
-
-
-def _children() -> float:
-    return _used(resource.RUSAGE_CHILDREN)[0]
 
 
 def limit_memory() -> None:

@@ -22,6 +22,9 @@ ENTRY = b"PK\x01\x02"
 PIECE = 1 << 20
 """Bytes of the archive that are looked through at once."""
 
+MOST_HEADERS = 2 << 20
+"""Most bytes of all headers together; numpy writes 118 for a plain array, and reads any number."""
+
 HEADERS = {
     (1, 0): np.lib.format.read_array_header_1_0,
     (2, 0): np.lib.format.read_array_header_2_0,
@@ -50,9 +53,10 @@ def load_npz(source: Path | bytes | BinaryIO, most: int) -> dict[str, Any]:
     try:
         with zipfile.ZipFile(file) as archive:
             members = archive.infolist()
-            total = 0
+            total, room = 0, MOST_HEADERS
             for member in members:
-                total += _memory(archive, member)
+                memory, header = _declared(archive, member, room)
+                total, room = total + memory, room - header
                 if total > most:
                     raise OSError(errno.EFBIG, f"its arrays take more than {most} bytes")
             return {_name(each): _array(archive, each) for each in members}
@@ -82,8 +86,8 @@ def _name(member: zipfile.ZipInfo) -> str:
     return member.filename.removesuffix(".npy")
 
 
-def _memory(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> int:
-    """Return how many bytes an array will take, once its header fits what is there."""
+def _declared(archive: zipfile.ZipFile, member: zipfile.ZipInfo, room: int) -> tuple[int, int]:
+    """Return how many bytes an array will take and its header has, once they fit what is there."""
     name = _name(member)
     if member.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
         raise ValueError(f"{name} is packed by method {member.compress_type}, no NPZ's")
@@ -91,13 +95,17 @@ def _memory(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> int:
         version = np.lib.format.read_magic(file)
         if version not in HEADERS:
             raise ValueError(f"{name} has the format {version}")
+        length = int.from_bytes(file.read(2 * version[0]), "little")
+        if length > room:
+            raise ValueError(f"with that of {name} the headers have more than {MOST_HEADERS} bytes")
+        file.seek(-2 * version[0], io.SEEK_CUR)
         shape, _, dtype = HEADERS[version](file)
         if dtype.hasobject:
             raise ValueError(f"{name} holds objects, which are never read")
         declared, held = math.prod(shape) * dtype.itemsize, member.file_size - file.tell()
     if min(shape, default=0) < 0 or declared != held:
         raise ValueError(f"{name} declares {declared} bytes and has {held}")
-    return math.prod(shape) * max(dtype.itemsize, 8)
+    return math.prod(shape) * max(dtype.itemsize, 8), length
 
 
 def _array(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> Any:

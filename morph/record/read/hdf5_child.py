@@ -41,13 +41,15 @@ def main() -> None:
 def _read(request: dict[str, Any], path: Path) -> None:
     import h5py
 
-    from morph.record.read.hdf5_file import blocks_in, numbers_of
+    from morph.record.read.hdf5_file import Bounds, blocks_in, numbers_of
 
-    with h5py.File(path, "r", locking=False) as file:
+    bounds = Bounds(path)
+    # Each chunk is read once: a cache of them for each data set would only take memory.
+    with h5py.File(path, "r", locking=False, rdcc_nbytes=0) as file:
         for block in blocks_in(file, path, request["key"], request["wanted"], request["every"]):
             names = list(block.columns)
             _say({"key": block.key, "named": block.named, "names": names, "note": block.note})
-            for numbers in numbers_of(block, path):
+            for numbers in numbers_of(block, bounds):
                 _say({"shape": numbers.shape})
                 sys.stdout.buffer.write(numbers.tobytes())
 

@@ -19,9 +19,15 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.errors import RecordingError
-from morph.record.limits import MOST_COLUMNS, MOST_ENTRIES, most_unpacked, too_much
+from morph.record.limits import (
+    MOST_CHUNK,
+    MOST_COLUMNS,
+    MOST_ENTRIES,
+    most_unpacked,
+    too_much,
+)
 from morph.record.nearest import nearest
-from morph.record.read.inflate import check_chunks
+from morph.record.read.inflate import check_chunks, chunk_bytes
 from morph.record.read.table import listed
 
 DEEPEST = 32
@@ -56,22 +62,47 @@ def blocks_in(
         yield _block(file, one, wanted, path)
 
 
-def numbers_of(block: Block, path: Path) -> Iterator[Array]:
+class Bounds:
+    """Counts what the data sets of a file take, over all episodes: these may share their bytes."""
+
+    def __init__(self, path: Path) -> None:
+        """Start the count of one file."""
+        self._path = path
+        self._most = most_unpacked(path.stat().st_size)
+        self._numbers = self._chunks = 0
+
+    def check(self, name: str, dataset: Any) -> None:
+        """Count a data set.
+
+        Raises:
+            RecordingError: Its size, or how it is packed, is not to be trusted.
+        """
+        self._numbers += math.prod(dataset.shape) * max(dataset.dtype.itemsize, 8)
+        if self._numbers > self._most:
+            shape = " x ".join(map(str, dataset.shape))
+            why = f"with its {shape} numbers the columns take more than {self._most} bytes"
+            raise too_much(f"{name} cannot be read: {why}", f"{self._path}, {name}")
+        # A chunk is unpacked whole, however few of its numbers are the data set's.
+        self._chunks += chunk_bytes(dataset)
+        most = max(self._most, MOST_CHUNK)
+        if self._chunks > most:
+            raise too_much(
+                f"{name} cannot be read: with its chunks more than {most} bytes are unpacked",
+                f"{self._path}, {name}",
+            )
+        why = check_chunks(dataset)
+        if why:
+            raise _refused(name, why, self._path)
+
+
+def numbers_of(block: Block, bounds: Bounds) -> Iterator[Array]:
     """Give the numbers of an episode's columns, one data set after another.
 
     Raises:
         RecordingError: Their sizes, or how they are packed, are not to be trusted.
     """
-    total, most = 0, most_unpacked(path.stat().st_size)
     for name, one in block.columns.items():
-        total += math.prod(one.shape) * max(one.dtype.itemsize, 8)
-        if total > most:
-            shape = " x ".join(map(str, one.shape))
-            why = f"with its {shape} numbers the columns take more than {most} bytes"
-            raise too_much(f"{name} cannot be read: {why}", f"{path}, {name}")
-        why = check_chunks(one)
-        if why:
-            raise _refused(name, why, path)
+        bounds.check(name, one)
     for one in block.columns.values():
         with np.errstate(over="ignore"):
             yield np.asarray(one[()]).astype(np.float64)

@@ -21,6 +21,15 @@ SLACK = 4096
 """Bytes that a chunk may take beyond its data, for checksums and what does not pack well."""
 
 
+def chunk_bytes(dataset: Any) -> int:
+    """Return how many bytes the stored chunks of a data set unpack to, as they declare.
+
+    Args:
+        dataset: An `h5py.Dataset`.
+    """
+    return dataset.id.get_num_chunks() * _nominal(dataset) if dataset.chunks else 0
+
+
 def check_chunks(dataset: Any) -> str:
     """Return why a data set's chunks cannot be read, or nothing.
 
@@ -29,7 +38,7 @@ def check_chunks(dataset: Any) -> str:
     """
     if dataset.chunks is None:
         return ""
-    nominal = math.prod(dataset.chunks) * dataset.dtype.itemsize
+    nominal = _nominal(dataset)
     if nominal > MOST_CHUNK:
         return f"its chunks declare {nominal} bytes each; at most {MOST_CHUNK} are read"
     if dataset.id.get_num_chunks() > MOST_CHUNKS:
@@ -43,6 +52,12 @@ def check_chunks(dataset: Any) -> str:
     if len(packers) > 1:
         return "it is packed more than once"
     return _check_stored(dataset, nominal, packers[0]) if packers else ""
+
+
+def _nominal(dataset: Any) -> int:
+    """Return how many bytes a chunk declares."""
+    nominal: int = math.prod(dataset.chunks) * dataset.dtype.itemsize
+    return nominal
 
 
 def _check_stored(dataset: Any, nominal: int, packer: int) -> str:

@@ -23,6 +23,27 @@ COLUMNS = {
 """What each table must have."""
 
 
+STEP = 10_000
+"""Instructions of SQLite between two looks at their number."""
+
+FREE_STEPS, STEPS_A_BYTE = 1_000_000, 10
+"""Instructions for a file of any size, and for each of its bytes. A row takes some 30 of them in
+all, and ten bytes at least."""
+
+
+class _Steps:
+    """Counts SQLite's instructions: pages may list each other so that a table has no end."""
+
+    def __init__(self, size: int) -> None:
+        self.size = size
+        self.left = FREE_STEPS + STEPS_A_BYTE * size
+
+    def none_left(self) -> bool:
+        """Return whether SQLite is to stop; called every `STEP` instructions."""
+        self.left -= STEP
+        return self.left < 0
+
+
 def scan_sqlite(path: Path, messages: Messages) -> None:
     """Add what is wanted of a `.db3` file to the messages of a bag.
 
@@ -32,18 +53,21 @@ def scan_sqlite(path: Path, messages: Messages) -> None:
         RecordingError: The file is missing, empty, truncated or damaged, or is
             not a bag.
     """
-    size_of(path)
+    steps = _Steps(size_of(path))
     _refuse_unfinished(path)
     try:
         name = quote(str(path.absolute()))
         with closing(sqlite3.connect(f"file:{name}?mode=ro&immutable=1", uri=True)) as database:
-            database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, MOST_CHUNK)
+            # Pages may refer to each other in circles: nothing is longer than the file.
+            database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, min(MOST_CHUNK, steps.size))
+            database.set_progress_handler(steps.none_left, STEP)
             database.execute("PRAGMA trusted_schema = OFF")
             _check_tables(database, path)
             _scan(database, path, messages)
     # A text that is not UTF-8 and an integer too great for SQLite are none of its own errors.
     except (sqlite3.Error, sqlite3.Warning, UnicodeError, OverflowError) as error:
-        raise _damaged(path, str(error)) from error
+        what = "its tables list more than its bytes can hold" if steps.left < 0 else str(error)
+        raise _damaged(path, what) from error
 
 
 def _damaged(path: Path, what: str) -> RecordingError:
@@ -83,11 +107,15 @@ def _check_tables(database: sqlite3.Connection, path: Path) -> None:
 def _scan(database: sqlite3.Connection, path: Path, messages: Messages) -> None:
     topics: dict[int, Topic] = {}
     wanted: list[int] = []
+    room = path.stat().st_size
     for number, *texts in database.execute(
         "SELECT id, name, type, serialization_format FROM topics ORDER BY id"
     ):
         if not isinstance(number, int) or not all(isinstance(text, str) for text in texts):
             raise _damaged(path, f"the topic {number!r} has no name or type")
+        room -= sum(map(len, texts))
+        if room < 0:
+            raise _damaged(path, "its topics have longer names than its bytes can hold")
         topics[number] = Topic(name=texts[0], kind=texts[1], encoding=texts[2])
         if messages.meet(topics[number], path):
             wanted.append(number)

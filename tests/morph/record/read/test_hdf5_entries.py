@@ -70,3 +70,15 @@ def test_what_is_read_at_once_is_counted_groups_included(
     for every, entries, columns in ((False, 99, 14), (True, 99, 3), (True, 5, 99), (True, 99, 2)):
         with pytest.raises(RecordingError, match="more groups and data sets than are read"):
             read(every, entries, columns)
+
+
+def test_episodes_that_share_their_bytes_are_counted_together(tmp_path: Path) -> None:
+    path = tmp_path / "run.h5"
+    with h5py.File(path, "w") as file:
+        # Half of the 64 MB that a small file may unpack to.
+        made = file.create_dataset("0/time", 4 * 2**20, "f8", chunks=(2**19,), fillvalue=1.0)
+        for day in "123":
+            file[f"{day}/time"] = made
+    with pytest.raises(RecordingError, match="the columns take more than") as caught:
+        load(path)
+    assert caught.value.where == f"{path}, time"

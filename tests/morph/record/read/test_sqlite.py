@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import re
 import sqlite3
 from collections.abc import Callable
 from contextlib import closing
@@ -106,3 +107,28 @@ def test_a_file_whose_last_messages_stand_in_a_journal_is_refused(bag: Path) -> 
     with pytest.raises(RecordingError, match=r"run\.db3-wal beside it is not empty") as caught:
         load(bag)
     assert "wal_checkpoint" in caught.value.fix
+
+
+def test_topics_that_share_the_pages_of_a_name_are_refused(tmp_path: Path) -> None:
+    path, size = tmp_path / "run.db3", 4096
+    change(
+        path,
+        "CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT, type TEXT, "
+        "serialization_format TEXT)",
+        "CREATE TABLE messages(topic_id INTEGER, timestamp INTEGER, data BLOB)",
+    )
+    sizes = []
+    for row in range(6):
+        # So long that of each name only some 500 letters stand in the page that lists the rows.
+        change(path, f"INSERT INTO topics VALUES ({row}, '{'a' * 37_320}', '', 'cdr')")
+        sizes.append(path.stat().st_size)
+    content = path.read_bytes()
+    rows, split = content[size : 2 * size], re.compile(rb"(?<=a{200})\0...", re.DOTALL)
+    # The number of the page in which a name goes on; the first row stands at the end.
+    *_, first = nexts = split.findall(rows)
+    assert len(nexts) == 6
+    pages = (sizes[0] // size).to_bytes(4, "big")
+    shared = content[:28] + pages + content[32:size] + split.sub(lambda _: first, rows)
+    path.write_bytes(shared + content[2 * size : sizes[0]])
+    with pytest.raises(RecordingError, match="longer names than its bytes can hold"):
+        load(path)
