@@ -70,7 +70,7 @@ def ranked(nominal: Hypothesis, episodes: Sequence[Episode]) -> list[Explanation
                 start,
                 point,
                 episodes,
-                before=before.runs,
+                origin=before,
                 rounds=STEPS,
                 least=_gain(best, prices) + price - WORSE,
             )

@@ -24,6 +24,8 @@ from morph.sim.drive import received
 
 NUDGE = 1e-3
 """Finite-difference step of an own figure's logarithm."""
+SHARES = (0.3, 0.1)
+"""Parts of a step that are tried where the whole step gains nothing."""
 SETTLED = 1.0
 """Nats: a refit ends with a step that gains less evidence."""
 
@@ -109,11 +111,11 @@ def refitted(
     point: Array,
     episodes: Sequence[Episode],
     *,
-    before: Sequence[Observed] | None = None,
+    origin: Refit | None = None,
     rounds: int = 2,
     least: float = -math.inf,
 ) -> Refit:
-    """Return the best of some Gauss-Newton steps of a hypothesis to its likeliest point.
+    """Return a hypothesis refitted to runs by Gauss-Newton steps, shortened if they gain nothing.
 
     Source: Bell 1994, SIAM Journal on Optimization 4(3), 626-636 (Gauss-Newton through a smoother).
 
@@ -121,39 +123,78 @@ def refitted(
         hypothesis: Own figures and effects.
         point: The first point, shape (entries,).
         episodes: The runs.
-        before: The runs by a similar hypothesis.
+        origin: A refit of the same hypothesis less its last effects. A first point that explains
+            less than it is moved toward it.
         rounds: Most steps.
         least: Stop where the next step predicts less evidence, nats.
     """
     # Effects act along a motion: without one it is that of the model alone.
-    runs = before or seen(replace(hypothesis, effects=()), point[: len(hypothesis.knobs)], episodes)
-    runs = seen(hypothesis, point, episodes, runs) if hypothesis.effects or before else runs
-    best, rank, trust = None, 0, prior(hypothesis)
-    for turn in range(rounds + 1):
-        last = turn == rounds and turn > 0
-        gram, logarithm = _gram(hypothesis, point, runs, errors_alone=last)
-        at = offset(hypothesis, point)
-        if not last:
-            inner = gram[1:, 1:] + np.diag(trust)
-            along = gram[1:, 0] - trust * at
-            low, high = hypothesis.low - point - 1e-9, hypothesis.high - point + 1e-9
-            step, rank = bounded(inner, along, low, high)
-        readings = sum(int(run.about.tangent.valid.sum()) for run in runs)
-        effects = max(0, rank - len(hypothesis.knobs))
-        square = gram[0, 0] + at @ (trust * at)
-        evidence = -0.5 * float(square + logarithm) - 0.5 * effects * math.log(readings)
-        if best is not None and evidence <= best.evidence:
+    bare = replace(hypothesis, effects=())
+    runs = origin.runs if origin else seen(bare, point[: len(hypothesis.knobs)], episodes)
+    runs = seen(hypothesis, point, episodes, runs) if hypothesis.effects or origin else runs
+    best = _judged(hypothesis, point, runs, len(point))
+    if origin is not None:
+        idle = _idle(hypothesis, origin)
+        price = 0.5 * (len(point) - len(origin.point)) * math.log(_readings(runs))
+        for share in SHARES:
+            if best.evidence >= origin.evidence - price:
+                break
+            near = idle + share * (point - idle)
+            runs = seen(hypothesis, near, episodes, origin.runs)
+            best = max(best, _judged(hypothesis, near, runs, len(point)), key=lambda r: r.evidence)
+    for turn in range(rounds):
+        step, rank, gained = _newton(best)
+        if turn == 0:
+            best = _judged(hypothesis, best.point, best.runs, rank)
+        if best.evidence + gained < least:
             break
-        settled = best is not None and evidence < best.evidence + SETTLED
-        best = Refit(hypothesis=hypothesis, point=point, runs=runs, evidence=evidence)
-        promised = evidence + (0.0 if last else float(along @ step - 0.5 * step @ inner @ step))
-        if settled or promised < least:
+        before = best
+        for share in (1.0, *SHARES):
+            point = np.clip(best.point + share * step, hypothesis.low, hypothesis.high)
+            found = _judged(hypothesis, point, seen(hypothesis, point, episodes, best.runs), rank)
+            if found.evidence > best.evidence:
+                best = found
+                break
+        if best is before or (share == 1.0 and best.evidence < before.evidence + SETTLED):
             break
-        if turn < rounds:
-            point = np.clip(point + step, hypothesis.low, hypothesis.high)
-            runs = seen(hypothesis, point, episodes, runs)
-    assert best is not None
     return best
+
+
+def _idle(hypothesis: Hypothesis, origin: Refit) -> Array:
+    """Return the point at which a hypothesis with further effects is that of `origin`."""
+    count = len(origin.effects)
+    neutral = (effect.neutral() for effect in hypothesis.effects[count:])
+    point = replace(hypothesis, effects=(*hypothesis.effects[:count], *neutral)).start
+    return np.concatenate([origin.point, point[len(origin.point) :]])
+
+
+def _newton(at: Refit) -> tuple[Array, int, float]:
+    """Return the Gauss-Newton step, the rank of its columns and the nats that it predicts."""
+    hypothesis, trust = at.hypothesis, prior(at.hypothesis)
+    gram = _gram(hypothesis, at.point, at.runs)
+    inner = gram[1:, 1:] + np.diag(trust)
+    along = gram[1:, 0] - trust * offset(hypothesis, at.point)
+    low, high = hypothesis.low - at.point - 1e-9, hypothesis.high - at.point + 1e-9
+    step, rank = bounded(inner, along, low, high)
+    return step, rank, float(along @ step - 0.5 * step @ inner @ step)
+
+
+def _judged(hypothesis: Hypothesis, point: Array, runs: Sequence[Observed], rank: int) -> Refit:
+    """Return a point with its evidence, given the rank of all columns."""
+    at = offset(hypothesis, point)
+    evidence = -0.5 * float(at @ (prior(hypothesis) * at))
+    for run in runs:
+        about = run.about
+        leaving = replace(about.disturbance, noise=run.run.noise)
+        shown, moved = about.error[:, :, None], -about.acceleration[:, :, None]
+        level = whitened(about.tangent, leaving, shown, moved)
+        evidence -= 0.5 * (float(level.gram[0, 0]) + level.logarithm)
+    evidence -= 0.5 * max(0, rank - len(hypothesis.knobs)) * math.log(_readings(runs))
+    return Refit(hypothesis=hypothesis, point=point, runs=runs, evidence=evidence)
+
+
+def _readings(runs: Sequence[Observed]) -> int:
+    return sum(int(run.about.tangent.valid.sum()) for run in runs)
 
 
 def prior(hypothesis: Hypothesis) -> Array:
@@ -166,23 +207,14 @@ def offset(hypothesis: Hypothesis, point: Array) -> Array:
     return np.asarray(point - np.where(np.isnan(hypothesis.likely), point, hypothesis.likely))
 
 
-def _gram(
-    hypothesis: Hypothesis, point: Array, runs: Sequence[Observed], *, errors_alone: bool
-) -> tuple[Array, float]:
-    """Return the Gram matrix of [errors, entries of a point] and log det S, over all runs."""
-    size, logarithm = 1 if errors_alone else 1 + len(point), 0.0
-    columns = None if errors_alone else Columns.of(hypothesis, point)
-    whole = np.zeros((size, size))
+def _gram(hypothesis: Hypothesis, point: Array, runs: Sequence[Observed]) -> Array:
+    """Return the Gram matrix of [errors, entries of a point] over all runs."""
+    columns, whole = Columns.of(hypothesis, point), np.zeros((1 + len(point), 1 + len(point)))
     for run in runs:
-        about = run.about
-        moved, shown = -about.acceleration[:, :, None], about.error[:, :, None]
-        if columns is not None:
-            moved, shown = columns.along(run)
-        leaving = replace(about.disturbance, noise=run.run.noise)
-        found = whitened(about.tangent, leaving, shown, moved)
-        whole += found.gram
-        logarithm += found.logarithm
-    return whole, logarithm
+        moved, shown = columns.along(run)
+        leaving = replace(run.about.disturbance, noise=run.run.noise)
+        whole += whitened(run.about.tangent, leaving, shown, moved).gram
+    return whole
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
