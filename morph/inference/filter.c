@@ -17,8 +17,11 @@
 #include <stdint.h>
 #include <string.h>
 
+#define INLINE static inline __attribute__((always_inline))
+
 /* y = J x of `width` columns side by side; J (n, 3n), x (3n, width). */
-static void accelerate(int n, int width, const double *J, const double *x, double *y)
+INLINE void accelerate(int n, int width, const double *restrict J,
+		       const double *restrict x, double *restrict y)
 {
 	int N = 3 * n;
 	memset(y, 0, sizeof(double) * (size_t)n * width);
@@ -35,8 +38,8 @@ static void accelerate(int n, int width, const double *J, const double *x, doubl
 }
 
 /* x <- F x of `width` columns, input (n, width) or NULL added to the acceleration. */
-static void advance(int n, int width, double h, double keep, const double *J, const double *input,
-		    double *x, double *a)
+INLINE void advance(int n, int width, double h, double keep, const double *restrict J,
+		    const double *restrict input, double *restrict x, double *restrict a)
 {
 	accelerate(n, width, J, x, a);
 	size_t block = (size_t)n * width;
@@ -51,7 +54,7 @@ static void advance(int n, int width, double h, double keep, const double *J, co
 	}
 }
 
-static void transpose(int N, double *P)
+INLINE void transpose(int N, double *P)
 {
 	for (int i = 0; i < N; i++)
 		for (int j = 0; j < i; j++) {
@@ -72,7 +75,7 @@ static void transpose(int N, double *P)
  * Scratch: work, n * max(width, 3n) numbers.
  * Returns the sum of the logarithms of the innovations' variances.
  */
-double morph_filter(int n, int m, int width, int64_t steps, double h, double keep, const double *J,
+INLINE double filter(int n, int m, int width, int64_t steps, double h, double keep, const double *J,
 		    const double *input, const double *C, const uint8_t *valid, const double *reading,
 		    const double *noise, const double *added, const double *jolt, double *delta,
 		    double *P, double *white, double *covariance, double *predicted, double *gain,
@@ -95,12 +98,12 @@ double morph_filter(int n, int m, int width, int64_t steps, double h, double kee
 			}
 			memcpy(out, reading + ((size_t)t * m + r) * width, sizeof(double) * width);
 			double s = noise[r];
-			for (int i = 0; i < N; i++) {
-				column[i] = 0.0;
-				for (int j = 0; j < N; j++)
-					if (row[j] != 0.0)
-						column[i] += P[i * N + j] * row[j];
-			}
+			/* Rows of P serve as columns: it is symmetric. */
+			memset(column, 0, sizeof column);
+			for (int j = 0; j < N; j++)
+				if (row[j] != 0.0)
+					for (int i = 0; i < N; i++)
+						column[i] += row[j] * P[j * N + i];
 			for (int j = 0; j < N; j++)
 				if (row[j] != 0.0) {
 					s += row[j] * column[j];
@@ -146,6 +149,30 @@ double morph_filter(int n, int m, int width, int64_t steps, double h, double kee
 				P[i * N + j] = P[j * N + i] = 0.5 * (P[i * N + j] + P[j * N + i]);
 	}
 	return logarithm;
+}
+
+#define FILTER(N, WIDTH) \
+	filter(N, m, WIDTH, steps, h, keep, J, input, C, valid, reading, noise, added, jolt, delta, \
+	       P, white, covariance, predicted, gain, variance, work)
+
+/* `filter`, compiled for each small n and one column: loops of known length are several times as
+ * fast, and a likelihood is evaluated thousands of times. */
+double morph_filter(int n, int m, int width, int64_t steps, double h, double keep, const double *J,
+		    const double *input, const double *C, const uint8_t *valid, const double *reading,
+		    const double *noise, const double *added, const double *jolt, double *delta,
+		    double *P, double *white, double *covariance, double *predicted, double *gain,
+		    double *variance, double *work)
+{
+	switch (width == 1 ? n : 0) {
+	case 1: return FILTER(1, 1);
+	case 2: return FILTER(2, 1);
+	case 3: return FILTER(3, 1);
+	case 4: return FILTER(4, 1);
+	case 5: return FILTER(5, 1);
+	case 6: return FILTER(6, 1);
+	case 7: return FILTER(7, 1);
+	default: return FILTER(n, width);
+	}
 }
 
 /* Smooth the first column of a filter's run: the modified Bryson-Frazier form.
