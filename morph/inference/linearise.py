@@ -44,14 +44,9 @@ def linearised(
     """
     samples, dofs = position.shape
     data = mujoco.MjData(model)
-    acceleration = np.empty((samples, dofs))
     keys = np.unique(np.append(np.arange(0, samples, every), samples - 1))
     jacobians = np.empty((len(keys), dofs, 3 * dofs))
     with _unconstrained(model):
-        for t in range(samples):
-            data.qpos[:], data.qvel[:], data.ctrl[:] = position[t], velocity[t], command[t]
-            mujoco.mj_forward(model, data)
-            acceleration[t] = data.qacc
         for at, t in enumerate(keys):
             data.qpos[:], data.qvel[:], data.ctrl[:] = position[t], velocity[t], command[t]
             jacobians[at] = _jacobian(model, data)
@@ -60,7 +55,28 @@ def linearised(
     share = (place - low)[:, None, None]
     high = np.minimum(low + 1, len(keys) - 1)
     jacobian = (1.0 - share) * jacobians[low] + share * jacobians[high]
-    return Linearisation(acceleration=acceleration, jacobian=jacobian)
+    found = accelerations(model, position, velocity, command)
+    return Linearisation(acceleration=found, jacobian=jacobian)
+
+
+def accelerations(model: mujoco.MjModel, position: Array, velocity: Array, command: Array) -> Array:
+    """Return a model's acceleration along a motion, per s2, shape (samples, dofs).
+
+    Constraints are left out.
+
+    Args:
+        model: The model; its state has a position for each degree of freedom.
+        position: rad or m, shape (samples, dofs).
+        velocity: Per s, same shape.
+        command: Controls, shape (samples, actuators).
+    """
+    data, found = mujoco.MjData(model), np.empty_like(position)
+    with _unconstrained(model):
+        for t in range(len(position)):
+            data.qpos[:], data.qvel[:], data.ctrl[:] = position[t], velocity[t], command[t]
+            mujoco.mj_forward(model, data)
+            found[t] = data.qacc
+    return found
 
 
 def supplied(

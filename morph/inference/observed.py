@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import mujoco
 import numpy as np
@@ -18,7 +19,7 @@ from morph.inference.reference import (
     reference,
 )
 from morph.model.episodes import Episode, moving_joints
-from morph.physics.body_motion import body_motions
+from morph.physics.body_motion import BodyMotion, body_motions
 from morph.physics.effect import Effect
 from morph.physics.motion import Motion, actuator_moments
 from morph.sim.drive import received
@@ -86,6 +87,26 @@ def observed(
         )
         about = replace(about, disturbance=likeliest_disturbance(about, steps=FEWER_STEPS))
     return Observed(run=run, about=about, motion=motion, sent=read.command)
+
+
+class _Bodies(Mapping[str, BodyMotion]):
+    """How links move, computed when first asked for: few effects ask."""
+
+    def __init__(self, compute: Callable[[], dict[str, BodyMotion]]) -> None:
+        self._compute = compute
+
+    @cached_property
+    def _found(self) -> dict[str, BodyMotion]:
+        return self._compute()
+
+    def __getitem__(self, name: str) -> BodyMotion:
+        return self._found[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._found)
+
+    def __len__(self) -> int:
+        return len(self._found)
 
 
 def force_of(effects: Sequence[Effect], motion: Motion) -> Array:
@@ -178,7 +199,7 @@ def _motion(model: mujoco.MjModel, robot: Robot, about: Reference, run: SampledR
         stiffness=np.asarray(-np.linalg.solve(jacobian[:, :, 2 * dofs :], jacobian[:, :, :dofs])),
         joints={joint.name: model.joint(joint.name).dofadr[0] for joint in robot.joints},
         actuators={actuator.name: at for at, actuator in enumerate(robot.actuators)},
-        bodies=body_motions(model, links, about.position, velocity, acceleration),
+        bodies=_Bodies(lambda: body_motions(model, links, about.position, velocity, acceleration)),
         time=run.step * np.arange(samples, dtype=float),
         command=run.command,
         driven={actuator.name: actuator.joint for actuator in robot.actuators},
