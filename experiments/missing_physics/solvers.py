@@ -16,12 +16,15 @@ from experiments.missing_physics.seal import open_seal
 from experiments.missing_physics.submission import JSON, submission
 from experiments.missing_physics.suites import LAWS
 from morph.body.load import load as load_robot
+from morph.body.robot import Robot
+from morph.body.spec import spec_of
 from morph.errors import DiagnosisError
 from morph.inference.rank import ranked
 from morph.model.diagnose import diagnose
 from morph.model.episodes import episode, step_for
 from morph.model.hypothesis import Hypothesis
 from morph.model.knobs import knobs
+from morph.physics.fluid.thrust import Thrust
 from morph.record.load import load as load_recordings
 
 Solver = Callable[[Path, int], JSON]
@@ -72,7 +75,8 @@ def solve_by_ranking(folder: Path, seed: int) -> JSON:
     recordings = load_recordings(folder / "recordings", robot=robot)
     step = step_for(recordings, robot)
     nominal = Hypothesis(robot=robot, step=step, knobs=knobs(robot, known["vary"]))
-    sets = ranked(nominal, [episode(each, robot, step) for each in recordings])
+    told = paddle(robot, known["water"]) if known["water"] else ()
+    sets = ranked(nominal, [episode(each, robot, step) for each in recordings], told)
     # Sets of effects by their evidence, no effect among them, all alike before.
     weights = np.exp([each.gain - sets[0].gain for each in sets])
     weights /= weights.sum()
@@ -93,6 +97,28 @@ def solve_by_ranking(folder: Path, seed: int) -> JSON:
         findings=[each for each in listed if (each["effect"], each["where"]) in named],
         rivals=[each for each in listed if (each["effect"], each["where"]) not in named][:5],
         none=min(1.0, none),
+    )  # fmt: skip
+
+
+def paddle(robot: Robot, water: JSON) -> tuple[Thrust, ...]:
+    """Return the thrust of the paddle that a case names, of no strength yet.
+
+    Its trailing edge, which no case tells, is taken to lie on the ray from the joint through the
+    link's centre of mass, twice as far out.
+    """
+    model = spec_of(robot).compile()
+    body = model.body(water["paddle"]["link"])
+    middle, axis = 2.0 * body.ipos, model.jnt_axis[body.jntadr[0]]
+    normal = np.cross(axis, middle)
+    length = float(np.linalg.norm(normal))
+    if length < 1e-9:
+        return ()
+    return (
+        Thrust(
+            body=body.name, density=water["density"], span=water["paddle"]["height_m"],
+            **dict(zip(("x", "y", "z"), middle.tolist(), strict=True)),
+            **dict(zip(("nx", "ny", "nz"), (normal / length).tolist(), strict=True)),
+        ),
     )  # fmt: skip
 
 

@@ -45,7 +45,9 @@ SLACK = 1e-9
 """By how much bounds are widened, so that equal ones leave an interval."""
 
 
-def ranked(nominal: Hypothesis, episodes: Sequence[Episode]) -> list[Explanation]:
+def ranked(
+    nominal: Hypothesis, episodes: Sequence[Episode], known: Sequence[Effect] = ()
+) -> list[Explanation]:
     """Return the refitted sets of effects, most evidence first; the empty set is among them.
 
     A beam search grows sets one effect at a time from the best few of each size, which finds two
@@ -54,12 +56,14 @@ def ranked(nominal: Hypothesis, episodes: Sequence[Episode]) -> list[Explanation
     Args:
         nominal: The description, with its figures that may be wrong, and no effect.
         episodes: Its runs.
+        known: Effects whose fixed parameters are known, such as a paddle's edge. They are looked
+            for instead of those at the same places with defaults.
     """
     none = refitted(nominal, nominal.start, episodes, rounds=STEPS)
     tried, best = [Explanation(effects=(), gain=0.0)], none
     prices: dict[str, float] = {}
     for most in (MOST, 1, 1):
-        search = _search(best, episodes)
+        search = _search(best, known)
         prices |= {c.effect.label: c.price for c in search.columns}
         before = best
         for found in _finalists(search.sets(most)):
@@ -102,11 +106,11 @@ def _finalists(sets: Sequence[Explanation]) -> list[Explanation]:
     return list(found.values())
 
 
-def _search(base: Refit, episodes: Sequence[Episode]) -> Search:
+def _search(base: Refit, known: Sequence[Effect]) -> Search:
     """Return a search for effects to add to a refitted hypothesis."""
     hypothesis, point, runs = base.hypothesis, base.point, base.runs
     taken = {effect.label for effect in base.effects}
-    grids = [g for g in _dictionary(hypothesis.robot, runs) if g[0].label not in taken]
+    grids = [g for g in dictionary(hypothesis.robot, runs, known) if g[0].label not in taken]
     trust, at = prior(hypothesis), offset(hypothesis, point)
     return Search(
         columns=tuple(_columns(grids)),
@@ -123,16 +127,20 @@ def _search(base: Refit, episodes: Sequence[Episode]) -> Search:
     )
 
 
-def _dictionary(robot: Robot, runs: Sequence[Observed]) -> Iterator[tuple[Effect, ...]]:
+def dictionary(
+    robot: Robot, runs: Sequence[Observed], known: Sequence[Effect]
+) -> Iterator[tuple[Effect, ...]]:
     """Yield each effect at each place, as a tuple over the shapes of its grid."""
     longest = max((run.motion for run in runs), key=lambda motion: len(motion.time))
-    measured = set(longest.channels)
+    measured, told = set(longest.channels), {effect.label: effect for effect in known}
     for kind in EFFECTS:
         for place in kind.places(robot) if kind.strengths else ():
             if kind.kind != "sensor" or place in measured:
                 with suppress(EffectError):  # It needs what the description does not tell.
-                    kind.at(place).regressor(longest)
-                    yield _shapes(kind.at(place), longest)
+                    effect = kind.at(place)
+                    effect = told.get(effect.label, effect)
+                    effect.regressor(longest)
+                    yield _shapes(effect, longest)
 
 
 def _shapes(effect: Effect, motion: Motion) -> tuple[Effect, ...]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 
 import mujoco
@@ -11,13 +12,14 @@ import pytest
 
 from experiments.missing_physics.generate import TRUTHS, generate
 from experiments.missing_physics.seal import open_seal
-from experiments.missing_physics.solvers import solve_by_ranking
+from experiments.missing_physics.solvers import paddle, solve_by_ranking
 from morph.body.load import load as load_robot
 from morph.body.spec import spec_of
 from morph.inference.filter import Whitened
 from morph.inference.observed import observed
-from morph.inference.rank import believed
+from morph.inference.rank import believed, dictionary
 from morph.model.episodes import episode, step_for
+from morph.physics.effect import Effect
 from morph.record.load import load as load_recordings
 from morph.sim.simulator import compiled
 
@@ -56,6 +58,24 @@ def test_effects_see_the_motion_at_the_acceleration_of_the_model(folder: Path) -
     mujoco.mj_forward(model, data)
     # Derivatives are interpolated between every fourth sample, which costs about 1e-3.
     assert seen.motion.acceleration[at] == pytest.approx(data.qacc, rel=2e-3)
+
+
+def test_a_paddle_whose_edge_is_known_is_looked_for(folder: Path) -> None:
+    (case,) = generate("development", 1, [7], folder, seconds=1.0)
+    robot = load_robot(str(case / "robot.xml"))
+    (first, *_) = load_recordings(case / "recordings", robot=robot)
+    step = step_for([first], robot)
+    model = compiled(spec_of(robot, timestep=step), (), robot).model
+    runs = [observed(model, robot, episode(first, robot, step))]
+    water = json.loads((case / "case.json").read_text())["water"]
+    (thrust,) = paddle(robot, water)
+    assert thrust.edge().middle == pytest.approx(2.0 * model.body(thrust.body).ipos)
+
+    def listed(known: Sequence[Effect]) -> list[Effect]:
+        return [shapes[0] for shapes in dictionary(robot, runs, known)]
+
+    # An edge that nobody knows gives no force; all else is looked for in both.
+    assert {*listed([thrust])} - {*listed([])} == {thrust}
 
 
 def test_nothing_is_found_where_nothing_is_missing(folder: Path) -> None:
