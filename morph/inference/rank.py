@@ -18,9 +18,10 @@ import numpy as np
 from morph.arrays import Array
 from morph.body.robot import Robot
 from morph.errors import EffectError
+from morph.inference.columns import Columns
 from morph.inference.filter import Whitened, whitened
 from morph.inference.observed import Observed
-from morph.inference.refit import Columns, Refit, offset, prior, refitted
+from morph.inference.refit import Refit, offset, prior, refitted
 from morph.inference.search import Column, Explanation, Level, Search
 from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis

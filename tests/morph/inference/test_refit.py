@@ -10,8 +10,9 @@ from scipy.integrate import solve_ivp
 
 from morph.body.load import load
 from morph.body.robot import Robot
+from morph.inference.columns import Columns, acting
 from morph.inference.observed import observed
-from morph.inference.refit import Columns, acting, offset, prior, refitted, seen
+from morph.inference.refit import offset, prior, refitted, seen
 from morph.model.episodes import Episode, episode
 from morph.model.hypothesis import Hypothesis
 from morph.model.knobs import knobs

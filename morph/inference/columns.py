@@ -1,0 +1,150 @@
+"""Derivatives of a robot's accelerations and readings by its own figures and by effects."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from morph.arrays import Array
+from morph.inference.figures import driven, force_between
+from morph.inference.linearise import supplied
+from morph.inference.observed import Observed, shift_of
+from morph.model.hypothesis import Hypothesis, bare_spec
+from morph.physics.effect import Effect
+from morph.physics.motion import Motion
+from morph.sim.drive import received
+
+NUDGE = 1e-3
+"""Finite-difference step of an own figure's logarithm."""
+
+
+def acting(hypothesis: Hypothesis, point: Array) -> tuple[mujoco.MjModel, list[Effect]]:
+    """Return a model that includes the smooth effects, and the other effects.
+
+    Effects outside MuJoCo, dry friction and stops are the others: a linearised model lacks them.
+    """
+    held = [_smooth(effect, hypothesis) for effect in hypothesis.effects]
+    effects = hypothesis.effects_at(point)
+    inside = [effect for effect, smooth in zip(effects, held, strict=True) if smooth]
+    model = replace(hypothesis, effects=tuple(inside)).at(_part(hypothesis, point, inside)).model
+    return model, [effect for effect, smooth in zip(effects, held, strict=True) if not smooth]
+
+
+def _smooth(effect: Effect, hypothesis: Hypothesis) -> bool:
+    """Return whether MuJoCo's model can include an effect without a constraint."""
+    if effect.outside:
+        return False
+    spec = bare_spec(hypothesis.robot, hypothesis.step).copy()
+    before = _constraints(spec)
+    effect.with_strengths(np.ones(len(effect.strengths))).edit(spec)
+    return _constraints(spec) == before
+
+
+def _constraints(spec: Any) -> list[tuple[Any, ...]]:
+    """Return what makes constraints: dry friction and stops of all joints."""
+    return [(joint.frictionloss, joint.limited, *joint.range) for joint in spec.joints]
+
+
+def _part(hypothesis: Hypothesis, point: Array, effects: Sequence[Effect]) -> Array:
+    """Return the point of a hypothesis with some effects only, which already have its values."""
+    part = replace(hypothesis, effects=tuple(effects))
+    return np.concatenate([point[: len(hypothesis.knobs)], part.start[len(hypothesis.knobs) :]])
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Columns:
+    """Derivatives of accelerations and readings by each entry of a point."""
+
+    hypothesis: Hypothesis
+    model: mujoco.MjModel
+    turned: list[mujoco.MjModel]
+    """The model with each own figure a little larger."""
+    nudged: list[_Nudged]
+    """Each parameter of the effects a little larger."""
+
+    @classmethod
+    def of(cls, hypothesis: Hypothesis, point: Array) -> Columns:
+        """Return the derivatives about a point."""
+        own, steps = len(hypothesis.knobs), hypothesis.nudge(point)
+        axes = np.eye(len(point))
+        model, beside = acting(hypothesis, point)
+        nudged = []
+        for at in range(own, len(point)):
+            step = float(steps[at])
+            there, changed = acting(hypothesis, point + step * axes[at])
+            pairs = [(a, b) for a, b in zip(beside, changed, strict=True) if a != b]
+            nudged.append(_Nudged(step=step, model=there, change=pairs[0] if pairs else None))
+        turned = [acting(hypothesis, point + NUDGE * axis)[0] for axis in axes[:own]]
+        return cls(hypothesis=hypothesis, model=model, turned=turned, nudged=nudged)
+
+    def along(self, seen: Observed) -> tuple[Array, Array]:
+        """Return columns [errors, entries] of accelerations and of readings along a run.
+
+        Shapes (samples, dofs, 1 + entries) and (samples, channels, 1 + entries).
+        """
+        motion, about = seen.motion, seen.about
+        samples, dofs = about.position.shape
+        forces = [force_between(self.model, each, motion) / NUDGE for each in self.turned]
+        shown = [about.error, *([np.zeros_like(about.error)] * len(self.turned))]
+        held = [each for each in self.nudged if each.change is None]
+        base = _supplied(self.model, motion) if held else np.zeros((samples, dofs))
+        beside = self._beside(seen)
+        for each in self.nudged:
+            if each.change is None:
+                change, shift = _supplied(each.model, motion) - base, np.zeros_like(about.error)
+            else:
+                before, after = each.change
+                change = beside[after] - beside[before]
+                shift = shift_of([after], motion) - shift_of([before], motion)
+            forces.append(change / each.step)
+            shown.append(shift / each.step)
+        stacked = np.stack([np.zeros((samples, dofs)), *forces], axis=2)
+        moved = about.tangent.jacobian[:, :, 2 * dofs :] @ stacked
+        moved[:, :, 0] = -about.acceleration
+        return moved, np.stack(shown, axis=2)
+
+    def _beside(self, seen: Observed) -> dict[Effect, Array]:
+        """Return forces of effects outside the model, before and after each nudge."""
+        changes = [each.change for each in self.nudged if each.change is not None]
+        found: dict[Effect, Array] = {}
+        for first in dict.fromkeys(before for before, _ in changes):
+            shapes = [first, *(after for before, after in changes if before == first)]
+            if type(first).command is not Effect.command:
+                found |= {effect: self._commanded(effect, seen) for effect in shapes}
+            elif first.kind == "sensor":
+                found |= dict.fromkeys(shapes, np.zeros_like(seen.motion.position))
+            else:
+                # Laws with a memory are followed together.
+                whole = type(first).regressors(shapes, seen.motion)
+                parts = np.split(whole, len(shapes), axis=2)
+                for effect, part in zip(shapes, parts, strict=True):
+                    found[effect] = part @ effect.coefficients
+        return found
+
+    def _commanded(self, effect: Effect, seen: Observed) -> Array:
+        """Return the actuators' generalized force by commands that one effect alone changed."""
+        command = [
+            received([effect], actuator.name, seen.sent[:, at], seen.run.step)
+            for at, actuator in enumerate(self.hypothesis.robot.actuators)
+        ]
+        return driven(self.model, replace(seen.motion, command=np.stack(command, axis=1)))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Nudged:
+    """A hypothesis with one parameter of its effects a little larger."""
+
+    step: float
+    """By how much."""
+    model: mujoco.MjModel
+    """The model at that parameter."""
+    change: tuple[Effect, Effect] | None
+    """The effect before and after, where it is outside the model; else None."""
+
+
+def _supplied(model: mujoco.MjModel, motion: Motion) -> Array:
+    return supplied(model, motion.position, motion.velocity, motion.acceleration, motion.command)
