@@ -8,11 +8,13 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from morph.arrays import Array
 from morph.body.load import load
 from morph.body.robot import Robot
+from morph.inference import refit
 from morph.inference.columns import Columns, acting
 from morph.inference.observed import observed
-from morph.inference.refit import offset, prior, refitted, seen
+from morph.inference.refit import Refit, offset, prior, refitted, seen
 from morph.model.episodes import Episode, episode
 from morph.model.hypothesis import Hypothesis
 from morph.model.knobs import knobs
@@ -129,6 +131,23 @@ def test_a_first_point_worse_than_the_origin_is_moved_toward_it(
     # Without a step the evidence is that of the first point: of 3 rad, and of 0.9 or 0.3.
     alone = refitted(biased, far, [run], rounds=0).evidence
     assert refitted(biased, far, [run], origin=none, rounds=0).evidence > alone + 100.0
+
+
+def test_a_step_that_is_too_long_is_shortened(
+    nominal: Hypothesis, run: Episode, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole = replace(nominal, effects=MISSING)
+    start = refitted(whole, whole.start, [run], rounds=0).evidence
+    newton = refit._newton
+
+    def tenfold(at: Refit) -> tuple[Array, int, float]:
+        step, rank, gained = newton(at)
+        return 10.0 * step, rank, gained
+
+    monkeypatch.setattr(refit, "_newton", tenfold)
+    # A tenth of it is the Gauss-Newton step. The figures start at least five standard deviations
+    # off, of which each is worth 12 nats.
+    assert refitted(whole, whole.start, [run], rounds=1).evidence > start + 12.0
 
 
 def test_the_model_includes_smooth_effects_only(nominal: Hypothesis) -> None:
