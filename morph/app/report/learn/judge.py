@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -20,11 +19,15 @@ from morph.task.task import Task
 JUDGING = 2**31 - 1
 """Names the chance of these runs, so that it is that of no trial."""
 
-FIRST = 10
-"""Runs by which it is measured how many fit into the time."""
+FEWEST = 10
+"""Runs that judge the heaviest body."""
 
-PATIENCE = 30.0
-"""Seconds that judging may take; a heavy body is judged by fewer runs."""
+MOST_WORK = 2e7
+"""Velocity coordinates times steps of simulation that judging may take, about 20 s of a core.
+
+A heavy body is judged by fewer runs. Their number follows from the task and never from a clock, so
+that a busy machine reports the same figures.
+"""
 
 WILD = 3.0
 """Bound of a random command where nothing else bounds it, in its unit: half a turn, nearly."""
@@ -70,10 +73,8 @@ def judge(task: Task, policy: Policy, simulator: Simulator, seed: int) -> Judged
         TaskError: A cost is no number.
         SimulationFailed: The simulation cannot run in a closed loop.
     """
-    began = time.perf_counter()
-    attempt(task, policy, simulator, rows=FIRST, rng=_chance(seed))
-    each = (time.perf_counter() - began) / FIRST
-    rows = int(np.clip(PATIENCE / (3.0 * each), FIRST, ROWS))
+    work = simulator.model.nv * task.horizon / simulator.model.opt.timestep
+    rows = int(np.clip(MOST_WORK / work, FEWEST, ROWS))
     moved = attempt(task, policy, simulator, rows=rows, rng=_chance(seed))
     return Judged(
         moved=moved,

@@ -173,6 +173,16 @@ def test_controls_start_where_the_policy_started(outcome: Outcome) -> None:
     assert not np.array_equal(other.loss, judged.loss)
 
 
+def test_how_many_runs_judge_follows_from_the_task_alone(
+    outcome: Outcome, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # Work of a run: 2 coordinates x 5 s / 10 ms = 1000, so 25 runs fit into 25000.
+    monkeypatch.setattr("morph.app.report.learn.judge.MOST_WORK", 25000.0)
+    fewer = judge(outcome.task, outcome.policy, outcome.task.simulator(), 7)
+    assert fewer.rows == 25
+    assert {len(score.loss) for score in fewer.controls.values()} == {25}
+
+
 def test_the_typical_run_is_in_the_middle(outcome: Outcome) -> None:
     loss = outcome.judged.loss
     assert abs((loss < loss[outcome.judged.typical]).sum() - 49.5) <= 0.5
