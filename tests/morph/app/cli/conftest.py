@@ -158,7 +158,7 @@ def growing(
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "80")
     # A hundred runs take seconds, and pictures another; the tests of the report have both.
-    for name in ("FIRST", "ROWS"):
+    for name in ("FEWEST", "ROWS"):
         monkeypatch.setattr(f"morph.app.report.learn.judge.{name}", 2)
     monkeypatch.setattr("morph.app.report.learn.files.strip", undrawn)
     return Growing
