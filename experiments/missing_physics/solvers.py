@@ -76,9 +76,10 @@ def solve_by_ranking(folder: Path, seed: int) -> JSON:
     step = step_for(recordings, robot)
     nominal = Hypothesis(robot=robot, step=step, knobs=knobs(robot, known["vary"]))
     told = paddle(robot, known["water"]) if known["water"] else ()
-    sets = ranked(nominal, [episode(each, robot, step) for each in recordings], told)
+    found = ranked(nominal, [episode(each, robot, step) for each in recordings], told)
+    sets = [found.best, *(each for each in found.tried if each is not found.best)]
     # Sets of effects by their evidence, no effect among them, all alike before.
-    weights = np.exp([each.gain - sets[0].gain for each in sets])
+    weights = np.exp([min(0.0, each.gain - sets[0].gain) for each in sets])
     weights /= weights.sum()
     share: dict[tuple[str, str], float] = {}
     for each, weight in zip(sets, weights, strict=True):

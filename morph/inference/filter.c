@@ -1,10 +1,12 @@
 /* Kalman filter and smoother of a robot linearised along a motion.
  *
- * State x = (dq, dv, f): errors of position and velocity, and a generalized force that the model
- * leaves out, an Ornstein-Uhlenbeck process. One semi-implicit step of length h:
+ * State x = (dq, dv, f, g): errors of position and velocity, a generalized force that the model
+ * leaves out, and vibration, by which e channels' readings differ from the model's; both are
+ * Ornstein-Uhlenbeck processes. One semi-implicit step of length h:
  *
  *   a   = J (dq, dv, f) + input,   J = [dqacc/dq, dqacc/dv, M^-1]
- *   dv' = dv + h a + jolt,   dq' = dq + h dv',   f' = keep f + w,   keep = exp(-h / time)
+ *   dv' = dv + h a + jolt,   dq' = dq + h dv'
+ *   f'  = keep f + w,   g' = fade g + u,   keep = exp(-h / time), fade likewise
  *
  * The gain does not depend on the readings, so one gain serves many columns, each a reading and an
  * input of its own. Per column the filter carries delta = (response to the input) - (estimate of x);
@@ -38,8 +40,9 @@ INLINE void accelerate(int n, int width, const double *restrict J,
 }
 
 /* x <- F x of `width` columns, input (n, width) or NULL added to the acceleration. */
-INLINE void advance(int n, int width, double h, double keep, const double *restrict J,
-		    const double *restrict input, double *restrict x, double *restrict a)
+INLINE void advance(int n, int e, int width, double h, double keep, double fade,
+		    const double *restrict J, const double *restrict input, double *restrict x,
+		    double *restrict a)
 {
 	accelerate(n, width, J, x, a);
 	size_t block = (size_t)n * width;
@@ -52,6 +55,8 @@ INLINE void advance(int n, int width, double h, double keep, const double *restr
 		q[i] += h * v[i];
 		f[i] *= keep;
 	}
+	for (size_t i = 0; i < (size_t)e * width; i++)
+		f[block + i] *= fade;
 }
 
 INLINE void transpose(int N, double *P)
@@ -64,24 +69,25 @@ INLINE void transpose(int N, double *P)
 		}
 }
 
-/* Filter `steps` samples of `width` columns, for n degrees of freedom and m channels.
+/* Filter `steps` samples of `width` columns, for n degrees of freedom, m channels and N states.
  *
- * In: J (steps, n, 3n), input (steps, n, width) or NULL, C (m, 3n), valid (steps, m), reading
- * (steps, m, width); variances noise (m) of readings, added (n) of w, jolt (steps, n) or NULL.
- * In and out, from one call to the next: delta (3n, width) and covariance P (3n, 3n).
+ * In: J (steps, n, 3n), input (steps, n, width) or NULL, C (m, N), valid (steps, m), reading
+ * (steps, m, width); variances noise (m) of readings, added (n + e) of w and u, jolt (steps, n) or
+ * NULL. In and out, from one call to the next: delta (N, width) and covariance P (N, N).
  * Out: white (steps, m, width), the innovations over their standard deviation.
- * Out for the smoother, all NULL or none: covariance (steps, 3n, 3n) and state predicted
- * (steps, 3n) before each sample's readings, gain (steps, m, 3n), innovation variance (steps, m).
- * Scratch: work, n * max(width, 3n) numbers.
+ * Out for the smoother, all NULL or none: covariance (steps, N, N) and state predicted
+ * (steps, N) before each sample's readings, gain (steps, m, N), innovation variance (steps, m).
+ * Scratch: work, n * max(width, N) numbers.
  * Returns the sum of the logarithms of the innovations' variances.
  */
-INLINE double filter(int n, int m, int width, int64_t steps, double h, double keep, const double *J,
-		    const double *input, const double *C, const uint8_t *valid, const double *reading,
-		    const double *noise, const double *added, const double *jolt, double *delta,
+INLINE double filter(int n, int m, int e, int width, int64_t steps, double h, double keep,
+		    double fade, const double *J, const double *input, const double *C,
+		    const uint8_t *valid, const double *reading, const double *noise,
+		    const double *added, const double *jolt, double *delta,
 		    double *P, double *white, double *covariance, double *predicted, double *gain,
 		    double *variance, double *work)
 {
-	int N = 3 * n;
+	int N = 3 * n + e;
 	double logarithm = 0.0, column[N], k[N];
 	for (int64_t t = 0; t < steps; t++) {
 		if (covariance) {
@@ -129,13 +135,14 @@ INLINE double filter(int n, int m, int width, int64_t steps, double h, double ke
 				out[c] *= one;
 			logarithm += log(s);
 		}
-		const double *now = J + t * n * N;
-		advance(n, width, h, keep, now, input ? input + (size_t)t * n * width : NULL, delta, work);
+		const double *now = J + t * n * 3 * n;
+		advance(n, e, width, h, keep, fade, now,
+			input ? input + (size_t)t * n * width : NULL, delta, work);
 		/* F P F' = F (F P)' as P is symmetric. */
-		advance(n, N, h, keep, now, NULL, P, work);
+		advance(n, e, N, h, keep, fade, now, NULL, P, work);
 		transpose(N, P);
-		advance(n, N, h, keep, now, NULL, P, work);
-		for (int i = 0; i < n; i++)
+		advance(n, e, N, h, keep, fade, now, NULL, P, work);
+		for (int i = 0; i < n + e; i++)
 			P[(2 * n + i) * N + 2 * n + i] += added[i];
 		for (int i = 0; jolt && i < n; i++) {
 			double s = jolt[t * n + i];
@@ -151,55 +158,65 @@ INLINE double filter(int n, int m, int width, int64_t steps, double h, double ke
 	return logarithm;
 }
 
-#define FILTER(N, WIDTH) \
-	filter(N, m, WIDTH, steps, h, keep, J, input, C, valid, reading, noise, added, jolt, delta, \
-	       P, white, covariance, predicted, gain, variance, work)
+#define FILTER(N, E, WIDTH) \
+	filter(N, m, E, WIDTH, steps, h, keep, fade, J, input, C, valid, reading, noise, added, jolt, \
+	       delta, P, white, covariance, predicted, gain, variance, work)
 
 /* `filter`, compiled for each small n and one column: loops of known length are several times as
  * fast, and a likelihood is evaluated thousands of times. */
-double morph_filter(int n, int m, int width, int64_t steps, double h, double keep, const double *J,
-		    const double *input, const double *C, const uint8_t *valid, const double *reading,
-		    const double *noise, const double *added, const double *jolt, double *delta,
+double morph_filter(int n, int m, int e, int width, int64_t steps, double h, double keep,
+		    double fade, const double *J, const double *input, const double *C,
+		    const uint8_t *valid, const double *reading, const double *noise,
+		    const double *added, const double *jolt, double *delta,
 		    double *P, double *white, double *covariance, double *predicted, double *gain,
 		    double *variance, double *work)
 {
-	switch (width == 1 ? n : 0) {
-	case 1: return FILTER(1, 1);
-	case 2: return FILTER(2, 1);
-	case 3: return FILTER(3, 1);
-	case 4: return FILTER(4, 1);
-	case 5: return FILTER(5, 1);
-	case 6: return FILTER(6, 1);
-	case 7: return FILTER(7, 1);
-	default: return FILTER(n, width);
+	switch (width > 1 || (e && e != n) ? 0 : e ? 10 + n : n) {
+	case 1: return FILTER(1, 0, 1);
+	case 2: return FILTER(2, 0, 1);
+	case 3: return FILTER(3, 0, 1);
+	case 4: return FILTER(4, 0, 1);
+	case 5: return FILTER(5, 0, 1);
+	case 6: return FILTER(6, 0, 1);
+	case 7: return FILTER(7, 0, 1);
+	case 11: return FILTER(1, 1, 1);
+	case 12: return FILTER(2, 2, 1);
+	case 13: return FILTER(3, 3, 1);
+	case 14: return FILTER(4, 4, 1);
+	case 15: return FILTER(5, 5, 1);
+	case 16: return FILTER(6, 6, 1);
+	case 17: return FILTER(7, 7, 1);
+	default: return FILTER(n, e, width);
 	}
 }
 
 /* Smooth the first column of a filter's run: the modified Bryson-Frazier form.
  *
  * white (steps, m) is that of the first column; covariance, predicted, gain and variance as the
- * filter left them; x (steps, 3n) is the smoothed state. `adjoint` is Bierman's lambda.
+ * filter left them; x (steps, N) is the smoothed state. `adjoint` is Bierman's lambda.
  * Source: Bierman 1973, Automatica 9(5), 503-511.
  */
-void morph_smooth(int n, int m, int64_t steps, double h, double keep, const double *J,
-		  const double *C, const uint8_t *valid, const double *white, const double *covariance,
-		  const double *predicted, const double *gain, const double *variance, double *x)
+void morph_smooth(int n, int m, int e, int64_t steps, double h, double keep, double fade,
+		  const double *J, const double *C, const uint8_t *valid, const double *white,
+		  const double *covariance, const double *predicted, const double *gain, const double *variance, double *x)
 {
-	int N = 3 * n;
+	int N = 3 * n + e;
 	double adjoint[N], next[N];
 	memset(adjoint, 0, sizeof adjoint);
 	for (int64_t t = steps - 1; t >= 0; t--) {
 		/* adjoint <- F' adjoint, with F' = I + ... of the semi-implicit step. */
-		const double *now = J + t * n * N;
+		const double *now = J + t * n * 3 * n;
 		for (int i = 0; i < n; i++)
 			next[i] = h * (adjoint[n + i] + h * adjoint[i]);
 		for (int j = 0; j < n; j++) {
 			adjoint[n + j] += h * adjoint[j];
 			adjoint[2 * n + j] *= keep;
 		}
-		for (int j = 0; j < N; j++)
+		for (int j = 0; j < e; j++)
+			adjoint[3 * n + j] *= fade;
+		for (int j = 0; j < 3 * n; j++)
 			for (int i = 0; i < n; i++)
-				adjoint[j] += now[i * N + j] * next[i];
+				adjoint[j] += now[i * 3 * n + j] * next[i];
 		for (int r = m - 1; r >= 0; r--) {
 			if (!valid[t * m + r])
 				continue;

@@ -36,10 +36,11 @@ class Tangent:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Disturbance:
-    """What a linearised model leaves out: noise of readings, and a slow force on each joint.
+    """What a linearised model leaves out: noise, a force on each joint, vibration of readings.
 
-    The force is an Ornstein-Uhlenbeck process, of covariance scale^2 exp(-|t - t'| /
-    correlation_time).
+    Force and vibration are Ornstein-Uhlenbeck processes, of covariance scale^2 exp(-|t - t'| /
+    correlation_time). The force displaces a joint for good; vibration, of flexible links and
+    drives, stays a small displacement of what is read.
     Source: Rasmussen and Williams 2006, Gaussian processes for machine learning, eq. B.27.
     """
 
@@ -54,6 +55,11 @@ class Disturbance:
     jolt: Array | None = None
     """Standard deviation of a change of velocity in each step, rad/s or m/s, shape (samples, dofs):
     commands change at times that are known only roughly. None: no such change."""
+    vibration: Array | None = None
+    """Standard deviation of each channel's vibration, in its unit, shape (channels,). None: no such
+    state."""
+    vibration_time: float = 0.1
+    """Correlation time of vibration, s."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -102,25 +108,53 @@ def whitened(
     Raises:
         KernelError: There is no C compiler, or it fails.
     """
+    (whole,) = whitened_blocks(tangent, disturbance, readings, accelerations, blocks=1)
+    return whole
+
+
+def whitened_blocks(
+    tangent: Tangent,
+    disturbance: Disturbance,
+    readings: Array,
+    accelerations: Array | None = None,
+    *,
+    blocks: int,
+) -> list[Whitened]:
+    """Return the Gram matrices of stretches of equal length, each given all readings before it.
+
+    Their sum is that of the run. See `whitened`, also for what is raised.
+
+    Args:
+        tangent: The linearised robot.
+        disturbance: What else moves it, and the noise.
+        readings: Direct change of each reading, shape (samples, channels, columns).
+        accelerations: Acceleration by each column, per s2, shape (samples, dofs, columns).
+        blocks: How many stretches there are.
+    """
     samples = len(tangent.jacobian)
     channels, columns = tangent.reads.shape[0], readings.shape[2]
     run = _Run(tangent, disturbance, columns)
-    gram, logarithm = np.zeros((columns, columns)), 0.0
     length = max(1, CHUNK // (channels * columns))
-    for first in range(0, samples, length):
-        part = slice(first, first + length)
-        moved = None if accelerations is None else accelerations[part]
-        white, log_determinant = run.filter(part, readings[part], moved)
-        rows = white[tangent.valid[part]]
-        gram += rows.T @ rows
-        logarithm += log_determinant
-    return Whitened(gram=gram, logarithm=logarithm, readings=int(tangent.valid.sum()))
+    found = []
+    for block in range(blocks):
+        gram, logarithm = np.zeros((columns, columns)), 0.0
+        first, last = block * samples // blocks, (block + 1) * samples // blocks
+        for begin in range(first, last, length):
+            part = slice(begin, min(begin + length, last))
+            moved = None if accelerations is None else accelerations[part]
+            white, log_determinant = run.filter(part, readings[part], moved)
+            rows = white[tangent.valid[part]]
+            gram += rows.T @ rows
+            logarithm += log_determinant
+        count = int(tangent.valid[first:last].sum())
+        found.append(Whitened(gram=gram, logarithm=logarithm, readings=count))
+    return found
 
 
 def smoothed(
     tangent: Tangent, disturbance: Disturbance, reading: Array, acceleration: Array | None = None
 ) -> Array:
-    """Return the mean of position and velocity errors and of the missing force, given all readings.
+    """Return the mean of position and velocity errors, force and vibration, given all readings.
 
     Source: Bierman 1973, Automatica 9(5), 503-511 (the modified Bryson-Frazier smoother).
 
@@ -133,7 +167,7 @@ def smoothed(
             (samples, dofs); by default zero, as for a motion that the model simulated.
 
     Returns:
-        Shape (samples, 3 dofs).
+        Shape (samples, 3 dofs + vibrating channels).
 
     Raises:
         KernelError: There is no C compiler, or it fails.
@@ -151,13 +185,20 @@ class _Run:
         dofs = tangent.jacobian.shape[1]
         self._keep = float(np.exp(-tangent.step / disturbance.correlation_time))
         self._jolt = None if disturbance.jolt is None else disturbance.jolt**2
+        self._fade = float(np.exp(-tangent.step / disturbance.vibration_time))
+        channels = len(tangent.reads)
+        vibration = np.zeros(0) if disturbance.vibration is None else disturbance.vibration
+        self._vibrating = len(vibration)
         self._noise = _packed(disturbance.noise**2)
-        self._added = _packed(disturbance.scale**2 * (1.0 - self._keep**2))
-        zeros = np.zeros((len(tangent.reads), dofs))
-        self._reads = _packed(np.concatenate([tangent.reads, zeros], axis=1))
-        self._delta = np.zeros((3 * dofs, columns))
-        self._covariance = np.diag(np.concatenate([disturbance.initial, disturbance.scale]) ** 2)
-        self._work = np.empty(dofs * max(columns, 3 * dofs))
+        added = disturbance.scale**2 * (1.0 - self._keep**2)
+        self._added = _packed(np.append(added, vibration**2 * (1.0 - self._fade**2)))
+        shown = np.eye(channels)[:, : self._vibrating]
+        zeros = np.zeros((channels, dofs))
+        self._reads = _packed(np.concatenate([tangent.reads, zeros, shown], axis=1))
+        spread = np.concatenate([disturbance.initial, disturbance.scale, vibration])
+        self._delta = np.zeros((len(spread), columns))
+        self._covariance = np.diag(spread**2)
+        self._work = np.empty(dofs * max(columns, len(spread)))
 
     def filter(
         self,
@@ -179,7 +220,8 @@ class _Run:
         channels, columns = readings.shape[1:]
         white = np.empty((samples, channels, columns))
         log_determinant: float = _code().morph_filter(
-            dofs, channels, columns, samples, self._tangent.step, self._keep,
+            dofs, channels, self._vibrating, columns, samples,
+            self._tangent.step, self._keep, self._fade,
             *map(_pointer, (
                 _packed(jacobian), None if accelerations is None else _packed(accelerations),
                 self._reads, np.ascontiguousarray(valid, dtype=np.uint8), _packed(readings),
@@ -191,7 +233,7 @@ class _Run:
         return white, log_determinant
 
     def smooth(self, reading: Array, acceleration: Array | None) -> Array:
-        """Return the smoothed state, shape (samples, 3 dofs)."""
+        """Return the smoothed state, shape (samples, states)."""
         samples, channels = reading.shape
         size = self._delta.shape[0]
         kept = (
@@ -204,7 +246,8 @@ class _Run:
         state = np.empty((samples, size))
         tangent = self._tangent
         _code().morph_smooth(
-            size // 3, channels, samples, tangent.step, self._keep,
+            tangent.jacobian.shape[1], channels, self._vibrating, samples,
+            tangent.step, self._keep, self._fade,
             *map(_pointer, (
                 _packed(tangent.jacobian), self._reads,
                 np.ascontiguousarray(tangent.valid, dtype=np.uint8), white, *kept, state,
@@ -234,7 +277,7 @@ def _code() -> ctypes.CDLL:
         code = library.load(path, fix="delete it, so that it is built again")
     number, count, at = ctypes.c_double, ctypes.c_int, ctypes.c_void_p
     code.morph_filter.restype = number
-    code.morph_filter.argtypes = [count] * 3 + [ctypes.c_int64] + [number] * 2 + [at] * 16
+    code.morph_filter.argtypes = [count] * 4 + [ctypes.c_int64] + [number] * 3 + [at] * 16
     code.morph_smooth.restype = None
-    code.morph_smooth.argtypes = [count] * 2 + [ctypes.c_int64] + [number] * 2 + [at] * 9
+    code.morph_smooth.argtypes = [count] * 3 + [ctypes.c_int64] + [number] * 3 + [at] * 9
     return code

@@ -9,9 +9,10 @@ best refit.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence, Set
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -19,10 +20,12 @@ from morph.arrays import Array
 from morph.body.robot import Robot
 from morph.errors import EffectError
 from morph.inference.columns import Columns
-from morph.inference.filter import Whitened, whitened
+from morph.inference.filter import Whitened, whitened_blocks
 from morph.inference.observed import Observed
-from morph.inference.refit import Refit, offset, prior, refitted
-from morph.inference.search import Column, Explanation, Level, Search
+from morph.inference.quadratic import information, offset, quadratic
+from morph.inference.refit import Refit, refitted
+from morph.inference.search import Column, Explanation, Level, Prior, Search
+from morph.inference.validate import Validation, needed
 from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis
 from morph.physics import EFFECTS
@@ -32,27 +35,67 @@ from morph.physics.motion import Motion
 LEVELS = (1.0, 0.3, 0.1, 0.03)
 """Scales of the missing force, as shares of the likeliest one before effects are added. A set that
 explains more leaves less of it: each is scored at the scale under which it is likeliest."""
+SIMULATED = 6
+"""How many of the likeliest sets, and of the likeliest single effects, are simulated."""
 FINALISTS = 2
-"""How many of the best sets, and of the best single effects, are refitted in each search."""
+"""How many of those with the least error are refitted, beside the likeliest."""
 MOST = 4
-"""Most effects that the first search adds; each of the two later ones adds at most one."""
+"""Most effects, or laws at every joint, that the first search adds."""
+LATER, MOST_ROUNDS = 2, 3
+"""Most that each later search adds, and most of these searches."""
 STEPS = 5
 """Most Gauss-Newton steps of a refit, of own figures alone and of a finalist."""
-WORSE = 20.0
-"""Nats: a refit stops when it predicts this much less evidence than the best so far."""
 ODDS = 3.0
 """Prior log odds against one more effect, nats."""
+FRICTIONS = (
+    "coulomb_friction", "viscous_friction", "stribeck_friction", "load_dependent_friction",
+    "hysteresis",
+)  # fmt: skip
+"""Laws that are also looked for at all driven joints together."""
+VISCOUS = "viscous_friction"
+"""The one that may stand beside each of the others."""
 SLACK = 1e-9
 """By how much bounds are widened, so that equal ones leave an interval."""
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Finalist:
+    """A set of effects, refitted to the runs beside the description's own figures."""
+
+    refit: Refit
+    """At its likeliest point."""
+    gain: float
+    """Log evidence less that of no effect, less prices, nats."""
+    losses: Array
+    """Loss of each stretch in rollouts of the model fitted to the other folds, (segments,)."""
+
+    @property
+    def effects(self) -> tuple[Effect, ...]:
+        """The effects with their parameters."""
+        return self.refit.effects
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Ranking:
+    """Sets of effects that were refitted."""
+
+    best: Finalist
+    """The one that explains the runs best and of which every effect is needed."""
+    tried: tuple[Finalist, ...]
+    """All of them, the best by evidence first; the empty set is among them."""
+    validation: Validation
+    """The stretches on which they were compared."""
+
+
 def ranked(
     nominal: Hypothesis, episodes: Sequence[Episode], known: Sequence[Effect] = ()
-) -> list[Explanation]:
-    """Return the refitted sets of effects, most evidence first; the empty set is among them.
+) -> Ranking:
+    """Return the sets of effects that explain runs best.
 
-    A beam search grows sets one effect at a time from the best few of each size, which finds two
-    effects of which neither explains much alone.
+    Each round proposes sets to add by their evidence in Gram space, simulates the best of them
+    with figures fitted to other folds, refits the best of those, and ends where no addition is
+    sure. Evidence alone would trust the model of the missing force, which real drives do not obey;
+    errors of rollouts alone tell less about small effects.
 
     Args:
         nominal: The description, with its figures that may be wrong, and no effect.
@@ -60,69 +103,146 @@ def ranked(
         known: Effects whose fixed parameters are known, such as a paddle's edge. They are looked
             for instead of those at the same places with defaults.
     """
+    validation = Validation.of(episodes)
     none = refitted(nominal, nominal.start, episodes, rounds=STEPS)
-    tried, best = [Explanation(effects=(), gain=0.0)], none
-    prices: dict[str, float] = {}
-    for most in (MOST, 1, 1):
-        search = _search(best, known)
-        prices |= {c.effect.label: c.price for c in search.columns}
-        before = best
-        for found in _finalists(search.sets(most)):
+    prior: Prior | None = None
+
+    def finalist(refit: Refit) -> Finalist:
+        about = quadratic(refit.hypothesis, refit.point, refit.runs, blocks=validation.blocks)
+        kept = list(range(len(refit.effects)))
+        price = prior.price({effect.label for effect in refit.effects}) if prior else 0.0
+        return Finalist(
+            refit=refit,
+            gain=refit.evidence - price - none.evidence,
+            losses=validation.losses_of(about, refit.runs, kept),
+        )
+
+    best = finalist(none)
+    tried = [best]
+    for most in (MOST, *[LATER] * MOST_ROUNDS):
+        search = _search(best.refit, known, prior, validation.blocks)
+        prior, before = search.prior, best
+        for found in _proposals(search, search.sets(most), best.refit, validation):
             start = replace(nominal, effects=(*before.effects, *found.effects))
-            point = np.concatenate([before.point + found.own, start.start[len(before.point) :]])
-            price = sum(prices[effect.label] for effect in start.effects)
+            own = before.refit.point + found.own
             refit = refitted(
                 start,
-                point,
+                np.concatenate([own, start.start[len(own) :]]),
                 episodes,
-                origin=before,
+                origin=before.refit,
                 rounds=STEPS,
-                least=_gain(best, prices) + price - WORSE,
             )
-            gain = _gain(refit, prices) - none.evidence
-            tried.append(Explanation(effects=refit.effects, gain=gain))
-            if gain > _gain(best, prices) - none.evidence:
-                best = refit
+            new = finalist(refit)
+            tried.append(new)
+            reduced = _reduced(refit, validation, episodes)
+            if reduced is not None:
+                new = finalist(reduced)
+                tried.append(new)
+            if new.gain > before.gain and validation.sure(before.losses, new.losses):
+                best = new if best is before else _better(best, new, validation)
         if best is before:
             break
-    return sorted(tried, key=lambda each: -each.gain)
+    while (simpler := _simplified(best, finalist, validation, episodes)) is not None:
+        best = simpler
+        tried.append(best)
+        if (reduced := _reduced(best.refit, validation, episodes)) is not None:
+            best = finalist(reduced)
+            tried.append(best)
+    ordered = tuple(sorted(tried, key=lambda each: -each.gain))
+    return Ranking(best=best, tried=ordered, validation=validation)
 
 
-def _gain(refit: Refit, prices: Mapping[str, float]) -> float:
-    return refit.evidence - sum(prices[effect.label] for effect in refit.effects)
+def _better(one: Finalist, other: Finalist, validation: Validation) -> Finalist:
+    """Return the likelier of two, unless the other is surely better in rollouts."""
+    first, second = sorted((one, other), key=lambda each: -each.gain)
+    return second if validation.sure(first.losses, second.losses) else first
 
 
-def _finalists(sets: Sequence[Explanation]) -> list[Explanation]:
-    """Return the best sets, the best single effects, and the best set less each of its effects."""
+def _simplified(
+    best: Finalist,
+    finalist: Callable[[Refit], Finalist],
+    validation: Validation,
+    episodes: Sequence[Episode],
+) -> Finalist | None:
+    """Return a refit with a simpler law in the place of one, where that is not surely worse."""
+    refit, laws = best.refit, {kind.name: kind for kind in EFFECTS}
+    for at, effect in enumerate(refit.effects):
+        labels = {each.label for each in refit.effects}
+        if not effect.simpler or f"{effect.simpler}@{effect.where}" in labels:
+            continue
+        simpler = laws[effect.simpler].at(effect.where).with_strengths(effect.coefficients[:1])
+        effects = (*refit.effects[:at], simpler, *refit.effects[at + 1 :])
+        start = replace(refit.hypothesis, effects=effects)
+        own = len(start.knobs)
+        point = np.concatenate([refit.point[:own], start.start[own:]])
+        new = finalist(refitted(start, point, episodes, before=refit.runs, rounds=STEPS))
+        if not (best.gain > new.gain and validation.sure(new.losses, best.losses)):
+            return new
+    return None
+
+
+def _proposals(
+    search: Search, sets: Sequence[Explanation], base: Refit, validation: Validation
+) -> list[Explanation]:
+    """Return the sets to refit: the likeliest, and those with the least error in rollouts."""
     some = [each for each in sets if each.effects and each.gain > -5.0]
-    alone = [each for each in some if len(each.effects) == 1]
-    less: list[Explanation] = []
-    if some:
-        (best, *_), whole = some, some[0].effects
-        less = [replace(best, effects=tuple(e for e in whole if e is not gone)) for gone in whole]
-    found: dict[tuple[str, ...], Explanation] = {}
-    for each in [*some[:FINALISTS], *alone[:FINALISTS], *less]:
-        if each.effects:
-            found.setdefault(tuple(sorted(effect.label for effect in each.effects)), each)
-    return list(found.values())
+    alone = [each for each in some if len(each.members) == 1]
+    groups = {group: each for each in reversed(some) if (group := _law(each, search.prior))}
+    listed: dict[tuple[int, ...], Explanation] = {
+        each.members: each for each in [*some[:SIMULATED], *alone[:SIMULATED], *groups.values()]
+    }
+    hypothesis, losses = base.hypothesis, {}
+    for members, found in listed.items():
+        points = []
+        for fold in range(len(search.levels[0].folds)):
+            own, effects = search.without_fold(found, fold)
+            more = replace(hypothesis, effects=(*hypothesis.effects, *effects))
+            point = np.concatenate([base.point + own, more.start[len(own) :]])
+            points.append(np.clip(point, more.low, more.high))
+        losses[members] = float(validation.losses(more, points, base.runs).mean())
+    by_rollouts = sorted(listed.values(), key=lambda each: losses[each.members])
+    chosen = {each.members: each for each in [*by_rollouts[:FINALISTS], *some[:1]]}
+    return list(chosen.values())
 
 
-def _search(base: Refit, known: Sequence[Effect]) -> Search:
+def _law(found: Explanation, prior: Prior) -> frozenset[str] | None:
+    """Return a set's labels if it is one law at every joint."""
+    labels = frozenset(effect.label for effect in found.effects)
+    return labels if labels in dict(prior.together) else None
+
+
+def _reduced(refit: Refit, validation: Validation, episodes: Sequence[Episode]) -> Refit | None:
+    """Return a refit without the effects that rollouts do not need; None if they need all."""
+    about = quadratic(refit.hypothesis, refit.point, refit.runs, blocks=validation.blocks)
+    kept = needed(about, validation, refit.runs)
+    if len(kept) == len(refit.effects):
+        return None
+    hypothesis, point = about.reduced(kept)
+    return refitted(hypothesis, point, episodes, before=refit.runs, rounds=STEPS)
+
+
+def _search(base: Refit, known: Sequence[Effect], prior: Prior | None, blocks: int) -> Search:
     """Return a search for effects to add to a refitted hypothesis."""
     hypothesis, point, runs = base.hypothesis, base.point, base.runs
     taken = {effect.label for effect in base.effects}
     grids = [g for g in dictionary(hypothesis.robot, runs, known) if g[0].label not in taken]
-    trust, at = prior(hypothesis), offset(hypothesis, point)
+    columns = tuple(_columns(grids))
+    joints = {each.joint for each in hypothesis.robot.actuators}
+    trust, at = information(hypothesis), offset(hypothesis, point)
     return Search(
-        columns=tuple(_columns(grids)),
+        columns=columns,
+        prior=prior or _prior(grids, joints),
+        known=frozenset(taken),
+        groups=tuple(_frictions(columns, joints)),
         levels=tuple(
             Level(
-                gram=believed(level, trust, at).gram,
-                logarithm=level.logarithm,
+                gram=believed(sum(folds[1:], start=folds[0]), trust, at).gram,
+                logarithm=sum(fold.logarithm for fold in folds),
                 low=hypothesis.low - point - SLACK,
                 high=hypothesis.high - point + SLACK,
+                folds=tuple(fold.gram for fold in folds),
             )
-            for level in _whitened(hypothesis, point, grids, runs)
+            for folds in _whitened(hypothesis, point, grids, runs, blocks)
         ),
         readings=sum(int(run.about.tangent.valid.sum()) for run in runs),
     )
@@ -175,12 +295,44 @@ def believed(level: Whitened, trust: Array, point: Array) -> Whitened:
 def _columns(grids: Sequence[tuple[Effect, ...]]) -> Iterator[Column]:
     """Yield the columns of each effect at each shape: one for each strength, after the errors."""
     first = 1
-    for grid in grids:
-        for effect in grid:
-            end = first + len(effect.strengths)
-            price = ODDS + math.log(len(grid) * len(grids))
-            yield Column(effect=effect, place=slice(first, end), price=price)
-            first = end
+    for effect in (effect for grid in grids for effect in grid):
+        end = first + len(effect.strengths)
+        yield Column(effect=effect, place=slice(first, end))
+        first = end
+
+
+def _prior(grids: Sequence[tuple[Effect, ...]], joints: Set[str]) -> Prior:
+    """Return the prior of effects: each as likely as the others, at all its places and shapes.
+
+    Real drives have friction at every joint: one law at all of them is as likely as one effect.
+    """
+    alone = {grid[0].label: ODDS + math.log(len(grid) * len(grids)) for grid in grids}
+    shapes = {grid[0].name: len(grid) for grid in grids}
+    groups: dict[frozenset[str], float] = {}
+    for name in FRICTIONS:
+        if name in shapes and len(joints) > 1:
+            whole = ODDS + math.log(2 * len(FRICTIONS) * shapes[name])
+            members = {f"{name}@{joint}" for joint in joints}
+            groups[frozenset(members | {f"{VISCOUS}@{joint}" for joint in joints})] = whole
+            groups[frozenset(members)] = whole
+    ordered = sorted(groups.items(), key=lambda each: -len(each[0]))
+    return Prior(alone=alone, together=tuple(ordered))
+
+
+def _frictions(columns: Sequence[Column], joints: Set[str]) -> Iterator[tuple[int, ...]]:
+    """Yield each law of friction at all driven joints, alone and beside viscous friction."""
+    laws: dict[tuple[str, int], list[int]] = {}
+    shapes = Counter[str]()
+    for at, effect in enumerate(column.effect for column in columns):
+        if effect.name in FRICTIONS and effect.where in joints:
+            laws.setdefault((effect.name, shapes[effect.label]), []).append(at)
+            shapes[effect.label] += 1
+    beside = laws.get((VISCOUS, 0), [])
+    for (name, _), members in laws.items():
+        if len(members) > 1:
+            yield tuple(members)
+            if name != VISCOUS:
+                yield tuple(sorted({*members, *beside}))
 
 
 def _whitened(
@@ -188,8 +340,9 @@ def _whitened(
     point: Array,
     grids: Sequence[tuple[Effect, ...]],
     runs: Sequence[Observed],
-) -> list[Whitened]:
-    """Return the Gram matrix of [errors, entries of the point, effects] over all runs, by level."""
+    blocks: int,
+) -> list[list[Whitened]]:
+    """Return the Gram matrix of [errors, entries of the point, effects], by level and by fold."""
     own = Columns.of(hypothesis, point)
     grams: list[list[Whitened]] = [[] for _ in LEVELS]
     for seen in runs:
@@ -202,9 +355,9 @@ def _whitened(
         changes = [effect.reading_regressor(motion) for grid in grids for effect in grid]
         readings = np.concatenate([shown, *changes], axis=2)
         for level, found in zip(LEVELS, grams, strict=True):
-            leaving = replace(about.leaving(level), noise=seen.run.noise)
-            found.append(whitened(about.tangent, leaving, readings, moved))
-    return [sum(found[1:], start=found[0]) for found in grams]
+            leaving = about.leaving(level)
+            found += whitened_blocks(about.tangent, leaving, readings, moved, blocks=blocks)
+    return grams
 
 
 def _pushed(shapes: tuple[Effect, ...], motion: Motion) -> Array:

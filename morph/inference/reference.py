@@ -14,10 +14,12 @@ from morph.physics.motion import actuator_moments
 
 FLOOR = 2e-3
 """Least scale of the missing force, as a share of the RMS force that a joint's motion needs."""
-CORRELATION_TIMES = (0.02, 2.0)
+CORRELATION_TIMES = (0.05, 2.0)
 """Bounds of the missing force's correlation time, s: a stroke of a servo, the drift of a run."""
-NOISE_FACTORS = (0.3, 3.0)
+NOISE_FACTORS = (0.1, 3.0)
 """Bounds of the factor of the noise that the channels are known for."""
+VIBRATIONS = (0.05, 300.0)
+"""Bounds of each channel's vibration, as factors of its known noise."""
 MOST_SCALE = 30.0
 """Most scale of the missing force, as a share of the RMS force that a joint's motion needs."""
 ROUNDS = 3
@@ -127,7 +129,7 @@ def reference(
         known = likeliest_disturbance(found, steps=STEPS)
     for _ in range(ROUNDS if before is None else 1):
         state = smoothed(found.tangent, known, found.error, found.acceleration)
-        change, rate, force = np.split(state, 3, axis=1)
+        change, rate, force, _ = np.split(state, [n * position.shape[1] for n in (1, 2, 3)], axis=1)
         position, velocity = position + change, velocity + rate
         run = replace(run, valid=run.valid & ~outliers(found.error / run.noise, run.valid))
         found = _along(model, run, position, velocity, force, known)
@@ -148,25 +150,36 @@ def likeliest_disturbance(about: Reference, *, steps: int) -> Disturbance:
     from scipy.optimize import minimize
 
     first, tangent = about.disturbance, about.tangent
-    dofs = len(first.scale)
+    dofs, channels = len(first.scale), len(about.sensed)
 
     def at(point: Array) -> Disturbance:
         return replace(
             first,
             scale=about.effort * np.exp(point[:dofs]),
-            correlation_time=float(np.exp(point[dofs])),
-            noise=about.sensed * np.exp(point[dofs + 1]),
+            vibration=about.sensed * np.exp(point[dofs:-2]),
+            correlation_time=float(np.exp(point[-2])),
+            noise=about.sensed * np.exp(point[-1]),
         )
 
     def cost(point: Array) -> float:
         return -_log_likelihood(tangent, at(point), about)
 
-    limits = [(FLOOR, MOST_SCALE)] * dofs + [CORRELATION_TIMES, NOISE_FACTORS]
-    bounds = np.log(limits)
-    noisier = np.log(first.noise[0] / about.sensed[0])
-    start = np.array([*np.log(first.scale / about.effort), np.log(first.correlation_time), noisier])
+    limits = [(FLOOR, MOST_SCALE)] * dofs + [VIBRATIONS] * channels
+    bounds = np.log([*limits, CORRELATION_TIMES, NOISE_FACTORS])
+    assert first.vibration is not None
+    start = np.log(
+        [
+            *(first.scale / about.effort),
+            *(first.vibration / about.sensed),
+            first.correlation_time,
+            first.noise[0] / about.sensed[0],
+        ]
+    )
     # Once an effect is explained less force is missing: a few steps alone would not go that far.
-    shares = [np.log(share) * (np.arange(dofs + 2) < dofs) for share in (1.0, 0.3, 0.1)]
+    of_force, of_vibration = np.arange(len(start)) < dofs, np.arange(len(start)) >= dofs
+    of_vibration[-2:] = False
+    shares = [np.log(share) * of_force for share in (1.0, 0.3, 0.1)]
+    shares += [np.log(share) * of_vibration for share in (0.1, 10.0)]
     starts = [np.clip(start + share, *bounds.T) for share in shares]
     start = min(starts, key=cost)
     best = minimize(
@@ -235,7 +248,11 @@ def _along(
     if known is None:
         initial = np.concatenate([_initial_std(run, position), _initial_std(run, velocity)])
         known = Disturbance(
-            noise=run.noise, scale=0.05 * effort, correlation_time=0.2, initial=initial
+            noise=run.noise,
+            scale=0.05 * effort,
+            correlation_time=0.2,
+            initial=initial,
+            vibration=run.noise,
         )
     return Reference(
         position=position,

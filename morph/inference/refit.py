@@ -9,10 +9,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from morph.arrays import Array
-from morph.inference.bounded import bounded
-from morph.inference.columns import Columns, acting
+from morph.inference.columns import acting
 from morph.inference.filter import whitened
 from morph.inference.observed import Observed, observed
+from morph.inference.quadratic import information, offset, quadratic
 from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis
 from morph.physics.effect import Effect
@@ -72,6 +72,7 @@ def refitted(
     episodes: Sequence[Episode],
     *,
     origin: Refit | None = None,
+    before: Sequence[Observed] | None = None,
     rounds: int = 2,
     least: float = -math.inf,
 ) -> Refit:
@@ -85,17 +86,22 @@ def refitted(
         episodes: The runs.
         origin: A refit of the same hypothesis less its last effects. A first point that explains
             less than it is moved toward it.
+        before: The runs smoothed by a similar hypothesis, where there is no such refit.
         rounds: Most steps.
         least: Stop where the next step predicts less evidence, nats.
     """
     # Effects act along a motion: without one it is that of the model alone.
     bare = replace(hypothesis, effects=())
-    runs = origin.runs if origin else seen(bare, point[: len(hypothesis.knobs)], episodes)
-    runs = seen(hypothesis, point, episodes, runs) if hypothesis.effects or origin else runs
+    runs = origin.runs if origin else before
+    if runs is None:
+        runs = seen(bare, point[: len(hypothesis.knobs)], episodes)
+        runs = seen(hypothesis, point, episodes, runs) if hypothesis.effects else runs
+    else:
+        runs = seen(hypothesis, point, episodes, runs)
     best = _judged(hypothesis, point, runs, len(point))
     if origin is not None:
         idle = _idle(hypothesis, origin)
-        price = 0.5 * (len(point) - len(origin.point)) * math.log(_readings(runs))
+        price = 0.5 * (len(point) - len(origin.point)) * math.log(readings(runs))
         for share in SHARES:
             if best.evidence >= origin.evidence - price:
                 break
@@ -103,19 +109,19 @@ def refitted(
             runs = seen(hypothesis, near, episodes, origin.runs)
             best = max(best, _judged(hypothesis, near, runs, len(point)), key=lambda r: r.evidence)
     for turn in range(rounds):
-        step, rank, gained = _newton(best)
+        step, rank, gained = quadratic(best.hypothesis, best.point, best.runs).step()
         if turn == 0:
             best = _judged(hypothesis, best.point, best.runs, rank)
         if best.evidence + gained < least:
             break
-        before = best
+        last = best
         for share in (1.0, *SHARES):
             point = np.clip(best.point + share * step, hypothesis.low, hypothesis.high)
             found = _judged(hypothesis, point, seen(hypothesis, point, episodes, best.runs), rank)
             if found.evidence > best.evidence:
                 best = found
                 break
-        if best is before or (share == 1.0 and best.evidence < before.evidence + SETTLED):
+        if best is last or (share == 1.0 and best.evidence < last.evidence + SETTLED):
             break
     return best
 
@@ -128,50 +134,19 @@ def _idle(hypothesis: Hypothesis, origin: Refit) -> Array:
     return np.concatenate([origin.point, point[len(origin.point) :]])
 
 
-def _newton(at: Refit) -> tuple[Array, int, float]:
-    """Return the Gauss-Newton step, the rank of its columns and the nats that it predicts."""
-    hypothesis, trust = at.hypothesis, prior(at.hypothesis)
-    gram = _gram(hypothesis, at.point, at.runs)
-    inner = gram[1:, 1:] + np.diag(trust)
-    along = gram[1:, 0] - trust * offset(hypothesis, at.point)
-    low, high = hypothesis.low - at.point - 1e-9, hypothesis.high - at.point + 1e-9
-    step, rank = bounded(inner, along, low, high)
-    return step, rank, float(along @ step - 0.5 * step @ inner @ step)
-
-
 def _judged(hypothesis: Hypothesis, point: Array, runs: Sequence[Observed], rank: int) -> Refit:
     """Return a point with its evidence, given the rank of all columns."""
     at = offset(hypothesis, point)
-    evidence = -0.5 * float(at @ (prior(hypothesis) * at))
+    evidence = -0.5 * float(at @ (information(hypothesis) * at))
     for run in runs:
         about = run.about
-        leaving = replace(about.disturbance, noise=run.run.noise)
         shown, moved = about.error[:, :, None], -about.acceleration[:, :, None]
-        level = whitened(about.tangent, leaving, shown, moved)
+        level = whitened(about.tangent, about.disturbance, shown, moved)
         evidence -= 0.5 * (float(level.gram[0, 0]) + level.logarithm)
-    evidence -= 0.5 * max(0, rank - len(hypothesis.knobs)) * math.log(_readings(runs))
+    evidence -= 0.5 * max(0, rank - len(hypothesis.knobs)) * math.log(readings(runs))
     return Refit(hypothesis=hypothesis, point=point, runs=runs, evidence=evidence)
 
 
-def _readings(runs: Sequence[Observed]) -> int:
+def readings(runs: Sequence[Observed]) -> int:
+    """Return how many readings some runs have."""
     return sum(int(run.about.tangent.valid.sum()) for run in runs)
-
-
-def prior(hypothesis: Hypothesis) -> Array:
-    """Return one over the prior variance, zero where the prior is flat, shape (entries,)."""
-    return np.where(np.isnan(hypothesis.likely), 0.0, hypothesis.trust)
-
-
-def offset(hypothesis: Hypothesis, point: Array) -> Array:
-    """Return a point less the prior mean, zero where the prior is flat, shape (entries,)."""
-    return np.asarray(point - np.where(np.isnan(hypothesis.likely), point, hypothesis.likely))
-
-
-def _gram(hypothesis: Hypothesis, point: Array, runs: Sequence[Observed]) -> Array:
-    """Return the Gram matrix of [errors, entries of a point] over all runs."""
-    columns, whole = Columns.of(hypothesis, point), np.zeros((1 + len(point), 1 + len(point)))
-    for run in runs:
-        moved, shown = columns.along(run)
-        leaving = replace(run.about.disturbance, noise=run.run.noise)
-        whole += whitened(run.about.tangent, leaving, shown, moved).gram
-    return whole

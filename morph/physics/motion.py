@@ -94,14 +94,22 @@ class Motion:
         return whole
 
     def sign(self, joint: str) -> Array:
-        """Return the sense of a joint's motion, in [-1, 1], fading near rest.
+        """Return the sense in which dry friction acts on a joint, in [-1, 1], shape (samples,).
 
-        Smoothed positions cannot tell rest from slow motion: below a hundredth of
-        the joint's typical speed the sign fades linearly to zero.
+        It turns over a displacement of a thousandth of the joint's range and holds at rest, as
+        asperities do that bend before they slip; a sign of the velocity would let go of a joint
+        that rests, and follow its noise.
+
+        Source: Prandtl's stop operator, as in Visintin 1994, Differential Models of Hysteresis,
+        section III.1.
         """
-        speed = self.speed(joint)
-        slow = 0.02 * float(np.sqrt(np.mean(speed**2))) + 1e-9
-        return np.clip(speed / slow, -1.0, 1.0)
+        place = self.place(joint)
+        moves = np.diff(place) / (1e-4 * float(np.ptp(place)) + 1e-12)
+        held, senses = 0.0, [0.0]
+        for move in moves.tolist():
+            held = min(1.0, max(-1.0, held + move))
+            senses.append(held)
+        return np.array(senses)
 
 
 def actuator_moments(model: mujoco.MjModel, data: mujoco.MjData) -> Array:

@@ -14,7 +14,7 @@ from morph.body.robot import Robot
 from morph.inference import refit
 from morph.inference.columns import Columns, acting
 from morph.inference.observed import observed
-from morph.inference.refit import Refit, offset, prior, refitted, seen
+from morph.inference.refit import Refit, information, offset, refitted, seen
 from morph.model.episodes import Episode, episode
 from morph.model.hypothesis import Hypothesis
 from morph.model.knobs import knobs
@@ -204,7 +204,7 @@ def test_columns_are_derivatives_of_the_pendulum(nominal: Hypothesis, run: Episo
 def test_the_prior_is_about_the_nominal(nominal: Hypothesis) -> None:
     whole = replace(nominal, effects=MISSING)
     point = whole.start + 0.1
-    assert prior(whole).tolist() == pytest.approx([1.0 / 0.25**2, 0.0, 0.0, 0.0])
+    assert information(whole).tolist() == pytest.approx([1.0 / 0.25**2, 0.0, 0.0, 0.0])
     assert offset(whole, point).tolist() == pytest.approx([0.1, 0.0, 0.0, 0.0])
 
 

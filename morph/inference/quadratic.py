@@ -1,0 +1,123 @@
+"""The log posterior of a hypothesis to second order about a point."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from morph.arrays import Array, Mask
+from morph.inference.bounded import bounded
+from morph.inference.columns import Columns
+from morph.inference.filter import whitened_blocks
+from morph.inference.observed import Observed
+from morph.model.hypothesis import Hypothesis
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Quadratic:
+    """Minus half of a sum of squares of whitened errors, and of the prior."""
+
+    hypothesis: Hypothesis
+    """Own figures and effects."""
+    point: Array
+    """Where it is taken, shape (entries,)."""
+    grams: Array
+    """Gram matrices of [errors, entries], shape (folds, 1 + entries, 1 + entries)."""
+    readings: int
+    """How many readings there are."""
+
+    def without_fold(self, fold: int) -> Quadratic:
+        """Return the quadratic of all folds but one."""
+        return replace(self, grams=np.delete(self.grams, fold, axis=0))
+
+    def inner(self) -> Array:
+        """Return minus the second derivatives, shape (entries, entries)."""
+        inner: Array = self.grams.sum(axis=0)[1:, 1:]
+        return inner + np.diag(information(self.hypothesis))
+
+    def along(self) -> Array:
+        """Return the first derivatives, shape (entries,)."""
+        pull: Array = self.grams.sum(axis=0)[1:, 0]
+        return pull - information(self.hypothesis) * offset(self.hypothesis, self.point)
+
+    def step(
+        self, free: Mask | None = None, change: Array | None = None
+    ) -> tuple[Array, int, float]:
+        """Return the likeliest step, the rank of its columns and the nats that it gains.
+
+        Args:
+            free: Entries that it may move, shape (entries,); by default all.
+            change: Change of the others, same shape; by default none.
+        """
+        inner, pull = self.inner(), self.along()
+        free = np.ones(len(pull), dtype=bool) if free is None else free
+        whole = np.zeros_like(pull) if change is None else np.where(free, 0.0, change)
+        low = self.hypothesis.low - self.point - 1e-9
+        high = self.hypothesis.high - self.point + 1e-9
+        left = (pull - inner @ whole)[free]
+        whole[free], rank = bounded(inner[np.ix_(free, free)], left, low[free], high[free])
+        return whole, rank, float(pull @ whole - 0.5 * whole @ inner @ whole)
+
+    def evidence(self, kept: Sequence[int]) -> float:
+        """Return the log evidence with some of the effects, the others at neutral, nats.
+
+        It is that by Schwarz's criterion, up to a constant.
+
+        Args:
+            kept: Indices of the effects that stay.
+        """
+        _, rank, gained = self.step(*self._left(kept))
+        extra = max(0, rank - len(self.hypothesis.knobs))
+        return gained - 0.5 * extra * math.log(self.readings)
+
+    def reduced(self, kept: Sequence[int]) -> tuple[Hypothesis, Array]:
+        """Return the hypothesis with some of the effects alone, and its likeliest point."""
+        free, change = self._left(kept)
+        step, _, _ = self.step(free, change)
+        effects = self.hypothesis.effects_at(self.point)
+        fewer = replace(self.hypothesis, effects=tuple(effects[at] for at in kept))
+        return fewer, np.clip((self.point + step)[free], fewer.low, fewer.high)
+
+    def _left(self, kept: Sequence[int]) -> tuple[Mask, Array]:
+        """Return which entries stay free, and how far the others are from neutral."""
+        effects = self.hypothesis.effects_at(self.point)
+        idle = [each if at in kept else each.neutral() for at, each in enumerate(effects)]
+        own = len(self.hypothesis.knobs)
+        stays = [at in kept for at, each in enumerate(effects) for _ in each.free()]
+        change = np.zeros(len(self.point))
+        change[own:] = (replace(self.hypothesis, effects=tuple(idle)).start - self.point)[own:]
+        return np.array([True] * own + stays), change
+
+
+def quadratic(
+    hypothesis: Hypothesis, point: Array, runs: Sequence[Observed], *, blocks: int = 1
+) -> Quadratic:
+    """Return the log posterior to second order.
+
+    Args:
+        hypothesis: Own figures and effects.
+        point: Shape (entries,).
+        runs: Smoothed and linearised there.
+        blocks: Into how many folds each run is divided.
+    """
+    columns, folds, count = Columns.of(hypothesis, point), [], 0
+    for run in runs:
+        moved, shown = columns.along(run)
+        about = run.about
+        parts = whitened_blocks(about.tangent, about.disturbance, shown, moved, blocks=blocks)
+        folds += [part.gram for part in parts]
+        count += sum(part.readings for part in parts)
+    return Quadratic(hypothesis=hypothesis, point=point, grams=np.stack(folds), readings=count)
+
+
+def information(hypothesis: Hypothesis) -> Array:
+    """Return one over the prior variance, zero where the prior is flat, shape (entries,)."""
+    return np.where(np.isnan(hypothesis.likely), 0.0, hypothesis.trust)
+
+
+def offset(hypothesis: Hypothesis, point: Array) -> Array:
+    """Return a point less the prior mean, zero where the prior is flat, shape (entries,)."""
+    return np.asarray(point - np.where(np.isnan(hypothesis.likely), point, hypothesis.likely))

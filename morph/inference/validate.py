@@ -1,0 +1,184 @@
+"""Blocked cross-validation of hypotheses on nonlinear rollouts."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from morph.arrays import Array, Integers
+from morph.inference.observed import Observed
+from morph.inference.quadratic import Quadratic
+from morph.model.episodes import Episode
+from morph.model.hypothesis import Hypothesis
+from morph.model.segments import Segments, cut
+from morph.physics.effect import Effect
+from morph.sim.drive import received, sensed, stamped
+from morph.sim.rollout import rollout
+
+HORIZON = 1.0
+"""Seconds of a rollout: long enough for friction to show, short enough not to diverge."""
+MOST_ROLLOUTS = 60
+"""Rollouts; of longer recordings an even spread."""
+FOLDS = 4
+"""Least number of folds: whole runs, or stretches of them where there are fewer runs."""
+MATERIAL = 0.02
+"""Least mean gain of an effect, nats a stretch: two per cent of the error's size."""
+SURE = 2.0
+"""Least mean gain in standard errors. Prices of the evidence correct for how much was looked at."""
+HARM = 0.25
+"""Most that folds may lose together, as a share of what the others gain."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Validation:
+    """Stretches of runs, and which fold each belongs to."""
+
+    segments: Segments
+    """The stretches."""
+    blocks: int
+    """Into how many folds each run is divided."""
+
+    @classmethod
+    def of(cls, episodes: Sequence[Episode]) -> Validation:
+        """Return stretches of episodes."""
+        longest = 0.5 * min(len(e.command) for e in episodes) * episodes[0].step
+        segments = cut(episodes, min(HORIZON, longest), most=MOST_ROLLOUTS)
+        return cls(segments=segments, blocks=-(-FOLDS // len(episodes)))
+
+    @cached_property
+    def fold(self) -> Integers:
+        """Each stretch's fold, shape (segments,)."""
+        lengths = np.array([len(e.command) for e in self.segments.episodes])
+        middle = self.segments.first + self.segments.steps // 2
+        part = middle * self.blocks // lengths[self.segments.episode]
+        return np.asarray(self.segments.episode * self.blocks + part)
+
+    def losses(
+        self, hypothesis: Hypothesis, points: Sequence[Array], runs: Sequence[Observed]
+    ) -> Array:
+        """Return each stretch's error in rollouts, by its point of those fitted to other folds.
+
+        Half the logarithm of the mean squared error, in units of the noise, summed over joints:
+        the negative log likelihood of errors whose size is not known, so that bad stretches and
+        joints count no more than good ones. Shape (segments,).
+
+        Args:
+            hypothesis: What is simulated.
+            points: Its point for the stretches of each fold.
+            runs: Smoothed runs, along which rollouts start.
+        """
+        read = self.rollouts(hypothesis, points, runs)
+        segments = self.segments
+        error = np.where(segments.valid[..., None], segments.reading - read, 0.0)
+        mean = (error**2).sum(axis=1) / segments.valid.sum(axis=1)[:, None]
+        return np.asarray(0.5 * np.log1p(mean / segments.noise**2).sum(axis=1))
+
+    def losses_of(self, about: Quadratic, runs: Sequence[Observed], kept: Sequence[int]) -> Array:
+        """Return the losses with some of the effects of a quadratic, refitted without each fold."""
+        fits = [about.without_fold(fold).reduced(kept) for fold in range(len(about.grams))]
+        return self.losses(fits[0][0], [point for _, point in fits], runs)
+
+    def rollouts(
+        self, hypothesis: Hypothesis, points: Sequence[Array], runs: Sequence[Observed]
+    ) -> Array:
+        """Return predicted readings of each stretch, (segments, readings, joints).
+
+        Args:
+            hypothesis: What is simulated.
+            points: Its point for the stretches of each fold.
+            runs: Smoothed runs, along which rollouts start.
+        """
+        segments, fold = self.segments, self.fold
+        variants = [hypothesis.at(point) for point in points]
+        command = np.empty((len(segments), segments.steps, len(hypothesis.robot.actuators)))
+        for at, variant in enumerate(variants):
+            sent = [self._received(variant.effects, hypothesis, e) for e in segments.episodes]
+            command[fold == at] = segments.command(sent)[fold == at]
+        begin = list(zip(segments.episode, segments.first, strict=True))
+        position, _ = rollout(
+            variants,
+            fold,
+            np.stack([runs[e].about.position[first] for e, first in begin]),
+            np.stack([runs[e].about.velocity[first] for e, first in begin]),
+            command,
+        )
+        read = np.empty_like(segments.reading)
+        for at, variant in enumerate(variants):
+            inside = fold == at
+            read[inside] = self._read(variant.effects, hypothesis, inside, position[inside])
+        return np.nan_to_num(read, nan=1e3, posinf=1e3, neginf=-1e3)
+
+    def _received(
+        self, effects: Sequence[Effect], hypothesis: Hypothesis, episode: Episode
+    ) -> Array:
+        columns = [
+            received(effects, actuator.name, episode.command[:, at], self.segments.step)
+            for at, actuator in enumerate(hypothesis.robot.actuators)
+        ]
+        return np.stack(columns, axis=1) if columns else episode.command
+
+    def _read(
+        self, effects: Sequence[Effect], hypothesis: Hypothesis, inside: Array, position: Array
+    ) -> Array:
+        """Return readings of simulated positions (segments, steps + 1, joints)."""
+        segments = self.segments
+        stamp = (segments.before + segments.part)[inside] * segments.step
+        read = np.empty((*stamp.shape, position.shape[2]))
+        for joint, name in enumerate(each.name for each in hypothesis.robot.joints):
+            # To first order, a clock that stamps s(t) at t read at 2 t - s(t) what it stamps t.
+            time = (2.0 * stamp - stamped(effects, f"{name}.position", stamp)) / segments.step
+            before = np.clip(time.astype(int), 0, segments.steps - 1)
+            part = np.clip(time - before, -1.0, 2.0)
+            rows = np.arange(len(position))[:, None]
+            one, other = (position[rows, before + k, joint] for k in (0, 1))
+            read[..., joint] = sensed(effects, f"{name}.position", one + part * (other - one))
+        return read
+
+    def sure(self, before: Array, after: Array) -> bool:
+        """Return whether losses fall materially, surely, and in no fold at the cost of another.
+
+        Stretches of one run err together: what helps in one fold and harms in the next is an
+        accident of a run.
+
+        Args:
+            before: Loss of each stretch, shape (segments,).
+            after: The same with something added.
+        """
+        gain = before - after
+        by_fold = np.array([gain[self.fold == fold].mean() for fold in np.unique(self.fold)])
+        harm = float(-np.minimum(by_fold, 0.0).sum())
+        consistent = harm < HARM * float(np.maximum(by_fold, 0.0).sum())
+        return gain.mean() > MATERIAL and consistent and _sureness(before, after) > SURE
+
+
+def needed(about: Quadratic, validation: Validation, runs: Sequence[Observed]) -> list[int]:
+    """Return which effects lower the error of rollouts.
+
+    Backward elimination: the least sure effect goes until all that are left are sure.
+
+    Args:
+        about: The quadratic of their refit, by folds.
+        validation: Stretches and folds.
+        runs: Smoothed by the refit.
+    """
+    kept = list(range(len(about.hypothesis.effects)))
+    while kept:
+        whole = validation.losses_of(about, runs, kept)
+        fewer = {
+            gone: validation.losses_of(about, runs, [at for at in kept if at != gone])
+            for gone in kept
+        }
+        idle = [at for at in kept if not validation.sure(fewer[at], whole)]
+        if not idle:
+            break
+        kept.remove(min(idle, key=lambda at: _sureness(fewer[at], whole)))
+    return kept
+
+
+def _sureness(before: Array, after: Array) -> float:
+    """Return the mean gain over its standard error."""
+    gain = before - after
+    return float(gain.mean() / (gain.std(ddof=1) / np.sqrt(len(gain)) + 1e-12))
