@@ -79,7 +79,7 @@ def solve_by_ranking(folder: Path, seed: int) -> JSON:
     found = ranked(nominal, [episode(each, robot, step) for each in recordings], told)
     sets = [found.best, *(each for each in found.tried if each is not found.best)]
     # Sets of effects by their evidence, no effect among them, all alike before.
-    weights = np.exp([min(0.0, each.gain - sets[0].gain) for each in sets])
+    weights = np.exp([min(0.0, each.evidence - sets[0].evidence) for each in sets])
     weights /= weights.sum()
     share: dict[tuple[str, str], float] = {}
     for each, weight in zip(sets, weights, strict=True):

@@ -9,6 +9,9 @@ from morph.arrays import Array
 from morph.physics.body.inertial import pull, spatial, steiner
 from morph.physics.motion import Motion, actuator_moments
 
+DRIVES = ("actuator_gainprm", "actuator_biasprm", "actuator_forcerange", "jnt_actfrcrange")
+"""What a model says of its actuators' forces."""
+
 
 def force_between(one: mujoco.MjModel, other: mujoco.MjModel, motion: Motion) -> Array:
     """Return the force that a motion lacks in one model and has in another, (samples, dofs).
@@ -21,7 +24,9 @@ def force_between(one: mujoco.MjModel, other: mujoco.MjModel, motion: Motion) ->
         other: Another of the same robot.
         motion: Positions, velocities, accelerations, commands, and how links move.
     """
-    force = driven(other, motion) - driven(one, motion)
+    force = np.zeros_like(motion.position)
+    if not all(np.array_equal(getattr(one, name), getattr(other, name)) for name in DRIVES):
+        force += driven(other, motion) - driven(one, motion)
     force -= (other.dof_damping.reshape(-1) - one.dof_damping.reshape(-1)) * motion.velocity
     force -= (other.dof_armature - one.dof_armature) * motion.acceleration
     force += _spring(other, motion) - _spring(one, motion)
@@ -42,19 +47,39 @@ def _inertia(model: mujoco.MjModel, name: str) -> Array:
 
 
 def driven(model: mujoco.MjModel, motion: Motion) -> Array:
-    """Return the actuators' generalized forces within their limits, N m or N, (samples, dofs).
+    """Return the actuators' generalized forces within their limits, N m or N, (samples, dofs)."""
+    force = actuator_forces(model, motion.position, motion.velocity, motion.command)
+    force = force @ constant_moments(model)
+    return _clamped(force, model.jnt_actfrclimited, model.jnt_actfrcrange)
 
-    Moments are those of the model's zero position: actuators pull on joints, not on tendons.
+
+def actuator_forces(
+    model: mujoco.MjModel, position: Array, velocity: Array, command: Array
+) -> Array:
+    """Return the actuators' own forces within their limits, shape (samples, actuators).
+
+    Args:
+        model: The model; its actuators have no activation of their own.
+        position: rad or m, shape (samples, dofs).
+        velocity: Per s, same shape.
+        command: Controls, shape (samples, actuators).
+    """
+    moments = constant_moments(model)
+    gain, bias = model.actuator_gainprm[:, 0], model.actuator_biasprm
+    force = gain * _clamped(command, model.actuator_ctrllimited, model.actuator_ctrlrange)
+    force += bias[:, 0] + bias[:, 1] * (position @ moments.T)
+    force += bias[:, 2] * (velocity @ moments.T)
+    return _clamped(force, model.actuator_forcelimited, model.actuator_forcerange)
+
+
+def constant_moments(model: mujoco.MjModel) -> Array:
+    """Return the actuators' moments at zero position, shape (actuators, dofs).
+
+    They are the same everywhere: actuators pull on joints, not on tendons.
     """
     data = mujoco.MjData(model)
     mujoco.mj_fwdPosition(model, data)
-    moments = actuator_moments(model, data)
-    gain, bias = model.actuator_gainprm[:, 0], model.actuator_biasprm
-    force = gain * _clamped(motion.command, model.actuator_ctrllimited, model.actuator_ctrlrange)
-    force += bias[:, 0] + bias[:, 1] * (motion.position @ moments.T)
-    force += bias[:, 2] * (motion.velocity @ moments.T)
-    force = _clamped(force, model.actuator_forcelimited, model.actuator_forcerange)
-    return _clamped(force @ moments, model.jnt_actfrclimited, model.jnt_actfrcrange)
+    return actuator_moments(model, data)
 
 
 def _clamped(values: Array, limited: Array, ranges: Array) -> Array:

@@ -11,6 +11,7 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.body.robot import Robot
+from morph.inference.figures import actuator_forces, constant_moments
 from morph.inference.reference import (
     FEWER_STEPS,
     Reference,
@@ -21,7 +22,7 @@ from morph.inference.reference import (
 from morph.model.episodes import Episode, moving_joints
 from morph.physics.body_motion import BodyMotion, body_motions
 from morph.physics.effect import Effect
-from morph.physics.motion import Motion, actuator_moments
+from morph.physics.motion import Motion
 from morph.sim.drive import received
 
 
@@ -49,6 +50,8 @@ def observed(
 ) -> Observed:
     """Return a run smoothed and linearised by a model of hinges and slides.
 
+    The disturbance is the one of `before`, or the likeliest without it.
+
     Args:
         model: The robot's.
         robot: Its description.
@@ -70,11 +73,9 @@ def observed(
     if before is not None:
         motion = before.motion
         run = replace(run, force=force_of(effects, motion), shift=shift_of(effects, motion))
-    acted = before is not None and bool(effects)
-    known = None if before is None else before.about
-    about = reference(model, run, guess, before=known, settle=not acted)
+    about = reference(model, run, guess, before=None if before is None else before.about)
     motion = _motion(model, robot, about, run)
-    if acted:
+    if before is not None and effects:
         # The motion has changed, and under a stiff servo the effects' forces with it: evaluate them
         # along the new one.
         mobility = about.tangent.jacobian[:, :, 2 * guess.shape[1] :]
@@ -85,8 +86,13 @@ def observed(
             acceleration=about.acceleration + change,
             error=np.where(about.tangent.valid, about.error - shift, 0.0),
         )
-        about = replace(about, disturbance=likeliest_disturbance(about, steps=FEWER_STEPS))
     return Observed(run=run, about=about, motion=motion, sent=read.command)
+
+
+def settled(seen: Observed) -> Observed:
+    """Return a smoothed run with the likeliest disturbance."""
+    disturbance = likeliest_disturbance(seen.about, steps=FEWER_STEPS)
+    return replace(seen, about=replace(seen.about, disturbance=disturbance))
 
 
 class _Bodies(Mapping[str, BodyMotion]):
@@ -174,19 +180,9 @@ def _motion(model: mujoco.MjModel, robot: Robot, about: Reference, run: SampledR
     acceleration[-1] = acceleration[-2]
     velocity = about.velocity + 0.5 * run.step * acceleration
     acceleration += about.acceleration
-    drive = np.zeros((samples, model.nu, dofs))
-    drive_rate = np.zeros_like(drive)
+    moments = constant_moments(model)
+    force = actuator_forces(model, about.position, velocity, run.command)
     rate = np.gradient(run.command, run.step, axis=0) * model.actuator_gainprm[:, 0]
-    data = mujoco.MjData(model)
-    for t in range(samples):
-        data.qpos[:], data.qvel[:] = about.position[t], velocity[t]
-        data.ctrl[:] = run.command[t]
-        mujoco.mj_fwdPosition(model, data)
-        mujoco.mj_fwdVelocity(model, data)
-        mujoco.mj_fwdActuation(model, data)
-        moment = actuator_moments(model, data)
-        drive[t] = moment * data.actuator_force[:, None]
-        drive_rate[t] = moment * rate[t, :, None]
     jacobian = about.tangent.jacobian
     links = [link.name for link in robot.links]
     channels = [f"{name}.position" for name in moving_joints(robot)]
@@ -194,8 +190,8 @@ def _motion(model: mujoco.MjModel, robot: Robot, about: Reference, run: SampledR
         position=about.position,
         velocity=velocity,
         acceleration=acceleration,
-        drive=drive,
-        drive_rate=drive_rate,
+        drive=moments * force[:, :, None],
+        drive_rate=moments * rate[:, :, None],
         stiffness=np.asarray(-np.linalg.solve(jacobian[:, :, 2 * dofs :], jacobian[:, :, :dofs])),
         joints={joint.name: model.joint(joint.name).dofadr[0] for joint in robot.joints},
         actuators={actuator.name: at for at, actuator in enumerate(robot.actuators)},

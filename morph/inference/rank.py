@@ -23,7 +23,7 @@ from morph.inference.columns import Columns
 from morph.inference.filter import Whitened, whitened_blocks
 from morph.inference.observed import Observed
 from morph.inference.quadratic import information, offset, quadratic
-from morph.inference.refit import Refit, refitted
+from morph.inference.refit import Refit, refitted, under
 from morph.inference.search import Column, Explanation, Level, Prior, Search
 from morph.inference.validate import Validation, needed
 from morph.model.episodes import Episode
@@ -64,8 +64,8 @@ class Finalist:
 
     refit: Refit
     """At its likeliest point."""
-    gain: float
-    """Log evidence less that of no effect, less prices, nats."""
+    price: float
+    """Negative log prior of its effects, nats."""
     losses: Array
     """Loss of each stretch in rollouts of the model fitted to the other folds, (segments,)."""
 
@@ -73,6 +73,11 @@ class Finalist:
     def effects(self) -> tuple[Effect, ...]:
         """The effects with their parameters."""
         return self.refit.effects
+
+    @property
+    def evidence(self) -> float:
+        """Log evidence and log prior, nats, up to a constant."""
+        return self.refit.evidence - self.price
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -104,43 +109,37 @@ def ranked(
             for instead of those at the same places with defaults.
     """
     validation = Validation.of(episodes)
-    none = refitted(nominal, nominal.start, episodes, rounds=STEPS)
     prior: Prior | None = None
 
     def finalist(refit: Refit) -> Finalist:
         about = quadratic(refit.hypothesis, refit.point, refit.runs, blocks=validation.blocks)
         kept = list(range(len(refit.effects)))
         price = prior.price({effect.label for effect in refit.effects}) if prior else 0.0
-        return Finalist(
-            refit=refit,
-            gain=refit.evidence - price - none.evidence,
-            losses=validation.losses_of(about, refit.runs, kept),
-        )
+        losses = validation.losses_of(about, refit.runs, kept)
+        return Finalist(refit=refit, price=price, losses=losses)
 
-    best = finalist(none)
-    tried = [best]
+    none = best = finalist(refitted(nominal, nominal.start, episodes, rounds=STEPS))
+    tried: list[Finalist] = []
     for most in (MOST, *[LATER] * MOST_ROUNDS):
         search = _search(best.refit, known, prior, validation.blocks)
-        prior, before = search.prior, best
-        for found in _proposals(search, search.sets(most), best.refit, validation):
+        prior, before, gained = search.prior, best, False
+        for found in _proposals(search, search.sets(most), before.refit, validation):
             start = replace(nominal, effects=(*before.effects, *found.effects))
             own = before.refit.point + found.own
-            refit = refitted(
-                start,
-                np.concatenate([own, start.start[len(own) :]]),
-                episodes,
-                origin=before.refit,
-                rounds=STEPS,
-            )
-            new = finalist(refit)
+            point = np.concatenate([own, start.start[len(own) :]])
+            refit = refitted(start, point, episodes, origin=before.refit, rounds=STEPS)
+            new = finalist(under(refit, before.refit))
             tried.append(new)
             reduced = _reduced(refit, validation, episodes)
             if reduced is not None:
-                new = finalist(reduced)
+                new = finalist(under(reduced, before.refit))
                 tried.append(new)
-            if new.gain > before.gain and validation.sure(before.losses, new.losses):
-                best = new if best is before else _better(best, new, validation)
-        if best is before:
+            none, before, best = (_under(each, new) for each in (none, before, best))
+            likelier = new.evidence > before.evidence
+            if likelier and validation.sure(before.losses, new.losses):
+                best = _better(best, new, validation) if gained else new
+                gained = True
+        if not gained:
             break
     while (simpler := _simplified(best, finalist, validation, episodes)) is not None:
         best = simpler
@@ -148,13 +147,17 @@ def ranked(
         if (reduced := _reduced(best.refit, validation, episodes)) is not None:
             best = finalist(reduced)
             tried.append(best)
-    ordered = tuple(sorted(tried, key=lambda each: -each.gain))
+    ordered = tuple(sorted([*tried, none], key=lambda each: -each.evidence))
     return Ranking(best=best, tried=ordered, validation=validation)
+
+
+def _under(one: Finalist, other: Finalist) -> Finalist:
+    return replace(one, refit=under(one.refit, other.refit))
 
 
 def _better(one: Finalist, other: Finalist, validation: Validation) -> Finalist:
     """Return the likelier of two, unless the other is surely better in rollouts."""
-    first, second = sorted((one, other), key=lambda each: -each.gain)
+    first, second = sorted((one, other), key=lambda each: -each.evidence)
     return second if validation.sure(first.losses, second.losses) else first
 
 
@@ -176,7 +179,7 @@ def _simplified(
         own = len(start.knobs)
         point = np.concatenate([refit.point[:own], start.start[own:]])
         new = finalist(refitted(start, point, episodes, before=refit.runs, rounds=STEPS))
-        if not (best.gain > new.gain and validation.sure(new.losses, best.losses)):
+        if not validation.sure(new.losses, best.losses):
             return new
     return None
 

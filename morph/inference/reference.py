@@ -22,6 +22,10 @@ VIBRATIONS = (0.05, 300.0)
 """Bounds of each channel's vibration, as factors of its known noise."""
 MOST_SCALE = 30.0
 """Most scale of the missing force, as a share of the RMS force that a joint's motion needs."""
+MOST_SAMPLES = 1500
+"""Samples of a run by which its disturbance is judged."""
+INTERVAL = 0.02
+"""Seconds from one derivative of the model to the next: 3 rad/s turn a link by 0.06 rad."""
 ROUNDS = 3
 """Iterations of the smoother: smooth, then linearise again."""
 STEPS, FEWER_STEPS = 12, 4
@@ -98,12 +102,12 @@ def reference(
     guess: Array,
     *,
     before: Reference | None = None,
-    settle: bool = True,
 ) -> Reference:
     """Return the smoothed motion of a run and the model linearised along it.
 
     The model's own smoother gives the motion, not a spline: a spline's noise would enter the
-    columns of masses and correlate with the readings' errors.
+    columns of masses and correlate with the readings' errors. The disturbance is the one of
+    `before`, or the likeliest without it.
 
     Source: Bell 1994, SIAM Journal on Optimization 4(3), 626-636 (the iterated smoother).
 
@@ -113,8 +117,6 @@ def reference(
         guess: Positions to begin with, shape (samples, dofs).
         before: The result of a similar model, to begin with instead of `guess`. Readings that it
             left out stay out.
-        settle: Whether to end with the likeliest disturbance of the smoothed motion; else it is
-            the one that the motion was smoothed under.
     """
     if before is None:
         position = np.array(guess)
@@ -133,13 +135,15 @@ def reference(
         position, velocity = position + change, velocity + rate
         run = replace(run, valid=run.valid & ~outliers(found.error / run.noise, run.valid))
         found = _along(model, run, position, velocity, force, known)
-    if not settle:
+    if before is not None:
         return found
     return replace(found, disturbance=likeliest_disturbance(found, steps=FEWER_STEPS))
 
 
 def likeliest_disturbance(about: Reference, *, steps: int) -> Disturbance:
     """Return the scales, the correlation time and the noise under which readings are likeliest.
+
+    A few seconds from the middle of a run stand for all of it.
 
     Source: Rasmussen and Williams 2006, section 5.4.1 (the marginal likelihood).
 
@@ -149,6 +153,7 @@ def likeliest_disturbance(about: Reference, *, steps: int) -> Disturbance:
     """
     from scipy.optimize import minimize
 
+    whole, about = about.disturbance, _middle(about, MOST_SAMPLES)
     first, tangent = about.disturbance, about.tangent
     dofs, channels = len(first.scale), len(about.sensed)
 
@@ -185,7 +190,24 @@ def likeliest_disturbance(about: Reference, *, steps: int) -> Disturbance:
     best = minimize(
         cost, start, method="L-BFGS-B", bounds=bounds, options={"maxiter": steps, "eps": 1e-3}
     )
-    return at(best.x)
+    return replace(at(best.x), jolt=whole.jolt)
+
+
+def _middle(about: Reference, samples: int) -> Reference:
+    """Return the middle samples of a run."""
+    first = max(0, (len(about.position) - samples) // 2)
+    part, known = slice(first, first + samples), about.disturbance
+    tangent = about.tangent
+    return replace(
+        about,
+        position=about.position[part],
+        velocity=about.velocity[part],
+        force=about.force[part],
+        acceleration=about.acceleration[part],
+        error=about.error[part],
+        tangent=replace(tangent, jacobian=tangent.jacobian[part], valid=tangent.valid[part]),
+        disturbance=replace(known, jolt=None if known.jolt is None else known.jolt[part]),
+    )
 
 
 def outliers(error: Array, valid: Mask) -> Mask:
@@ -228,7 +250,8 @@ def _along(
 ) -> Reference:
     """Return a model linearised along a motion, with a known disturbance or a first guess of it."""
     dofs = position.shape[1]
-    local = linearised(model, position, velocity, run.command)
+    every = max(1, round(INTERVAL / run.step))
+    local = linearised(model, position, velocity, run.command, every=every)
     mobility = local.jacobian[:, :, 2 * dofs :]
     modelled = local.acceleration + np.einsum(
         "tij,tj->ti", mobility, np.broadcast_to(run.force, position.shape)

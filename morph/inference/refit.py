@@ -11,7 +11,7 @@ import numpy as np
 from morph.arrays import Array
 from morph.inference.columns import acting
 from morph.inference.filter import whitened
-from morph.inference.observed import Observed, observed
+from morph.inference.observed import Observed, observed, settled
 from morph.inference.quadratic import information, offset, quadratic
 from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis
@@ -19,6 +19,8 @@ from morph.physics.effect import Effect
 
 SHARES = (0.3, 0.1)
 """Parts of a step that are tried where the whole step gains nothing."""
+CYCLES = 2
+"""Most estimates of the disturbances."""
 SETTLED = 1.0
 """Nats: a refit ends with a step that gains less evidence."""
 
@@ -35,6 +37,8 @@ class Refit:
     """The runs smoothed and linearised at the point."""
     evidence: float
     """Log evidence by Schwarz's criterion, nats, up to a constant; without prices of the search."""
+    rank: int
+    """Rank of the columns of all entries."""
 
     @property
     def effects(self) -> tuple[Effect, ...]:
@@ -74,7 +78,6 @@ def refitted(
     origin: Refit | None = None,
     before: Sequence[Observed] | None = None,
     rounds: int = 2,
-    least: float = -math.inf,
 ) -> Refit:
     """Return a hypothesis refitted to runs by Gauss-Newton steps, shortened if they gain nothing.
 
@@ -87,8 +90,7 @@ def refitted(
         origin: A refit of the same hypothesis less its last effects. A first point that explains
             less than it is moved toward it.
         before: The runs smoothed by a similar hypothesis, where there is no such refit.
-        rounds: Most steps.
-        least: Stop where the next step predicts less evidence, nats.
+        rounds: Most steps before the disturbances are estimated anew.
     """
     # Effects act along a motion: without one it is that of the model alone.
     bare = replace(hypothesis, effects=())
@@ -108,13 +110,23 @@ def refitted(
             near = idle + share * (point - idle)
             runs = seen(hypothesis, near, episodes, origin.runs)
             best = max(best, _judged(hypothesis, near, runs, len(point)), key=lambda r: r.evidence)
-    for turn in range(rounds):
-        step, rank, gained = quadratic(best.hypothesis, best.point, best.runs).step()
-        if turn == 0:
-            best = _judged(hypothesis, best.point, best.runs, rank)
-        if best.evidence + gained < least:
+    for _ in range(CYCLES):
+        best = _descended(best, episodes, rounds)
+        # Explained errors leave less force missing, which weighs all readings anew.
+        runs = [settled(run) for run in best.runs]
+        anew = _judged(hypothesis, best.point, runs, best.rank)
+        last, best = best, max(best, anew, key=lambda each: each.evidence)
+        if best.evidence < last.evidence + SETTLED:
             break
-        last = best
+    return best
+
+
+def _descended(best: Refit, episodes: Sequence[Episode], rounds: int) -> Refit:
+    """Return a refit after Gauss-Newton steps under the same disturbances."""
+    hypothesis = best.hypothesis
+    for _ in range(rounds):
+        step, rank, _ = quadratic(hypothesis, best.point, best.runs).step()
+        last = best = _judged(hypothesis, best.point, best.runs, rank)
         for share in (1.0, *SHARES):
             point = np.clip(best.point + share * step, hypothesis.low, hypothesis.high)
             found = _judged(hypothesis, point, seen(hypothesis, point, episodes, best.runs), rank)
@@ -124,6 +136,20 @@ def refitted(
         if best is last or (share == 1.0 and best.evidence < last.evidence + SETTLED):
             break
     return best
+
+
+def under(refit: Refit, other: Refit) -> Refit:
+    """Return a refit under the disturbances of another where the readings are likelier so.
+
+    What is likeliest is searched from one start: another model may have found better.
+    """
+    runs = []
+    for run, theirs in zip(refit.runs, other.runs, strict=True):
+        jolt = run.about.disturbance.jolt
+        disturbance = replace(theirs.about.disturbance, jolt=jolt)
+        runs.append(replace(run, about=replace(run.about, disturbance=disturbance)))
+    anew = _judged(refit.hypothesis, refit.point, runs, refit.rank)
+    return max(refit, anew, key=lambda each: each.evidence)
 
 
 def _idle(hypothesis: Hypothesis, origin: Refit) -> Array:
@@ -144,7 +170,7 @@ def _judged(hypothesis: Hypothesis, point: Array, runs: Sequence[Observed], rank
         level = whitened(about.tangent, about.disturbance, shown, moved)
         evidence -= 0.5 * (float(level.gram[0, 0]) + level.logarithm)
     evidence -= 0.5 * max(0, rank - len(hypothesis.knobs)) * math.log(readings(runs))
-    return Refit(hypothesis=hypothesis, point=point, runs=runs, evidence=evidence)
+    return Refit(hypothesis=hypothesis, point=point, runs=runs, evidence=evidence, rank=rank)
 
 
 def readings(runs: Sequence[Observed]) -> int:

@@ -118,7 +118,8 @@ class Hypothesis:
         """Return the step of a finite difference at a point, one for each entry."""
         knobs = np.full(len(self.knobs), 1e-3)
         widths = np.array([k.high - k.low for _, k in self._slots])
-        wide = 0.02 * np.abs(point[len(knobs) :]) + 1e-5 * widths
+        # Bounds may lie as good as nowhere: a step is no share of those.
+        wide = 0.02 * np.abs(point[len(knobs) :]) + 1e-5 * np.minimum(widths, 1.0)
         # Of what links weigh only sums show: a coarse step would seem to tell them apart.
         fine = np.array([1e-3 * (k.spread or 0.0) for _, k in self._slots])
         step = np.concatenate([knobs, np.where(fine > 0.0, fine, wide)])

@@ -74,23 +74,51 @@ def body_motions(
         velocity: Generalized velocities, shape (samples, nv).
         slope: Generalized accelerations, shape (samples, nv).
     """
-    data = mujoco.MjData(model)
     samples, indices = len(velocity), [model.body(name).id for name in bodies]
-    jacobian, rate = np.zeros((2, len(indices), samples, 2, 3, model.nv))
+    data, chains = mujoco.MjData(model), [_chain(model, index) for index in indices]
+    axes, rates = np.empty((2, samples, model.nv, 6))
     turned, origin = np.empty((len(indices), samples, 3, 3)), np.empty((len(indices), samples, 3))
+    moments = np.empty((len(indices), samples, 3))
+    roots = model.body_rootid[indices]
     for k in range(samples):
         data.qpos[:], data.qvel[:] = position[k], velocity[k]
         mujoco.mj_fwdPosition(model, data)
         mujoco.mj_fwdVelocity(model, data)
-        for at, index in enumerate(indices):
-            spot, here, change = data.xpos[index], jacobian[at, k], rate[at, k]
-            mujoco.mj_jac(model, data, here[0], here[1], spot, index)
-            mujoco.mj_jacDot(model, data, change[0], change[1], spot, index)
-            turned[at, k], origin[at, k] = data.xmat[index].reshape(3, 3), spot
-    return {
-        name: _seen(model, index, jacobian[at], rate[at], turned[at], origin[at], velocity, slope)
-        for at, (name, index) in enumerate(zip(bodies, indices, strict=True))
-    }
+        axes[k], rates[k] = data.cdof, data.cdof_dot
+        turned[:, k] = data.xmat[indices].reshape(-1, 3, 3)
+        origin[:, k] = data.xpos[indices]
+        moments[:, k] = data.xpos[indices] - data.subtree_com[roots]
+    found = {}
+    for at, (name, index) in enumerate(zip(bodies, indices, strict=True)):
+        jacobian = _about(axes * chains[at][:, None], moments[at])
+        # The rate of the axes, and that of the point about which they turn.
+        rate = _about(rates * chains[at][:, None], moments[at])
+        speed = np.einsum("srid,sd->sri", jacobian, velocity)[:, 0]
+        spins = axes[:, :, :3] * chains[at][:, None]
+        rate[:, 0] += np.swapaxes(np.cross(spins, speed[:, None]), 1, 2)
+        found[name] = _seen(model, index, jacobian, rate, turned[at], origin[at], velocity, slope)
+    return found
+
+
+def _chain(model: mujoco.MjModel, body: int) -> Array:
+    """Return 1 for each degree of freedom that moves a body, else 0, shape (nv,)."""
+    moves = np.zeros(model.nv)
+    while body:
+        first, count = model.body_dofadr[body], model.body_dofnum[body]
+        moves[first : first + count] = 1.0
+        body = model.body_parentid[body]
+    return moves
+
+
+def _about(axes: Array, arm: Array) -> Array:
+    """Return Jacobians of a point, linear before angular, shape (samples, 2, 3, nv).
+
+    Args:
+        axes: MuJoCo's spatial axes, angular before linear, shape (samples, nv, 6).
+        arm: The point less the one about which they are, m, shape (samples, 3).
+    """
+    linear = axes[:, :, 3:] + np.cross(axes[:, :, :3], arm[:, None])
+    return np.swapaxes(np.stack([linear, axes[:, :, :3]], axis=1), 2, 3)
 
 
 def _seen(

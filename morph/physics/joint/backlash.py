@@ -11,6 +11,7 @@ import numpy as np
 from morph.arrays import Array, Mask
 from morph.physics.effect import Simulations, parameter, stacked
 from morph.physics.joint.motor_side import Motors, MotorSideEffect
+from morph.physics.joint.recorded import followed_backlash
 from morph.physics.motion import Motion
 
 GAPS = (0.002, 0.006, 0.02, 0.06)
@@ -79,22 +80,17 @@ class Backlash(MotorSideEffect):
         """Return what the play changes of the force on the link, for each rad of the gap."""
         effort, (stiffness, damping), inertia = self.recorded(motion)
         gap = np.atleast_1d(self.gap)
-        plays, each = gap > 0.0, np.ones_like(gap)
-        slope = motion.acceleration[:, motion.joints[self.joint]]
-        late, speed = motion.arriving(self.joint), motion.speed(self.joint)
-        steps = np.diff(motion.time, append=2.0 * motion.time[-1] - motion.time[-2])
-        rotor = _Rotor.at_end(effort[0] * each, gap, late[0] * each)
-        change, known = np.empty((len(effort), len(gap))), (stiffness * each, damping * each)
-        for at, step in enumerate(steps):
-            lead = np.where(rotor.side != 0.0, 0.0, rotor.rate - speed[at])
-            motors = Motors(
-                torque=effort[at] - stiffness * rotor.ahead - damping * lead,
-                stiffness=known[0],
-                damping=known[1],
-            )
-            past = slope[at - 1] if at else 0.0 * slope[0]
-            felt, loose, rotor = rotor.step(motors, inertia * each, late[at], past, step)
-            change[at] = felt - effort[at] + np.where(loose, inertia * slope[at], 0.0)
+        plays = gap > 0.0
+        change = followed_backlash(
+            effort,
+            motion.arriving(self.joint),
+            motion.speed(self.joint),
+            motion.acceleration[:, motion.joints[self.joint]],
+            np.diff(motion.time, append=2.0 * motion.time[-1] - motion.time[-2]),
+            motors=(stiffness, damping),
+            inertia=(inertia, LIGHT),
+            gap=gap,
+        )
         return motion.along(self.joint, *np.where(plays, change / np.where(plays, gap, 1.0), 0.0).T)
 
     @classmethod

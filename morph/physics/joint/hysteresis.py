@@ -10,6 +10,7 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.physics.effect import Simulations, parameter, stacked
+from morph.physics.joint.recorded import followed_hysteresis
 from morph.physics.kinds import JointEffect
 from morph.physics.motion import Motion
 
@@ -67,10 +68,7 @@ class Hysteresis(JointEffect):
 
     def regressor(self, motion: Motion) -> Array:
         """Return minus h along the recorded positions."""
-        moves = np.diff(motion.place(self.joint))[:, None] / np.atleast_1d(self.z)
-        held = np.zeros((len(moves) + 1, moves.shape[1]))
-        for at, move in enumerate(moves):
-            held[at + 1] = followed(held[at], move)
+        held = followed_hysteresis(motion.place(self.joint), np.atleast_1d(self.z))
         return motion.along(self.joint, *-held.T)
 
     @classmethod
