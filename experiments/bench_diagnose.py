@@ -19,7 +19,7 @@ from morph.arrays import JSON
 from morph.body.load import load as load_robot
 from morph.body.robot import Robot
 from morph.errors import MorphError
-from morph.model.diagnose import diagnose
+from morph.inference.diagnose import diagnose
 from morph.model.split import between
 from morph.record.recording import Recording
 

@@ -77,7 +77,7 @@ def _diagnosed(case: Path, out: Path, console: Console) -> Path:
     from morph.app.cli.diagnose import in_words
     from morph.app.report.files import write_diagnosis
     from morph.body.load import load as load_robot
-    from morph.model.diagnose import diagnose
+    from morph.inference.diagnose import diagnose
     from morph.record.binding import load_binding
     from morph.record.load import load as load_recordings
 

@@ -22,7 +22,7 @@ from morph.body.load import load as load_robot
 from morph.body.robot import Robot
 from morph.body.spec import spec_of
 from morph.errors import MorphError
-from morph.model.diagnose import diagnose
+from morph.inference.diagnose import diagnose
 from morph.model.diagnosis import Diagnosis
 from morph.model.score import rmse
 from morph.model.segments import scored_segments

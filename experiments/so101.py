@@ -23,7 +23,7 @@ from experiments.openloop import BINDINGS, named
 from morph.arrays import JSON
 from morph.body.load import load as load_robot
 from morph.errors import MorphError
-from morph.model.diagnose import diagnose
+from morph.inference.diagnose import diagnose
 from morph.model.diagnosis import Diagnosis, Trace
 from morph.record.load import load as load_recordings
 from morph.record.recording import Recording

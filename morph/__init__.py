@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from morph import record as record
     from morph.body.load import load as load
-    from morph.model.diagnose import diagnose as diagnose
+    from morph.inference.diagnose import diagnose as diagnose
     from morph.physics import EFFECTS as EFFECTS
     from morph.physics.worlds import world as world
     from morph.policy.store import load_policy as load_policy
@@ -48,7 +48,7 @@ _HOMES = {
     "EFFECTS": ("morph.physics", "EFFECTS"),
     "Recording": ("morph.record.recording", "Recording"),
     "Simulator": ("morph.sim.simulator", "Simulator"),
-    "diagnose": ("morph.model.diagnose", "diagnose"),
+    "diagnose": ("morph.inference.diagnose", "diagnose"),
     "load": ("morph.body.load", "load"),
     "load_policy": ("morph.policy.store", "load_policy"),
     "load_recordings": ("morph.record.load", "load"),

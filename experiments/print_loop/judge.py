@@ -7,7 +7,7 @@ import numpy as np
 from experiments.print_loop.bodies import commands
 from experiments.print_loop.truth import COUNT, Truth, printed
 from morph.arrays import JSON, Array
-from morph.model.diagnose import diagnose
+from morph.inference.diagnose import diagnose
 from morph.model.diagnosis import Finding
 from morph.sim.simulator import Simulator
 

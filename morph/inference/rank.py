@@ -9,6 +9,7 @@ best refit.
 from __future__ import annotations
 
 import math
+import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence, Set
 from contextlib import suppress
@@ -25,13 +26,15 @@ from morph.inference.observed import Observed
 from morph.inference.quadratic import information, offset, quadratic
 from morph.inference.refit import Refit, refitted, under
 from morph.inference.search import Column, Explanation, Level, Prior, Search
-from morph.inference.validate import Validation, needed
+from morph.inference.validate import Validation, at_noise, needed
 from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis
 from morph.physics import EFFECTS
 from morph.physics.effect import Effect
 from morph.physics.motion import Motion
 
+Progress = Callable[[str, float], None]
+"""Told what is being done and the share of the work that is behind, 0 to 1."""
 LEVELS = (1.0, 0.3, 0.1, 0.03)
 """Scales of the missing force, as shares of the likeliest one before effects are added. A set that
 explains more leaves less of it: each is scored at the scale under which it is likeliest."""
@@ -39,6 +42,10 @@ SIMULATED = 6
 """How many of the likeliest sets, and of the likeliest single effects, are simulated."""
 FINALISTS = 2
 """How many of those with the least error are refitted, beside the likeliest."""
+CERTAIN = 20.0
+"""Gain in evidence, nats, that needs no gain in rollouts where readings are at their noise."""
+DIVERGED = 0.5
+"""By how much a set may raise the mean loss before it is refitted, nats a stretch and joint."""
 MOST = 4
 """Most effects, or laws at every joint, that the first search adds."""
 LATER, MOST_ROUNDS = 2, 3
@@ -90,10 +97,24 @@ class Ranking:
     """All of them, the best by evidence first; the empty set is among them."""
     validation: Validation
     """The stretches on which they were compared."""
+    search: Search
+    """All effects that might stand beside the best, or in the place of one of its own."""
+    stopped: bool
+    """Whether there was no time to try all."""
+
+    @property
+    def none(self) -> Finalist:
+        """The description with its own figures refitted."""
+        return next(each for each in self.tried if not each.effects)
 
 
 def ranked(
-    nominal: Hypothesis, episodes: Sequence[Episode], known: Sequence[Effect] = ()
+    nominal: Hypothesis,
+    episodes: Sequence[Episode],
+    known: Sequence[Effect] = (),
+    *,
+    progress: Progress = lambda what, share: None,
+    deadline: float = math.inf,
 ) -> Ranking:
     """Return the sets of effects that explain runs best.
 
@@ -107,6 +128,8 @@ def ranked(
         episodes: Its runs.
         known: Effects whose fixed parameters are known, such as a paddle's edge. They are looked
             for instead of those at the same places with defaults.
+        progress: Told what is being done, and the share of the work that is behind.
+        deadline: Time of the monotonic clock after which no refit begins.
     """
     validation = Validation.of(episodes)
     prior: Prior | None = None
@@ -120,10 +143,13 @@ def ranked(
 
     none = best = finalist(refitted(nominal, nominal.start, episodes, rounds=STEPS))
     tried: list[Finalist] = []
-    for most in (MOST, *[LATER] * MOST_ROUNDS):
+    for turn, most in enumerate((MOST, *[LATER] * MOST_ROUNDS)):
+        progress(f"looking for what is missing (round {turn + 1})", 0.8 - 0.7 * 0.7**turn)
         search = _search(best.refit, known, prior, validation.blocks)
         prior, before, gained = search.prior, best, False
-        for found in _proposals(search, search.sets(most), before.refit, validation):
+        for found in _proposals(search, search.sets(most), before, validation):
+            if time.monotonic() > deadline:
+                break
             start = replace(nominal, effects=(*before.effects, *found.effects))
             own = before.refit.point + found.own
             point = np.concatenate([own, start.start[len(own) :]])
@@ -132,27 +158,50 @@ def ranked(
             tried.append(new)
             reduced = _reduced(refit, validation, episodes)
             if reduced is not None:
-                new = finalist(under(reduced, before.refit))
-                tried.append(new)
+                fewer = finalist(under(reduced, before.refit))
+                tried.append(fewer)
+                brief = any(validation.too_brief(effect) for effect in new.effects)
+                needless = brief or not validation.worse(new.losses, fewer.losses)
+                new = fewer if needless else new
             none, before, best = (_under(each, new) for each in (none, before, best))
-            likelier = new.evidence > before.evidence
-            if likelier and validation.sure(before.losses, new.losses):
+            if _gains(before, new, validation):
                 best = _better(best, new, validation) if gained else new
                 gained = True
-        if not gained:
+        if not gained or time.monotonic() > deadline:
             break
-    while (simpler := _simplified(best, finalist, validation, episodes)) is not None:
+    progress("trying simpler laws", 0.8)
+    while time.monotonic() < deadline:
+        simpler = _simplified(best, finalist, validation, episodes)
+        if simpler is None:
+            break
         best = simpler
         tried.append(best)
         if (reduced := _reduced(best.refit, validation, episodes)) is not None:
-            best = finalist(reduced)
-            tried.append(best)
+            fewer = finalist(reduced)
+            tried.append(fewer)
+            best = best if validation.worse(best.losses, fewer.losses) else fewer
+    stopped = time.monotonic() > deadline
+    if best is not before and not stopped:
+        search = _search(best.refit, known, prior, validation.blocks)
     ordered = tuple(sorted([*tried, none], key=lambda each: -each.evidence))
-    return Ranking(best=best, tried=ordered, validation=validation)
+    return Ranking(best=best, tried=ordered, validation=validation, search=search, stopped=stopped)
 
 
 def _under(one: Finalist, other: Finalist) -> Finalist:
     return replace(one, refit=under(one.refit, other.refit))
+
+
+def _gains(before: Finalist, new: Finalist, validation: Validation) -> bool:
+    """Return whether a set of effects explains more than another.
+
+    Rollouts decide where physics without a name remains. Where readings are explained to their
+    noise the model of the disturbance holds, and evidence decides that rollouts do not refute.
+    """
+    gain = new.evidence - before.evidence
+    if validation.sure(before.losses, new.losses):
+        return gain > 0.0
+    refuted = validation.worse(before.losses, new.losses)
+    return gain > CERTAIN and at_noise(new.refit.runs) and not refuted
 
 
 def _better(one: Finalist, other: Finalist, validation: Validation) -> Finalist:
@@ -179,13 +228,16 @@ def _simplified(
         own = len(start.knobs)
         point = np.concatenate([refit.point[:own], start.start[own:]])
         new = finalist(refitted(start, point, episodes, before=refit.runs, rounds=STEPS))
-        if not validation.sure(new.losses, best.losses):
+        if not validation.worse(best.losses, new.losses):
             return new
     return None
 
 
 def _proposals(
-    search: Search, sets: Sequence[Explanation], base: Refit, validation: Validation
+    search: Search,
+    sets: Sequence[Explanation],
+    base: Finalist,
+    validation: Validation,
 ) -> list[Explanation]:
     """Return the sets to refit: the likeliest, and those with the least error in rollouts."""
     some = [each for each in sets if each.effects and each.gain > -5.0]
@@ -194,17 +246,21 @@ def _proposals(
     listed: dict[tuple[int, ...], Explanation] = {
         each.members: each for each in [*some[:SIMULATED], *alone[:SIMULATED], *groups.values()]
     }
-    hypothesis, losses = base.hypothesis, {}
+    hypothesis, now, losses = base.refit.hypothesis, float(base.losses.mean()), {}
     for members, found in listed.items():
         points = []
         for fold in range(len(search.levels[0].folds)):
             own, effects = search.without_fold(found, fold)
             more = replace(hypothesis, effects=(*hypothesis.effects, *effects))
-            point = np.concatenate([base.point + own, more.start[len(own) :]])
+            point = np.concatenate([base.refit.point + own, more.start[len(own) :]])
             points.append(np.clip(point, more.low, more.high))
-        losses[members] = float(validation.losses(more, points, base.runs).mean())
+        losses[members] = float(validation.losses(more, points, base.refit.runs).mean())
     by_rollouts = sorted(listed.values(), key=lambda each: losses[each.members])
-    chosen = {each.members: each for each in [*by_rollouts[:FINALISTS], *some[:1]]}
+    # A set may be likely and yet diverge: a stiff spring in steps that are too long.
+    most = now + DIVERGED * len(hypothesis.robot.joints)
+    stable = [each for each in by_rollouts if losses[each.members] < most]
+    likeliest = sorted(stable, key=lambda each: -each.gain)[:1]
+    chosen = {each.members: each for each in [*stable[:FINALISTS], *likeliest]}
     return list(chosen.values())
 
 
@@ -217,7 +273,7 @@ def _law(found: Explanation, prior: Prior) -> frozenset[str] | None:
 def _reduced(refit: Refit, validation: Validation, episodes: Sequence[Episode]) -> Refit | None:
     """Return a refit without the effects that rollouts do not need; None if they need all."""
     about = quadratic(refit.hypothesis, refit.point, refit.runs, blocks=validation.blocks)
-    kept = needed(about, validation, refit.runs)
+    kept = needed(about, validation, refit.runs, certain=CERTAIN)
     if len(kept) == len(refit.effects):
         return None
     hypothesis, point = about.reduced(kept)

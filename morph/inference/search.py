@@ -81,6 +81,19 @@ class Level:
         """Return the columns over all folds but one."""
         return replace(self, gram=self.gram - self.folds[fold])
 
+    def fixed(self, entries: Integers, change: Array) -> Level:
+        """Return the columns without some own figures, which change by known amounts.
+
+        Args:
+            entries: Indices of the own figures.
+            change: Of each, shape (len(entries),).
+        """
+        turn = np.eye(len(self.gram))
+        turn[1 + entries, 0] = -change
+        turn = np.delete(turn, 1 + entries, axis=1)
+        low, high = (np.delete(each, entries) for each in (self.low, self.high))
+        return replace(self, gram=turn.T @ self.gram @ turn, low=low, high=high, folds=())
+
     def rest(self, held: Mask) -> Array:
         """Return the Gram matrix of [errors, effects] with the free own figures projected out.
 
@@ -212,6 +225,26 @@ class Search:
         ]
         return sorted(explained, key=lambda each: -each.gain)
 
+    def instead(
+        self, label: str, entries: Integers, change: Array
+    ) -> tuple[float, list[tuple[Effect, float]]]:
+        """Return log odds against an effect found before: of nothing, and of others in its place.
+
+        In nats, of each other effect at its best shape, likeliest first.
+
+        Args:
+            label: The effect's.
+            entries: Its parameters among the own figures.
+            change: What takes them to neutral.
+        """
+        rank = int(np.sum(np.diag(self.levels[0].gram)[1 + entries] > 0.0))
+        held = self._fitted(()).best.evidence - 0.5 * rank * math.log(self.readings)
+        levels = tuple(level.fixed(entries, change) for level in self.levels)
+        without = replace(self, levels=levels, known=self.known - {label}, groups=())
+        none = without._fitted(()).best.evidence
+        others = [each for each in without.sets(1) if len(each.effects) == 1]
+        return none - held, [(each.effects[0], each.gain + none - held) for each in others]
+
     def without_fold(self, found: Explanation, fold: int) -> tuple[Array, tuple[Effect, ...]]:
         """Return the change of own figures and the effects, fitted to all folds but one."""
         columns = [self.columns[each] for each in found.members]
@@ -292,21 +325,7 @@ def _projected(gram: Array, inner: Array, across: Array) -> Array:
 
 def _all_bounds(effects: Sequence[Effect]) -> tuple[Array, Array]:
     """Return the bounds of the columns of some effects."""
-    pairs = [(np.zeros(0), np.zeros(0)), *(_bounds(effect) for effect in effects)]
+    pairs = [(np.zeros(0), np.zeros(0)), *(effect.coefficient_bounds() for effect in effects)]
     low, high = zip(*pairs, strict=True)
-    return np.concatenate(low), np.concatenate(high)
-
-
-def _bounds(effect: Effect) -> tuple[Array, Array]:
-    """Return the bounds of an effect's coefficients, strengths less neutral ones.
-
-    None where an effect defines its coefficients otherwise.
-    """
-    size = len(effect.strengths)
-    if type(effect).coefficients is not Effect.coefficients:
-        return np.full(size, -np.inf), np.full(size, np.inf)
-    known = {p.name: p for p in effect.parameters()}
-    pairs = [(known[name], known[name].neutral or 0.0) for name in effect.strengths]
-    low = np.array([p.low - neutral for p, neutral in pairs])
-    high = np.array([p.high - neutral for p, neutral in pairs])
-    return low - 1e-12, high + 1e-12
+    # Equal bounds leave an interval.
+    return np.concatenate(low) - 1e-12, np.concatenate(high) + 1e-12

@@ -28,7 +28,13 @@ MATERIAL = 0.02
 """Least mean gain of an effect, nats a stretch: two per cent of the error's size."""
 SURE = 2.0
 """Least mean gain in standard errors. Prices of the evidence correct for how much was looked at."""
-HARM = 0.25
+LITTLE_FORCE, LITTLE_VIBRATION = 0.03, 1.0
+"""Missing force as a share of the joints', and vibration in units of the noise, up to which runs
+are explained to their noise."""
+BRIEF = 0.15
+"""Least time that may be claimed, as a share of the period of readings: simulations step, loggers
+stamp and controllers hold at moments that differ by as much."""
+HARM = 0.5
 """Most that folds may lose together, as a share of what the others gain."""
 
 
@@ -153,18 +159,54 @@ class Validation:
         consistent = harm < HARM * float(np.maximum(by_fold, 0.0).sum())
         return gain.mean() > MATERIAL and consistent and _sureness(before, after) > SURE
 
+    def too_brief(self, effect: Effect) -> bool:
+        """Return whether all that an effect is of is a time far below the period of readings."""
+        times = [p for p in effect.parameters() if p.unit == "s" and p.neutral is not None]
+        periods = [
+            float(np.median(np.diff(channel.time)))
+            for episode in self.segments.episodes
+            for name, channel in episode.recording.channels.items()
+            if name.endswith(".position")
+        ]
+        least = BRIEF * float(np.median(periods))
+        return bool(times) and all(
+            abs(getattr(effect, p.name) - (p.neutral or 0.0)) < least for p in times
+        )
 
-def needed(about: Quadratic, validation: Validation, runs: Sequence[Observed]) -> list[int]:
-    """Return which effects lower the error of rollouts.
+    def worse(self, before: Array, after: Array) -> bool:
+        """Return whether losses rise materially and surely, whatever single folds say."""
+        return float((after - before).mean()) > MATERIAL and _sureness(after, before) > SURE
 
-    Backward elimination: the least sure effect goes until all that are left are sure.
+
+def at_noise(runs: Sequence[Observed]) -> bool:
+    """Return whether runs are explained to their noise, but for a little missing force."""
+    shares, vibrations = [], []
+    for run in runs:
+        about, disturbance = run.about, run.about.disturbance
+        shares.append((disturbance.scale / about.effort) ** 2)
+        if disturbance.vibration is not None:
+            vibrations.append((disturbance.vibration / about.sensed) ** 2)
+    little = float(np.sqrt(np.mean(shares, axis=0).max())) < LITTLE_FORCE
+    return little and float(np.sqrt(np.mean(vibrations))) < LITTLE_VIBRATION
+
+
+def needed(
+    about: Quadratic, validation: Validation, runs: Sequence[Observed], *, certain: float
+) -> list[int]:
+    """Return which effects lower the error of rollouts, and are no accident of the clock.
+
+    Backward elimination: the least sure effect goes until all that are left are sure, or certain
+    by their evidence where runs are explained to their noise.
 
     Args:
         about: The quadratic of their refit, by folds.
         validation: Stretches and folds.
         runs: Smoothed by the refit.
+        certain: Evidence, nats, by which an effect stays.
     """
-    kept = list(range(len(about.hypothesis.effects)))
+    trusted = at_noise(runs)
+    effects = about.hypothesis.effects_at(about.point)
+    kept = [at for at, each in enumerate(effects) if not validation.too_brief(each)]
     while kept:
         whole = validation.losses_of(about, runs, kept)
         fewer = {
@@ -172,6 +214,14 @@ def needed(about: Quadratic, validation: Validation, runs: Sequence[Observed]) -
             for gone in kept
         }
         idle = [at for at in kept if not validation.sure(fewer[at], whole)]
+        if trusted:
+            now = about.evidence(kept)
+            idle = [
+                at
+                for at in idle
+                if now - about.evidence([each for each in kept if each != at]) < certain
+                or validation.worse(fewer[at], whole)
+            ]
         if not idle:
             break
         kept.remove(min(idle, key=lambda at: _sureness(fewer[at], whole)))

@@ -25,6 +25,10 @@ class Estimate:
     """Upper end."""
     unit: str
     """Its unit."""
+    bounded: bool = False
+    """Whether the best value is at a bound, so that it may lie beyond."""
+    prior_only: bool = False
+    """Whether the runs say nothing about it that was not assumed before."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,7 +42,7 @@ class Rival:
     where: str
     """The part."""
     probability: float
-    """How often it beats the finding when segments are drawn anew."""
+    """Posterior probability that it is there in the finding's place."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,7 +52,7 @@ class Finding:
     effect: Effect
     """The effect as fitted."""
     probability: float
-    """How often it is best when segments are drawn anew."""
+    """Posterior probability."""
     episodes: tuple[str, ...]
     """Training episodes that it explains better."""
     parameters: Mapping[str, Estimate]
@@ -95,6 +99,20 @@ class Located:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Unexplained:
+    """What the corrected model leaves of the training runs."""
+
+    probability: float = 0.0
+    """That physics is left which has no name here."""
+    share: float = 0.0
+    """Missing force over the force that the motion needs, of the worst joint."""
+    channels: Mapping[str, float] = field(default_factory=dict)
+    """The same by each joint's position channel."""
+    in_noise: float = 1.0
+    """Mean squared error of rollouts, in units of the noise, of a typical stretch."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class Trace:
     """One channel of one held-out rollout, for plots."""
 
@@ -125,7 +143,9 @@ class Diagnosis:
     located: Located
     """Where the two part."""
     probabilities: Mapping[str, float]
-    """Of none, unknown and each finding."""
+    """Of none, unknown, each finding and its rivals."""
+    unexplained: Unexplained = field(default_factory=Unexplained)
+    """What the corrected model leaves."""
     horizon: float | None
     """Seconds of the rollouts that are scored; None for whole episodes."""
     train: tuple[str, ...]
@@ -174,11 +194,17 @@ class Diagnosis:
                 "The simulation does not explain these recordings, and no known effect does so "
                 "surely: what is missing has no name here yet.",
             )
-        lead = () if self.verdict == "mismatch" else (
-            "Effects were found, but the corrected model is no better on held-out runs, so "
-            "nothing was changed.",
-        )  # fmt: skip
-        return (*(finding.statement for finding in self.findings), *lead)
+        said = [finding.statement for finding in self.findings]
+        if self.unexplained.probability > 0.5:
+            said.append(
+                f"A force of {100.0 * self.unexplained.share:.2g} % of what the motion needs "
+                "remains, and no known effect explains it: something else is missing."
+            )
+        elif self.verdict == "unknown":
+            said.append(
+                "The corrected model is no better on held-out runs, so nothing was changed."
+            )
+        return tuple(said)
 
     def as_json(self) -> JSON:
         """Return the content of `diagnosis.json`."""
@@ -204,6 +230,12 @@ class Diagnosis:
                 "states": self.located.states,
             },
             "probabilities": {k: _round(v) for k, v in self.probabilities.items()},
+            "unexplained": {
+                "probability": _round(self.unexplained.probability),
+                "share": _round(self.unexplained.share),
+                "channels": {k: _round(v) for k, v in self.unexplained.channels.items()},
+                "in_noise": _round(self.unexplained.in_noise),
+            },
             "fit": {
                 "horizon_s": self.horizon if self.horizon is not None else "full",
                 "train": list(self.train),
@@ -254,6 +286,8 @@ def _estimate(estimate: Estimate) -> JSON:
         "low90": _round(estimate.low90),
         "high90": _round(estimate.high90),
         "unit": estimate.unit,
+        **({"bounded": True} if estimate.bounded else {}),
+        **({"prior_only": True} if estimate.prior_only else {}),
     }
 
 

@@ -252,6 +252,19 @@ class Effect(ABC):
         idle = {p.name: p.neutral or 0.0 for p in self.parameters()}
         return np.array([getattr(self, name) - idle[name] for name in self.strengths])
 
+    def coefficient_bounds(self) -> tuple[Array, Array]:
+        """Return the least and the greatest of its coefficients, shape (strengths,) each.
+
+        Unbounded where an effect defines its coefficients otherwise.
+        """
+        if type(self).coefficients is not Effect.coefficients:
+            size = len(self.strengths)
+            return np.full(size, -np.inf), np.full(size, np.inf)
+        known = {p.name: p for p in self.parameters()}
+        pairs = [(known[name], known[name].neutral or 0.0) for name in self.strengths]
+        low = np.array([p.low - neutral for p, neutral in pairs])
+        return low, np.array([p.high - neutral for p, neutral in pairs])
+
     def typical(self: Some, coefficients: Array) -> Some:
         """Return the effect at a strength that would be felt, given that of each column."""
         return self.with_strengths(coefficients)

@@ -26,7 +26,7 @@ from morph.body.fulltext import fulltext
 from morph.body.load import load as load_robot
 from morph.body.robot import Robot
 from morph.body.spec import spec_of
-from morph.model.diagnose import diagnose
+from morph.inference.diagnose import diagnose
 from morph.model.diagnosis import Diagnosis
 from morph.model.episodes import Episode
 from morph.model.split import between

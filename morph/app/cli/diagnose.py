@@ -44,7 +44,7 @@ def run_diagnose(asked: Diagnose) -> int:
 def _diagnosed(asked: Diagnose, horizon: float | None, vary: dict[str, float]) -> Diagnosis:
     robot = load_robot(asked.robot)
     fitted, aside = _recordings(asked, robot)
-    from morph.model.diagnose import diagnose
+    from morph.inference.diagnose import diagnose
 
     found = diagnose(
         robot,

@@ -128,7 +128,8 @@ def test_readings_between_samples_are_compared_with_the_motion_there(
     # Without the offsets, errors of time look like noise and vibration that the readings lack.
     assert found.disturbance.scale[0] == pytest.approx(FLOOR * found.effort[0])
     given, needed = found.disturbance, without.disturbance
-    assert given.vibration is not None and needed.vibration is not None
+    assert given.vibration is not None
+    assert needed.vibration is not None
     assert given.vibration[0] + given.noise[0] < 2e-4
     assert needed.vibration[0] + needed.noise[0] > 4e-4
 

@@ -11,10 +11,10 @@ from scipy.integrate import solve_ivp
 from morph.arrays import Array
 from morph.body.load import load
 from morph.body.robot import Robot
-from morph.inference import refit
 from morph.inference.columns import Columns, acting
 from morph.inference.observed import observed
-from morph.inference.refit import Refit, information, offset, refitted, seen
+from morph.inference.quadratic import Quadratic, information, offset
+from morph.inference.refit import refitted, seen
 from morph.model.episodes import Episode, episode
 from morph.model.hypothesis import Hypothesis
 from morph.model.knobs import knobs
@@ -138,13 +138,13 @@ def test_a_step_that_is_too_long_is_shortened(
 ) -> None:
     whole = replace(nominal, effects=MISSING)
     start = refitted(whole, whole.start, [run], rounds=0).evidence
-    newton = refit._newton
+    newton = Quadratic.step
 
-    def tenfold(at: Refit) -> tuple[Array, int, float]:
+    def tenfold(at: Quadratic) -> tuple[Array, int, float]:
         step, rank, gained = newton(at)
         return 10.0 * step, rank, gained
 
-    monkeypatch.setattr(refit, "_newton", tenfold)
+    monkeypatch.setattr(Quadratic, "step", tenfold)
     # A tenth of it is the Gauss-Newton step. The figures start at least five standard deviations
     # off, of which each is worth 12 nats.
     assert refitted(whole, whole.start, [run], rounds=1).evidence > start + 12.0

@@ -5,11 +5,12 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from morph.inference.search import Column, Level, Search
+from morph.inference.search import Column, Level, Prior, Search
 from morph.physics import EFFECTS
 from morph.physics.effect import Effect
 
@@ -29,14 +30,23 @@ def columns(rng: np.random.Generator, own: int) -> np.ndarray:
     return rng.normal(size=(READINGS, own + len(EFFECTS_TRIED)))
 
 
-def searched(table: np.ndarray, error: np.ndarray, own: int) -> Search:
+def searched(
+    table: np.ndarray,
+    error: np.ndarray,
+    own: int,
+    together: tuple[tuple[frozenset[str], float], ...] = (),
+) -> Search:
     """Return a search among the effects, whose strengths are small beside their bounds."""
     whole = np.column_stack([error, table])
     ends = np.arange(2, 2 + len(EFFECTS_TRIED))
     return Search(
         columns=tuple(
-            Column(effect=effect, place=slice(end - 1, end), price=price)
-            for effect, end, price in zip(EFFECTS_TRIED, ends, PRICES, strict=True)
+            Column(effect=effect, place=slice(end - 1, end))
+            for effect, end in zip(EFFECTS_TRIED, ends, strict=True)
+        ),
+        prior=Prior(
+            alone={e.label: price for e, price in zip(EFFECTS_TRIED, PRICES, strict=True)},
+            together=together,
         ),
         levels=(
             Level(gram=whole.T @ whole, logarithm=0.0, low=np.full(own, -1e3),
@@ -111,3 +121,40 @@ def test_of_equal_columns_the_cheaper_effect_stands_first() -> None:
     assert first.effects[0].label == EFFECTS_TRIED[0].label
     assert second.effects[0].label == EFFECTS_TRIED[1].label
     assert first.gain - second.gain == pytest.approx(PRICES[1] - PRICES[0], abs=1e-6)
+
+
+def test_effects_that_come_together_cost_less() -> None:
+    rng = np.random.default_rng(3)
+    table = columns(rng, 0)
+    error = table @ [0.8, 0.0, 0.9, 0.0] + rng.normal(size=READINGS)
+    pair = frozenset(EFFECTS_TRIED[i].label for i in (0, 2))
+    best = searched(table, error, 0, ((pair, 4.0),)).sets(2)[0]
+    assert {effect.label for effect in best.effects} == pair
+    # Four nats together in place of three and five.
+    assert best.gain == pytest.approx(gain(table, error, 0, (0, 2)) + 3.0 + 5.0 - 4.0, abs=1e-6)
+
+
+def test_odds_of_another_in_the_place_of_an_effect() -> None:
+    rng = np.random.default_rng(4)
+    table = columns(rng, 0)
+    error = table @ [0.8, 0.0, 0.3, 0.0] + rng.normal(size=READINGS)
+    alone = searched(table, error, 0)
+    # The first column among the own figures, as an effect that was found before.
+    whole = np.column_stack([error, table])
+    search = replace(
+        alone,
+        columns=tuple(replace(each, place=slice(i, i + 1)) for i, each in enumerate(alone.columns))[
+            1:
+        ],
+        levels=(
+            Level(gram=whole.T @ whole, logarithm=0.0, low=np.full(1, -9.0), high=np.full(1, 9.0)),
+        ),
+        known=frozenset({EFFECTS_TRIED[0].label}),
+    )
+    none, others = search.instead(EFFECTS_TRIED[0].label, np.array([0]), np.zeros(1))
+    held = gain(table, error, 0, (0,))
+    assert none == pytest.approx(-held, abs=1e-6)
+    found = {effect.label: nats for effect, nats in others}
+    for each in (1, 2, 3):
+        due = gain(table, error, 0, (each,)) - held
+        assert found[EFFECTS_TRIED[each].label] == pytest.approx(due, abs=1e-6) or due < -held

@@ -9,7 +9,7 @@ import pytest
 from morph.body.load import load
 from morph.body.robot import Robot
 from morph.errors import DiagnosisError, RecordingError
-from morph.model.diagnose import diagnose
+from morph.inference.diagnose import diagnose
 from morph.model.episodes import episode, gaps
 from morph.model.segments import cut
 from morph.model.usable import check_channels, check_motion, check_recordings, check_settings

@@ -156,9 +156,10 @@ def test_a_regressor_tells_the_force_that_the_simulation_feels(
     if name in DRY:
         # A joint that turns back within a step, or nearly rests, is held by less.
         dof = motion.joints[effect.where]
-        after = replace(motion, velocity=motion.velocity + STEP * motion.acceleration)
-        senses = motion.sign(effect.where), after.sign(effect.where)
-        chosen[:, dof] = (np.abs(senses[0]) == 1.0) & (senses[0] == senses[1])
+        speed, held = motion.velocity[:, dof], motion.sign(effect.where)
+        after = speed + STEP * motion.acceleration[:, dof]
+        chosen[:, dof] = (held == np.sign(speed)) & (held == np.sign(after))
+        chosen[:, dof] &= np.abs(speed) > 0.1 * np.sqrt(np.mean(speed**2))
         assert chosen[:, dof].mean() > 0.8
     assert np.all(np.abs(due - need)[chosen] < within[chosen])
 

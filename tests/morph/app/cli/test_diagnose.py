@@ -241,7 +241,7 @@ def test_an_out_that_is_a_file_is_refused_and_kept(
 
 
 @pytest.mark.parametrize(
-    "during", ["morph.model.diagnose.diagnose", "morph.app.report.files.write_whole"]
+    "during", ["morph.inference.diagnose.diagnose", "morph.app.report.files.write_whole"]
 )
 def test_an_interrupt_leaves_nothing_behind(
     tmp_path: Path,

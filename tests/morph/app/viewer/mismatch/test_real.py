@@ -17,7 +17,7 @@ from morph.app.viewer.mismatch.take import CORRECTED, DESCRIBED
 from morph.app.viewer.view import View
 from morph.app.viewer.views.mismatch import maker
 from morph.body.load import load
-from morph.model.diagnose import diagnose
+from morph.inference.diagnose import diagnose
 from morph.physics.store import effects_text
 from morph.record.load import load as load_recordings
 

@@ -12,7 +12,7 @@ import pytest
 from experiments.conceal.pendulum import Pendulum
 from morph.arrays import Array
 from morph.body.load import load
-from morph.model.diagnose import diagnose
+from morph.inference.diagnose import diagnose
 from morph.model.diagnosis import Diagnosis
 
 
@@ -69,7 +69,7 @@ def test_what_no_effect_explains_is_unknown(windy: Diagnosis) -> None:
     assert windy.findings == ()
     assert windy.verdict == "unknown"
     assert windy.probabilities["unknown"] > 0.9
-    assert windy.probabilities["none"] == 0.0
+    assert windy.probabilities["none"] < 0.01
     assert "has no name here yet" in windy.summary()[0]
     # 0.3 N m of RMS at rates about 1 Hz on 0.25 kg m2 move it by about 0.3 / 0.25 / 40 = 0.03 rad,
     # a hundred times the noise.

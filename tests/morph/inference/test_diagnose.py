@@ -12,7 +12,7 @@ import pytest
 from morph.arrays import Array
 from morph.body.robot import Robot
 from morph.errors import DiagnosisError, RecordingError
-from morph.model.diagnose import diagnose
+from morph.inference.diagnose import diagnose
 from morph.model.diagnosis import Diagnosis
 from morph.model.split import between
 from morph.physics.effect import Effect

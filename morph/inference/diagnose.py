@@ -1,0 +1,96 @@
+"""From recordings to named, modelled, proven physics: the whole of a diagnosis."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Mapping, Sequence
+
+from morph.body.robot import Robot
+from morph.inference.rank import Progress, ranked
+from morph.inference.verdict import Parts, conclude
+from morph.model.diagnosis import Diagnosis
+from morph.model.episodes import episode, moving_joints, step_for, stretches
+from morph.model.hypothesis import Hypothesis
+from morph.model.knobs import knobs
+from morph.model.segments import scored_segments
+from morph.model.split import split
+from morph.model.usable import check_channels, check_motion, check_recordings, check_settings
+from morph.physics.effect import Effect
+from morph.record.distinct import check_distinct
+from morph.record.recording import Recording
+
+MOST_SECONDS = 60.0
+"""Seconds of training motion that are fitted; of longer recordings an even spread."""
+
+
+def diagnose(
+    robot: Robot,
+    recordings: Sequence[Recording],
+    *,
+    held_out: Sequence[Recording] = (),
+    horizon: float | None = 1.0,
+    vary: Mapping[str, float] | None = None,
+    known: Sequence[Effect] = (),
+    budget: float | None = None,
+    seed: int = 0,
+    progress: Progress | None = None,
+) -> Diagnosis:
+    """Return where a description and recordings part, and what physics was left out.
+
+    Args:
+        robot: The nominal description.
+        recordings: What the robot did: every joint's position, every actuator's command.
+        held_out: Recordings to open only after the choice; empty sets a quarter aside.
+        horizon: Seconds of the open-loop rollouts that are scored, at least 0.1; None
+            for whole episodes.
+        vary: Fractions by which the description may be wrong; see `knobs`.
+        known: Effects whose fixed parameters are known, such as the edge of a paddle.
+        budget: Seconds; when they are spent the best answer so far is returned, marked.
+        seed: Random seed.
+        progress: Told what is being done and the share of the work behind.
+
+    Raises:
+        DiagnosisError: Nothing to fit or to score, or a setting out of range.
+        RecordingError: A channel is missing, or two recordings are the same.
+        KernelError: There is no C compiler for the Kalman filter.
+    """
+    started = time.monotonic()
+    check_settings(horizon, budget, seed)
+    check_recordings(recordings, held_out)
+    joints = moving_joints(robot)
+    for recording in (*recordings, *held_out):
+        check_channels(recording, robot, joints)
+    check_distinct((*recordings, *held_out))
+    say: Progress = progress or (lambda what, share: None)
+    say("reading motion and noise", 0.02)
+    parts = split(recordings, held_out)
+    still = check_motion(parts.train, joints)
+    step = step_for(parts.train, robot)
+    train = [episode(recording, robot, step) for recording in parts.train]
+    aside = [episode(recording, robot, step) for recording in parts.held_out]
+    scored = scored_segments(aside, horizon)
+    nominal = Hypothesis(robot=robot, step=step, knobs=knobs(robot, vary))
+    say("refitting the description's own figures", 0.05)
+    ranking = ranked(
+        nominal,
+        stretches(train, MOST_SECONDS),
+        known,
+        progress=say,
+        deadline=math.inf if budget is None else started + 0.8 * budget,
+    )
+    say("opening the held-out runs", 0.9)
+    return conclude(
+        nominal,
+        ranking,
+        Parts(
+            train=train,
+            aside=aside,
+            scored=scored,
+            split=parts,
+            horizon=horizon,
+            still=still,
+            seed=seed,
+            started=started,
+        ),
+    )

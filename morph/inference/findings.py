@@ -1,0 +1,171 @@
+"""Findings of a ranking: parameters with intervals, and how probable each is beside its rivals."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from morph.arrays import Array, Mask
+from morph.body.robot import Robot
+from morph.inference.quadratic import Quadratic, information, quadratic
+from morph.inference.rank import Ranking
+from morph.inference.remains import Remains
+from morph.model.diagnosis import Estimate, Finding, Rival
+from morph.physics import EFFECTS
+from morph.physics.effect import SLIDING, Effect
+
+TEMPERATURE = 2.0
+"""By what differences of evidence are divided: laws in tables are not those of robots, and errors
+are not normal."""
+MOST_RIVALS = 3
+"""Rivals of a finding that are listed."""
+DOUBTED = 0.9
+"""Most probability of a finding with a parameter at a bound or known beforehand alone."""
+NORMAL90 = 1.645
+"""Standard deviations from the middle of a normal distribution to an end of its 90 % interval."""
+
+
+def findings(ranking: Ranking, remains: Remains, point: Array) -> tuple[Finding, ...]:
+    """Return the effects of the best set, what lowers the error most first.
+
+    An effect's probability is against nothing and against every other effect in its place, in
+    Gram space about the best refit; where physics without a name remains, names are less sure.
+
+    Args:
+        ranking: Sets of effects, refitted.
+        remains: What the best of them leaves.
+        point: The corrected model's, shape (entries,).
+    """
+    best = ranking.best
+    hypothesis, robot = best.refit.hypothesis, best.refit.hypothesis.robot
+    about = quadratic(
+        hypothesis, best.refit.point, best.refit.runs, blocks=ranking.validation.blocks
+    )
+    estimated, sure = estimates(about, point)
+    listed, first = [], len(hypothesis.knobs)
+    for at, effect in enumerate(hypothesis.effects_at(point)):
+        entries = np.arange(first, first + len(effect.free()))
+        first += len(entries)
+        neutral = replace(hypothesis, effects=_idle(best.effects, at)).start[entries]
+        change = neutral - best.refit.point[entries]
+        none, others = ranking.search.instead(effect.label, entries, change)
+        odds = np.exp(np.minimum([none, *(each[1] for each in others)], 0.0) / TEMPERATURE)
+        chance = (1.0 - 0.5 * remains.probability) / (1.0 + float(odds.sum()))
+        fewer = [each for each in range(len(best.effects)) if each != at]
+        losses = ranking.validation.losses_of(about, best.refit.runs, fewer)
+        gains = losses - best.losses
+        fold = ranking.validation.segments.episode
+        slide = _on_slide(robot, effect)
+        rivals = [
+            Rival(effect=o.name, kind=o.kind, where=o.where, probability=chance * float(odd))
+            for (o, _), odd in zip(others[:MOST_RIVALS], odds[1:], strict=False)
+            if odd > 0.01
+        ]
+        nearest = rivals[0].effect if rivals else (effect.twins[0] if effect.twins else "")
+        listed.append(
+            Finding(
+                effect=effect,
+                probability=chance if sure[entries].all() else min(chance, DOUBTED),
+                episodes=tuple(
+                    episode.name
+                    for number, episode in enumerate(ranking.validation.segments.episodes)
+                    if gains[fold == number].sum() > 0.0
+                ),
+                parameters={
+                    known.name: _in_units(estimated[entry], known.unit, slide)
+                    for known, entry in zip(effect.free(), entries, strict=True)
+                },
+                rivals=tuple(rivals),
+                separate_by=experiment(effect, nearest),
+                gain=float(-np.expm1(-2.0 * gains.mean() / len(robot.joints))),
+                slide=slide,
+            )
+        )
+    return tuple(sorted(listed, key=lambda finding: -finding.gain))
+
+
+def estimates(about: Quadratic, stated: Array) -> tuple[list[Estimate], Mask]:
+    """Return each entry of a point with its 90 % interval, and which are known from the runs.
+
+    The interval is the wider of two: by the curvature of the log posterior, and by the jackknife
+    over folds, which holds where errors are not as the model of the disturbance says. It is widened
+    to hold the stated value.
+
+    Source: Efron 1982, The jackknife, the bootstrap and other resampling plans, eq. 3.5.
+
+    Args:
+        about: The quadratic about the likeliest point.
+        stated: The values to state, shape (entries,).
+    """
+    hypothesis, point = about.hypothesis, about.point
+    low, high = hypothesis.low, hypothesis.high
+    free = low < high
+    slack = 1e-3 * np.minimum(high - low, np.abs(point) + 1e-9)
+    at_bound = free & ((point <= low + slack) | (point >= high - slack))
+    moving = free & ~at_bound
+    inner = about.inner()
+    scale = np.sqrt(np.maximum(np.diag(inner), 1e-300))[moving]
+    inverse = np.linalg.pinv(inner[np.ix_(moving, moving)] / np.outer(scale, scale), hermitian=True)
+    variance = np.zeros(len(point))
+    variance[moving] = np.diag(inverse) / scale**2
+    folds = len(about.grams)
+    steps = np.stack([about.without_fold(fold).step(moving)[0] for fold in range(folds)])
+    jackknife = (folds - 1) / folds * np.sum((steps - steps.mean(axis=0)) ** 2, axis=0)
+    width = NORMAL90 * np.sqrt(np.maximum(variance, jackknife))
+    trust = information(hypothesis)
+    # What the prior alone says leaves its own variance.
+    prior_only = moving & (trust > 0.0) & (variance * trust > 0.9)
+    width = np.where(at_bound, NORMAL90 / np.sqrt(np.maximum(np.diag(inner), 1e-300)), width)
+    found = [
+        Estimate(
+            value=float(stated[at]),
+            low90=float(np.clip(min(point[at] - width[at], stated[at]), low[at], high[at])),
+            high90=float(np.clip(max(point[at] + width[at], stated[at]), low[at], high[at])),
+            unit="-",
+            bounded=bool(at_bound[at]),
+            prior_only=bool(prior_only[at]),
+        )
+        for at in range(len(point))
+    ]
+    return found, ~(at_bound | prior_only)
+
+
+def factors(about: Quadratic, stated: Array) -> dict[str, Estimate]:
+    """Return the factors on the description's own figures, by name; see `estimates`."""
+    estimated, _ = estimates(about, stated)
+    return {
+        knob.name: replace(
+            each,
+            value=float(np.exp(each.value)),
+            low90=float(np.exp(each.low90)),
+            high90=float(np.exp(each.high90)),
+        )
+        for knob, each in zip(about.hypothesis.knobs, estimated, strict=False)
+    }
+
+
+def experiment(effect: Effect, rival: str) -> str:
+    """Return the experiment that tells a finding from a rival."""
+    if rival == effect.name:
+        return f"One part moved at a time, the others held: {effect.excited_by}"
+    for kind in EFFECTS:
+        if kind.name == rival and effect.name in kind.separate_by:
+            return kind.separate_by[effect.name]
+    other = next((kind.excited_by for kind in EFFECTS if kind.name == rival), "")
+    return effect.separate_by.get(rival, f"{effect.excited_by} {other}".strip())
+
+
+def _idle(effects: Sequence[Effect], at: int) -> tuple[Effect, ...]:
+    """Return effects with one at neutral."""
+    return tuple(each.neutral() if k == at else each for k, each in enumerate(effects))
+
+
+def _on_slide(robot: Robot, effect: Effect) -> bool:
+    name = effect.where.removesuffix(".position")
+    return any(joint.name == name and joint.kind == "slide" for joint in robot.joints)
+
+
+def _in_units(estimate: Estimate, unit: str, slide: bool) -> Estimate:
+    return replace(estimate, unit=SLIDING.get(unit, unit) if slide else unit)

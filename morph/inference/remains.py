@@ -1,0 +1,72 @@
+"""What a hypothesis leaves unexplained: the missing force under which runs are likeliest."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from morph.inference.filter import Disturbance, whitened
+from morph.inference.observed import Observed
+from morph.inference.rank import Finalist
+from morph.inference.reference import Reference
+from morph.inference.validate import Validation
+
+SHARE, NATS, STEEP = 0.006, 30.0, 2.0
+"""Where what remains is as probably physics as not: share of the joints' force, and evidence; and
+how steeply probability rises with the logarithm of either."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Remains:
+    """What a model leaves of some runs."""
+
+    share: float
+    """Missing force over the force that the motion needs, RMS over runs, of the worst joint."""
+    channels: Mapping[str, float]
+    """The same by each joint's position channel."""
+    nats: float
+    """By how much readings are likelier with missing force and vibration than at their floor."""
+    in_noise: float
+    """Mean squared error of rollouts, in units of the noise, of a typical stretch."""
+
+    @property
+    def probability(self) -> float:
+        """How probable it is that physics is left which has no name here."""
+        if self.nats <= 0.0 or self.share <= 0.0:
+            return 0.0
+        by_share = STEEP * math.log(self.share / SHARE)
+        by_nats = STEEP * math.log(self.nats / NATS)
+        return float(1.0 / (1.0 + math.exp(-np.clip(min(by_share, by_nats), -30.0, 30.0))))
+
+
+def remaining(found: Finalist, validation: Validation) -> Remains:
+    """Return what a refit leaves unexplained of the runs it was fitted to."""
+    runs, robot = found.refit.runs, found.refit.hypothesis.robot
+    squared = np.mean(
+        [(run.about.disturbance.scale / run.about.effort) ** 2 for run in runs], axis=0
+    )
+    share = np.sqrt(squared)
+    joints = [joint.name for joint in robot.joints]
+    return Remains(
+        share=float(share.max()),
+        channels={
+            f"{name}.position": float(each) for name, each in zip(joints, share, strict=True)
+        },
+        nats=sum(_over_floor(run) for run in runs),
+        in_noise=float(np.expm1(2.0 * np.median(found.losses) / len(joints))),
+    )
+
+
+def _over_floor(run: Observed) -> float:
+    """Return by how much the readings are likelier than with no more than a floor of force."""
+    about = run.about
+    least = replace(about.leaving(0.0), vibration=0.05 * about.sensed)
+    return _likelihood(about, about.disturbance) - _likelihood(about, least)
+
+
+def _likelihood(about: Reference, disturbance: Disturbance) -> float:
+    shown, moved = about.error[:, :, None], -about.acceleration[:, :, None]
+    return whitened(about.tangent, disturbance, shown, moved).likelihood()

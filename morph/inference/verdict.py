@@ -1,0 +1,199 @@
+"""The answer: held-out runs are opened once, and what was found is put together."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from morph.arrays import Array
+from morph.inference.findings import factors, findings
+from morph.inference.output_error import output_error_point
+from morph.inference.quadratic import quadratic
+from morph.inference.rank import Ranking
+from morph.inference.remains import Remains, remaining
+from morph.model.corrected import corrected, data, notes, provenance
+from morph.model.diagnosis import Diagnosis, Finding, Unexplained
+from morph.model.episodes import Episode, stretches
+from morph.model.hypothesis import Hypothesis
+from morph.model.locate import locate
+from morph.model.residual import LearnedResidual, learned
+from morph.model.score import by_segment, improvement_low90, rmse, rollouts, traces
+from morph.model.segments import Segments
+from morph.model.split import Split
+
+RESIDUAL_SECONDS = 80.0
+"""Seconds of motion that a residual is learned from, and states are looked at."""
+FAR_FROM_NOISE = 4.0
+"""Mean squared error of rollouts, in units of the noise, from which models are refitted to it."""
+WITH_RESIDUAL = "corrected_plus_residual"
+"""Name of the corrected model with a learned residual."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Parts:
+    """Runs as they are used, and settings of a diagnosis."""
+
+    train: Sequence[Episode]
+    """Fitted."""
+    aside: Sequence[Episode]
+    """Held out."""
+    scored: Segments
+    """Their rollouts."""
+    split: Split
+    """How they were set apart."""
+    horizon: float | None
+    """Seconds of those rollouts; None for whole episodes."""
+    still: Sequence[str]
+    """Joints that no training run moves."""
+    seed: int
+    """Random seed."""
+    started: float
+    """When the diagnosis began, s of the monotonic clock."""
+
+
+def conclude(nominal: Hypothesis, ranking: Ranking, parts: Parts) -> Diagnosis:
+    """Return the diagnosis: verdict, findings, held-out errors, corrected model."""
+    robot, best, refit = nominal.robot, ranking.best.refit, ranking.none.refit
+    remains = remaining(ranking.best, ranking.validation)
+    residual = _residual(ranking, parts) if remains.probability > 0.5 else None
+    points = [each.refit.point for each in (ranking.none, ranking.best)]
+    if remains.in_noise > FAR_FROM_NOISE and not ranking.stopped:
+        points = [
+            output_error_point(each, ranking.validation, parts.train, parts.horizon)
+            for each in (ranking.none, ranking.best)
+        ]
+    found = findings(ranking, remains, points[1])
+    models = {
+        "nominal": (nominal, nominal.start),
+        "refitted": (refit.hypothesis, points[0]),
+        "corrected": (best.hypothesis, points[1]),
+    }
+    if residual is not None:
+        more = replace(best.hypothesis, effects=(*best.hypothesis.effects, residual))
+        models[WITH_RESIDUAL] = (more, points[1])
+    predicted = rollouts(models, parts.scored)
+    errors = {name: rmse(parts.scored, values) for name, values in predicted.items()}
+    unit = np.maximum(errors["nominal"], parts.scored.noise)
+
+    def size(model: str) -> float:
+        return float(np.mean((errors[model] / unit) ** 2))
+
+    # Never worse than the nominal model on runs that neither has seen.
+    worse = size("corrected") > size("nominal")
+    if worse:
+        predicted["corrected"], errors["corrected"] = predicted["nominal"], errors["nominal"]
+        # It was learned beside the corrected model, and goes with it. No other held-out error
+        # decides about it: an error that chose a model is no measure of that model.
+        errors.pop(WITH_RESIDUAL, None)
+    before, after = (by_segment(parts.scored, predicted[m], unit) for m in ("nominal", "corrected"))
+    beside, mjcf = corrected(*models["nominal" if worse else "corrected"])
+    if worse:
+        beside = ()
+    about = quadratic(best.hypothesis, best.point, best.runs, blocks=ranking.validation.blocks)
+    episodes = (*parts.train, *parts.aside)
+    return Diagnosis(
+        robot=robot.name,
+        verdict=_verdict(found, remains, worse=worse),
+        findings=found,
+        located=locate(
+            refit.hypothesis,
+            refit.point,
+            stretches(parts.aside, RESIDUAL_SECONDS),
+            parts.scored,
+            predicted["refitted"],
+        ),
+        probabilities=_probabilities(found, remains, worse=worse),
+        unexplained=Unexplained(
+            probability=remains.probability,
+            share=remains.share,
+            channels=remains.channels,
+            in_noise=remains.in_noise,
+        ),
+        horizon=parts.horizon,
+        train=tuple(episode.name for episode in parts.train),
+        held_out=tuple(episode.name for episode in parts.aside),
+        split=parts.split.how,
+        held_out_rmse=_table(nominal, errors, parts.scored.noise),
+        improvement_low90=improvement_low90(before, after, parts.seed),
+        refit={} if worse else factors(about, points[1]),
+        traces=traces(
+            parts.scored,
+            {model: predicted[model] for model in ("nominal", "refitted", "corrected")},
+            [(joint.name, joint.unit) for joint in robot.joints],
+        ),
+        data=data(episodes, fitted=len(ranking.validation.segments), scored=len(parts.scored)),
+        notes=notes(episodes, parts.still),
+        provenance=provenance(robot, episodes),
+        seconds=time.monotonic() - parts.started,
+        seed=parts.seed,
+        candidates_tried=len(ranking.search.prior.alone),
+        stopped_short=ranking.stopped,
+        corrected=mjcf,
+        corrected_effects=beside,
+        residual=residual.content() if residual is not None and WITH_RESIDUAL in errors else {},
+    )
+
+
+def _verdict(found: Sequence[Finding], remains: Remains, *, worse: bool) -> str:
+    if remains.probability > 0.5 or (found and worse):
+        return "unknown"
+    return "mismatch" if found else "consistent"
+
+
+def _probabilities(found: Sequence[Finding], remains: Remains, *, worse: bool) -> dict[str, float]:
+    """Return the posterior of each effect, of `none` and of `unknown`."""
+    chances: dict[str, float] = {"none": 0.0, "unknown": remains.probability}
+    for finding in found:
+        chances[finding.effect.label] = finding.probability
+    for finding in found:
+        for rival in finding.rivals:
+            label = f"{rival.effect}@{rival.where}"
+            chances[label] = max(chances.get(label, 0.0), rival.probability)
+    if not found:
+        chances["none"] = 1.0 - remains.probability
+    else:
+        chances["none"] = min(
+            max(0.0, 1.0 - finding.probability - sum(r.probability for r in finding.rivals))
+            for finding in found
+        )
+    if worse:
+        # The training runs speak for the findings and the held-out runs against them.
+        chances = {name: 0.5 * chance for name, chance in chances.items()}
+        chances["unknown"] = max(0.5, chances["unknown"])
+    return chances
+
+
+def _table(
+    nominal: Hypothesis, errors: Mapping[str, Array], noise: Array
+) -> dict[str, dict[str, float]]:
+    names = [f"{joint.name}.position" for joint in nominal.robot.joints]
+    rows = {**errors, "noise_floor": noise}
+    return {model: dict(zip(names, map(float, row), strict=True)) for model, row in rows.items()}
+
+
+def _residual(ranking: Ranking, parts: Parts) -> LearnedResidual | None:
+    """Return a residual learned beside the best model, if it surely lowers the error of rollouts.
+
+    Training runs alone decide: each fold is predicted by a residual learned from the others.
+    """
+    refit, validation = ranking.best.refit, ranking.validation
+    episodes, losses = validation.segments.episodes, np.array(ranking.best.losses)
+    for fold in np.unique(validation.fold):
+        rest = sorted({int(e) for e in validation.segments.episode[validation.fold != fold]})
+        force = learned(
+            refit.hypothesis,
+            refit.point,
+            stretches([episodes[at] for at in rest], RESIDUAL_SECONDS),
+            parts.seed,
+        )
+        more = replace(refit.hypothesis, effects=(*refit.hypothesis.effects, force))
+        points = [refit.point] * (int(validation.fold.max()) + 1)
+        inside = validation.fold == fold
+        losses[inside] = validation.losses(more, points, refit.runs)[inside]
+    if not validation.sure(ranking.best.losses, losses):
+        return None
+    whole = stretches(parts.train, RESIDUAL_SECONDS)
+    return learned(refit.hypothesis, refit.point, whole, parts.seed)
