@@ -11,14 +11,10 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.body.robot import Robot
+from morph.inference.disturbance import likeliest_disturbance
 from morph.inference.figures import actuator_forces, constant_moments
-from morph.inference.reference import (
-    FEWER_STEPS,
-    Reference,
-    SampledRun,
-    likeliest_disturbance,
-    reference,
-)
+from morph.inference.reference import FEWER_STEPS, reference
+from morph.inference.sampled import Reference, SampledRun
 from morph.model.episodes import Episode, moving_joints
 from morph.physics.body_motion import BodyMotion, body_motions
 from morph.physics.effect import Effect

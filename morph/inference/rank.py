@@ -10,34 +10,24 @@ from __future__ import annotations
 
 import math
 import time
-from collections import Counter
-from collections.abc import Callable, Iterator, Sequence, Set
-from contextlib import suppress
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from morph.arrays import Array
-from morph.body.robot import Robot
-from morph.errors import EffectError
-from morph.inference.columns import Columns
-from morph.inference.filter import Whitened, whitened_blocks
-from morph.inference.observed import Observed
-from morph.inference.quadratic import information, offset, quadratic
+from morph.inference.dictionary import search_beside
+from morph.inference.quadratic import quadratic
 from morph.inference.refit import Refit, refitted, under
-from morph.inference.search import Column, Explanation, Level, Prior, Search
+from morph.inference.search import Explanation, Prior, Search
 from morph.inference.validate import Validation, at_noise, needed
 from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis
 from morph.physics import EFFECTS
 from morph.physics.effect import Effect
-from morph.physics.motion import Motion
 
 Progress = Callable[[str, float], None]
 """Told what is being done and the share of the work that is behind, 0 to 1."""
-LEVELS = (1.0, 0.3, 0.1, 0.03)
-"""Scales of the missing force, as shares of the likeliest one before effects are added. A set that
-explains more leaves less of it: each is scored at the scale under which it is likeliest."""
 SIMULATED = 6
 """How many of the likeliest sets, and of the likeliest single effects, are simulated."""
 FINALISTS = 2
@@ -52,17 +42,6 @@ LATER, MOST_ROUNDS = 2, 3
 """Most that each later search adds, and most of these searches."""
 STEPS = 5
 """Most Gauss-Newton steps of a refit, of own figures alone and of a finalist."""
-ODDS = 3.0
-"""Prior log odds against one more effect, nats."""
-FRICTIONS = (
-    "coulomb_friction", "viscous_friction", "stribeck_friction", "load_dependent_friction",
-    "hysteresis",
-)  # fmt: skip
-"""Laws that are also looked for at all driven joints together."""
-VISCOUS = "viscous_friction"
-"""The one that may stand beside each of the others."""
-SLACK = 1e-9
-"""By how much bounds are widened, so that equal ones leave an interval."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -145,7 +124,7 @@ def ranked(
     tried: list[Finalist] = []
     for turn, most in enumerate((MOST, *[LATER] * MOST_ROUNDS)):
         progress(f"looking for what is missing (round {turn + 1})", 0.8 - 0.7 * 0.7**turn)
-        search = _search(best.refit, known, prior, validation.blocks)
+        search = search_beside(best.refit, known, prior, validation.blocks)
         prior, before, gained = search.prior, best, False
         for found in _proposals(search, search.sets(most), before, validation):
             if time.monotonic() > deadline:
@@ -182,7 +161,7 @@ def ranked(
             best = best if validation.worse(best.losses, fewer.losses) else fewer
     stopped = time.monotonic() > deadline
     if best is not before and not stopped:
-        search = _search(best.refit, known, prior, validation.blocks)
+        search = search_beside(best.refit, known, prior, validation.blocks)
     ordered = tuple(sorted([*tried, none], key=lambda each: -each.evidence))
     return Ranking(best=best, tried=ordered, validation=validation, search=search, stopped=stopped)
 
@@ -278,148 +257,3 @@ def _reduced(refit: Refit, validation: Validation, episodes: Sequence[Episode]) 
         return None
     hypothesis, point = about.reduced(kept)
     return refitted(hypothesis, point, episodes, before=refit.runs, rounds=STEPS)
-
-
-def _search(base: Refit, known: Sequence[Effect], prior: Prior | None, blocks: int) -> Search:
-    """Return a search for effects to add to a refitted hypothesis."""
-    hypothesis, point, runs = base.hypothesis, base.point, base.runs
-    taken = {effect.label for effect in base.effects}
-    grids = [g for g in dictionary(hypothesis.robot, runs, known) if g[0].label not in taken]
-    columns = tuple(_columns(grids))
-    joints = {each.joint for each in hypothesis.robot.actuators}
-    trust, at = information(hypothesis), offset(hypothesis, point)
-    return Search(
-        columns=columns,
-        prior=prior or _prior(grids, joints),
-        known=frozenset(taken),
-        groups=tuple(_frictions(columns, joints)),
-        levels=tuple(
-            Level(
-                gram=believed(sum(folds[1:], start=folds[0]), trust, at).gram,
-                logarithm=sum(fold.logarithm for fold in folds),
-                low=hypothesis.low - point - SLACK,
-                high=hypothesis.high - point + SLACK,
-                folds=tuple(fold.gram for fold in folds),
-            )
-            for folds in _whitened(hypothesis, point, grids, runs, blocks)
-        ),
-        readings=sum(int(run.about.tangent.valid.sum()) for run in runs),
-    )
-
-
-def dictionary(
-    robot: Robot, runs: Sequence[Observed], known: Sequence[Effect]
-) -> Iterator[tuple[Effect, ...]]:
-    """Yield each effect at each place, as a tuple over the shapes of its grid."""
-    longest = max((run.motion for run in runs), key=lambda motion: len(motion.time))
-    measured, told = set(longest.channels), {effect.label: effect for effect in known}
-    for kind in EFFECTS:
-        for place in kind.places(robot) if kind.strengths else ():
-            if kind.kind != "sensor" or place in measured:
-                with suppress(EffectError):  # It needs what the description does not tell.
-                    effect = kind.at(place)
-                    effect = told.get(effect.label, effect)
-                    effect.regressor(longest)
-                    yield _shapes(effect, longest)
-
-
-def _shapes(effect: Effect, motion: Motion) -> tuple[Effect, ...]:
-    """Return the effect at a few values of the parameters in which it is not linear."""
-    if type(effect).command is Effect.command:
-        return effect.shapes(motion)
-    # A filter of a command is linear in its time constant only while that is short.
-    return tuple(
-        replace(effect, **{known.name: value})  # type: ignore[type-var]
-        for known in effect.parameters()
-        for value in known.scan
-    )
-
-
-def believed(level: Whitened, trust: Array, point: Array) -> Whitened:
-    """Return a Gram matrix with the Gaussian prior of own figures as further readings.
-
-    Args:
-        level: Of [errors, own figures, effects].
-        trust: One over the prior variance of each own figure, shape (own,).
-        point: Their values less the likeliest ones beforehand, same shape.
-    """
-    gram, own = level.gram.copy(), slice(1, 1 + len(trust))
-    gram[own, own] += np.diag(trust)
-    gram[0, own] -= trust * point
-    gram[own, 0] -= trust * point
-    gram[0, 0] += float(point @ (trust * point))
-    return replace(level, gram=gram)
-
-
-def _columns(grids: Sequence[tuple[Effect, ...]]) -> Iterator[Column]:
-    """Yield the columns of each effect at each shape: one for each strength, after the errors."""
-    first = 1
-    for effect in (effect for grid in grids for effect in grid):
-        end = first + len(effect.strengths)
-        yield Column(effect=effect, place=slice(first, end))
-        first = end
-
-
-def _prior(grids: Sequence[tuple[Effect, ...]], joints: Set[str]) -> Prior:
-    """Return the prior of effects: each as likely as the others, at all its places and shapes.
-
-    Real drives have friction at every joint: one law at all of them is as likely as one effect.
-    """
-    alone = {grid[0].label: ODDS + math.log(len(grid) * len(grids)) for grid in grids}
-    shapes = {grid[0].name: len(grid) for grid in grids}
-    groups: dict[frozenset[str], float] = {}
-    for name in FRICTIONS:
-        if name in shapes and len(joints) > 1:
-            whole = ODDS + math.log(2 * len(FRICTIONS) * shapes[name])
-            members = {f"{name}@{joint}" for joint in joints}
-            groups[frozenset(members | {f"{VISCOUS}@{joint}" for joint in joints})] = whole
-            groups[frozenset(members)] = whole
-    ordered = sorted(groups.items(), key=lambda each: -len(each[0]))
-    return Prior(alone=alone, together=tuple(ordered))
-
-
-def _frictions(columns: Sequence[Column], joints: Set[str]) -> Iterator[tuple[int, ...]]:
-    """Yield each law of friction at all driven joints, alone and beside viscous friction."""
-    laws: dict[tuple[str, int], list[int]] = {}
-    shapes = Counter[str]()
-    for at, effect in enumerate(column.effect for column in columns):
-        if effect.name in FRICTIONS and effect.where in joints:
-            laws.setdefault((effect.name, shapes[effect.label]), []).append(at)
-            shapes[effect.label] += 1
-    beside = laws.get((VISCOUS, 0), [])
-    for (name, _), members in laws.items():
-        if len(members) > 1:
-            yield tuple(members)
-            if name != VISCOUS:
-                yield tuple(sorted({*members, *beside}))
-
-
-def _whitened(
-    hypothesis: Hypothesis,
-    point: Array,
-    grids: Sequence[tuple[Effect, ...]],
-    runs: Sequence[Observed],
-    blocks: int,
-) -> list[list[Whitened]]:
-    """Return the Gram matrix of [errors, entries of the point, effects], by level and by fold."""
-    own = Columns.of(hypothesis, point)
-    grams: list[list[Whitened]] = [[] for _ in LEVELS]
-    for seen in runs:
-        about, motion = seen.about, seen.motion
-        moved, shown = own.along(seen)
-        forces = np.concatenate([_pushed(grid, motion) for grid in grids], axis=2)
-        moved = np.concatenate(
-            [moved, about.tangent.jacobian[:, :, 2 * moved.shape[1] :] @ forces], axis=2
-        )
-        changes = [effect.reading_regressor(motion) for grid in grids for effect in grid]
-        readings = np.concatenate([shown, *changes], axis=2)
-        for level, found in zip(LEVELS, grams, strict=True):
-            leaving = about.leaving(level)
-            found += whitened_blocks(about.tangent, leaving, readings, moved, blocks=blocks)
-    return grams
-
-
-def _pushed(shapes: tuple[Effect, ...], motion: Motion) -> Array:
-    """Return forces of one effect at several shapes, (samples, dofs, columns); sensors: zero."""
-    forces = shapes[0].regressors(shapes, motion)
-    return np.zeros_like(forces) if shapes[0].kind == "sensor" else forces

@@ -2,28 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import mujoco
 import numpy as np
 
 from morph.arrays import Array, Mask
-from morph.inference.filter import Disturbance, Tangent, smoothed, whitened
+from morph.inference.disturbance import likeliest_disturbance
+from morph.inference.filter import Disturbance, Tangent, smoothed
 from morph.inference.linearise import accelerations, linearised
+from morph.inference.sampled import Reference, SampledRun
 from morph.physics.motion import actuator_moments
 
-FLOOR = 2e-3
-"""Least scale of the missing force, as a share of the RMS force that a joint's motion needs."""
-CORRELATION_TIMES = (0.05, 2.0)
-"""Bounds of the missing force's correlation time, s: a stroke of a servo, the drift of a run."""
-NOISE_FACTORS = (0.1, 3.0)
-"""Bounds of the factor of the noise that the channels are known for."""
-VIBRATIONS = (0.05, 300.0)
-"""Bounds of each channel's vibration, as factors of its known noise."""
-MOST_SCALE = 30.0
-"""Most scale of the missing force, as a share of the RMS force that a joint's motion needs."""
-MOST_SAMPLES = 1500
-"""Samples of a run by which its disturbance is judged."""
 INTERVAL = 0.02
 """Seconds from one derivative of the model to the next: 3 rad/s turn a link by 0.06 rad."""
 ROUNDS = 3
@@ -35,65 +25,6 @@ OUTLIER = 5.0
 a bit of it, is wrong."""
 NEIGHBOURS = 20
 """Readings on either side from which that standard deviation is estimated."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class SampledRun:
-    """One run on a grid of equal steps."""
-
-    step: float
-    """Seconds from one sample to the next."""
-    command: Array
-    """Controls held from each sample to the next, shape (samples, actuators)."""
-    reads: Array
-    """Observation matrix: each channel by position and velocity, shape (channels, 2 dofs)."""
-    reading: Array
-    """Shape (samples, channels); ignored where not `valid`."""
-    valid: Mask
-    """Which readings there are, shape (samples, channels)."""
-    noise: Array
-    """Standard deviation of each channel's noise, shape (channels,)."""
-    time_offset: Array | float = 0.0
-    """Time of a reading less that of its sample, s, shape (samples, 1)."""
-    jitter: float = 0.0
-    """Standard deviation of the times at which commands change, s."""
-    force: Array | float = 0.0
-    """Known generalized force that the model lacks, N m or N, shape (samples, dofs)."""
-    shift: Array | float = 0.0
-    """Known change of readings that the model lacks, shape (samples, channels)."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Reference:
-    """A motion and the model linearised along it.
-
-    It is that of a semi-implicit integrator: position[t + 1] = position[t] + step velocity[t + 1],
-    so velocities are those of half a step before.
-    """
-
-    position: Array
-    """rad or m, shape (samples, dofs)."""
-    velocity: Array
-    """Per s, same shape."""
-    force: Array
-    """Missing force: the smoothed state of the Ornstein-Uhlenbeck process, N m or N, same shape."""
-    acceleration: Array
-    """The model's acceleration less that of the motion, per s2, same shape."""
-    tangent: Tangent
-    """The linearised model, by the trapezoidal rule, and which readings are used."""
-    disturbance: Disturbance
-    """Noise and missing force under which the readings are likeliest."""
-    error: Array
-    """Readings less those of the motion, zero where there is none, shape (samples, channels)."""
-    sensed: Array
-    """Standard deviation of each channel's noise as known beforehand, shape (channels,)."""
-    effort: Array
-    """RMS inertial force of the motion on each degree of freedom, N m or N, shape (dofs,)."""
-
-    def leaving(self, share: float) -> Disturbance:
-        """Return the disturbance with its force scaled, to at least `FLOOR` of the effort."""
-        scale = np.maximum(share * self.disturbance.scale, FLOOR * self.effort)
-        return replace(self.disturbance, scale=scale)
 
 
 def reference(
@@ -140,76 +71,6 @@ def reference(
     return replace(found, disturbance=likeliest_disturbance(found, steps=FEWER_STEPS))
 
 
-def likeliest_disturbance(about: Reference, *, steps: int) -> Disturbance:
-    """Return the scales, the correlation time and the noise under which readings are likeliest.
-
-    A few seconds from the middle of a run stand for all of it.
-
-    Source: Rasmussen and Williams 2006, section 5.4.1 (the marginal likelihood).
-
-    Args:
-        about: The motion; its disturbance is where the search starts.
-        steps: Most steps of L-BFGS.
-    """
-    from scipy.optimize import minimize
-
-    whole, about = about.disturbance, _middle(about, MOST_SAMPLES)
-    first, tangent = about.disturbance, about.tangent
-    dofs, channels = len(first.scale), len(about.sensed)
-
-    def at(point: Array) -> Disturbance:
-        return replace(
-            first,
-            scale=about.effort * np.exp(point[:dofs]),
-            vibration=about.sensed * np.exp(point[dofs:-2]),
-            correlation_time=float(np.exp(point[-2])),
-            noise=about.sensed * np.exp(point[-1]),
-        )
-
-    def cost(point: Array) -> float:
-        return -_log_likelihood(tangent, at(point), about)
-
-    limits = [(FLOOR, MOST_SCALE)] * dofs + [VIBRATIONS] * channels
-    bounds = np.log([*limits, CORRELATION_TIMES, NOISE_FACTORS])
-    assert first.vibration is not None
-    start = np.log(
-        [
-            *(first.scale / about.effort),
-            *(first.vibration / about.sensed),
-            first.correlation_time,
-            first.noise[0] / about.sensed[0],
-        ]
-    )
-    # Once an effect is explained less force is missing: a few steps alone would not go that far.
-    of_force, of_vibration = np.arange(len(start)) < dofs, np.arange(len(start)) >= dofs
-    of_vibration[-2:] = False
-    shares = [np.log(share) * of_force for share in (1.0, 0.3, 0.1)]
-    shares += [np.log(share) * of_vibration for share in (0.1, 10.0)]
-    starts = [np.clip(start + share, *bounds.T) for share in shares]
-    start = min(starts, key=cost)
-    best = minimize(
-        cost, start, method="L-BFGS-B", bounds=bounds, options={"maxiter": steps, "eps": 1e-3}
-    )
-    return replace(at(best.x), jolt=whole.jolt)
-
-
-def _middle(about: Reference, samples: int) -> Reference:
-    """Return the middle samples of a run."""
-    first = max(0, (len(about.position) - samples) // 2)
-    part, known = slice(first, first + samples), about.disturbance
-    tangent = about.tangent
-    return replace(
-        about,
-        position=about.position[part],
-        velocity=about.velocity[part],
-        force=about.force[part],
-        acceleration=about.acceleration[part],
-        error=about.error[part],
-        tangent=replace(tangent, jacobian=tangent.jacobian[part], valid=tangent.valid[part]),
-        disturbance=replace(known, jolt=None if known.jolt is None else known.jolt[part]),
-    )
-
-
 def outliers(error: Array, valid: Mask) -> Mask:
     """Return which readings are single outliers: far off while those before and after are not.
 
@@ -233,11 +94,6 @@ def outliers(error: Array, valid: Mask) -> Mask:
         alone = np.maximum(padded[:-2], padded[2:]) < 0.5 * off
         found[at[(off > OUTLIER * usual) & alone], channel] = True
     return found
-
-
-def _log_likelihood(tangent: Tangent, disturbance: Disturbance, about: Reference) -> float:
-    column = about.error[:, :, None]
-    return whitened(tangent, disturbance, column, -about.acceleration[:, :, None]).likelihood()
 
 
 def _along(

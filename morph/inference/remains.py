@@ -11,10 +11,10 @@ import numpy as np
 from morph.inference.filter import Disturbance, whitened
 from morph.inference.observed import Observed
 from morph.inference.rank import Finalist
-from morph.inference.reference import Reference
+from morph.inference.sampled import Reference
 from morph.inference.validate import Validation
 
-SHARE, NATS, STEEP = 0.006, 30.0, 2.0
+SHARE, NATS, STEEP = 0.012, 100.0, 2.0
 """Where what remains is as probably physics as not: share of the joints' force, and evidence; and
 how steeply probability rises with the logarithm of either."""
 

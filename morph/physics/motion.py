@@ -96,7 +96,7 @@ class Motion:
     def sign(self, joint: str) -> Array:
         """Return the sense in which dry friction acts on a joint, in [-1, 1], shape (samples,).
 
-        It turns over a displacement of a thousandth of the joint's range and holds at rest, as
+        It turns over a ten-thousandth of the joint's range and holds at rest, as
         asperities do that bend before they slip; a sign of the velocity would let go of a joint
         that rests, and follow its noise.
 

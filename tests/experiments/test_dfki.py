@@ -57,7 +57,8 @@ def test_two_runs_of_the_rig_are_enough_to_name_dry_friction_at_a_joint(
     slice_of_c0: tuple[Diagnosis, list[Episode]],
 ) -> None:
     found, _ = slice_of_c0
-    assert found.verdict == "mismatch"
+    # Belts and teeth shake it by more than an encoder's noise, and have no name.
+    assert found.verdict == "unknown"
     labels = {finding.effect.label for finding in found.findings}
     assert labels & {"coulomb_friction@shoulder", "coulomb_friction@elbow"}
 

@@ -68,6 +68,13 @@ def ranked(base: Inferred, effects: Sequence[Effect]) -> tuple[Candidate, ...]:
         felt = [step for step in steps if step is not None]
         if felt:
             found.append(max(felt, key=lambda each: each.score))
+    score = {each.effect.label: each.score for each in found}
+    # What a law says with its further parameters idle, the simpler one says.
+    found = [
+        each
+        for each in found
+        if score.get(f"{each.effect.simpler}@{each.effect.where}", -np.inf) < each.score - 1.0
+    ]
     return tuple(sorted(found, key=lambda each: -each.score))
 
 

@@ -15,9 +15,9 @@ from experiments.missing_physics.seal import open_seal
 from experiments.missing_physics.solvers import paddle, solve_by_ranking
 from morph.body.load import load as load_robot
 from morph.body.spec import spec_of
+from morph.inference.dictionary import believed, dictionary
 from morph.inference.filter import Whitened
 from morph.inference.observed import observed
-from morph.inference.rank import believed, dictionary
 from morph.model.episodes import episode, step_for
 from morph.physics.effect import Effect
 from morph.record.load import load as load_recordings

@@ -14,7 +14,8 @@ from scipy.interpolate import CubicHermiteSpline
 
 from morph.arrays import Array
 from morph.inference import reference as module
-from morph.inference.reference import FLOOR, SampledRun, outliers, reference
+from morph.inference.reference import outliers, reference
+from morph.inference.sampled import FLOOR, SampledRun
 
 H, NOISE = 0.004, 2e-3
 PENDULUM = """

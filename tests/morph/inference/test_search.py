@@ -10,7 +10,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from morph.inference.search import Column, Level, Prior, Search
+from morph.inference.level import Column, Level
+from morph.inference.search import Prior, Search
 from morph.physics import EFFECTS
 from morph.physics.effect import Effect
 

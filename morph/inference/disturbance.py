@@ -1,0 +1,97 @@
+"""The disturbance under which a smoothed run is likeliest."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from morph.arrays import Array
+from morph.inference.filter import Disturbance, Tangent, whitened
+from morph.inference.sampled import FLOOR, Reference
+
+CORRELATION_TIMES = (0.05, 2.0)
+"""Bounds of the missing force's correlation time, s: a stroke of a servo, the drift of a run."""
+NOISE_FACTORS = (0.1, 3.0)
+"""Bounds of the factor of the noise that the channels are known for."""
+VIBRATIONS = (0.05, 300.0)
+"""Bounds of each channel's vibration, as factors of its known noise."""
+MOST_SCALE = 30.0
+"""Most scale of the missing force, as a share of the RMS force that a joint's motion needs."""
+MOST_SAMPLES = 1500
+"""Samples of a run by which its disturbance is judged."""
+
+
+def likeliest_disturbance(about: Reference, *, steps: int) -> Disturbance:
+    """Return the scales, the correlation time and the noise under which readings are likeliest.
+
+    A few seconds from the middle of a run stand for all of it.
+
+    Source: Rasmussen and Williams 2006, section 5.4.1 (the marginal likelihood).
+
+    Args:
+        about: The motion; its disturbance is where the search starts.
+        steps: Most steps of L-BFGS.
+    """
+    from scipy.optimize import minimize
+
+    whole, about = about.disturbance, _middle(about, MOST_SAMPLES)
+    first, tangent = about.disturbance, about.tangent
+    dofs, channels = len(first.scale), len(about.sensed)
+
+    def at(point: Array) -> Disturbance:
+        return replace(
+            first,
+            scale=about.effort * np.exp(point[:dofs]),
+            vibration=about.sensed * np.exp(point[dofs:-2]),
+            correlation_time=float(np.exp(point[-2])),
+            noise=about.sensed * np.exp(point[-1]),
+        )
+
+    def cost(point: Array) -> float:
+        return -_log_likelihood(tangent, at(point), about)
+
+    limits = [(FLOOR, MOST_SCALE)] * dofs + [VIBRATIONS] * channels
+    bounds = np.log([*limits, CORRELATION_TIMES, NOISE_FACTORS])
+    assert first.vibration is not None
+    start = np.log(
+        [
+            *(first.scale / about.effort),
+            *(first.vibration / about.sensed),
+            first.correlation_time,
+            first.noise[0] / about.sensed[0],
+        ]
+    )
+    # Once an effect is explained less force is missing: a few steps alone would not go that far.
+    of_force, of_vibration = np.arange(len(start)) < dofs, np.arange(len(start)) >= dofs
+    of_vibration[-2:] = False
+    shares = [np.log(share) * of_force for share in (1.0, 0.3, 0.1)]
+    shares += [np.log(share) * of_vibration for share in (0.1, 10.0)]
+    starts = [np.clip(start + share, *bounds.T) for share in shares]
+    start = min(starts, key=cost)
+    best = minimize(
+        cost, start, method="L-BFGS-B", bounds=bounds, options={"maxiter": steps, "eps": 1e-3}
+    )
+    return replace(at(best.x), jolt=whole.jolt)
+
+
+def _middle(about: Reference, samples: int) -> Reference:
+    """Return the middle samples of a run."""
+    first = max(0, (len(about.position) - samples) // 2)
+    part, known = slice(first, first + samples), about.disturbance
+    tangent = about.tangent
+    return replace(
+        about,
+        position=about.position[part],
+        velocity=about.velocity[part],
+        force=about.force[part],
+        acceleration=about.acceleration[part],
+        error=about.error[part],
+        tangent=replace(tangent, jacobian=tangent.jacobian[part], valid=tangent.valid[part]),
+        disturbance=replace(known, jolt=None if known.jolt is None else known.jolt[part]),
+    )
+
+
+def _log_likelihood(tangent: Tangent, disturbance: Disturbance, about: Reference) -> float:
+    column = about.error[:, :, None]
+    return whitened(tangent, disturbance, column, -about.acceleration[:, :, None]).likelihood()

@@ -1,0 +1,72 @@
+"""One run on a grid of equal steps, and the motion that a model makes of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from morph.arrays import Array, Mask
+from morph.inference.filter import Disturbance, Tangent
+
+FLOOR = 2e-3
+"""Least scale of the missing force, as a share of the RMS force that a joint's motion needs."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SampledRun:
+    """One run on a grid of equal steps."""
+
+    step: float
+    """Seconds from one sample to the next."""
+    command: Array
+    """Controls held from each sample to the next, shape (samples, actuators)."""
+    reads: Array
+    """Observation matrix: each channel by position and velocity, shape (channels, 2 dofs)."""
+    reading: Array
+    """Shape (samples, channels); ignored where not `valid`."""
+    valid: Mask
+    """Which readings there are, shape (samples, channels)."""
+    noise: Array
+    """Standard deviation of each channel's noise, shape (channels,)."""
+    time_offset: Array | float = 0.0
+    """Time of a reading less that of its sample, s, shape (samples, 1)."""
+    jitter: float = 0.0
+    """Standard deviation of the times at which commands change, s."""
+    force: Array | float = 0.0
+    """Known generalized force that the model lacks, N m or N, shape (samples, dofs)."""
+    shift: Array | float = 0.0
+    """Known change of readings that the model lacks, shape (samples, channels)."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Reference:
+    """A motion and the model linearised along it.
+
+    It is that of a semi-implicit integrator: position[t + 1] = position[t] + step velocity[t + 1],
+    so velocities are those of half a step before.
+    """
+
+    position: Array
+    """rad or m, shape (samples, dofs)."""
+    velocity: Array
+    """Per s, same shape."""
+    force: Array
+    """Missing force: the smoothed state of the Ornstein-Uhlenbeck process, N m or N, same shape."""
+    acceleration: Array
+    """The model's acceleration less that of the motion, per s2, same shape."""
+    tangent: Tangent
+    """The linearised model, by the trapezoidal rule, and which readings are used."""
+    disturbance: Disturbance
+    """Noise and missing force under which the readings are likeliest."""
+    error: Array
+    """Readings less those of the motion, zero where there is none, shape (samples, channels)."""
+    sensed: Array
+    """Standard deviation of each channel's noise as known beforehand, shape (channels,)."""
+    effort: Array
+    """RMS inertial force of the motion on each degree of freedom, N m or N, shape (dofs,)."""
+
+    def leaving(self, share: float) -> Disturbance:
+        """Return the disturbance with its force scaled, to at least `FLOOR` of the effort."""
+        scale = np.maximum(share * self.disturbance.scale, FLOOR * self.effort)
+        return replace(self.disturbance, scale=scale)

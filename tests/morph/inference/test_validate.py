@@ -1,0 +1,83 @@
+"""Which gains count: material, sure, and not at the expense of another fold."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from morph.arrays import Array
+from morph.body.robot import Robot
+from morph.inference.validate import Validation
+from morph.model.episodes import Episode, episode, step_for
+from morph.physics.actuator.actuator_delay import ActuatorDelay
+from morph.physics.joint.viscous_friction import ViscousFriction
+from morph.record.recording import Recording
+
+
+@pytest.fixture(scope="module")
+def episodes(pendulum: Robot, recorded: Callable[..., Recording]) -> list[Episode]:
+    runs = [
+        recorded(pendulum, seconds=5.0, seed=k, name=f"run_{k}", start={"hinge": 0.5})
+        for k in range(4)
+    ]
+    return [episode(run, pendulum, step_for(runs, pendulum)) for run in runs]
+
+
+@pytest.fixture(scope="module")
+def validation(episodes: list[Episode]) -> Validation:
+    return Validation.of(episodes)
+
+
+def losses(validation: Validation, by_fold: tuple[float, ...], spread: float = 0.1) -> Array:
+    """Return losses of stretches about a mean for each fold."""
+    rng = np.random.default_rng(0)
+    return np.array(by_fold)[validation.fold] + spread * rng.normal(size=len(validation.fold))
+
+
+def test_runs_are_folds_where_there_are_four(validation: Validation) -> None:
+    assert validation.blocks == 1
+    assert validation.fold.tolist() == validation.segments.episode.tolist()
+    assert len(validation.segments) == 4 * 5
+
+
+def test_one_run_is_divided_into_four(episodes: list[Episode]) -> None:
+    alone = Validation.of(episodes[:1])
+    assert alone.blocks == 4
+    # Five stretches of 1 s, in the middles of quarters of 1.25 s: 0.5, 1.5, 2.5, 3.5 and 4.5 s.
+    assert alone.fold.tolist() == [0, 1, 2, 2, 3]
+
+
+@pytest.mark.parametrize(
+    ("by_fold", "spread", "sure"),
+    [
+        ((0.5, 0.4, 0.6, 0.5), 0.1, True),
+        # All in one run, and none loses: a law may act in one run alone.
+        ((2.0, 0.0, 0.0, 0.0), 0.01, True),
+        # One run loses more than half of what the others gain.
+        ((0.7, 1.0, 0.0, -1.1), 0.1, False),
+        # A hundredth of the error's size.
+        ((0.01, 0.01, 0.01, 0.01), 0.001, False),
+        # 0.1 beside a standard error of 2 / sqrt(20) = 0.45.
+        ((0.1, 0.1, 0.1, 0.1), 2.0, False),
+    ],
+)
+def test_a_gain_is_material_sure_and_at_no_folds_expense(
+    validation: Validation, by_fold: tuple[float, ...], spread: float, sure: bool
+) -> None:
+    before = losses(validation, (3.0,) * 4, 0.0)
+    assert validation.sure(before, before - losses(validation, by_fold, spread)) == sure
+
+
+def test_a_loss_that_rises_in_the_mean_is_worse(validation: Validation) -> None:
+    before = losses(validation, (3.0,) * 4, 0.0)
+    assert validation.worse(before, before + losses(validation, (0.7, 1.0, 0.0, -0.4)))
+    assert not validation.worse(before, before - losses(validation, (0.5,) * 4))
+
+
+def test_no_time_far_below_the_period_of_readings_is_claimed(validation: Validation) -> None:
+    # Readings come every 5 ms.
+    assert validation.too_brief(ActuatorDelay(actuator="hinge", T=0.0005))
+    assert not validation.too_brief(ActuatorDelay(actuator="hinge", T=0.001))
+    assert not validation.too_brief(ViscousFriction(joint="hinge", b=0.0))
