@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 
 from morph.body.robot import Robot
 from morph.inference.rank import Progress, ranked
-from morph.inference.verdict import Parts, conclude
+from morph.inference.verdict import DiagnosisRuns, conclude
 from morph.model.diagnosis import Diagnosis
 from morph.model.episodes import episode, moving_joints, step_for, stretches
 from morph.model.hypothesis import Hypothesis
@@ -83,7 +83,7 @@ def diagnose(
     return conclude(
         nominal,
         ranking,
-        Parts(
+        DiagnosisRuns(
             train=train,
             aside=aside,
             scored=scored,

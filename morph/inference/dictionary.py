@@ -15,7 +15,7 @@ from morph.body.robot import Robot
 from morph.errors import EffectError
 from morph.inference.columns import Columns
 from morph.inference.filter import Whitened, whitened_blocks
-from morph.inference.level import Column, Level
+from morph.inference.level import EffectColumn, WhitenedLevel
 from morph.inference.observed import Observed
 from morph.inference.quadratic import information, offset
 from morph.inference.refit import Refit
@@ -62,7 +62,7 @@ def search_beside(base: Refit, known: Sequence[Effect], prior: Prior | None, blo
         known=frozenset(taken),
         groups=tuple(_frictions(columns, joints)),
         levels=tuple(
-            Level(
+            WhitenedLevel(
                 gram=believed(sum(folds[1:], start=folds[0]), trust, at).gram,
                 logarithm=sum(fold.logarithm for fold in folds),
                 low=hypothesis.low - point - SLACK,
@@ -119,12 +119,12 @@ def believed(level: Whitened, trust: Array, point: Array) -> Whitened:
     return replace(level, gram=gram)
 
 
-def _columns(grids: Sequence[tuple[Effect, ...]]) -> Iterator[Column]:
+def _columns(grids: Sequence[tuple[Effect, ...]]) -> Iterator[EffectColumn]:
     """Yield the columns of each effect at each shape: one for each strength, after the errors."""
     first = 1
     for effect in (effect for grid in grids for effect in grid):
         end = first + len(effect.strengths)
-        yield Column(effect=effect, place=slice(first, end))
+        yield EffectColumn(effect=effect, place=slice(first, end))
         first = end
 
 
@@ -146,7 +146,7 @@ def _prior(grids: Sequence[tuple[Effect, ...]], joints: Set[str]) -> Prior:
     return Prior(alone=alone, together=tuple(ordered))
 
 
-def _frictions(columns: Sequence[Column], joints: Set[str]) -> Iterator[tuple[int, ...]]:
+def _frictions(columns: Sequence[EffectColumn], joints: Set[str]) -> Iterator[tuple[int, ...]]:
     """Yield each law of friction at all driven joints, alone and beside viscous friction."""
     laws: dict[tuple[str, int], list[int]] = {}
     shapes = Counter[str]()

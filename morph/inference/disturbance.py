@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from scipy.optimize import minimize
 
 from morph.arrays import Array
 from morph.inference.filter import Disturbance, Tangent, whitened
@@ -33,8 +34,6 @@ def likeliest_disturbance(about: Reference, *, steps: int) -> Disturbance:
         about: The motion; its disturbance is where the search starts.
         steps: Most steps of L-BFGS.
     """
-    from scipy.optimize import minimize
-
     whole, about = about.disturbance, _middle(about, MOST_SAMPLES)
     first, tangent = about.disturbance, about.tangent
     dofs, channels = len(first.scale), len(about.sensed)
@@ -53,11 +52,11 @@ def likeliest_disturbance(about: Reference, *, steps: int) -> Disturbance:
 
     limits = [(FLOOR, MOST_SCALE)] * dofs + [VIBRATIONS] * channels
     bounds = np.log([*limits, CORRELATION_TIMES, NOISE_FACTORS])
-    assert first.vibration is not None
+    vibration = about.sensed if first.vibration is None else first.vibration
     start = np.log(
         [
             *(first.scale / about.effort),
-            *(first.vibration / about.sensed),
+            *(vibration / about.sensed),
             first.correlation_time,
             first.noise[0] / about.sensed[0],
         ]

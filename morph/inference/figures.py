@@ -9,7 +9,10 @@ from morph.arrays import Array
 from morph.physics.body.inertial import pull, spatial, steiner
 from morph.physics.motion import Motion, actuator_moments
 
-DRIVES = ("actuator_gainprm", "actuator_biasprm", "actuator_forcerange", "jnt_actfrcrange")
+DRIVES = (
+    "actuator_gear", "actuator_gainprm", "actuator_biasprm", "actuator_forcerange",
+    "jnt_actfrcrange",
+)  # fmt: skip
 """What a model says of its actuators' forces."""
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from morph.arrays import Array, Mask
 from morph.body.robot import Robot
-from morph.inference.quadratic import Quadratic, information, quadratic
+from morph.inference.quadratic import LogPosterior, information, quadratic
 from morph.inference.rank import Ranking
 from morph.inference.remains import Remains
 from morph.model.diagnosis import Estimate, Finding, Rival
@@ -86,7 +86,7 @@ def findings(ranking: Ranking, remains: Remains, point: Array) -> tuple[Finding,
     return tuple(sorted(listed, key=lambda finding: -finding.gain))
 
 
-def estimates(about: Quadratic, stated: Array) -> tuple[list[Estimate], Mask]:
+def estimates(about: LogPosterior, stated: Array) -> tuple[list[Estimate], Mask]:
     """Return each entry of a point with its 90 % interval, and which are known from the runs.
 
     The interval is the wider of two: by the curvature of the log posterior, and by the jackknife
@@ -132,7 +132,7 @@ def estimates(about: Quadratic, stated: Array) -> tuple[list[Estimate], Mask]:
     return found, ~(at_bound | prior_only)
 
 
-def factors(about: Quadratic, stated: Array) -> dict[str, Estimate]:
+def factors(about: LogPosterior, stated: Array) -> dict[str, Estimate]:
     """Return the factors on the description's own figures, by name; see `estimates`."""
     estimated, _ = estimates(about, stated)
     return {

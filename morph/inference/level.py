@@ -14,7 +14,7 @@ from morph.physics.effect import Effect
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Column:
+class EffectColumn:
     """One effect at one shape, an entry of the dictionary."""
 
     effect: Effect
@@ -38,7 +38,7 @@ class LevelFit:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Level:
+class WhitenedLevel:
     """Columns [errors, own figures, effects], whitened under one scale of the missing force.
 
     Own figures are those of the description and the parameters of effects found before.
@@ -55,11 +55,11 @@ class Level:
     folds: tuple[Array, ...] = ()
     """The part of each fold of the readings in the Gram matrix."""
 
-    def without_fold(self, fold: int) -> Level:
+    def without_fold(self, fold: int) -> WhitenedLevel:
         """Return the columns over all folds but one."""
         return replace(self, gram=self.gram - self.folds[fold])
 
-    def fixed(self, entries: Integers, change: Array) -> Level:
+    def fixed(self, entries: Integers, change: Array) -> WhitenedLevel:
         """Return the columns without some own figures, which change by known amounts.
 
         Args:
@@ -86,7 +86,7 @@ class Level:
         inner = self.gram[np.ix_(own, own)]
         return projected(self.gram[np.ix_(kept, kept)], inner, across)
 
-    def fit(self, columns: Sequence[Column], readings: int, prior: float) -> LevelFit:
+    def fit(self, columns: Sequence[EffectColumn], readings: int, prior: float) -> LevelFit:
         """Return own figures and effects at their likeliest, all within their bounds.
 
         Source: Schwarz 1978, Annals of Statistics 6(2), 461-464 (the price of a column).

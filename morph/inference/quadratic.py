@@ -17,7 +17,7 @@ from morph.model.hypothesis import Hypothesis
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Quadratic:
+class LogPosterior:
     """Minus half of a sum of squares of whitened errors, and of the prior."""
 
     hypothesis: Hypothesis
@@ -29,7 +29,7 @@ class Quadratic:
     readings: int
     """How many readings there are."""
 
-    def without_fold(self, fold: int) -> Quadratic:
+    def without_fold(self, fold: int) -> LogPosterior:
         """Return the quadratic of all folds but one."""
         return replace(self, grams=np.delete(self.grams, fold, axis=0))
 
@@ -94,7 +94,7 @@ class Quadratic:
 
 def quadratic(
     hypothesis: Hypothesis, point: Array, runs: Sequence[Observed], *, blocks: int = 1
-) -> Quadratic:
+) -> LogPosterior:
     """Return the log posterior to second order.
 
     Args:
@@ -110,7 +110,7 @@ def quadratic(
         parts = whitened_blocks(about.tangent, about.disturbance, shown, moved, blocks=blocks)
         folds += [part.gram for part in parts]
         count += sum(part.readings for part in parts)
-    return Quadratic(hypothesis=hypothesis, point=point, grams=np.stack(folds), readings=count)
+    return LogPosterior(hypothesis=hypothesis, point=point, grams=np.stack(folds), readings=count)
 
 
 def information(hypothesis: Hypothesis) -> Array:

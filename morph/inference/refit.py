@@ -18,7 +18,7 @@ from morph.model.hypothesis import Hypothesis
 from morph.physics.effect import Effect
 
 SHARES = (0.3, 0.1)
-"""Parts of a step that are tried where the whole step gains nothing."""
+"""DiagnosisRuns of a step that are tried where the whole step gains nothing."""
 CYCLES = 2
 """Most estimates of the disturbances."""
 SETTLED = 1.0

@@ -10,7 +10,7 @@ import numpy as np
 
 from morph.arrays import Array, Integers
 from morph.inference.bounded import bounded
-from morph.inference.level import Column, Level, LevelFit, all_bounds, projected
+from morph.inference.level import EffectColumn, LevelFit, WhitenedLevel, all_bounds, projected
 from morph.physics.effect import Effect
 
 BEAM_WIDTH, BRANCHES = 6, 12
@@ -56,9 +56,9 @@ class Explanation:
 class Search:
     """A beam search for sets of effects."""
 
-    columns: tuple[Column, ...]
+    columns: tuple[EffectColumn, ...]
     """The dictionary."""
-    levels: tuple[Level, ...]
+    levels: tuple[WhitenedLevel, ...]
     """One for each scale of the missing force."""
     readings: int
     """How many readings there are."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from morph.arrays import Array, Integers
 from morph.inference.observed import Observed
-from morph.inference.quadratic import Quadratic
+from morph.inference.quadratic import LogPosterior
 from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis
 from morph.model.segments import Segments, cut
@@ -82,7 +82,9 @@ class Validation:
         mean = (error**2).sum(axis=1) / segments.valid.sum(axis=1)[:, None]
         return np.asarray(0.5 * np.log1p(mean / segments.noise**2).sum(axis=1))
 
-    def losses_of(self, about: Quadratic, runs: Sequence[Observed], kept: Sequence[int]) -> Array:
+    def losses_of(
+        self, about: LogPosterior, runs: Sequence[Observed], kept: Sequence[int]
+    ) -> Array:
         """Return the losses with some of the effects of a quadratic, refitted without each fold."""
         fits = [about.without_fold(fold).reduced(kept) for fold in range(len(about.grams))]
         return self.losses(fits[0][0], [point for _, point in fits], runs)
@@ -191,7 +193,7 @@ def at_noise(runs: Sequence[Observed]) -> bool:
 
 
 def needed(
-    about: Quadratic, validation: Validation, runs: Sequence[Observed], *, certain: float
+    about: LogPosterior, validation: Validation, runs: Sequence[Observed], *, certain: float
 ) -> list[int]:
     """Return which effects lower the error of rollouts, and are no accident of the clock.
 

@@ -33,7 +33,7 @@ WITH_RESIDUAL = "corrected_plus_residual"
 
 
 @dataclass(frozen=True, kw_only=True)
-class Parts:
+class DiagnosisRuns:
     """Runs as they are used, and settings of a diagnosis."""
 
     train: Sequence[Episode]
@@ -54,7 +54,7 @@ class Parts:
     """When the diagnosis began, s of the monotonic clock."""
 
 
-def conclude(nominal: Hypothesis, ranking: Ranking, parts: Parts) -> Diagnosis:
+def conclude(nominal: Hypothesis, ranking: Ranking, parts: DiagnosisRuns) -> Diagnosis:
     """Return the diagnosis: verdict, findings, held-out errors, corrected model."""
     robot, best, refit = nominal.robot, ranking.best.refit, ranking.none.refit
     remains = remaining(ranking.best, ranking.validation)
@@ -174,12 +174,15 @@ def _table(
     return {model: dict(zip(names, map(float, row), strict=True)) for model, row in rows.items()}
 
 
-def _residual(ranking: Ranking, parts: Parts) -> LearnedResidual | None:
+def _residual(ranking: Ranking, parts: DiagnosisRuns) -> LearnedResidual | None:
     """Return a residual learned beside the best model, if it surely lowers the error of rollouts.
 
-    Training runs alone decide: each fold is predicted by a residual learned from the others.
+    Training runs alone decide: each is predicted by a residual learned from the others, and where
+    there are too few of them none is kept.
     """
     refit, validation = ranking.best.refit, ranking.validation
+    if validation.blocks > 1:
+        return None
     episodes, losses = validation.segments.episodes, np.array(ranking.best.losses)
     for fold in np.unique(validation.fold):
         rest = sorted({int(e) for e in validation.segments.episode[validation.fold != fold]})

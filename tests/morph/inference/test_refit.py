@@ -13,7 +13,7 @@ from morph.body.load import load
 from morph.body.robot import Robot
 from morph.inference.columns import Columns, acting
 from morph.inference.observed import observed
-from morph.inference.quadratic import Quadratic, information, offset
+from morph.inference.quadratic import LogPosterior, information, offset
 from morph.inference.refit import refitted, seen
 from morph.model.episodes import Episode, episode
 from morph.model.hypothesis import Hypothesis
@@ -138,13 +138,13 @@ def test_a_step_that_is_too_long_is_shortened(
 ) -> None:
     whole = replace(nominal, effects=MISSING)
     start = refitted(whole, whole.start, [run], rounds=0).evidence
-    newton = Quadratic.step
+    newton = LogPosterior.step
 
-    def tenfold(at: Quadratic) -> tuple[Array, int, float]:
+    def tenfold(at: LogPosterior) -> tuple[Array, int, float]:
         step, rank, gained = newton(at)
         return 10.0 * step, rank, gained
 
-    monkeypatch.setattr(Quadratic, "step", tenfold)
+    monkeypatch.setattr(LogPosterior, "step", tenfold)
     # A tenth of it is the Gauss-Newton step. The figures start at least five standard deviations
     # off, of which each is worth 12 nats.
     assert refitted(whole, whole.start, [run], rounds=1).evidence > start + 12.0

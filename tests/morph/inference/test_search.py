@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from morph.inference.level import Column, Level
+from morph.inference.level import EffectColumn, WhitenedLevel
 from morph.inference.search import Prior, Search
 from morph.physics import EFFECTS
 from morph.physics.effect import Effect
@@ -42,7 +42,7 @@ def searched(
     ends = np.arange(2, 2 + len(EFFECTS_TRIED))
     return Search(
         columns=tuple(
-            Column(effect=effect, place=slice(end - 1, end))
+            EffectColumn(effect=effect, place=slice(end - 1, end))
             for effect, end in zip(EFFECTS_TRIED, ends, strict=True)
         ),
         prior=Prior(
@@ -50,7 +50,7 @@ def searched(
             together=together,
         ),
         levels=(
-            Level(gram=whole.T @ whole, logarithm=0.0, low=np.full(own, -1e3),
+            WhitenedLevel(gram=whole.T @ whole, logarithm=0.0, low=np.full(own, -1e3),
                   high=np.full(own, 1e3)),
         ),
         readings=READINGS,
@@ -148,7 +148,9 @@ def test_odds_of_another_in_the_place_of_an_effect() -> None:
             1:
         ],
         levels=(
-            Level(gram=whole.T @ whole, logarithm=0.0, low=np.full(1, -9.0), high=np.full(1, 9.0)),
+            WhitenedLevel(
+                gram=whole.T @ whole, logarithm=0.0, low=np.full(1, -9.0), high=np.full(1, 9.0)
+            ),
         ),
         known=frozenset({EFFECTS_TRIED[0].label}),
     )
