@@ -10,10 +10,10 @@ import mujoco
 import numpy as np
 
 from morph.arrays import Array
-from morph.inference.figures import driven, force_between
-from morph.inference.linearise import supplied
+from morph.inference.figures import driven, forces_between
 from morph.inference.observed import Observed, shift_of
 from morph.model.hypothesis import Hypothesis, bare_spec
+from morph.physics.dynamics import supplied
 from morph.physics.effect import Effect
 from morph.physics.motion import Motion
 from morph.sim.drive import received
@@ -88,7 +88,8 @@ class Columns:
         """
         motion, about = seen.motion, seen.about
         samples, dofs = about.position.shape
-        forces = [force_between(self.model, each, motion) / NUDGE for each in self.turned]
+        own = forces_between(self.model, self.turned, motion) / NUDGE
+        forces = []
         shown = [about.error, *([np.zeros_like(about.error)] * len(self.turned))]
         held = [each for each in self.nudged if each.change is None]
         base = _supplied(self.model, motion) if held else np.zeros((samples, dofs))
@@ -100,9 +101,9 @@ class Columns:
                 before, after = each.change
                 change = beside[after] - beside[before]
                 shift = shift_of([after], motion) - shift_of([before], motion)
-            forces.append(change / each.step)
+            forces.append(change[:, :, None] / each.step)
             shown.append(shift / each.step)
-        stacked = np.stack([np.zeros((samples, dofs)), *forces], axis=2)
+        stacked = np.concatenate([np.zeros((samples, dofs, 1)), own, *forces], axis=2)
         moved = about.tangent.jacobian[:, :, 2 * dofs :] @ stacked
         moved[:, :, 0] = -about.acceleration
         return moved, np.stack(shown, axis=2)

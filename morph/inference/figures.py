@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import mujoco
 import numpy as np
 
@@ -16,27 +18,39 @@ DRIVES = (
 """What a model says of its actuators' forces."""
 
 
-def force_between(one: mujoco.MjModel, other: mujoco.MjModel, motion: Motion) -> Array:
-    """Return the force that a motion lacks in one model and has in another, (samples, dofs).
+def forces_between(one: mujoco.MjModel, others: Sequence[mujoco.MjModel], motion: Motion) -> Array:
+    """Return the force that a motion lacks in one model and has in others.
 
-    N m or N. The models may differ in mass, centre and inertia of links, in gains of actuators,
-    and in damping, armature and stiffness of hinges and slides. Nothing is simulated.
+    The models may differ in mass, centre and inertia of links, in gains of actuators, and in
+    damping, armature and stiffness of hinges and slides. Nothing is simulated.
 
     Args:
         one: A model.
-        other: Another of the same robot.
+        others: Others of the same robot.
         motion: Positions, velocities, accelerations, commands, and how links move.
+
+    Returns:
+        N m or N, shape (samples, dofs, others).
     """
-    force = np.zeros_like(motion.position)
-    if not all(np.array_equal(getattr(one, name), getattr(other, name)) for name in DRIVES):
-        force += driven(other, motion) - driven(one, motion)
-    force -= (other.dof_damping.reshape(-1) - one.dof_damping.reshape(-1)) * motion.velocity
-    force -= (other.dof_armature - one.dof_armature) * motion.acceleration
-    force += _spring(other, motion) - _spring(one, motion)
+    force = np.zeros((*motion.position.shape, len(others)))
+    base = None
+    for at, other in enumerate(others):
+        if not all(np.array_equal(getattr(one, name), getattr(other, name)) for name in DRIVES):
+            base = driven(one, motion) if base is None else base
+            force[:, :, at] = driven(other, motion) - base
+        damping = other.dof_damping.reshape(-1) - one.dof_damping.reshape(-1)
+        if damping.any():
+            force[:, :, at] -= damping * motion.velocity
+        armature = other.dof_armature - one.dof_armature
+        if armature.any():
+            force[:, :, at] -= armature * motion.acceleration
+        force[:, :, at] += _spring(other, motion) - _spring(one, motion)
     for name, body in motion.bodies.items():
-        change = _inertia(other, name) - _inertia(one, name)
-        if change.any():
-            force += pull(body, [change])[:, :, 0]
+        before = _inertia(one, name)
+        changes = [_inertia(other, name) - before for other in others]
+        changed = [at for at, change in enumerate(changes) if change.any()]
+        if changed:
+            force[:, :, changed] += pull(body, [changes[at] for at in changed])
     return force
 
 

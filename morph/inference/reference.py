@@ -10,8 +10,8 @@ import numpy as np
 from morph.arrays import Array, Mask
 from morph.inference.disturbance import likeliest_disturbance
 from morph.inference.filter import Disturbance, Tangent, smoothed
-from morph.inference.linearise import accelerations, linearised
 from morph.inference.sampled import Reference, SampledRun
+from morph.physics.dynamics import accelerations, jacobians
 from morph.physics.motion import actuator_moments
 
 INTERVAL = 0.02
@@ -106,18 +106,16 @@ def _along(
 ) -> Reference:
     """Return a model linearised along a motion, with a known disturbance or a first guess of it."""
     dofs = position.shape[1]
-    every = max(1, round(INTERVAL / run.step))
-    local = linearised(model, position, velocity, run.command, every=every)
-    mobility = local.jacobian[:, :, 2 * dofs :]
-    modelled = local.acceleration + np.einsum(
-        "tij,tj->ti", mobility, np.broadcast_to(run.force, position.shape)
-    )
+    local = _interpolated(model, position, velocity, run)
+    mobility = local[:, :, 2 * dofs :]
+    modelled = accelerations(model, position, velocity, run.command)
+    modelled += np.einsum("tij,tj->ti", mobility, np.broadcast_to(run.force, position.shape))
     slope = np.zeros_like(position)
     slope[:-1] = np.diff(velocity, axis=0) / run.step
     # Velocities lie half a step before positions. The trapezoidal rule for damping makes the
     # step of second order and stable: (1 - h/2 A_v) v' = v + h (a - A_v v / 2).
-    damped = np.eye(dofs) - 0.5 * run.step * local.jacobian[:, :, dofs : 2 * dofs]
-    jacobian = np.asarray(np.linalg.solve(damped, local.jacobian))
+    damped = np.eye(dofs) - 0.5 * run.step * local[:, :, dofs : 2 * dofs]
+    jacobian = np.asarray(np.linalg.solve(damped, local))
     acceleration = np.linalg.solve(damped, modelled[:, :, None])[:, :, 0] - slope
     # Nothing follows the last sample that its acceleration could be compared with.
     acceleration[-1] = 0.0
@@ -143,6 +141,21 @@ def _along(
         error=np.where(run.valid, run.reading - _predicted(run, position, velocity), 0.0),
         sensed=run.noise,
         effort=effort,
+    )
+
+
+def _interpolated(
+    model: mujoco.MjModel, position: Array, velocity: Array, run: SampledRun
+) -> Array:
+    """Return a model's derivatives along a motion, linearly interpolated from a few samples."""
+    samples, every = len(position), max(1, round(INTERVAL / run.step))
+    keys = np.unique(np.append(np.arange(0, samples, every), samples - 1))
+    there = jacobians(model, position[keys], velocity[keys], run.command[keys])
+    place = np.interp(np.arange(samples), keys, np.arange(len(keys)))
+    low = np.minimum(place.astype(int), max(len(keys) - 2, 0))
+    share = (place - low)[:, None, None]
+    return np.asarray(
+        (1.0 - share) * there[low] + share * there[np.minimum(low + 1, len(keys) - 1)]
     )
 
 

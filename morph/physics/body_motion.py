@@ -9,6 +9,8 @@ import mujoco
 import numpy as np
 
 from morph.arrays import Array, Mask
+from morph.physics.body_jacobian import cross_matrix
+from morph.physics.dynamics import kinematics
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,29 +76,21 @@ def body_motions(
         velocity: Generalized velocities, shape (samples, nv).
         slope: Generalized accelerations, shape (samples, nv).
     """
-    samples, indices = len(velocity), [model.body(name).id for name in bodies]
-    data, chains = mujoco.MjData(model), [_chain(model, index) for index in indices]
-    axes, rates = np.empty((2, samples, model.nv, 6))
-    turned, origin = np.empty((len(indices), samples, 3, 3)), np.empty((len(indices), samples, 3))
-    moments = np.empty((len(indices), samples, 3))
-    roots = model.body_rootid[indices]
-    for k in range(samples):
-        data.qpos[:], data.qvel[:] = position[k], velocity[k]
-        mujoco.mj_fwdPosition(model, data)
-        mujoco.mj_fwdVelocity(model, data)
-        axes[k], rates[k] = data.cdof, data.cdof_dot
-        turned[:, k] = data.xmat[indices].reshape(-1, 3, 3)
-        origin[:, k] = data.xpos[indices]
-        moments[:, k] = data.xpos[indices] - data.subtree_com[roots]
+    indices = [model.body(name).id for name in bodies]
+    chains = [_chain(model, index) for index in indices]
+    seen = kinematics(model, indices, position, velocity)
+    axes, rates = seen.axes, seen.rates
     found = {}
     for at, (name, index) in enumerate(zip(bodies, indices, strict=True)):
-        jacobian = _about(axes * chains[at][:, None], moments[at])
+        turned, origin = seen.turned[:, at], seen.origin[:, at]
+        arm = origin - seen.about[:, at]
+        jacobian = _about(axes * chains[at][:, None], arm)
         # The rate of the axes, and that of the point about which they turn.
-        rate = _about(rates * chains[at][:, None], moments[at])
+        rate = _about(rates * chains[at][:, None], arm)
         speed = np.einsum("srid,sd->sri", jacobian, velocity)[:, 0]
         spins = axes[:, :, :3] * chains[at][:, None]
         rate[:, 0] += np.swapaxes(np.cross(spins, speed[:, None]), 1, 2)
-        found[name] = _seen(model, index, jacobian, rate, turned[at], origin[at], velocity, slope)
+        found[name] = _seen(model, index, jacobian, rate, turned, origin, velocity, slope)
     return found
 
 
@@ -163,38 +157,3 @@ def _seen(
         com=model.body_ipos[index].copy(),
         inertia=axes @ np.diag(model.body_inertia[index]) @ axes.T,
     )
-
-
-def jacobian_of(
-    model: mujoco.MjModel, data: mujoco.MjData, body: int, point: Array
-) -> tuple[Array, Array]:
-    """Return J and dJ/dt of a point of a body, in the body's axes, linear rows first.
-
-    Args:
-        model: The compiled robot.
-        data: Its state, positions and velocities passed forward.
-        body: The body's index.
-        point: The point in the body's frame, m.
-
-    Returns:
-        Two matrices of shape (6, nv): J v are the components of the velocity, and their
-        rate is J dv/dt + dJ/dt v.
-    """
-    turned = data.xmat[body].reshape(3, 3)
-    spot = data.xpos[body] + turned @ point
-    linear, angular = np.zeros((2, 3, model.nv))
-    mujoco.mj_jac(model, data, linear, angular, spot, body)
-    linear_rate, angular_rate = np.zeros((2, 3, model.nv))
-    mujoco.mj_jacDot(model, data, linear_rate, angular_rate, spot, body)
-    # In the body's axes R' x changes by R' (dx/dt - w x x).
-    spin = cross_matrix(angular @ data.qvel)
-    jacobian = np.vstack([turned.T @ linear, turned.T @ angular])
-    rate = np.vstack(
-        [turned.T @ (linear_rate - spin @ linear), turned.T @ (angular_rate - spin @ angular)]
-    )
-    return jacobian, rate
-
-
-def cross_matrix(x: Array) -> Array:
-    """Return the matrix (3, 3) that multiplies by x from the left as the cross product does."""
-    return np.array([[0.0, -x[2], x[1]], [x[2], 0.0, -x[0]], [-x[1], x[0], 0.0]])

@@ -54,6 +54,8 @@ class Motion:
     """What each channel reads, shape (samples, channels)."""
     reading_rate: Array = field(default_factory=_none)
     """How that changes with time, same shape, per s."""
+    _signs: dict[str, Array] = field(default_factory=dict, init=False, repr=False, compare=False)
+    """What `sign` has returned: many effects ask."""
 
     def along(self, joint: str, *columns: Array) -> Array:
         """Return columns (samples,) as forces on one joint, (samples, dofs, columns)."""
@@ -103,13 +105,15 @@ class Motion:
         Source: Prandtl's stop operator, as in Visintin 1994, Differential Models of Hysteresis,
         section III.1.
         """
-        place = self.place(joint)
-        moves = np.diff(place) / (1e-4 * float(np.ptp(place)) + 1e-12)
-        held, senses = 0.0, [0.0]
-        for move in moves.tolist():
-            held = min(1.0, max(-1.0, held + move))
-            senses.append(held)
-        return np.array(senses)
+        if joint not in self._signs:
+            place = self.place(joint)
+            moves = np.diff(place) / (1e-4 * float(np.ptp(place)) + 1e-12)
+            held, senses = 0.0, [0.0]
+            for move in moves.tolist():
+                held = min(1.0, max(-1.0, held + move))
+                senses.append(held)
+            self._signs[joint] = np.array(senses)
+        return self._signs[joint]
 
 
 def actuator_moments(model: mujoco.MjModel, data: mujoco.MjData) -> Array:

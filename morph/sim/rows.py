@@ -176,10 +176,11 @@ class Rows:
         models = self._batch.models
         if models is not None:
             rows = models if isinstance(models, tuple) else (models,) * self._batch.nsim
+            distinct = {id(model): model for model in rows}
             self._batch.set_models(None)
             for field in MODEL_FIELDS:
                 # A view of the model's one copy serves all rows that share a model.
-                values = {id(model): _value(model, field) for model in rows}
+                values = {key: _value(model, field) for key, model in distinct.items()}
                 own = _value(self._model, field)
                 if any(not np.array_equal(value, own) for value in values.values()):
                     self._batch.expand(field)[:] = np.stack([values[id(m)] for m in rows])

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from morph.arrays import Array
-from morph.physics.body_motion import BodyMotion, cross_matrix
+from morph.physics.body_jacobian import cross_matrix
+from morph.physics.body_motion import BodyMotion
 
 
 def spatial(mass: float, moment: Array, second: Array) -> Array:

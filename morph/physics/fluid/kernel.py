@@ -15,7 +15,7 @@ from typing import Any
 import mujoco
 
 from morph.errors import KernelError
-from morph.native import library
+from morph.native import engine, library
 from morph.physics.fluid import reference
 from morph.physics.fluid.numbers import SIGNATURE, WIDTH
 
@@ -108,7 +108,7 @@ def _kernel() -> Any:
         if named:
             return load(Path(named))
         with library.kept_folder() as folder:
-            return load(build(folder))
+            return load(engine.build(SOURCE, folder, name="fluid"))
     except KernelError as error:
         message = f"the fluid runs in numpy, slowly and without batches: {error}"
         warnings.warn(message, RuntimeWarning, stacklevel=3)
@@ -141,31 +141,5 @@ def load(path: Path) -> Any:
             where=str(path),
             fix=fix,
         )
-    engine = ctypes.CDLL(str(_engine()))
-    bind(*(ctypes.cast(getattr(engine, name), ctypes.c_void_p) for name in BOUND))
+    bind(*engine.functions(BOUND))
     return function
-
-
-def build(folder: Path) -> Path:
-    """Return the compiled kernel, built first where a folder does not hold it yet.
-
-    A new MuJoCo builds a new one: the headers are part of its key.
-
-    Raises:
-        KernelError: There is no C compiler, or it fails, or the folder cannot be written to.
-    """
-    include = Path(mujoco.HEADERS_DIR).parent
-    return library.build(
-        SOURCE,
-        folder,
-        name=f"fluid-{mujoco.mj_version()}",
-        headers=sorted(include.glob("mujoco/*.h")),
-        include=include,
-    )
-
-
-def _engine() -> Path:
-    """Return MuJoCo's own library, which this process has loaded already."""
-    folder = Path(mujoco.__file__).parent
-    (path,) = [p for name in ("libmujoco*", "mujoco.dll") for p in folder.glob(name)]
-    return path

@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 
 from morph.arrays import Array, Integers
-from morph.physics.body_motion import jacobian_of
+from morph.physics.body_jacobian import jacobian_of
 from morph.physics.fluid.numbers import (
     ADDED,
     CENTRE,

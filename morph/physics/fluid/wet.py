@@ -9,7 +9,7 @@ import numpy as np
 from morph.arrays import Array
 from morph.body.robot import Robot
 from morph.errors import EffectError
-from morph.physics.body_motion import cross_matrix
+from morph.physics.body_jacobian import cross_matrix
 from morph.physics.fluid.numbers import (
     ADDED,
     LINEAR,

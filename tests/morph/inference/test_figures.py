@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from morph.inference.figures import force_between
+from morph.inference.figures import forces_between
 from morph.physics.body_motion import body_motions
 from morph.physics.motion import Motion
 
@@ -66,11 +66,11 @@ def test_a_figure_changes_the_force_as_in_another_library(figure: str, motion: M
     other = model(**{figure: 1.1 * PLAIN[figure]})
     exact = supplied(other, motion) - supplied(model(), motion)
     assert np.abs(exact).max() > 1e-4
-    found = force_between(model(), other, motion)
+    found = forces_between(model(), [model(), other], motion)[:, :, 1]
     # Sums of about a hundred terms near 100 N m, each rounded to 1e-16 of itself.
     assert found == pytest.approx(exact, abs=1e-11)
 
 
 def test_the_limits_of_actuators_are_reached(motion: Motion) -> None:
-    found = force_between(model(), model(kp=25.0), motion)[:, 0]
+    found = forces_between(model(), [model(kp=25.0)], motion)[:, 0, 0]
     assert 0 < np.count_nonzero(np.abs(found) < 1e-12) < len(found)

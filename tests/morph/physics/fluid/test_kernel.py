@@ -19,6 +19,7 @@ import pytest
 from morph.body.load import load
 from morph.body.spec import spec_of
 from morph.errors import KernelError
+from morph.native import engine
 from morph.native import library as native
 from morph.native.compilers import compilers
 from morph.physics.fluid import kernel
@@ -62,7 +63,7 @@ print(json.dumps({"ends": ends, "told": [str(each.message) for each in told]}))
 def build() -> Path:
     """Build the fluid's kernel into the cache."""
     with native.kept_folder() as folder:
-        return kernel.build(folder)
+        return engine.build(kernel.SOURCE, folder, name="fluid")
 
 
 def swum(*arguments: str, seconds: float = 0.02, **environment: str) -> dict[str, Any]:

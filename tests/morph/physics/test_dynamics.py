@@ -1,4 +1,4 @@
-"""Derivatives of accelerations against Pinocchio's, which are analytical."""
+"""Dynamics along a motion against Pinocchio's, and against MuJoCo called state by state."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import pytest
 
 from morph.body.robot import Robot
 from morph.body.spec import spec_of
-from morph.inference.linearise import linearised
+from morph.physics.dynamics import accelerations, jacobians, kinematics, supplied
 
 
 @pytest.fixture
@@ -46,32 +46,45 @@ def test_derivatives_are_those_of_another_library(model: mujoco.MjModel) -> None
     rng = np.random.default_rng(0)
     position, velocity = rng.uniform(-2.0, 2.0, (2, 9, 2))
     command = rng.uniform(-4.0, 4.0, (9, 2))
-    found = linearised(model, position, velocity, command, every=1)
+    found = accelerations(model, position, velocity, command)
+    derivatives = jacobians(model, position, velocity, command)
     for t in range(9):
         exact = analytical(position[t], velocity[t], command[t])
-        assert np.allclose(found.acceleration[t], exact[0], rtol=1e-9, atol=1e-9)
+        assert np.allclose(found[t], exact[0], rtol=1e-9, atol=1e-9)
         # Rounding of 1e-16 of 100 per s2 over a step of 1e-5, and its square times a derivative.
-        assert np.allclose(found.jacobian[t], np.hstack(exact[1:]), rtol=1e-6, atol=1e-6)
+        assert np.allclose(derivatives[t], np.hstack(exact[1:]), rtol=1e-6, atol=1e-6)
 
 
-def test_derivatives_are_interpolated_between_keys(model: mujoco.MjModel) -> None:
-    time = 0.01 * np.arange(11)
-    position = np.stack([np.sin(time), np.cos(time)], axis=1)
-    velocity = np.stack([np.cos(time), -np.sin(time)], axis=1)
-    command = np.zeros((11, 2))
-    whole = linearised(model, position, velocity, command, every=1).jacobian
-    thin = linearised(model, position, velocity, command, every=4).jacobian
-    for key in (0, 4, 8, 10):
-        assert np.array_equal(thin[key], whole[key])
-    assert np.allclose(thin[5], 0.75 * whole[4] + 0.25 * whole[8], rtol=1e-12, atol=1e-12)
-    # A line is off by (h^2 / 8) times the second derivative: 0.04^2 / 8 of it, 2e-4.
-    assert np.allclose(thin, whole, atol=1e-3 * np.abs(whole).max())
+def test_forces_are_those_of_another_library(model: mujoco.MjModel) -> None:
+    rng = np.random.default_rng(1)
+    position, velocity, slope, command = rng.uniform(-2.0, 2.0, (4, 9, 2))
+    found = supplied(model, position, velocity, slope, command)
+    for t in range(9):
+        motion, _, _, inverse = analytical(position[t], velocity[t], command[t])
+        # M (a(u) - a) is what is supplied beyond the need of a.
+        exact = np.linalg.solve(inverse, motion - slope[t])
+        assert np.allclose(found[t], exact, rtol=1e-9, atol=1e-9)
+
+
+def test_kinematics_are_those_of_the_engine(model: mujoco.MjModel) -> None:
+    rng = np.random.default_rng(2)
+    position, velocity = rng.uniform(-2.0, 2.0, (2, 5, 2))
+    bodies, data = [2, 1], mujoco.MjData(model)
+    found = kinematics(model, bodies, position, velocity)
+    for t in range(5):
+        data.qpos[:], data.qvel[:] = position[t], velocity[t]
+        mujoco.mj_forward(model, data)
+        assert np.array_equal(found.origin[t], data.xpos[bodies])
+        assert np.array_equal(found.turned[t].reshape(2, 9), data.xmat[bodies])
+        assert np.array_equal(found.axes[t], data.cdof)
+        assert np.array_equal(found.rates[t], data.cdof_dot)
+        assert np.array_equal(found.about[t], data.subtree_com[model.body_rootid[bodies]])
 
 
 def test_dry_friction_is_left_out(arm: Callable[..., Robot]) -> None:
     command, still = np.full((3, 2), 0.1), np.zeros((3, 2))
-    free = linearised(spec_of(arm()).compile(), still, still, command)
+    free = accelerations(spec_of(arm()).compile(), still, still, command)
     held = spec_of(arm('frictionloss="5"', 'frictionloss="5"')).compile()
     flags = held.opt.disableflags
-    assert np.array_equal(free.acceleration, linearised(held, still, still, command).acceleration)
+    assert np.array_equal(free, accelerations(held, still, still, command))
     assert held.opt.disableflags == flags

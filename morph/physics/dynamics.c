@@ -1,0 +1,107 @@
+/* A model's dynamics at each state of a motion: loops over MuJoCo's own functions.
+ *
+ * Called state by state from Python, most of the time would go into the calls.
+ */
+#include <stdint.h>
+#include <string.h>
+
+#include <mujoco/mujoco.h>
+
+static void (*forward)(const mjModel*, mjData*), (*inverse)(const mjModel*, mjData*);
+static void (*actuation)(const mjModel*, mjData*), (*solve)(const mjModel*, mjData*, mjtNum*, const mjtNum*, int);
+static void (*positions)(const mjModel*, mjData*), (*velocities)(const mjModel*, mjData*);
+
+/* MuJoCo's own functions come as pointers, so that nothing is linked. */
+void morph_dynamics_bind(void *a, void *b, void *c, void *d, void *e, void *f)
+{
+	forward = a, inverse = b, actuation = c, solve = d, positions = e, velocities = f;
+}
+
+static void set(const mjModel *m, mjData *d, int64_t t, const double *q, const double *v,
+		const double *u)
+{
+	memcpy(d->qpos, q + t * m->nq, sizeof(double) * m->nq);
+	memcpy(d->qvel, v + t * m->nv, sizeof(double) * m->nv);
+	memcpy(d->ctrl, u + t * m->nu, sizeof(double) * m->nu);
+}
+
+/* Accelerations (states, nv). */
+void morph_forward(const mjModel *m, mjData *d, int64_t states, const double *q, const double *v,
+		   const double *u, double *found)
+{
+	for (int64_t t = 0; t < states; t++) {
+		set(m, d, t, q, v, u);
+		forward(m, d);
+		memcpy(found + t * m->nv, d->qacc, sizeof(double) * m->nv);
+	}
+}
+
+/* Generalized forces (states, nv): those of the actuators less those that a motion needs. */
+void morph_supplied(const mjModel *m, mjData *d, int64_t states, const double *q, const double *v,
+		    const double *a, const double *u, double *found)
+{
+	int n = m->nv;
+	for (int64_t t = 0; t < states; t++) {
+		set(m, d, t, q, v, u);
+		memcpy(d->qacc, a + t * n, sizeof(double) * n);
+		inverse(m, d);
+		actuation(m, d);
+		for (int i = 0; i < n; i++)
+			found[t * n + i] = d->qfrc_actuator[i] - d->qfrc_inverse[i];
+	}
+}
+
+/* [dqacc/dq, dqacc/dv, M^-1] (states, n, 3n) of hinges and slides, by central differences. */
+void morph_jacobians(const mjModel *m, mjData *d, int64_t states, double nudge, const double *q,
+		     const double *v, const double *u, double *found)
+{
+	int n = m->nv;
+	double above[n], axis[n], column[n];
+	for (int64_t t = 0; t < states; t++) {
+		double *to = found + t * n * 3 * n;
+		set(m, d, t, q, v, u);
+		for (int k = 0; k < 2 * n; k++) {
+			double *value = k < n ? d->qpos + k : d->qvel + k - n, kept = *value;
+			*value = kept + nudge;
+			forward(m, d);
+			memcpy(above, d->qacc, sizeof above);
+			*value = kept - nudge;
+			forward(m, d);
+			*value = kept;
+			for (int i = 0; i < n; i++)
+				to[i * 3 * n + k] = (above[i] - d->qacc[i]) / (2.0 * nudge);
+		}
+		forward(m, d);
+		for (int k = 0; k < n; k++) {
+			memset(axis, 0, sizeof axis);
+			axis[k] = 1.0;
+			solve(m, d, column, axis, 1);
+			for (int i = 0; i < n; i++)
+				to[i * 3 * n + 2 * n + k] = column[i];
+		}
+	}
+}
+
+/* How bodies lie and move: spatial axes of joints and their rates (states, nv, 6); and of each
+ * body its axes (states, bodies, 9), origin and the point about which the axes are (.., 3). */
+void morph_kinematics(const mjModel *m, mjData *d, int64_t states, int bodies, const int *ids,
+		      const double *q, const double *v, double *axes, double *rates, double *turned,
+		      double *origin, double *about)
+{
+	int n = m->nv;
+	for (int64_t t = 0; t < states; t++) {
+		memcpy(d->qpos, q + t * m->nq, sizeof(double) * m->nq);
+		memcpy(d->qvel, v + t * n, sizeof(double) * n);
+		positions(m, d);
+		velocities(m, d);
+		memcpy(axes + t * n * 6, d->cdof, sizeof(double) * n * 6);
+		memcpy(rates + t * n * 6, d->cdof_dot, sizeof(double) * n * 6);
+		for (int k = 0; k < bodies; k++) {
+			int64_t at = t * bodies + k;
+			memcpy(turned + at * 9, d->xmat + ids[k] * 9, sizeof(double) * 9);
+			memcpy(origin + at * 3, d->xpos + ids[k] * 3, sizeof(double) * 3);
+			memcpy(about + at * 3, d->subtree_com + m->body_rootid[ids[k]] * 3,
+			       sizeof(double) * 3);
+		}
+	}
+}

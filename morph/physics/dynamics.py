@@ -1,0 +1,182 @@
+"""A model's dynamics at each state of a motion, in compiled loops over MuJoCo's functions."""
+
+from __future__ import annotations
+
+import ctypes
+import functools
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from morph.arrays import Array
+from morph.native import engine, library
+from morph.physics.fluid.kernel import flowing
+
+SOURCE = Path(__file__).with_name("dynamics.c")
+NUDGE = 1e-5
+"""Step of the central differences, rad or m, and per s. Accelerations near 100 per s2 round to
+1e-14, an error of 1e-9 in a derivative; truncation adds 1e-10 / 6 of the third derivative."""
+BOUND = (
+    "mj_forward", "mj_inverse", "mj_fwdActuation", "mj_solveM", "mj_fwdPosition", "mj_fwdVelocity",
+)  # fmt: skip
+"""MuJoCo's functions that the loops call, in the order of `morph_dynamics_bind`."""
+
+
+def accelerations(model: mujoco.MjModel, position: Array, velocity: Array, command: Array) -> Array:
+    """Return a model's acceleration along a motion, per s2, shape (samples, dofs).
+
+    Constraints are left out: dry friction, stops and contacts.
+
+    Args:
+        model: The model.
+        position: rad or m, shape (samples, nq).
+        velocity: Per s, shape (samples, dofs).
+        command: Controls, shape (samples, actuators).
+
+    Raises:
+        KernelError: There is no C compiler, or it fails.
+    """
+    found = np.empty(np.shape(velocity))
+    with _unconstrained(model):
+        _call("forward", model, len(found), *_packed(position, velocity, command), found)
+    return found
+
+
+def supplied(
+    model: mujoco.MjModel, position: Array, velocity: Array, acceleration: Array, command: Array
+) -> Array:
+    """Return the actuators' force less that which a motion needs, N m or N, (samples, dofs).
+
+    It is zero along a motion of the model itself. Constraints are left out.
+
+    Args:
+        model: The model.
+        position: rad or m, shape (samples, nq).
+        velocity: Per s, shape (samples, dofs).
+        acceleration: Per s2, same shape.
+        command: Controls, shape (samples, actuators).
+
+    Raises:
+        KernelError: There is no C compiler, or it fails.
+    """
+    found = np.empty(np.shape(velocity))
+    motion = _packed(position, velocity, acceleration, command)
+    with _unconstrained(model):
+        _call("supplied", model, len(found), *motion, found)
+    return found
+
+
+def jacobians(model: mujoco.MjModel, position: Array, velocity: Array, command: Array) -> Array:
+    """Return [dqacc/dq, dqacc/dv, M^-1] along a motion, shape (samples, dofs, 3 dofs).
+
+    Constraints are left out. Derivatives are central differences.
+
+    Args:
+        model: The model; hinges and slides only.
+        position: rad or m, shape (samples, dofs).
+        velocity: Per s, same shape.
+        command: Controls, shape (samples, actuators).
+
+    Raises:
+        KernelError: There is no C compiler, or it fails.
+    """
+    samples, dofs = np.shape(velocity)
+    found = np.empty((samples, dofs, 3 * dofs))
+    motion = _packed(position, velocity, command)
+    with _unconstrained(model):
+        _call("jacobians", model, samples, ctypes.c_double(NUDGE), *motion, found)
+    return found
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Kinematics:
+    """How joints and bodies lie along a motion, in the world."""
+
+    axes: Array
+    """Spatial axis of each degree of freedom, angular before linear, shape (samples, dofs, 6)."""
+    rates: Array
+    """How these change, per s, same shape."""
+    turned: Array
+    """Axes of each body as columns, shape (samples, bodies, 3, 3)."""
+    origin: Array
+    """Origin of each body, m, shape (samples, bodies, 3)."""
+    about: Array
+    """The point about which the axes of its tree are, m, same shape."""
+
+
+def kinematics(
+    model: mujoco.MjModel, bodies: Sequence[int], position: Array, velocity: Array
+) -> Kinematics:
+    """Return how joints and some bodies lie along a motion.
+
+    Args:
+        model: The model.
+        bodies: Indices of the bodies.
+        position: Shape (samples, nq).
+        velocity: Shape (samples, dofs).
+
+    Raises:
+        KernelError: There is no C compiler, or it fails.
+    """
+    samples, dofs = np.shape(velocity)
+    found = Kinematics(
+        axes=np.empty((samples, dofs, 6)),
+        rates=np.empty((samples, dofs, 6)),
+        turned=np.empty((samples, len(bodies), 3, 3)),
+        origin=np.empty((samples, len(bodies), 3)),
+        about=np.empty((samples, len(bodies), 3)),
+    )
+    ids = np.array(bodies, dtype=np.int32)
+    motion = _packed(position, velocity)
+    outputs = (found.axes, found.rates, found.turned, found.origin, found.about)
+    _call("kinematics", model, samples, ctypes.c_int(len(ids)), ids, *motion, *outputs)
+    return found
+
+
+@contextmanager
+def _unconstrained(model: mujoco.MjModel) -> Iterator[None]:
+    """Disable a model's constraints and enable its fluid, as long as this lasts."""
+    flags = model.opt.disableflags
+    model.opt.disableflags = flags | mujoco.mjtDisableBit.mjDSBL_CONSTRAINT.value
+    try:
+        with flowing(model):
+            yield
+    finally:
+        model.opt.disableflags = flags
+
+
+def _packed(*arrays: Array) -> list[Array]:
+    return [np.ascontiguousarray(each, dtype=np.float64) for each in arrays]
+
+
+def _call(name: str, model: mujoco.MjModel, samples: int, *arguments: Any) -> None:
+    """Call a loop with a model, fresh data, the number of samples and arrays."""
+    data = mujoco.MjData(model)
+    pointers = [
+        ctypes.c_void_p(each.ctypes.data) if isinstance(each, np.ndarray) else each
+        for each in arguments
+    ]
+    function = getattr(_code(), f"morph_{name}")
+    addresses = (ctypes.c_void_p(model._address), ctypes.c_void_p(data._address))
+    function(*addresses, ctypes.c_int64(samples), *pointers)
+
+
+@functools.lru_cache(maxsize=1)
+def _code() -> ctypes.CDLL:
+    """Return the compiled loops, bound to the MuJoCo of this process.
+
+    Raises:
+        KernelError: There is no C compiler, or it fails.
+    """
+    with library.kept_folder() as folder:
+        path = engine.build(SOURCE, folder, name="dynamics")
+        code = library.load(path, fix="delete it, so that it is built again")
+    for name in ("forward", "supplied", "jacobians", "kinematics"):
+        getattr(code, f"morph_{name}").restype = None
+    code.morph_dynamics_bind(*engine.functions(BOUND))
+    return code
