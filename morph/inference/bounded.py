@@ -36,6 +36,9 @@ def bounded(inner: Array, along: Array, low: Array, high: Array) -> tuple[Array,
     if not seen.any():
         return found, 0
     scale = size[seen]
+    if len(scale) == 1:
+        found[seen] = np.clip(along[seen] / scale**2, low[seen], high[seen])
+        return found, 1
     values, vectors = np.linalg.eigh(inner[np.ix_(seen, seen)] / np.outer(scale, scale))
     kept = values > RANK_TOLERANCE
     root = np.sqrt(values[kept])[:, None] * vectors[:, kept].T

@@ -24,6 +24,7 @@ from morph.model.hypothesis import Hypothesis
 from morph.physics import EFFECTS
 from morph.physics.effect import Effect
 from morph.physics.motion import Motion
+from morph.sim.threads import each
 
 LEVELS = (1.0, 0.3, 0.1, 0.03)
 """Scales of the missing force, as shares of the likeliest one before effects are added. A set that
@@ -171,23 +172,30 @@ def _whitened(
 ) -> list[list[Whitened]]:
     """Return the Gram matrix of [errors, entries of the point, effects], by level and by fold."""
     own = Columns.of(hypothesis, point)
-    grams: list[list[Whitened]] = [[] for _ in LEVELS]
-    for seen in runs:
+
+    def one(seen: Observed) -> list[list[Whitened]]:
         about, motion = seen.about, seen.motion
-        moved, shown = own.along(seen)
-        forces = np.concatenate([_pushed(grid, motion) for grid in grids], axis=2)
-        moved = np.concatenate(
-            [moved, about.tangent.jacobian[:, :, 2 * moved.shape[1] :] @ forces], axis=2
-        )
-        changes = [effect.reading_regressor(motion) for grid in grids for effect in grid]
-        readings = np.concatenate([shown, *changes], axis=2)
-        for level, found in zip(LEVELS, grams, strict=True):
-            leaving = about.leaving(level)
-            found += whitened_blocks(about.tangent, leaving, readings, moved, blocks=blocks)
-    return grams
+        first, shown = own.along(seen)
+        samples, dofs, count = first.shape
+        mobility = about.tangent.jacobian[:, :, 2 * dofs :]
+        effects = [effect for grid in grids for effect in grid]
+        total = count + sum(len(effect.strengths) for effect in effects)
+        moved = np.zeros((samples, dofs, total))
+        readings = np.zeros((samples, shown.shape[1], total))
+        moved[:, :, :count], readings[:, :, :count] = first, shown
+        for shapes in grids:
+            last = count + sum(len(effect.strengths) for effect in shapes)
+            if shapes[0].kind == "sensor":
+                changes = [effect.reading_regressor(motion) for effect in shapes]
+                readings[:, :, count:last] = np.concatenate(changes, axis=2)
+            else:
+                forces = shapes[0].regressors(shapes, motion)
+                np.matmul(mobility, forces, out=moved[:, :, count:last])
+            count = last
+        return [
+            whitened_blocks(about.tangent, about.leaving(share), readings, moved, blocks=blocks)
+            for share in LEVELS
+        ]
 
-
-def _pushed(shapes: tuple[Effect, ...], motion: Motion) -> Array:
-    """Return forces of one effect at several shapes, (samples, dofs, columns); sensors: zero."""
-    forces = shapes[0].regressors(shapes, motion)
-    return np.zeros_like(forces) if shapes[0].kind == "sensor" else forces
+    by_run = each(one, runs)
+    return [[fold for found in by_run for fold in found[at]] for at in range(len(LEVELS))]

@@ -9,7 +9,7 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.physics.body.inertial import pull, spatial, steiner
-from morph.physics.motion import Motion, actuator_moments
+from morph.physics.motion import Motion
 
 DRIVES = (
     "actuator_gear", "actuator_gainprm", "actuator_biasprm", "actuator_forcerange",
@@ -90,13 +90,14 @@ def actuator_forces(
 
 
 def constant_moments(model: mujoco.MjModel) -> Array:
-    """Return the actuators' moments at zero position, shape (actuators, dofs).
+    """Return the actuators' moments, shape (actuators, dofs).
 
-    They are the same everywhere: actuators pull on joints, not on tendons.
+    They are the same everywhere: actuators pull on hinges and slides, not on tendons.
     """
-    data = mujoco.MjData(model)
-    mujoco.mj_fwdPosition(model, data)
-    return actuator_moments(model, data)
+    moments = np.zeros((model.nu, model.nv))
+    dofs = model.jnt_dofadr[model.actuator_trnid[:, 0]]
+    moments[np.arange(model.nu), dofs] = model.actuator_gear[:, 0]
+    return moments
 
 
 def _clamped(values: Array, limited: Array, ranges: Array) -> Array:

@@ -54,7 +54,7 @@ def findings(ranking: Ranking, remains: Remains, point: Array) -> tuple[Finding,
         odds = np.exp(np.minimum([none, *(each[1] for each in others)], 0.0) / TEMPERATURE)
         chance = (1.0 - 0.5 * remains.probability) / (1.0 + float(odds.sum()))
         fewer = [each for each in range(len(best.effects)) if each != at]
-        losses = ranking.validation.losses_of(about, best.refit.runs, fewer)
+        (losses,) = ranking.validation.losses_of(about, best.refit.runs, [fewer])
         gains = losses - best.losses
         fold = ranking.validation.segments.episode
         slide = _on_slide(robot, effect)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -21,6 +22,17 @@ class EffectColumn:
     """The effect at that shape."""
     place: slice
     """Its columns, one a strength, of a Gram matrix of [errors, effects] without own figures."""
+
+    @cached_property
+    def bounds(self) -> tuple[Array, Array]:
+        """The least and the greatest of its coefficients, a little wider: equal ones leave room."""
+        low, high = self.effect.coefficient_bounds()
+        return low - 1e-12, high + 1e-12
+
+    @cached_property
+    def label(self) -> str:
+        """That of the effect."""
+        return self.effect.label
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -99,7 +111,7 @@ class WhitenedLevel:
         count = len(self.low)
         effects = tuple(column.effect for column in columns)
         places = [np.r_[column.place] + count for column in columns]
-        low, high = all_bounds(effects)
+        low, high = all_bounds(columns)
         low, high = np.concatenate([self.low, low]), np.concatenate([self.high, high])
         chosen = np.concatenate([np.arange(1, 1 + count), *places]).astype(int)
         inner, along = self.gram[np.ix_(chosen, chosen)], self.gram[chosen, 0]
@@ -139,9 +151,8 @@ def projected(gram: Array, inner: Array, across: Array) -> Array:
     return np.asarray(gram - across.T @ inverse @ across)
 
 
-def all_bounds(effects: Sequence[Effect]) -> tuple[Array, Array]:
+def all_bounds(columns: Sequence[EffectColumn]) -> tuple[Array, Array]:
     """Return the bounds of the columns of some effects."""
-    pairs = [(np.zeros(0), np.zeros(0)), *(effect.coefficient_bounds() for effect in effects)]
+    pairs = [(np.zeros(0), np.zeros(0)), *(column.bounds for column in columns)]
     low, high = zip(*pairs, strict=True)
-    # Equal bounds leave an interval.
-    return np.concatenate(low) - 1e-12, np.concatenate(high) + 1e-12
+    return np.concatenate(low), np.concatenate(high)

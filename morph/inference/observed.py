@@ -124,7 +124,7 @@ def force_of(effects: Sequence[Effect], motion: Motion) -> Array:
 def shift_of(effects: Sequence[Effect], motion: Motion) -> Array:
     """Return how much effects change readings along a motion, shape (samples, channels)."""
     shift = np.zeros_like(motion.reading)
-    for effect in effects:
+    for effect in (each for each in effects if each.kind == "sensor"):
         shift += effect.reading_regressor(motion) @ effect.coefficients
     return shift
 

@@ -44,6 +44,6 @@ def output_error_point(
 
     def loss(at: Array) -> float:
         points = [at] * (int(validation.fold.max()) + 1)
-        return float(validation.losses(hypothesis, points, runs).mean())
+        return float(validation.losses(hypothesis, [points], runs).mean())
 
     return refitted if loss(refitted) < loss(point) else point

@@ -11,9 +11,10 @@ import numpy as np
 from morph.arrays import Array, Mask
 from morph.inference.bounded import bounded
 from morph.inference.columns import Columns
-from morph.inference.filter import whitened_blocks
+from morph.inference.filter import Whitened, whitened_blocks
 from morph.inference.observed import Observed
 from morph.model.hypothesis import Hypothesis
+from morph.sim.threads import each
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -73,13 +74,23 @@ class LogPosterior:
         extra = max(0, rank - len(self.hypothesis.knobs))
         return gained - 0.5 * extra * math.log(self.readings)
 
-    def reduced(self, kept: Sequence[int]) -> tuple[Hypothesis, Array]:
-        """Return the hypothesis with some of the effects alone, and its likeliest point."""
+    def idle(self, kept: Sequence[int]) -> Array:
+        """Return the likeliest point with some of the effects, the others at neutral, (entries,).
+
+        Args:
+            kept: Indices of the effects that stay.
+        """
         free, change = self._left(kept)
         step, _, _ = self.step(free, change)
+        best = np.clip(self.point + step, self.hypothesis.low, self.hypothesis.high)
+        return np.where(free, best, self.point + change)
+
+    def reduced(self, kept: Sequence[int]) -> tuple[Hypothesis, Array]:
+        """Return the hypothesis with some of the effects alone, and its likeliest point."""
         effects = self.hypothesis.effects_at(self.point)
         fewer = replace(self.hypothesis, effects=tuple(effects[at] for at in kept))
-        return fewer, np.clip((self.point + step)[free], fewer.low, fewer.high)
+        free, _ = self._left(kept)
+        return fewer, self.idle(kept)[free]
 
     def _left(self, kept: Sequence[int]) -> tuple[Mask, Array]:
         """Return which entries stay free, and how far the others are from neutral."""
@@ -103,14 +114,20 @@ def quadratic(
         runs: Smoothed and linearised there.
         blocks: Into how many folds each run is divided.
     """
-    columns, folds, count = Columns.of(hypothesis, point), [], 0
-    for run in runs:
+    columns = Columns.of(hypothesis, point)
+
+    def one(run: Observed) -> list[Whitened]:
         moved, shown = columns.along(run)
         about = run.about
-        parts = whitened_blocks(about.tangent, about.disturbance, shown, moved, blocks=blocks)
-        folds += [part.gram for part in parts]
-        count += sum(part.readings for part in parts)
-    return LogPosterior(hypothesis=hypothesis, point=point, grams=np.stack(folds), readings=count)
+        return whitened_blocks(about.tangent, about.disturbance, shown, moved, blocks=blocks)
+
+    folds = [part for parts in each(one, runs) for part in parts]
+    return LogPosterior(
+        hypothesis=hypothesis,
+        point=point,
+        grams=np.stack([fold.gram for fold in folds]),
+        readings=sum(fold.readings for fold in folds),
+    )
 
 
 def information(hypothesis: Hypothesis) -> Array:

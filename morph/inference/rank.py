@@ -117,7 +117,7 @@ def ranked(
         about = quadratic(refit.hypothesis, refit.point, refit.runs, blocks=validation.blocks)
         kept = list(range(len(refit.effects)))
         price = prior.price({effect.label for effect in refit.effects}) if prior else 0.0
-        losses = validation.losses_of(about, refit.runs, kept)
+        (losses,) = validation.losses_of(about, refit.runs, [kept])
         return Finalist(refit=refit, price=price, losses=losses)
 
     none = best = finalist(refitted(nominal, nominal.start, episodes, rounds=STEPS))
@@ -133,15 +133,8 @@ def ranked(
             own = before.refit.point + found.own
             point = np.concatenate([own, start.start[len(own) :]])
             refit = refitted(start, point, episodes, origin=before.refit, rounds=STEPS)
-            new = finalist(under(refit, before.refit))
+            new = _reduced(finalist(under(refit, before.refit)), finalist, validation, episodes)
             tried.append(new)
-            reduced = _reduced(refit, validation, episodes)
-            if reduced is not None:
-                fewer = finalist(under(reduced, before.refit))
-                tried.append(fewer)
-                brief = any(validation.too_brief(effect) for effect in new.effects)
-                needless = brief or not validation.worse(new.losses, fewer.losses)
-                new = fewer if needless else new
             none, before, best = (_under(each, new) for each in (none, before, best))
             if _gains(before, new, validation):
                 best = _better(best, new, validation) if gained else new
@@ -153,12 +146,8 @@ def ranked(
         simpler = _simplified(best, finalist, validation, episodes)
         if simpler is None:
             break
-        best = simpler
+        best = _reduced(simpler, finalist, validation, episodes)
         tried.append(best)
-        if (reduced := _reduced(best.refit, validation, episodes)) is not None:
-            fewer = finalist(reduced)
-            tried.append(fewer)
-            best = best if validation.worse(best.losses, fewer.losses) else fewer
     stopped = time.monotonic() > deadline
     if best is not before and not stopped:
         search = search_beside(best.refit, known, prior, validation.blocks)
@@ -233,7 +222,7 @@ def _proposals(
             more = replace(hypothesis, effects=(*hypothesis.effects, *effects))
             point = np.concatenate([base.refit.point + own, more.start[len(own) :]])
             points.append(np.clip(point, more.low, more.high))
-        losses[members] = float(validation.losses(more, points, base.refit.runs).mean())
+        losses[members] = float(validation.losses(more, [points], base.refit.runs).mean())
     by_rollouts = sorted(listed.values(), key=lambda each: losses[each.members])
     # A set may be likely and yet diverge: a stiff spring in steps that are too long.
     most = now + DIVERGED * len(hypothesis.robot.joints)
@@ -249,11 +238,19 @@ def _law(found: Explanation, prior: Prior) -> frozenset[str] | None:
     return labels if labels in dict(prior.together) else None
 
 
-def _reduced(refit: Refit, validation: Validation, episodes: Sequence[Episode]) -> Refit | None:
-    """Return a refit without the effects that rollouts do not need; None if they need all."""
+def _reduced(
+    whole: Finalist,
+    finalist: Callable[[Refit], Finalist],
+    validation: Validation,
+    episodes: Sequence[Episode],
+) -> Finalist:
+    """Return a finalist without the effects that rollouts do not need, if that is not worse."""
+    refit = whole.refit
     about = quadratic(refit.hypothesis, refit.point, refit.runs, blocks=validation.blocks)
-    kept = needed(about, validation, refit.runs, certain=CERTAIN)
-    if len(kept) == len(refit.effects):
-        return None
+    kept, losses = needed(about, validation, refit.runs, certain=CERTAIN)
+    brief = any(validation.too_brief(effect) for effect in whole.effects)
+    if len(kept) == len(whole.effects) or (validation.worse(whole.losses, losses) and not brief):
+        return whole
     hypothesis, point = about.reduced(kept)
-    return refitted(hypothesis, point, episodes, before=refit.runs, rounds=STEPS)
+    fewer = finalist(refitted(hypothesis, point, episodes, before=refit.runs, rounds=STEPS))
+    return whole if validation.worse(whole.losses, fewer.losses) and not brief else fewer

@@ -10,12 +10,13 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.inference.columns import acting
-from morph.inference.filter import whitened
+from morph.inference.filter import Whitened, whitened
 from morph.inference.observed import Observed, observed, settled
 from morph.inference.quadratic import information, offset, quadratic
 from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis
 from morph.physics.effect import Effect
+from morph.sim.threads import each
 
 SHARES = (0.3, 0.1)
 """DiagnosisRuns of a step that are tried where the whole step gains nothing."""
@@ -62,12 +63,12 @@ def seen(
             motion; without it their forces and changes of readings are left out.
     """
     model, beside = acting(hypothesis, point)
-    return [
-        observed(
-            model, hypothesis.robot, each, effects=beside, before=before[at] if before else None
-        )
-        for at, each in enumerate(episodes)
-    ]
+
+    def one(at: int) -> Observed:
+        known = before[at] if before else None
+        return observed(model, hypothesis.robot, episodes[at], effects=beside, before=known)
+
+    return each(one, range(len(episodes)))
 
 
 def refitted(
@@ -113,7 +114,7 @@ def refitted(
     for _ in range(CYCLES):
         best = _descended(best, episodes, rounds)
         # Explained errors leave less force missing, which weighs all readings anew.
-        runs = [settled(run) for run in best.runs]
+        runs = each(settled, best.runs)
         anew = _judged(hypothesis, best.point, runs, best.rank)
         last, best = best, max(best, anew, key=lambda each: each.evidence)
         if best.evidence < last.evidence + SETTLED:
@@ -164,13 +165,16 @@ def _judged(hypothesis: Hypothesis, point: Array, runs: Sequence[Observed], rank
     """Return a point with its evidence, given the rank of all columns."""
     at = offset(hypothesis, point)
     evidence = -0.5 * float(at @ (information(hypothesis) * at))
-    for run in runs:
-        about = run.about
-        shown, moved = about.error[:, :, None], -about.acceleration[:, :, None]
-        level = whitened(about.tangent, about.disturbance, shown, moved)
+    for level in each(_errors, runs):
         evidence -= 0.5 * (float(level.gram[0, 0]) + level.logarithm)
     evidence -= 0.5 * max(0, rank - len(hypothesis.knobs)) * math.log(readings(runs))
     return Refit(hypothesis=hypothesis, point=point, runs=runs, evidence=evidence, rank=rank)
+
+
+def _errors(run: Observed) -> Whitened:
+    about = run.about
+    shown, moved = about.error[:, :, None], -about.acceleration[:, :, None]
+    return whitened(about.tangent, about.disturbance, shown, moved)
 
 
 def readings(runs: Sequence[Observed]) -> int:

@@ -9,12 +9,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from morph.arrays import Array, Integers
-from morph.inference.bounded import bounded
+from morph.inference.bounded import RANK_TOLERANCE, bounded
 from morph.inference.level import EffectColumn, LevelFit, WhitenedLevel, all_bounds, projected
 from morph.physics.effect import Effect
 
 BEAM_WIDTH, BRANCHES = 6, 12
 """How many sets of one size are grown, and by how many effects each set is, one at a time."""
+SINGLES = 40
+"""How many single effects are fitted."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -142,7 +144,7 @@ class Search:
 
     def price(self, members: Collection[int]) -> float:
         """Return the price of the effects found before and some entries, nats."""
-        return self.prior.price(self.known | {self.columns[at].effect.label for at in members})
+        return self.prior.price(self.known | {self.columns[at].label for at in members})
 
     def _fitted(self, members: tuple[int, ...]) -> _Candidate:
         columns, price = [self.columns[each] for each in members], self.price(members)
@@ -150,32 +152,77 @@ class Search:
         return _Candidate(members=members, fits=fits)
 
     def _promising(self, base: _Candidate) -> list[tuple[int, ...]]:
-        """Return a set with what gains most added, each effect at its best shape."""
+        """Return a set with what gains most added, each effect at its best shape.
+
+        What an addition gains without its bounds is the most that it can gain within them: those
+        that cannot be among the best are not fitted.
+        """
         taken = {effect.label for effect in base.best.effects}
-        place = self._place(base.members)
         steps = [*((at,) for at in range(len(self.columns))), *self.groups]
-        price = self.price(base.members)
-        best: dict[tuple[str, ...], tuple[float, tuple[int, ...]]] = {}
+        options: list[tuple[int, ...]] = []
+        for step in steps:
+            added = tuple(at for at in step if self.columns[at].label not in taken)
+            if added and (len(step) > 1 or added == step):
+                options.append(added)
+        prices = np.array([self.price({*base.members, *added}) for added in options])
+        prices -= self.price(base.members)
+        rests, place = [], self._place(base.members)
         for level, fit in zip(self.levels, base.fits, strict=True):
             rest = level.rest(fit.held)
             if len(place):
                 rest = projected(rest, rest[np.ix_(place, place)], rest[place])
-            for step in steps:
-                added = [at for at in step if self.columns[at].effect.label not in taken]
-                if len(added) < len(step) and (len(step) == 1 or not added):
-                    continue
-                effects = [self.columns[at].effect for at in added]
-                columns = self._place(added)
-                along, inner = rest[columns, 0], rest[np.ix_(columns, columns)]
-                strengths, rank = bounded(inner, along, *all_bounds(effects))
-                members = tuple(sorted({*base.members, *added}))
-                gain = strengths @ along - 0.5 * strengths @ inner @ strengths
-                gain += fit.evidence - 0.5 * rank * math.log(self.readings)
-                gain -= self.price(members) - price
-                labels = tuple(effect.label for effect in effects)
-                best[labels] = max(best.get(labels, (-math.inf, members)), (float(gain), members))
-        ordered = sorted(best.values(), reverse=True)
-        return [members for _, members in (ordered[:BRANCHES] if len(place) else ordered)]
+            rests.append(rest)
+        evidence = np.array([[fit.evidence] for fit in base.fits])
+        most = evidence - prices + self._most_gains(rests, options)
+        best: dict[tuple[str, ...], tuple[float, tuple[int, ...]]] = {}
+        wanted, least = BRANCHES if base.members else SINGLES, -math.inf
+        for at in np.argsort(-most.max(axis=0)):
+            if most[:, at].max() <= least:
+                break
+            added = options[at]
+            entries = [self.columns[each] for each in added]
+            gain = float(np.max(evidence[:, 0] + [self._gain(rest, added) for rest in rests]))
+            labels = tuple(entry.label for entry in entries)
+            members = tuple(sorted({*base.members, *added}))
+            new = (gain - float(prices[at]), members)
+            best[labels] = max(best.get(labels, new), new)
+            if len(best) >= wanted:
+                least = sorted((gain for gain, _ in best.values()), reverse=True)[wanted - 1]
+        return [members for _, members in sorted(best.values(), reverse=True)[:wanted]]
+
+    def _most_gains(self, rests: Sequence[Array], options: Sequence[tuple[int, ...]]) -> Array:
+        """Return what additions gain without bounds, for one column exactly: (levels, options)."""
+        found, least = np.empty((len(rests), len(options))), 0.5 * math.log(self.readings)
+        places = [self._place(added) for added in options]
+        sizes = np.array([len(place) for place in places])
+        for size in np.unique(sizes):
+            same = np.flatnonzero(sizes == size)
+            columns = np.stack([places[at] for at in same])
+            bounds = [all_bounds([self.columns[at] for at in options[each]]) for each in same.tolist()]
+            low, high = (np.stack(side) for side in zip(*bounds, strict=True))
+            for at, rest in enumerate(rests):
+                along = rest[columns, 0]
+                inner = rest[columns[:, :, None], columns[:, None, :]]
+                if size == 1:
+                    square = np.maximum(inner[:, 0], 1e-300)
+                    best = np.clip(along / square, low, high)
+                    gain = (best * along - 0.5 * best**2 * square)[:, 0]
+                else:
+                    scale = np.sqrt(np.maximum(inner[:, range(size), range(size)], 1e-300))
+                    unit = inner / (scale[:, :, None] * scale[:, None])
+                    inverse = np.linalg.pinv(unit, rcond=RANK_TOLERANCE, hermitian=True)
+                    along = along / scale
+                    gain = 0.5 * np.einsum("si,sij,sj->s", along, inverse, along)
+                found[at, same] = gain - least
+        return found
+
+    def _gain(self, rest: Array, added: Sequence[int]) -> float:
+        """Return what an addition gains, less the price of its columns."""
+        columns = self._place(added)
+        along, inner = rest[columns, 0], rest[np.ix_(columns, columns)]
+        strengths, rank = bounded(inner, along, *all_bounds([self.columns[at] for at in added]))
+        gain = strengths @ along - 0.5 * strengths @ inner @ strengths
+        return float(gain - 0.5 * rank * math.log(self.readings))
 
     def _place(self, members: Sequence[int]) -> Integers:
         """Return the columns of some entries."""

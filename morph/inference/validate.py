@@ -63,60 +63,76 @@ class Validation:
         return np.asarray(self.segments.episode * self.blocks + part)
 
     def losses(
-        self, hypothesis: Hypothesis, points: Sequence[Array], runs: Sequence[Observed]
+        self,
+        hypothesis: Hypothesis,
+        candidates: Sequence[Sequence[Array]],
+        runs: Sequence[Observed],
     ) -> Array:
         """Return each stretch's error in rollouts, by its point of those fitted to other folds.
 
         Half the logarithm of the mean squared error, in units of the noise, summed over joints:
         the negative log likelihood of errors whose size is not known, so that bad stretches and
-        joints count no more than good ones. Shape (segments,).
+        joints count no more than good ones. Shape (candidates, segments).
 
         Args:
             hypothesis: What is simulated.
-            points: Its point for the stretches of each fold.
+            candidates: For each of some candidates its point for the stretches of each fold.
             runs: Smoothed runs, along which rollouts start.
         """
-        read = self.rollouts(hypothesis, points, runs)
         segments = self.segments
+        read = self.rollouts(hypothesis, candidates, runs)
         error = np.where(segments.valid[..., None], segments.reading - read, 0.0)
-        mean = (error**2).sum(axis=1) / segments.valid.sum(axis=1)[:, None]
-        return np.asarray(0.5 * np.log1p(mean / segments.noise**2).sum(axis=1))
+        mean = (error**2).sum(axis=2) / segments.valid.sum(axis=1)[:, None]
+        return np.asarray(0.5 * np.log1p(mean / segments.noise**2).sum(axis=2))
 
     def losses_of(
-        self, about: LogPosterior, runs: Sequence[Observed], kept: Sequence[int]
+        self, about: LogPosterior, runs: Sequence[Observed], sets: Sequence[Sequence[int]]
     ) -> Array:
-        """Return the losses with some of the effects of a quadratic, refitted without each fold."""
-        fits = [about.without_fold(fold).reduced(kept) for fold in range(len(about.grams))]
-        return self.losses(fits[0][0], [point for _, point in fits], runs)
+        """Return the losses with some sets of the effects of a quadratic, (sets, segments).
+
+        Each is refitted without each fold, the other effects at neutral.
+        """
+        rest = [about.without_fold(fold) for fold in range(len(about.grams))]
+        points = [[each.idle(kept) for each in rest] for kept in sets]
+        return self.losses(about.hypothesis, points, runs)
 
     def rollouts(
-        self, hypothesis: Hypothesis, points: Sequence[Array], runs: Sequence[Observed]
+        self,
+        hypothesis: Hypothesis,
+        candidates: Sequence[Sequence[Array]],
+        runs: Sequence[Observed],
     ) -> Array:
-        """Return predicted readings of each stretch, (segments, readings, joints).
+        """Return predicted readings, shape (candidates, segments, readings, joints).
 
         Args:
             hypothesis: What is simulated.
-            points: Its point for the stretches of each fold.
+            candidates: For each of some candidates its point for the stretches of each fold.
             runs: Smoothed runs, along which rollouts start.
         """
-        segments, fold = self.segments, self.fold
-        variants = [hypothesis.at(point) for point in points]
-        command = np.empty((len(segments), segments.steps, len(hypothesis.robot.actuators)))
+        segments, count, folds = self.segments, len(candidates), len(candidates[0])
+        variants = [hypothesis.at(point) for points in candidates for point in points]
+        which = self.fold + folds * np.arange(count)[:, None]
+        command = np.empty((count, len(segments), segments.steps, len(hypothesis.robot.actuators)))
         for at, variant in enumerate(variants):
             sent = [self._received(variant.effects, hypothesis, e) for e in segments.episodes]
-            command[fold == at] = segments.command(sent)[fold == at]
+            inside = which[at // folds] == at
+            command[at // folds, inside] = segments.command(sent)[inside]
         begin = list(zip(segments.episode, segments.first, strict=True))
-        position, _ = rollout(
+        position = np.stack([runs[e].about.position[first] for e, first in begin])
+        velocity = np.stack([runs[e].about.velocity[first] for e, first in begin])
+        found, _ = rollout(
             variants,
-            fold,
-            np.stack([runs[e].about.position[first] for e, first in begin]),
-            np.stack([runs[e].about.velocity[first] for e, first in begin]),
-            command,
+            which.reshape(-1),
+            np.tile(position, (count, 1)),
+            np.tile(velocity, (count, 1)),
+            command.reshape(-1, *command.shape[2:]),
         )
-        read = np.empty_like(segments.reading)
+        found = found.reshape(*which.shape, *found.shape[1:])
+        read = np.empty((count, *segments.reading.shape))
         for at, variant in enumerate(variants):
-            inside = fold == at
-            read[inside] = self._read(variant.effects, hypothesis, inside, position[inside])
+            candidate, inside = at // folds, which[at // folds] == at
+            moved = found[candidate, inside]
+            read[candidate, inside] = self._read(variant.effects, hypothesis, inside, moved)
         return np.nan_to_num(read, nan=1e3, posinf=1e3, neginf=-1e3)
 
     def _received(
@@ -194,11 +210,11 @@ def at_noise(runs: Sequence[Observed]) -> bool:
 
 def needed(
     about: LogPosterior, validation: Validation, runs: Sequence[Observed], *, certain: float
-) -> list[int]:
-    """Return which effects lower the error of rollouts, and are no accident of the clock.
+) -> tuple[list[int], Array]:
+    """Return which effects lower the error of rollouts, and the losses with these alone.
 
     Backward elimination: the least sure effect goes until all that are left are sure, or certain
-    by their evidence where runs are explained to their noise.
+    by their evidence where runs are explained to their noise. Accidents of the clock go first.
 
     Args:
         about: The quadratic of their refit, by folds.
@@ -209,12 +225,10 @@ def needed(
     trusted = at_noise(runs)
     effects = about.hypothesis.effects_at(about.point)
     kept = [at for at, each in enumerate(effects) if not validation.too_brief(each)]
+    (whole,) = validation.losses_of(about, runs, [kept])
     while kept:
-        whole = validation.losses_of(about, runs, kept)
-        fewer = {
-            gone: validation.losses_of(about, runs, [at for at in kept if at != gone])
-            for gone in kept
-        }
+        rest = [[at for at in kept if at != gone] for gone in kept]
+        fewer = dict(zip(kept, validation.losses_of(about, runs, rest), strict=True))
         idle = [at for at in kept if not validation.sure(fewer[at], whole)]
         if trusted:
             now = about.evidence(kept)
@@ -226,8 +240,10 @@ def needed(
             ]
         if not idle:
             break
-        kept.remove(min(idle, key=lambda at: _sureness(fewer[at], whole)))
-    return kept
+        gone = min(idle, key=lambda at: _sureness(fewer[at], whole))
+        kept.remove(gone)
+        whole = fewer[gone]
+    return kept, whole
 
 
 def _sureness(before: Array, after: Array) -> float:

@@ -195,7 +195,7 @@ def _residual(ranking: Ranking, parts: DiagnosisRuns) -> LearnedResidual | None:
         more = replace(refit.hypothesis, effects=(*refit.hypothesis.effects, force))
         points = [refit.point] * (int(validation.fold.max()) + 1)
         inside = validation.fold == fold
-        losses[inside] = validation.losses(more, points, refit.runs)[inside]
+        losses[inside] = validation.losses(more, [points], refit.runs)[0, inside]
     if not validation.sure(ranking.best.losses, losses):
         return None
     whole = stretches(parts.train, RESIDUAL_SECONDS)

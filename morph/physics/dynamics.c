@@ -7,7 +7,7 @@
 
 #include <mujoco/mujoco.h>
 
-static void (*forward)(const mjModel*, mjData*), (*inverse)(const mjModel*, mjData*);
+static void (*forward)(const mjModel*, mjData*, int, int), (*inverse)(const mjModel*, mjData*);
 static void (*actuation)(const mjModel*, mjData*), (*solve)(const mjModel*, mjData*, mjtNum*, const mjtNum*, int);
 static void (*positions)(const mjModel*, mjData*), (*velocities)(const mjModel*, mjData*);
 
@@ -31,7 +31,7 @@ void morph_forward(const mjModel *m, mjData *d, int64_t states, const double *q,
 {
 	for (int64_t t = 0; t < states; t++) {
 		set(m, d, t, q, v, u);
-		forward(m, d);
+		forward(m, d, mjSTAGE_NONE, 1);
 		memcpy(found + t * m->nv, d->qacc, sizeof(double) * m->nv);
 	}
 }
@@ -60,24 +60,26 @@ void morph_jacobians(const mjModel *m, mjData *d, int64_t states, double nudge, 
 	for (int64_t t = 0; t < states; t++) {
 		double *to = found + t * n * 3 * n;
 		set(m, d, t, q, v, u);
-		for (int k = 0; k < 2 * n; k++) {
-			double *value = k < n ? d->qpos + k : d->qvel + k - n, kept = *value;
-			*value = kept + nudge;
-			forward(m, d);
-			memcpy(above, d->qacc, sizeof above);
-			*value = kept - nudge;
-			forward(m, d);
-			*value = kept;
-			for (int i = 0; i < n; i++)
-				to[i * 3 * n + k] = (above[i] - d->qacc[i]) / (2.0 * nudge);
-		}
-		forward(m, d);
+		forward(m, d, mjSTAGE_NONE, 1);
 		for (int k = 0; k < n; k++) {
 			memset(axis, 0, sizeof axis);
 			axis[k] = 1.0;
 			solve(m, d, column, axis, 1);
 			for (int i = 0; i < n; i++)
 				to[i * 3 * n + 2 * n + k] = column[i];
+		}
+		/* Velocities first: what depends on positions alone is still that of the state. */
+		for (int k = 2 * n - 1; k >= 0; k--) {
+			double *value = k < n ? d->qpos + k : d->qvel + k - n, kept = *value;
+			int skipped = k < n ? mjSTAGE_NONE : mjSTAGE_POS;
+			*value = kept + nudge;
+			forward(m, d, skipped, 1);
+			memcpy(above, d->qacc, sizeof above);
+			*value = kept - nudge;
+			forward(m, d, skipped, 1);
+			*value = kept;
+			for (int i = 0; i < n; i++)
+				to[i * 3 * n + k] = (above[i] - d->qacc[i]) / (2.0 * nudge);
 		}
 	}
 }

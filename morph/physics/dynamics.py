@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import ctypes
 import functools
 from collections.abc import Iterator, Sequence
@@ -22,7 +23,8 @@ NUDGE = 1e-5
 """Step of the central differences, rad or m, and per s. Accelerations near 100 per s2 round to
 1e-14, an error of 1e-9 in a derivative; truncation adds 1e-10 / 6 of the third derivative."""
 BOUND = (
-    "mj_forward", "mj_inverse", "mj_fwdActuation", "mj_solveM", "mj_fwdPosition", "mj_fwdVelocity",
+    "mj_forwardSkip", "mj_inverse", "mj_fwdActuation", "mj_solveM", "mj_fwdPosition",
+    "mj_fwdVelocity",
 )  # fmt: skip
 """MuJoCo's functions that the loops call, in the order of `morph_dynamics_bind`."""
 
@@ -42,8 +44,8 @@ def accelerations(model: mujoco.MjModel, position: Array, velocity: Array, comma
         KernelError: There is no C compiler, or it fails.
     """
     found = np.empty(np.shape(velocity))
-    with _unconstrained(model):
-        _call("forward", model, len(found), *_packed(position, velocity, command), found)
+    with _unconstrained(model) as free:
+        _call("forward", free, len(found), *_packed(position, velocity, command), found)
     return found
 
 
@@ -66,8 +68,8 @@ def supplied(
     """
     found = np.empty(np.shape(velocity))
     motion = _packed(position, velocity, acceleration, command)
-    with _unconstrained(model):
-        _call("supplied", model, len(found), *motion, found)
+    with _unconstrained(model) as free:
+        _call("supplied", free, len(found), *motion, found)
     return found
 
 
@@ -88,8 +90,8 @@ def jacobians(model: mujoco.MjModel, position: Array, velocity: Array, command: 
     samples, dofs = np.shape(velocity)
     found = np.empty((samples, dofs, 3 * dofs))
     motion = _packed(position, velocity, command)
-    with _unconstrained(model):
-        _call("jacobians", model, samples, ctypes.c_double(NUDGE), *motion, found)
+    with _unconstrained(model) as free:
+        _call("jacobians", free, samples, ctypes.c_double(NUDGE), *motion, found)
     return found
 
 
@@ -139,15 +141,12 @@ def kinematics(
 
 
 @contextmanager
-def _unconstrained(model: mujoco.MjModel) -> Iterator[None]:
-    """Disable a model's constraints and enable its fluid, as long as this lasts."""
-    flags = model.opt.disableflags
-    model.opt.disableflags = flags | mujoco.mjtDisableBit.mjDSBL_CONSTRAINT.value
-    try:
-        with flowing(model):
-            yield
-    finally:
-        model.opt.disableflags = flags
+def _unconstrained(model: mujoco.MjModel) -> Iterator[mujoco.MjModel]:
+    """Give a copy of a model without constraints, and let its fluid flow."""
+    free = copy.copy(model)
+    free.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONSTRAINT.value
+    with flowing(free):
+        yield free
 
 
 def _packed(*arrays: Array) -> list[Array]:

@@ -1,9 +1,14 @@
-"""How many threads step simulations of one model together."""
+"""How many threads work on simulations and on runs."""
 
 from __future__ import annotations
 
 import os
+from collections.abc import Callable, Iterable
+from concurrent.futures import ThreadPoolExecutor
+from typing import TypeVar
 
+Item = TypeVar("Item")
+Result = TypeVar("Result")
 MOST = 2
 """Threads at most: states are short, and more threads wait for each other longer than they work."""
 
@@ -24,3 +29,13 @@ def batch_threads(rows: int, *, worth: int = 2) -> int:
     given = os.environ.get(VARIABLE, "")
     most = min(int(given), MOST) if given.isdecimal() and int(given) > 0 else MOST
     return most if rows >= worth else 1
+
+
+def each(function: Callable[[Item], Result], items: Iterable[Item]) -> list[Result]:
+    """Return a function's results for some items, by threads: compiled loops run side by side."""
+    listed = list(items)
+    threads = batch_threads(len(listed))
+    if threads == 1:
+        return [function(item) for item in listed]
+    with ThreadPoolExecutor(threads) as pool:
+        return list(pool.map(function, listed))

@@ -9,9 +9,13 @@ import numpy as np
 import pinocchio
 import pytest
 
+from morph.body.load import load
 from morph.body.robot import Robot
 from morph.body.spec import spec_of
 from morph.physics.dynamics import accelerations, jacobians, kinematics, supplied
+from morph.physics.fluid.added_mass import AddedMass
+from morph.physics.fluid.linear_drag import LinearDrag
+from morph.sim.simulator import compiled
 
 
 @pytest.fixture
@@ -88,3 +92,21 @@ def test_dry_friction_is_left_out(arm: Callable[..., Robot]) -> None:
     flags = held.opt.disableflags
     assert np.array_equal(free, accelerations(held, still, still, command))
     assert held.opt.disableflags == flags
+
+
+def test_derivatives_of_a_robot_in_water_are_those_of_its_accelerations() -> None:
+    robot = load("swimmer_three_links")
+    effects = (LinearDrag(body="tail", y=20.0), AddedMass(body="tail", y=0.3))
+    wet = compiled(spec_of(robot), effects, robot).model
+    rng = np.random.default_rng(3)
+    position, velocity = rng.uniform(-1.0, 1.0, (2, 3, wet.nv))
+    command = np.zeros((3, wet.nu))
+    found = jacobians(wet, position, velocity, command)
+    for axis in range(wet.nv):
+        for block, (dq, dv) in enumerate(((1e-6, 0.0), (0.0, 1e-6))):
+            q, v = (np.eye(wet.nv)[axis] * each for each in (dq, dv))
+            above = accelerations(wet, position + q, velocity + v, command)
+            below = accelerations(wet, position - q, velocity - v, command)
+            slope = (above - below) / 2e-6
+            # Accelerations near 1e3 round to 1e-13, over 2e-6: 1e-7; and truncation.
+            assert np.allclose(found[:, :, block * wet.nv + axis], slope, rtol=1e-4, atol=1e-4)
