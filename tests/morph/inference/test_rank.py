@@ -10,9 +10,9 @@ import mujoco
 import numpy as np
 import pytest
 
-from experiments.missing_physics.generate import TRUTHS, generate
-from experiments.missing_physics.seal import open_seal
-from experiments.missing_physics.solvers import paddle, solve_by_ranking
+from experiments.concealed.generate import TRUTHS, generate
+from experiments.concealed.seal import open_seal
+from experiments.concealed.solvers import paddle, solve_by_ranking
 from morph.body.load import load as load_robot
 from morph.body.spec import spec_of
 from morph.inference.dictionary import believed, dictionary

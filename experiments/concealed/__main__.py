@@ -1,0 +1,119 @@
+"""Generate a suite of cases, let a solver answer them, score the answers against the truths.
+
+Cases lie in OUT_cases/SUITE/cases, what only the scorer reads in OUT_cases/SUITE/truth. With
+--submissions no solver runs: the answers of another tool are scored, one JSON a case.
+
+Example: python -m experiments.concealed --suite development --seed 1 --cases 20
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from pathlib import Path
+
+from experiments.concealed.errors import BenchmarkError
+from experiments.concealed.generate import TRUTHS, generate
+from experiments.concealed.score import score
+from experiments.concealed.seal import open_seal
+from experiments.concealed.solvers import SOLVERS, solver_of
+from experiments.concealed.submission import JSON, check, load_submission
+from experiments.concealed.suites import SUITES
+from experiments.concealed.summary import summarise
+from experiments.engine_options import add_engine_options, rows_of
+from experiments.figures.save_options import parse_and_save
+from morph.study.cell import Cell, cells_of
+
+
+def answered(case: str, solver: str, seed: int) -> JSON:
+    """Return the answer of a solver to the case in a folder."""
+    return check(solver_of(solver)(Path(case), seed), where=case)
+
+
+def cell_of(case: Path, solver: str, seed: int) -> Cell:
+    """Return the cell of one answer, known by the files that a solver may read."""
+    files = sorted(path for path in case.rglob("*") if path.is_file())
+    about = {"case": str(case), "solver": solver, "seed": seed}
+    return cells_of(answered, [about], data=files)[0]
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Generate, solve, score, print; return the exit status."""
+    parser = argparse.ArgumentParser(
+        prog="python -m experiments.concealed",
+        description=__doc__,
+        formatter_class=argparse.RawTextHelpFormatter,
+    )
+    parser.add_argument("--suite", choices=SUITES, default="development", help="kind of cases")
+    parser.add_argument("--seed", type=int, default=1, help="random seed of the cases")
+    parser.add_argument("--cases", type=int, default=20, help="how many")
+    parser.add_argument("--solver", choices=SOLVERS, default="morph", help="who answers")
+    parser.add_argument("--only-generate", action="store_true", help="write the cases and end")
+    parser.add_argument(
+        "--submissions", type=Path, metavar="DIR", help="score these answers: DIR/<case>.json"
+    )
+    add_engine_options(parser, out="out/concealed")
+    parser.add_argument("--json", action="store_true", help="print rows and figures as JSON")
+    asked, save = parse_and_save(parser, arguments, module="experiments.concealed")
+    folder = asked.out.with_name(f"{asked.out.name}_cases") / asked.suite
+    try:
+        sys.stderr.write(f"generating {asked.cases} cases in {folder} ...\n")
+        cases = generate(asked.suite, asked.seed, range(asked.cases), folder)
+        if asked.only_generate:
+            return 0
+        if asked.submissions is not None:
+            answers = [load_submission(asked.submissions / f"{c.name}.json") for c in cases]
+        else:
+            cells = [cell_of(case, asked.solver, asked.seed) for case in cases]
+            answers = rows_of(cells, asked, name="concealed")
+        rows = [
+            score(answer, open_seal(folder / TRUTHS, case.name))
+            for answer, case in zip(answers, cases, strict=True)
+        ]
+    except BenchmarkError as error:
+        sys.stderr.write(f"error: {error}\n")
+        return 2
+    figures = summarise(rows)
+    if save:
+        save(figures=figures, controls=_controls(rows), rows=rows, seeds=[asked.seed])
+    if asked.json:
+        print(json.dumps({"rows": rows, "figures": figures}, indent=1))
+    else:
+        report(rows, figures)
+    return 0
+
+
+def _controls(rows: list[JSON]) -> JSON:
+    """Return how often the answers of other cases, shuffled by one, would name a law first."""
+    effects = [row for row in rows if row["answer"] == "effects"]
+    shifted = [*effects[1:], *effects[:1]]
+    right = [
+        bool(row["found"])
+        and row["found"][0].split("@")[0] in {each.split("@")[0] for each in other["truth"]}
+        for row, other in zip(effects, shifted, strict=True)
+    ]
+    return {"answers shuffled": {"first": sum(right) / max(len(right), 1)}}
+
+
+def report(rows: list[JSON], figures: JSON) -> None:
+    """Print every row, then every figure with its interval."""
+    for row in rows:
+        mark = "=" if row["exact"] else "1" if row["first"] else "3" if row["first_three"] else " "
+        truth = ", ".join(
+            f"{each} x{ratio:.3g}"
+            for each, ratio in zip(row["truth"], row["effect_to_noise"], strict=True)
+        )
+        said = ", ".join(row["found"]) + (" unknown" if row["unknown"] else "")
+        print(f"{mark} {row['case']} {row['family']}: {truth or 'none'} -> {said or 'none'}")
+    for name, figure in figures.items():
+        if isinstance(figure, dict):
+            print(
+                f"{name:20} {figure['value']:.3f}  [{figure['low90']:.3f}, {figure['high90']:.3f}]"
+            )
+        else:
+            print(f"{name:20} {'-' if figure is None else figure}")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,146 @@
+"""Score of one answer against the sealed truth."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from experiments.concealed.errors import BenchmarkError
+from experiments.concealed.generate import prediction_error
+from experiments.concealed.seal import Sealed
+
+JSON = dict[str, Any]
+SURE = 0.5
+"""Probability of `unknown` above which it is part of the answer."""
+
+
+def score(answer: JSON, sealed: Sealed) -> JSON:
+    """Return one row of the table: what was asked and what was answered.
+
+    A finding matches an effect that was left out if it names it, or one of its ties, at its place.
+    `first` and `first_three` ask for the name alone, `place` for the place of the first finding.
+
+    Raises:
+        BenchmarkError: The answer is to another case, or its predictions do not fit.
+    """
+    truth = sealed.about
+    if answer["case"] != truth["case"]:
+        raise BenchmarkError(
+            f"the answer is to {answer['case']}", where=truth["case"], fix="name each by its case"
+        )
+    findings = answer["findings"]
+    left = list(range(len(truth["effects"])))
+    matched: list[int | None] = []
+    for finding in findings:
+        fits = [i for i in left if _fits(finding, truth["effects"][i], truth["parts"])]
+        matched.append(fits[0] if fits else None)
+        if fits:
+            left.remove(fits[0])
+    unknown = answer["unknown"] > SURE
+    names = [(f["effect"], f["where"]) for f in [*findings, *answer.get("rivals", [])]]
+    right = [_right_names(effect) for effect in truth["effects"]]
+    first = names[:1] if findings else []
+    row: JSON = {
+        "case": truth["case"],
+        "family": truth["family"],
+        "answer": truth["answer"],
+        "truth": [f"{e['effect']}@{e['where']['name']}" for e in truth["effects"]],
+        "effect_to_noise": [e["effect_to_noise"] for e in truth["effects"]],
+        "found": [f"{f['effect']}@{f['where']}" for f in findings],
+        "unknown": unknown,
+        "first": any(name in each for name, _ in first for each in right),
+        "first_three": any(name in each for name, _ in names[:3] for each in right),
+        "place": any(_at_one(where, truth) for _, where in first),
+        "exact": not left and None not in matched and not unknown,
+        "extra": matched.count(None),
+        "seconds": answer["seconds"],
+        "claims": _claims(answer, matched, truth),
+        "intervals": _intervals(answer, matched, truth),
+        "E": _share(answer, sealed),
+    }
+    return row
+
+
+def _right_names(effect: JSON) -> set[str]:
+    return {effect["effect"], *(tie["effect"] for tie in effect["ties"])}
+
+
+def _fits(finding: JSON, effect: JSON, parts: Mapping[str, int]) -> bool:
+    """Return whether a finding names an effect or one of its ties at the right place."""
+    here = parts.get(finding["where"])
+    if here is None:
+        return False
+    if finding["effect"] == effect["effect"]:
+        return effect["anywhere"] or here == parts[effect["where"]["name"]]
+    return any(
+        finding["effect"] == tie["effect"] and here == parts[tie["where"]] for tie in effect["ties"]
+    )
+
+
+def _at_one(where: str, truth: Mapping[str, Any]) -> bool:
+    """Return whether a part is where one of the effects acts, or one of its ties."""
+    parts, here = truth["parts"], truth["parts"].get(where)
+    return here is not None and any(
+        effect["anywhere"]
+        or here in {parts[effect["where"]["name"]], *(parts[t["where"]] for t in effect["ties"])}
+        for effect in truth["effects"]
+    )
+
+
+def _claims(
+    answer: JSON, matched: list[int | None], truth: Mapping[str, Any]
+) -> list[tuple[float, bool]]:
+    """Return each stated probability, and whether what it is of was so."""
+    claims = [
+        (finding["probability"], at is not None)
+        for finding, at in zip(answer["findings"], matched, strict=True)
+    ]
+    return [
+        *claims,
+        (answer["none"], truth["answer"] == "none"),
+        (answer["unknown"], truth["answer"] == "unknown"),
+    ]
+
+
+def _intervals(answer: JSON, matched: list[int | None], truth: Mapping[str, Any]) -> list[bool]:
+    """Return for each 90 % interval of a right finding whether it holds the truth."""
+    held = []
+    for finding, at in zip(answer["findings"], matched, strict=True):
+        if at is None or finding["effect"] != truth["effects"][at]["effect"]:
+            continue
+        effect = truth["effects"][at]
+        for name, stated in finding.get("parameters", {}).items():
+            if name in effect["scored"] and "low90" in stated and "high90" in stated:
+                held.append(stated["low90"] <= effect["figures"][name] <= stated["high90"])
+    return held
+
+
+def _share(answer: JSON, sealed: Sealed) -> float | None:
+    """Return E = (e_nominal - e) / (e_nominal - e_oracle) on the held-out run, None without."""
+    truth = sealed.about
+    if not answer.get("predicted"):
+        return None
+    joints = [
+        name for name in truth["parts"] if name.endswith(".position")
+    ]  # In the order of the joints.
+    try:
+        columns = [np.array(answer["predicted"][name], dtype=float) for name in joints]
+        predicted = np.column_stack(columns)
+        if predicted.shape != sealed.held_out.shape:
+            raise ValueError(f"{predicted.shape} readings, not {sealed.held_out.shape}")
+        missing = ~np.isfinite(predicted).all(axis=1)
+        # Only what is outside of windows may be left out: less than one horizon.
+        if missing.mean() > 0.2:
+            raise ValueError(f"{missing.mean():.0%} of the readings are not predicted")
+    except (KeyError, ValueError) as error:
+        raise BenchmarkError(
+            f"the predictions do not fit: {error}",
+            where=truth["case"],
+            fix="predict every position channel at every time of held_out/commands.csv.gz",
+        ) from error
+    found = prediction_error(predicted, sealed.held_out, np.array(truth["reading_error"]))
+    room = truth["nominal_error"] - truth["oracle_error"]
+    # Without room there is nothing to gain, and only harm to measure.
+    return float((truth["nominal_error"] - found) / max(room, 1.0))

@@ -1,0 +1,101 @@
+"""The sealed truth of a case: written apart from it, opened only to score."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from experiments.concealed.case import Case
+from experiments.concealed.errors import BenchmarkError
+from experiments.concealed.plant import Array
+from experiments.concealed.ties import ties_of
+
+SCHEMA = "concealed.truth/1"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sealed:
+    """What a scorer knows of a case."""
+
+    about: Mapping[str, Any]
+    """The JSON of `truth_of`."""
+    held_out: Array
+    """Readings of the held-out run without noise, shape (rows, joints)."""
+    oracle: Array
+    """The true plant's predictions of them, NaN outside of windows, same shape."""
+
+
+def truth_of(case: Case, nominal_error: float, oracle_error: float) -> dict[str, Any]:
+    """Return what is true of a case, as JSON.
+
+    Args:
+        case: The case.
+        nominal_error: RMS error of the description's predictions of the held-out run, in units of
+            the readings' error.
+        oracle_error: The same for the true plant.
+    """
+    truth, mechanism = case.truth, case.mechanism
+    outside = any(effect.law.why for effect in truth.effects)
+    effects = [
+        {
+            "effect": effect.law.name,
+            "where": {"kind": effect.law.kind, "name": effect.where(mechanism)},
+            "figures": {name: float(x) for name, x in effect.figures.items()},
+            "scored": [name for name in effect.figures if name not in effect.law.given],
+            "effect_to_noise": float(f"{ratio:.4g}"),
+            "after_refit": float(f"{left:.4g}"),
+            "run": effect.run,
+            "anywhere": effect.law.name == "voltage_sag",
+            "ties": [
+                {"effect": tie.effect, "where": tie.where, "reason": tie.reason}
+                for tie in ties_of(truth, effect)
+            ],
+            "why": effect.law.why,
+        }
+        for effect, ratio, left in zip(truth.effects, case.strengths, case.left, strict=True)
+    ]
+    parts = {"world": -1}
+    for i, (joint, link) in enumerate(zip(mechanism.joints, mechanism.links, strict=True)):
+        names = (joint, link, mechanism.actuator(i), f"{joint}.position", f"{joint}.velocity")
+        parts |= dict.fromkeys(names, i)
+    return {
+        "schema": SCHEMA,
+        "case": case.name,
+        "suite": case.suite,
+        "family": mechanism.family,
+        "answer": "unknown" if outside else "effects" if effects else "none",
+        "effects": effects,
+        "parts": parts,
+        "factors": {kind: list(each) for kind, each in case.factors.items()},
+        "reading_error": [float(x) for x in truth.error],
+        "nominal_error": float(f"{nominal_error:.6g}"),
+        "oracle_error": float(f"{oracle_error:.6g}"),
+    }
+
+
+def open_seal(folder: Path, name: str) -> Sealed:
+    """Return the truth of a case.
+
+    Args:
+        folder: The folder `truth` beside the cases.
+        name: Name of the case.
+
+    Raises:
+        BenchmarkError: There is no truth of that name, or it is damaged.
+    """
+    path = folder / f"{name}.json"
+    try:
+        about = json.loads(path.read_text())
+        with np.load(folder / f"{name}.npz") as data:
+            return Sealed(about=about, held_out=data["position"], oracle=data["oracle"])
+    except (OSError, ValueError, KeyError) as error:
+        raise BenchmarkError(
+            f"cannot open the truth: {error}",
+            where=str(path),
+            fix="make the cases again by python -m experiments.concealed",
+        ) from error
