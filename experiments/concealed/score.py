@@ -113,7 +113,11 @@ def _intervals(answer: JSON, matched: list[int | None], truth: Mapping[str, Any]
         effect = truth["effects"][at]
         for name, stated in finding.get("parameters", {}).items():
             if name in effect["scored"] and "low90" in stated and "high90" in stated:
-                held.append(stated["low90"] <= effect["figures"][name] <= stated["high90"])
+                low, high, true = stated["low90"], stated["high90"], effect["figures"][name]
+                if name == "phase":
+                    # The same angle, in the turn that is nearest to the interval.
+                    true += 2.0 * np.pi * np.round((0.5 * (low + high) - true) / (2.0 * np.pi))
+                held.append(bool(low <= true <= high))
     return held
 
 

@@ -140,6 +140,8 @@ class WhitenedLevel:
 def projected(gram: Array, inner: Array, across: Array) -> Array:
     """Return a Gram matrix with some columns projected out, those that depend on others once.
 
+    Columns of which no more than rounding is left become zero.
+
     Args:
         gram: The matrix, shape (columns, columns).
         inner: That of the columns to project out, shape (some, some).
@@ -148,7 +150,11 @@ def projected(gram: Array, inner: Array, across: Array) -> Array:
     scale = np.sqrt(np.maximum(np.diag(inner), 1e-300))
     inverse = np.linalg.pinv(inner / np.outer(scale, scale), rcond=RANK_TOLERANCE, hermitian=True)
     across = across / scale[:, None]
-    return np.asarray(gram - across.T @ inverse @ across)
+    rest = gram - across.T @ inverse @ across
+    gone = np.diag(rest) < RANK_TOLERANCE * np.diag(gram)
+    gone[0] = False
+    rest[gone] = rest[:, gone] = 0.0
+    return np.asarray(rest)
 
 
 def all_bounds(columns: Sequence[EffectColumn]) -> tuple[Array, Array]:

@@ -87,10 +87,14 @@ class LogPosterior:
 
     def reduced(self, kept: Sequence[int]) -> tuple[Hypothesis, Array]:
         """Return the hypothesis with some of the effects alone, and its likeliest point."""
+        fewer, entries = self.only(kept)
+        return fewer, self.idle(kept)[entries]
+
+    def only(self, kept: Sequence[int]) -> tuple[Hypothesis, Mask]:
+        """Return the hypothesis with some of the effects alone, and which entries are its own."""
         effects = self.hypothesis.effects_at(self.point)
         fewer = replace(self.hypothesis, effects=tuple(effects[at] for at in kept))
-        free, _ = self._left(kept)
-        return fewer, self.idle(kept)[free]
+        return fewer, self._left(kept)[0]
 
     def _left(self, kept: Sequence[int]) -> tuple[Mask, Array]:
         """Return which entries stay free, and how far the others are from neutral."""

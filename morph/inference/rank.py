@@ -8,6 +8,7 @@ best refit.
 
 from __future__ import annotations
 
+import functools
 import math
 import time
 from collections.abc import Callable, Sequence
@@ -121,11 +122,11 @@ def ranked(
         return Finalist(refit=refit, price=price, losses=losses)
 
     none = best = finalist(refitted(nominal, nominal.start, episodes, rounds=STEPS))
-    tried: list[Finalist] = []
+    search = search_beside(best.refit, known, None, validation.blocks)
+    prior, tried = search.prior, []
     for turn, most in enumerate((MOST, *[LATER] * MOST_ROUNDS)):
         progress(f"looking for what is missing (round {turn + 1})", 0.8 - 0.7 * 0.7**turn)
-        search = search_beside(best.refit, known, prior, validation.blocks)
-        prior, before, gained = search.prior, best, False
+        before, gained = best, []
         for found in _proposals(search, search.sets(most), before, validation):
             if time.monotonic() > deadline:
                 break
@@ -135,21 +136,25 @@ def ranked(
             refit = refitted(start, point, episodes, origin=before.refit, rounds=STEPS)
             new = _reduced(finalist(under(refit, before.refit)), finalist, validation, episodes)
             tried.append(new)
-            none, before, best = (_under(each, new) for each in (none, before, best))
+            none, before, *gained = (_under(each, new) for each in (none, before, *gained))
             if _gains(before, new, validation):
-                best = _better(best, new, validation) if gained else new
-                gained = True
+                gained.append(new)
+        best = before
+        if gained:
+            best = functools.reduce(lambda one, other: _better(one, other, validation), gained)
         if not gained or time.monotonic() > deadline:
             break
+        search = search_beside(best.refit, known, prior, validation.blocks)
+    searched = not gained
     progress("trying simpler laws", 0.8)
     while time.monotonic() < deadline:
         simpler = _simplified(best, finalist, validation, episodes)
         if simpler is None:
             break
-        best = _reduced(simpler, finalist, validation, episodes)
+        best, searched = _reduced(simpler, finalist, validation, episodes), False
         tried.append(best)
     stopped = time.monotonic() > deadline
-    if best is not before and not stopped:
+    if not searched and not stopped:
         search = search_beside(best.refit, known, prior, validation.blocks)
     ordered = tuple(sorted([*tried, none], key=lambda each: -each.evidence))
     return Ranking(best=best, tried=ordered, validation=validation, search=search, stopped=stopped)

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from morph.arrays import Array, Integers
-from morph.inference.bounded import RANK_TOLERANCE, bounded
+from morph.inference.bounded import NEGLIGIBLE, RANK_TOLERANCE, bounded
 from morph.inference.level import EffectColumn, LevelFit, WhitenedLevel, all_bounds, projected
 from morph.physics.effect import Effect
 
@@ -204,11 +204,14 @@ class Search:
                 along = rest[columns, 0]
                 inner = rest[columns[:, :, None], columns[:, None, :]]
                 if size == 1:
-                    square = np.maximum(inner[:, 0], 1e-300)
-                    best = np.clip(along / square, low, high)
+                    square = inner[:, 0]
+                    with np.errstate(divide="ignore", invalid="ignore"):
+                        best = np.where(square > 0.0, np.clip(along / square, low, high), 0.0)
                     gain = (best * along - 0.5 * best**2 * square)[:, 0]
                 else:
-                    scale = np.sqrt(np.maximum(inner[:, range(size), range(size)], 1e-300))
+                    scale = np.sqrt(np.maximum(inner[:, range(size), range(size)], 0.0))
+                    seen = scale > NEGLIGIBLE * scale.max(axis=1, keepdims=True)
+                    scale[~seen] = np.inf
                     unit = inner / (scale[:, :, None] * scale[:, None])
                     inverse = np.linalg.pinv(unit, rcond=RANK_TOLERANCE, hermitian=True)
                     along = along / scale

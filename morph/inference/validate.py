@@ -15,6 +15,7 @@ from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis
 from morph.model.segments import Segments, cut
 from morph.physics.effect import Effect
+from morph.physics.joint.motor_side import MotorSideEffect
 from morph.sim.drive import received, sensed, stamped
 from morph.sim.rollout import rollout
 
@@ -93,8 +94,17 @@ class Validation:
         Each is refitted without each fold, the other effects at neutral.
         """
         rest = [about.without_fold(fold) for fold in range(len(about.grams))]
-        points = [[each.idle(kept) for each in rest] for kept in sets]
-        return self.losses(about.hypothesis, points, runs)
+        effects = about.hypothesis.effects_at(about.point)
+        # Motors are off their joints in a whole batch or in none of it: such effects cannot idle.
+        apart = {at for at, each in enumerate(effects) if isinstance(each, MotorSideEffect)}
+        found = np.empty((len(sets), len(self.segments)))
+        for gone in {frozenset(apart - set(kept)) for kept in sets}:
+            same = [at for at, kept in enumerate(sets) if apart - set(kept) == gone]
+            stays = [at for at in range(len(effects)) if at not in gone]
+            fewer, entries = about.only(stays)
+            points = [[each.idle(sets[at])[entries] for each in rest] for at in same]
+            found[same] = self.losses(fewer, points, runs)
+        return found
 
     def rollouts(
         self,
