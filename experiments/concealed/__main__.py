@@ -12,6 +12,7 @@ import argparse
 import json
 import sys
 from pathlib import Path
+from typing import Any
 
 from experiments.concealed.errors import BenchmarkError
 from experiments.concealed.generate import TRUTHS, generate
@@ -48,7 +49,9 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--suite", choices=SUITES, default="development", help="kind of cases")
     parser.add_argument("--seed", type=int, default=1, help="random seed of the cases")
     parser.add_argument("--cases", type=int, default=20, help="how many")
-    parser.add_argument("--solver", choices=SOLVERS, default="morph", help="who answers")
+    parser.add_argument(
+        "--solver", choices=SOLVERS, nargs="+", default=["morph"], help="who answers, one or more"
+    )
     parser.add_argument("--only-generate", action="store_true", help="write the cases and end")
     parser.add_argument(
         "--submissions", type=Path, metavar="DIR", help="score these answers: DIR/<case>.json"
@@ -63,24 +66,35 @@ def main(arguments: list[str] | None = None) -> int:
         if asked.only_generate:
             return 0
         if asked.submissions is not None:
-            answers = [load_submission(asked.submissions / f"{c.name}.json") for c in cases]
+            tables = {
+                "submitted": [load_submission(asked.submissions / f"{c.name}.json") for c in cases]
+            }
         else:
-            cells = [cell_of(case, asked.solver, asked.seed) for case in cases]
+            cells = [cell_of(case, name, asked.seed) for name in asked.solver for case in cases]
             answers = rows_of(cells, asked, name="concealed")
-        rows = [
-            score(answer, open_seal(folder / TRUTHS, case.name))
-            for answer, case in zip(answers, cases, strict=True)
-        ]
+            parts = (answers[at : at + len(cases)] for at in range(0, len(answers), len(cases)))
+            tables = dict(zip(asked.solver, parts, strict=True))
+        sealed = [open_seal(folder / TRUTHS, case.name) for case in cases]
+        rows = {
+            name: [score(answer, truth) for answer, truth in zip(answers, sealed, strict=True)]
+            for name, answers in tables.items()
+        }
     except BenchmarkError as error:
         sys.stderr.write(f"error: {error}\n")
         return 2
-    figures = summarise(rows)
+    figures = {name: summarise(scored) for name, scored in rows.items()}
+    first = next(iter(rows))
     if save:
-        save(figures=figures, controls=_controls(rows), rows=rows, seeds=[asked.seed])
+        save(
+            figures=figures[first],
+            controls={**{n: f for n, f in figures.items() if n != first}, **_controls(rows[first])},
+            rows=rows[first],
+            seeds=[asked.seed],
+        )
     if asked.json:
         print(json.dumps({"rows": rows, "figures": figures}, indent=1))
     else:
-        report(rows, figures)
+        report(rows[first], figures)
     return 0
 
 
@@ -97,7 +111,7 @@ def _controls(rows: list[JSON]) -> JSON:
 
 
 def report(rows: list[JSON], figures: JSON) -> None:
-    """Print every row, then every figure with its interval."""
+    """Print every row of one solver, then every figure of all, its 90 % interval below it."""
     for row in rows:
         mark = "=" if row["exact"] else "1" if row["first"] else "3" if row["first_three"] else " "
         truth = ", ".join(
@@ -106,13 +120,22 @@ def report(rows: list[JSON], figures: JSON) -> None:
         )
         said = ", ".join(row["found"]) + (" unknown" if row["unknown"] else "")
         print(f"{mark} {row['case']} {row['family']}: {truth or 'none'} -> {said or 'none'}")
-    for name, figure in figures.items():
-        if isinstance(figure, dict):
-            print(
-                f"{name:20} {figure['value']:.3f}  [{figure['low90']:.3f}, {figure['high90']:.3f}]"
-            )
-        else:
-            print(f"{name:20} {'-' if figure is None else figure}")
+    print(f"{'':20}" + "".join(f"{name:>15}" for name in figures))
+    for name in next(iter(figures.values())):
+        values = [each[name] for each in figures.values()]
+        print(f"{name:20}" + "".join(f"{_shown(value):>15}" for value in values))
+        if any(isinstance(value, dict) for value in values):
+            print(f"{'':20}" + "".join(f"{_interval(value):>15}" for value in values))
+
+
+def _shown(value: Any) -> str:
+    number = value["value"] if isinstance(value, dict) else value
+    return "-" if number is None else f"{number:.3g}"
+
+
+def _interval(value: Any) -> str:
+    known = isinstance(value, dict)
+    return f"{value['low90']:.2g} to {value['high90']:.2g}" if known else ""
 
 
 if __name__ == "__main__":

@@ -126,7 +126,8 @@ def ranked(
     prior, tried = search.prior, []
     for turn, most in enumerate((MOST, *[LATER] * MOST_ROUNDS)):
         progress(f"looking for what is missing (round {turn + 1})", 0.8 - 0.7 * 0.7**turn)
-        before, gained = best, []
+        before: Finalist = best
+        gained: list[Finalist] = []
         for found in _proposals(search, search.sets(most), before, validation):
             if time.monotonic() > deadline:
                 break

@@ -14,9 +14,14 @@ from morph.inference.rank import Finalist
 from morph.inference.sampled import Reference
 from morph.inference.validate import Validation
 
-SHARE, NATS, STEEP = 0.012, 100.0, 2.0
-"""Where what remains is as probably physics as not: share of the joints' force, and evidence; and
-how steeply probability rises with the logarithm of either."""
+SHARE, NATS, SHOWN = 0.012, 100.0, 6.0
+"""Where what remains is as probably physics as not: share of the joints' force, evidence, and error
+of rollouts, in units of the noise squared, in which that force shows."""
+ERROR = 12.0
+"""The same error where it alone decides: what moves little needs no force to speak of."""
+STEEP = 2.0
+"""How steeply probability rises with the logarithm of each. All are set on cases of
+`experiments.concealed --suite calibration`, apart from those that judge."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,11 +40,15 @@ class Remains:
     @property
     def probability(self) -> float:
         """How probable it is that physics is left which has no name here."""
-        if self.nats <= 0.0 or self.share <= 0.0:
-            return 0.0
-        by_share = STEEP * math.log(self.share / SHARE)
-        by_nats = STEEP * math.log(self.nats / NATS)
-        return float(1.0 / (1.0 + math.exp(-np.clip(min(by_share, by_nats), -30.0, 30.0))))
+        tiny = 1e-12
+        by_force = min(
+            math.log(max(self.share, tiny) / SHARE),
+            math.log(max(self.nats, tiny) / NATS),
+            math.log(max(self.in_noise, tiny) / SHOWN),
+        )
+        by_error = math.log(max(self.in_noise, tiny) / ERROR)
+        steep = STEEP * max(by_force, by_error)
+        return float(1.0 / (1.0 + math.exp(-np.clip(steep, -30.0, 30.0))))
 
 
 def remaining(found: Finalist, validation: Validation) -> Remains:

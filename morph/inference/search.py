@@ -198,7 +198,9 @@ class Search:
         for size in np.unique(sizes):
             same = np.flatnonzero(sizes == size)
             columns = np.stack([places[at] for at in same])
-            bounds = [all_bounds([self.columns[at] for at in options[each]]) for each in same.tolist()]
+            bounds = [
+                all_bounds([self.columns[at] for at in options[each]]) for each in same.tolist()
+            ]
             low, high = (np.stack(side) for side in zip(*bounds, strict=True))
             for at, rest in enumerate(rests):
                 along = rest[columns, 0]
