@@ -111,54 +111,125 @@ def ranked(
         progress: Told what is being done, and the share of the work that is behind.
         deadline: Time of the monotonic clock after which no refit begins.
     """
-    validation = Validation.of(episodes)
-    prior: Prior | None = None
-
-    def finalist(refit: Refit) -> Finalist:
-        about = quadratic(refit.hypothesis, refit.point, refit.runs, blocks=validation.blocks)
-        kept = list(range(len(refit.effects)))
-        price = prior.price({effect.label for effect in refit.effects}) if prior else 0.0
-        (losses,) = validation.losses_of(about, refit.runs, [kept])
-        return Finalist(refit=refit, price=price, losses=losses)
-
-    none = best = finalist(refitted(nominal, nominal.start, episodes, rounds=STEPS))
-    search = search_beside(best.refit, known, None, validation.blocks)
-    prior, tried = search.prior, []
+    task = _Task(
+        nominal=nominal,
+        episodes=episodes,
+        known=known,
+        validation=Validation.of(episodes),
+        prior=Prior(alone={}),
+        deadline=deadline,
+    )
+    none = best = task.finalist(refitted(nominal, nominal.start, episodes, rounds=STEPS))
+    search = task.search(best)
+    task, tried, searched = replace(task, prior=search.prior), [], True
     for turn, most in enumerate((MOST, *[LATER] * MOST_ROUNDS)):
         progress(f"looking for what is missing (round {turn + 1})", 0.8 - 0.7 * 0.7**turn)
-        before: Finalist = best
-        gained: list[Finalist] = []
-        for found in _proposals(search, search.sets(most), before, validation):
-            if time.monotonic() > deadline:
-                break
-            start = replace(nominal, effects=(*before.effects, *found.effects))
-            own = before.refit.point + found.own
-            point = np.concatenate([own, start.start[len(own) :]])
-            refit = refitted(start, point, episodes, origin=before.refit, rounds=STEPS)
-            new = _reduced(finalist(under(refit, before.refit)), finalist, validation, episodes)
-            tried.append(new)
-            none, before, *gained = (_under(each, new) for each in (none, before, *gained))
-            if _gains(before, new, validation):
-                gained.append(new)
-        best = before
-        if gained:
-            best = functools.reduce(lambda one, other: _better(one, other, validation), gained)
-        if not gained or time.monotonic() > deadline:
+        new, better = task.added(best, search, most)
+        tried += new
+        none = functools.reduce(_under, new, none)
+        searched, best = better.effects == best.effects, better
+        if searched or task.late():
             break
-        search = search_beside(best.refit, known, prior, validation.blocks)
-    searched = not gained
+        search = task.search(best)
     progress("trying simpler laws", 0.8)
-    while time.monotonic() < deadline:
-        simpler = _simplified(best, finalist, validation, episodes)
-        if simpler is None:
-            break
-        best, searched = _reduced(simpler, finalist, validation, episodes), False
+    while not task.late() and (simpler := task.simplified(best)) is not None:
+        best, searched = simpler, False
         tried.append(best)
-    stopped = time.monotonic() > deadline
+    stopped = task.late()
     if not searched and not stopped:
-        search = search_beside(best.refit, known, prior, validation.blocks)
+        search = task.search(best)
     ordered = tuple(sorted([*tried, none], key=lambda each: -each.evidence))
-    return Ranking(best=best, tried=ordered, validation=validation, search=search, stopped=stopped)
+    return Ranking(
+        best=best, tried=ordered, validation=task.validation, search=search, stopped=stopped
+    )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Task:
+    """What is ranked, and how sets of effects are refitted and compared."""
+
+    nominal: Hypothesis
+    episodes: Sequence[Episode]
+    known: Sequence[Effect]
+    validation: Validation
+    prior: Prior
+    deadline: float
+
+    def late(self) -> bool:
+        """Return whether no refit may begin any more."""
+        return time.monotonic() > self.deadline
+
+    def search(self, base: Finalist) -> Search:
+        """Return a search for effects to add to a set."""
+        prior = self.prior if self.prior.alone else None
+        return search_beside(base.refit, self.known, prior, self.validation.blocks)
+
+    def finalist(self, refit: Refit) -> Finalist:
+        """Return a refit with its price and its losses."""
+        blocks = self.validation.blocks
+        about = quadratic(refit.hypothesis, refit.point, refit.runs, blocks=blocks)
+        whole = list(range(len(refit.effects)))
+        (losses,) = self.validation.losses_of(about, refit.runs, [whole])
+        price = self.prior.price({effect.label for effect in refit.effects})
+        return Finalist(refit=refit, price=price, losses=losses)
+
+    def added(self, base: Finalist, search: Search, most: int) -> tuple[list[Finalist], Finalist]:
+        """Return larger sets that were refitted, and the best of them or the one before.
+
+        Args:
+            base: A set.
+            search: What might be added to it.
+            most: Most effects, or laws at every joint, that are added.
+        """
+        tried: list[Finalist] = []
+        gained: list[Finalist] = []
+        for found in _proposals(search, search.sets(most), base, self.validation):
+            if self.late():
+                break
+            start = replace(self.nominal, effects=(*base.effects, *found.effects))
+            own = base.refit.point + found.own
+            point = np.concatenate([own, start.start[len(own) :]])
+            refit = refitted(start, point, self.episodes, origin=base.refit, rounds=STEPS)
+            new = self.reduced(self.finalist(under(refit, base.refit)))
+            tried.append(new)
+            base, *gained = (_under(each, new) for each in (base, *gained))
+            if _gains(base, new, self.validation):
+                gained.append(new)
+        if not gained:
+            return tried, base
+        return tried, functools.reduce(lambda a, b: _better(a, b, self.validation), gained)
+
+    def reduced(self, whole: Finalist) -> Finalist:
+        """Return a set without the effects that rollouts do not need, if that is not worse."""
+        refit, validation = whole.refit, self.validation
+        about = quadratic(refit.hypothesis, refit.point, refit.runs, blocks=validation.blocks)
+        kept, losses = needed(about, validation, refit.runs, certain=CERTAIN)
+        brief = any(validation.too_brief(effect) for effect in whole.effects)
+        worse = validation.worse(whole.losses, losses) and not brief
+        if worse or len(kept) == len(whole.effects):
+            return whole
+        hypothesis, point = about.reduced(kept)
+        anew = refitted(hypothesis, point, self.episodes, before=refit.runs, rounds=STEPS)
+        fewer = self.finalist(anew)
+        return whole if validation.worse(whole.losses, fewer.losses) and not brief else fewer
+
+    def simplified(self, best: Finalist) -> Finalist | None:
+        """Return a set with a simpler law in the place of one, where that is not surely worse."""
+        refit, laws = best.refit, {kind.name: kind for kind in EFFECTS}
+        labels = {each.label for each in refit.effects}
+        for at, effect in enumerate(refit.effects):
+            if not effect.simpler or f"{effect.simpler}@{effect.where}" in labels:
+                continue
+            simpler = laws[effect.simpler].at(effect.where).with_strengths(effect.coefficients[:1])
+            effects = (*refit.effects[:at], simpler, *refit.effects[at + 1 :])
+            start = replace(refit.hypothesis, effects=effects)
+            own = len(start.knobs)
+            point = np.concatenate([refit.point[:own], start.start[own:]])
+            anew = refitted(start, point, self.episodes, before=refit.runs, rounds=STEPS)
+            new = self.finalist(anew)
+            if not self.validation.worse(best.losses, new.losses):
+                return self.reduced(new)
+        return None
 
 
 def _under(one: Finalist, other: Finalist) -> Finalist:
@@ -182,29 +253,6 @@ def _better(one: Finalist, other: Finalist, validation: Validation) -> Finalist:
     """Return the likelier of two, unless the other is surely better in rollouts."""
     first, second = sorted((one, other), key=lambda each: -each.evidence)
     return second if validation.sure(first.losses, second.losses) else first
-
-
-def _simplified(
-    best: Finalist,
-    finalist: Callable[[Refit], Finalist],
-    validation: Validation,
-    episodes: Sequence[Episode],
-) -> Finalist | None:
-    """Return a refit with a simpler law in the place of one, where that is not surely worse."""
-    refit, laws = best.refit, {kind.name: kind for kind in EFFECTS}
-    for at, effect in enumerate(refit.effects):
-        labels = {each.label for each in refit.effects}
-        if not effect.simpler or f"{effect.simpler}@{effect.where}" in labels:
-            continue
-        simpler = laws[effect.simpler].at(effect.where).with_strengths(effect.coefficients[:1])
-        effects = (*refit.effects[:at], simpler, *refit.effects[at + 1 :])
-        start = replace(refit.hypothesis, effects=effects)
-        own = len(start.knobs)
-        point = np.concatenate([refit.point[:own], start.start[own:]])
-        new = finalist(refitted(start, point, episodes, before=refit.runs, rounds=STEPS))
-        if not validation.worse(best.losses, new.losses):
-            return new
-    return None
 
 
 def _proposals(
@@ -242,21 +290,3 @@ def _law(found: Explanation, prior: Prior) -> frozenset[str] | None:
     """Return a set's labels if it is one law at every joint."""
     labels = frozenset(effect.label for effect in found.effects)
     return labels if labels in dict(prior.together) else None
-
-
-def _reduced(
-    whole: Finalist,
-    finalist: Callable[[Refit], Finalist],
-    validation: Validation,
-    episodes: Sequence[Episode],
-) -> Finalist:
-    """Return a finalist without the effects that rollouts do not need, if that is not worse."""
-    refit = whole.refit
-    about = quadratic(refit.hypothesis, refit.point, refit.runs, blocks=validation.blocks)
-    kept, losses = needed(about, validation, refit.runs, certain=CERTAIN)
-    brief = any(validation.too_brief(effect) for effect in whole.effects)
-    if len(kept) == len(whole.effects) or (validation.worse(whole.losses, losses) and not brief):
-        return whole
-    hypothesis, point = about.reduced(kept)
-    fewer = finalist(refitted(hypothesis, point, episodes, before=refit.runs, rounds=STEPS))
-    return whole if validation.worse(whole.losses, fewer.losses) and not brief else fewer

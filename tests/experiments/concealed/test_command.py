@@ -36,7 +36,7 @@ def test_answers_of_another_tool_are_scored(
         assert solve(case, 1) == answer
         (tmp_path / f"{case.name}.json").write_text(json.dumps(answer))
         assert main(asked) == 0
-        answers[answer["solver"]] = json.loads(capsys.readouterr().out)["figures"]
+        answers[answer["solver"]] = json.loads(capsys.readouterr().out)["figures"]["submitted"]
     assert answers["oracle"]["clean_accused"]["value"] == 0.0
     assert answers["none"]["brier"]["value"] == 0.0
     assert answers["random"]["clean_accused"]["value"] in (0.0, 1.0)
