@@ -86,8 +86,11 @@ def main(arguments: list[str] | None = None) -> int:
     first = next(iter(rows))
     if save:
         save(
-            figures=figures[first],
-            controls={**{n: f for n, f in figures.items() if n != first}, **_controls(rows[first])},
+            figures=_flat(figures[first]),
+            controls={
+                **{name: _flat(each) for name, each in figures.items() if name != first},
+                **_controls(rows[first]),
+            },
             rows=rows[first],
             seeds=[asked.seed],
         )
@@ -96,6 +99,18 @@ def main(arguments: list[str] | None = None) -> int:
     else:
         report(rows[first], figures)
     return 0
+
+
+def _flat(figures: JSON) -> JSON:
+    """Return figures and the ends of their intervals by names of their own, without what is none."""
+    flat: JSON = {}
+    for name, figure in figures.items():
+        if isinstance(figure, dict):
+            flat |= {name: figure["value"]}
+            flat |= {f"{name}_{end}": figure[end] for end in ("low90", "high90")}
+        elif figure is not None:
+            flat[name] = figure
+    return flat
 
 
 def _controls(rows: list[JSON]) -> JSON:
