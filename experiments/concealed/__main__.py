@@ -102,7 +102,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def _flat(figures: JSON) -> JSON:
-    """Return figures and the ends of their intervals by names of their own, without what is none."""
+    """Return figures and ends of their intervals by names of their own, without what is none."""
     flat: JSON = {}
     for name, figure in figures.items():
         if isinstance(figure, dict):
