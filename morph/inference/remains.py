@@ -17,8 +17,9 @@ from morph.inference.validate import Validation
 SHARE, NATS, SHOWN = 0.012, 100.0, 6.0
 """Where what remains is as probably physics as not: share of the joints' force, evidence, and error
 of rollouts, in units of the noise squared, in which that force shows."""
-ERROR = 12.0
-"""The same error where it alone decides: what moves little needs no force to speak of."""
+ERROR, SOME = 12.0, 0.004
+"""The same error where it decides beside a share of any size: rollouts that err while no force is
+missing began where the smoother was wrong."""
 STEEP = 2.0
 """How steeply probability rises with the logarithm of each. All are set on cases of
 `experiments.concealed --suite calibration`, apart from those that judge."""
@@ -46,7 +47,9 @@ class Remains:
             math.log(max(self.nats, tiny) / NATS),
             math.log(max(self.in_noise, tiny) / SHOWN),
         )
-        by_error = math.log(max(self.in_noise, tiny) / ERROR)
+        by_error = min(
+            math.log(max(self.in_noise, tiny) / ERROR), math.log(max(self.share, tiny) / SOME)
+        )
         steep = STEEP * max(by_force, by_error)
         return float(1.0 / (1.0 + math.exp(-np.clip(steep, -30.0, 30.0))))
 
