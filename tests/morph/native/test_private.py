@@ -11,6 +11,7 @@ import mujoco
 import pytest
 
 from morph.errors import KernelError
+from morph.native import engine
 from morph.native import library as native
 from morph.native.private import changed_by_others, make_private
 from morph.physics.fluid import kernel
@@ -19,7 +20,7 @@ from morph.physics.fluid import kernel
 def build() -> Path:
     """Build the fluid's kernel into the cache."""
     with native.kept_folder() as folder:
-        return kernel.build(folder)
+        return engine.build(kernel.SOURCE, folder, name="fluid")
 
 
 @pytest.fixture
