@@ -21,8 +21,8 @@ ERROR, SOME = 12.0, 0.004
 """The same error where it decides beside a share of any size: rollouts that err while no force is
 missing began where the smoother was wrong."""
 STEEP = 2.0
-"""How steeply probability rises with the logarithm of each. All are set on cases of
-`experiments.concealed --suite calibration`, apart from those that judge."""
+"""How steeply probability rises with the logarithm of each. All are set by hand on cases of
+`experiments.concealed`, apart from those that judge."""
 
 
 @dataclass(frozen=True, kw_only=True)
