@@ -161,3 +161,20 @@ def test_odds_of_another_in_the_place_of_an_effect() -> None:
     for each in (1, 2, 3):
         due = gain(table, error, 0, (each,)) - held
         assert found[EFFECTS_TRIED[each].label] == pytest.approx(due, abs=1e-6) or due < -held
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_what_is_not_fitted_could_not_be_the_best(
+    seed: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rng = np.random.default_rng(seed)
+    table = columns(rng, 1)
+    # Friction only takes: half of the strengths of this error end at their bounds.
+    error = table @ rng.normal(size=5) + rng.normal(size=READINGS)
+    search = replace(searched(table, error, 1), groups=((0, 1), (2, 3), (1, 2)))
+    every = {each.members: each.gain for each in search.sets(1)}
+    best = max((m for m in every if m), key=lambda members: every[members])
+    monkeypatch.setattr("morph.inference.search.SINGLES", 1)
+    few = {each.members: each.gain for each in search.sets(1)}
+    assert few[best] == pytest.approx(every[best], rel=1e-12)
+    assert len(few) < len(every)
