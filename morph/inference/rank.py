@@ -120,23 +120,22 @@ def ranked(
         deadline=deadline,
     )
     none = best = task.finalist(refitted(nominal, nominal.start, episodes, rounds=STEPS))
-    search = task.search(best)
-    task, tried, searched = replace(task, prior=search.prior), [], True
+    search, base, tried = task.search(best), best, []
+    task = replace(task, prior=search.prior)
     for turn, most in enumerate((MOST, *[LATER] * MOST_ROUNDS)):
         progress(f"looking for what is missing (round {turn + 1})", 0.8 - 0.7 * 0.7**turn)
-        new, better = task.added(best, search, most)
+        new, best = task.added(base, search, most)
         tried += new
         none = functools.reduce(_under, new, none)
-        searched, best = better.effects == best.effects, better
-        if searched or task.late():
+        if best.effects == base.effects or task.late():
             break
-        search = task.search(best)
+        search, base = task.search(best), best
     progress("trying simpler laws", 0.8)
     while not task.late() and (simpler := task.simplified(best)) is not None:
-        best, searched = simpler, False
+        best = simpler
         tried.append(best)
     stopped = task.late()
-    if not searched and not stopped:
+    if best.effects != base.effects:
         search = task.search(best)
     ordered = tuple(sorted([*tried, none], key=lambda each: -each.evidence))
     return Ranking(

@@ -18,7 +18,10 @@ from morph.body.spec import spec_of
 from morph.inference.dictionary import believed, dictionary
 from morph.inference.filter import Whitened
 from morph.inference.observed import observed
+from morph.inference.rank import ranked
 from morph.model.episodes import episode, step_for
+from morph.model.hypothesis import Hypothesis
+from morph.model.knobs import knobs
 from morph.physics.effect import Effect
 from morph.record.load import load as load_recordings
 from morph.sim.simulator import compiled
@@ -90,3 +93,24 @@ def test_backlash_stands_first(folder: Path) -> None:
     (effect,) = open_seal(folder / TRUTHS, case.name).about["effects"]
     found = solve_by_ranking(case, 0)["findings"]
     assert (found[0]["effect"], found[0]["where"]) == (effect["effect"], effect["where"]["name"])
+
+
+@pytest.mark.parametrize("refits", [0, 1, 2])
+def test_a_search_that_stops_early_is_about_what_it_found(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, refits: int
+) -> None:
+    (case,) = generate("development", 1, [5], folder, seconds=2.0)
+    robot = load_robot(str(case / "robot.xml"))
+    recordings = load_recordings(case / "recordings", robot=robot)
+    step = step_for(recordings, robot)
+    nominal = Hypothesis(robot=robot, step=step, knobs=knobs(robot, {}))
+    clock = iter(range(100))
+    monkeypatch.setattr("morph.inference.rank.time.monotonic", lambda: next(clock))
+    found = ranked(
+        nominal, [episode(each, robot, step) for each in recordings], deadline=refits - 0.5
+    )
+    assert found.stopped
+    # The whole dictionary but what was found, and nothing that was not.
+    labels = {effect.label for effect in found.best.effects}
+    assert found.search.known == labels
+    assert bool(labels) == (refits > 0)
