@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from scipy.optimize import minimize
+from scipy.optimize import OptimizeResult, minimize
 
 from morph.arrays import Array
 from morph.inference.filter import Disturbance, Tangent, whitened
@@ -19,6 +19,9 @@ VIBRATIONS = (0.05, 300.0)
 """Bounds of each channel's vibration, as factors of its known noise."""
 MOST_SCALE = 30.0
 """Most scale of the missing force, as a share of the RMS force that a joint's motion needs."""
+FORCED = 0.3
+"""Missing force as a share of the RMS force that a joint's motion needs, from which one search
+starts."""
 MOST_SAMPLES = 1500
 """Samples of a run by which its disturbance is judged."""
 
@@ -66,11 +69,15 @@ def likeliest_disturbance(about: Reference, *, steps: int) -> Disturbance:
     of_vibration[-2:] = False
     shares = [np.log(share) * of_force for share in (1.0, 0.3, 0.1)]
     shares += [np.log(share) * of_vibration for share in (0.1, 10.0)]
-    starts = [np.clip(start + share, *bounds.T) for share in shares]
-    start = min(starts, key=cost)
-    best = minimize(
-        cost, start, method="L-BFGS-B", bounds=bounds, options={"maxiter": steps, "eps": 1e-3}
-    )
+    near = min((np.clip(start + share, *bounds.T) for share in shares), key=cost)
+    # Where all is called vibration, more force explains nothing at first: start from force too.
+    forced = np.log([*[FORCED] * dofs, *[VIBRATIONS[0]] * channels, 0.2, 1.0])
+
+    def descended(begin: Array) -> OptimizeResult:
+        options = {"maxiter": steps, "eps": 1e-3}
+        return minimize(cost, begin, method="L-BFGS-B", bounds=bounds, options=options)
+
+    best = min(map(descended, (near, forced)), key=lambda each: float(each.fun))
     return replace(at(best.x), jolt=whole.jolt)
 
 

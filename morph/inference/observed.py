@@ -150,6 +150,7 @@ def _sampled(read: Episode) -> tuple[SampledRun, Array]:
         noise=read.noise,
         time_offset=offset,
         jitter=_jitter(read),
+        unsure=read.unsure,
     )
     return run, np.stack(guess, axis=1)
 

@@ -191,12 +191,13 @@ def _predicted(run: SampledRun, position: Array, velocity: Array) -> Array:
 
 
 def _jolt(model: mujoco.MjModel, run: SampledRun, mobility: Array) -> Array:
-    """Return the standard deviation of velocity changes by commands' jitter, (samples, dofs)."""
+    """Return the standard deviation of velocity changes by unsure commands, (samples, dofs)."""
     data = mujoco.MjData(model)
     mujoco.mj_fwdPosition(model, data)
     steps = np.abs(np.diff(run.command, axis=0, prepend=run.command[:1]))
-    forces = steps @ np.abs(model.actuator_gainprm[:, :1] * actuator_moments(model, data))
-    return np.asarray(run.jitter * np.einsum("tij,tj->ti", np.abs(mobility), forces))
+    unsure = np.hypot(run.jitter * steps, run.step * run.unsure)
+    forces = unsure @ np.abs(model.actuator_gainprm[:, :1] * actuator_moments(model, data))
+    return np.asarray(np.einsum("tij,tj->ti", np.abs(mobility), forces))
 
 
 def _initial_std(run: SampledRun, values: Array) -> Array:

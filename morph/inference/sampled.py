@@ -33,6 +33,8 @@ class SampledRun:
     """Time of a reading less that of its sample, s, shape (samples, 1)."""
     jitter: float = 0.0
     """Standard deviation of the times at which commands change, s."""
+    unsure: Array | float = 0.0
+    """Standard deviation of each control, shape (samples, actuators)."""
     force: Array | float = 0.0
     """Known generalized force that the model lacks, N m or N, shape (samples, dofs)."""
     shift: Array | float = 0.0

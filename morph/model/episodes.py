@@ -13,7 +13,7 @@ from morph.errors import DiagnosisError
 from morph.record.noise import noise
 from morph.record.recording import Channel, Recording
 from morph.record.slopes import slopes
-from morph.sim.drive import held
+from morph.sim.drive import completed, held
 
 MOST_HERTZ = 100.0
 """Readings are thinned to about this rate: what a rollout of a second can tell apart."""
@@ -53,6 +53,9 @@ class Episode:
     """Seconds a step of simulation."""
     command: Array
     """Mean command about the start of each step, shape (steps, actuators)."""
+    unsure: Array
+    """Standard deviation of commands where the logger lost samples, zero elsewhere, same shape.
+    Of each step alone: it is larger than that of their mean over the time of one sample."""
     time: Array
     """When readings were taken, s from the start, shape (readings,)."""
     reading: Array
@@ -156,11 +159,19 @@ def episode(recording: Recording, robot: Robot, step: float) -> Episode:
     steps = int((end - start) / step + 1e-6)
     # A semi-implicit step is a leapfrog: the force of step n carries the velocity from
     # half a step before it to half a step after, so its command is centred on it.
-    drive = [held(channel, start - 0.5 * step, step, steps) for channel in commands]
+    drive, unsure = [np.zeros((steps, 0))], [np.zeros((steps, 0))]
+    for channel in commands:
+        whole, error = completed(channel)
+        drive.append(held(whole, start - 0.5 * step, step, steps)[:, None])
+        # One error a sample acts as an independent one of each of its steps.
+        of_steps = error * np.sqrt(max(1.0, float(np.median(np.diff(whole.time))) / step))
+        lost = replace(channel, time=whole.time, value=of_steps, hold=True)
+        unsure.append(lost.at(start + step * np.arange(steps))[:, None])
     return Episode(
         recording=recording,
         step=step,
-        command=np.stack(drive, axis=1) if drive else np.zeros((steps, 0)),
+        command=np.concatenate(drive, axis=1),
+        unsure=np.concatenate(unsure, axis=1),
         time=kept - start,
         reading=on_clock([channel.value for channel in channels]),
         noise=_floored([noise(channel.time, channel.value) for channel in channels]),
@@ -212,6 +223,7 @@ def stretches(episodes: Sequence[Episode], seconds: float) -> list[Episode]:
             replace(
                 e,
                 command=e.command[first : first + round(STRETCH / e.step) + 1],
+                unsure=e.unsure[first : first + round(STRETCH / e.step) + 1],
                 time=e.time[inside] - first * e.step,
                 reading=e.reading[inside],
                 state=e.state[inside],
