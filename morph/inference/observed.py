@@ -9,7 +9,9 @@ from functools import cached_property
 import mujoco
 import numpy as np
 
-from morph.arrays import Array
+from scipy.ndimage import maximum_filter1d, uniform_filter1d
+
+from morph.arrays import Array, Mask
 from morph.body.robot import Robot
 from morph.inference.disturbance import likeliest_disturbance
 from morph.inference.figures import actuator_forces, constant_moments
@@ -20,6 +22,10 @@ from morph.physics.body_motion import BodyMotion, body_motions
 from morph.physics.effect import Effect
 from morph.physics.motion import Motion
 from morph.sim.drive import received
+
+REST, STILL, CREEP = 0.25, 1.4, 2.0
+"""Least duration of a rest, s; most standard deviation of readings in it, in units of their noise;
+and how fast the joint may creep, noises a second."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -68,7 +74,12 @@ def observed(
     run = replace(run, command=np.stack(commands, axis=1) if commands else run.command)
     if before is not None:
         motion = before.motion
-        run = replace(run, force=force_of(effects, motion), shift=shift_of(effects, motion))
+        run = replace(
+            run,
+            force=force_of(effects, motion),
+            shift=shift_of(effects, motion),
+            sticking=sticking(effects, motion, run),
+        )
     about = reference(model, run, guess, before=None if before is None else before.about)
     motion = _motion(model, robot, about, run)
     if before is not None and effects:
@@ -119,6 +130,41 @@ def force_of(effects: Sequence[Effect], motion: Motion) -> Array:
         if type(effect).command is Effect.command and effect.kind != "sensor":
             force += effect.regressor(motion) @ effect.coefficients
     return force
+
+
+def sticking(effects: Sequence[Effect], motion: Motion, run: SampledRun) -> Array:
+    """Return the damping that stands for dry friction where a joint rests, (samples, dofs).
+
+    A joint at rest gives what drives it no acceleration, so long as friction is greater: a damper
+    that lets it creep by less than its noise does the same, and linearly.
+
+    Args:
+        effects: What acts beside the model.
+        motion: The smoothed motion.
+        run: Its readings, one of each joint's position.
+    """
+    found = np.zeros_like(motion.position)
+    for effect in (each for each in effects if each.holds):
+        dof = motion.joints[effect.where]
+        friction = np.abs(effect.regressor(motion)[:, dof] @ effect.coefficients)
+        still = resting(run, dof)
+        found[still, dof] += float(friction.max()) / (CREEP * run.noise[dof])
+    return found
+
+
+def resting(run: SampledRun, channel: int) -> Mask:
+    """Return where a reading varies by little more than its noise over `REST`, shape (samples,)."""
+    width = max(2, round(REST / run.step))
+    valid = run.valid[:, channel]
+    value = np.where(valid, run.reading[:, channel], 0.0)
+    value -= value.sum() / max(valid.sum(), 1) * valid
+    count, total, squares = (
+        uniform_filter1d(each.astype(float), width) for each in (valid, value, value**2)
+    )
+    count = np.maximum(count, 1.0 / width)
+    quiet = squares / count - (total / count) ** 2 < (STILL * run.noise[channel]) ** 2
+    # A window is about its middle. Its ends may still move, as may the joint near them.
+    return np.asarray(maximum_filter1d(quiet.astype(float), max(1, width // 2)) > 0.0)
 
 
 def shift_of(effects: Sequence[Effect], motion: Motion) -> Array:

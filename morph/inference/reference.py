@@ -108,13 +108,16 @@ def _along(
     dofs = position.shape[1]
     local = _interpolated(model, position, velocity, run)
     mobility = local[:, :, 2 * dofs :]
+    sticking = np.broadcast_to(run.sticking, position.shape)
     modelled = accelerations(model, position, velocity, run.command)
-    modelled += np.einsum("tij,tj->ti", mobility, np.broadcast_to(run.force, position.shape))
+    modelled += np.einsum("tij,tj->ti", mobility, run.force - sticking * velocity)
     slope = np.zeros_like(position)
     slope[:-1] = np.diff(velocity, axis=0) / run.step
     # Velocities lie half a step before positions. The trapezoidal rule for damping makes the
-    # step of second order and stable: (1 - h/2 A_v) v' = v + h (a - A_v v / 2).
-    damped = np.eye(dofs) - 0.5 * run.step * local[:, :, dofs : 2 * dofs]
+    # step of second order and stable: (1 - h/2 A_v) v' = v + h (a - A_v v / 2). Where a joint
+    # sticks damping is stiff, and the step is Euler's backward one.
+    local[:, :, dofs : 2 * dofs] -= mobility * sticking[:, None]
+    damped = np.eye(dofs) - run.step * _later(run, dofs) * local[:, :, dofs : 2 * dofs]
     jacobian = np.asarray(np.linalg.solve(damped, local))
     acceleration = np.linalg.solve(damped, modelled[:, :, None])[:, :, 0] - slope
     # Nothing follows the last sample that its acceleration could be compared with.
@@ -167,10 +170,10 @@ def _moved(before: Reference, model: mujoco.MjModel, run: SampledRun) -> Referen
     position, velocity, tangent = before.position, before.velocity, before.tangent
     dofs = position.shape[1]
     acceleration = accelerations(model, position, velocity, run.command)
-    # Damping by the trapezoidal rule as in `_along`: (1 - h/2 A_v)^-1 = 1 + h/2 (damped A_v).
+    # Damping as in `_along`: (1 - h/2 A_v)^-1 = 1 + h/2 (damped A_v).
     rate = np.einsum("tij,tj->ti", tangent.jacobian[:, :, dofs : 2 * dofs], acceleration)
-    force = np.broadcast_to(run.force, position.shape)
-    acceleration += 0.5 * run.step * rate
+    acceleration += run.step * _later(run, dofs)[:, 0] * rate
+    force = run.force - np.broadcast_to(run.sticking, position.shape) * velocity
     acceleration += np.einsum("tij,tj->ti", tangent.jacobian[:, :, 2 * dofs :], force)
     acceleration[:-1] -= np.diff(velocity, axis=0) / run.step
     acceleration[-1] = 0.0
@@ -179,6 +182,13 @@ def _moved(before: Reference, model: mujoco.MjModel, run: SampledRun) -> Referen
         acceleration=acceleration,
         error=np.where(run.valid, run.reading - _predicted(run, position, velocity), 0.0),
     )
+
+
+def _later(run: SampledRun, dofs: int) -> Array:
+    """Return the share of the new velocity in each step's damping, shape (samples, 1, 1)."""
+    shape = (len(run.command), dofs)
+    sticks = np.broadcast_to(run.sticking, shape).any(axis=1)
+    return np.where(sticks, 1.0, 0.5)[:, None, None]
 
 
 def _predicted(run: SampledRun, position: Array, velocity: Array) -> Array:

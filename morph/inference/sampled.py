@@ -37,6 +37,8 @@ class SampledRun:
     """Standard deviation of each control, shape (samples, actuators)."""
     force: Array | float = 0.0
     """Known generalized force that the model lacks, N m or N, shape (samples, dofs)."""
+    sticking: Array | float = 0.0
+    """Damping that stands for dry friction at rest, N m s/rad or N s/m, shape (samples, dofs)."""
     shift: Array | float = 0.0
     """Known change of readings that the model lacks, shape (samples, channels)."""
 

@@ -93,6 +93,8 @@ class Effect(ABC):
     """The parameters in which its generalized force is linear."""
     dissipative: ClassVar[bool] = False
     """Whether it can only take energy away."""
+    holds: ClassVar[bool] = False
+    """Whether it is dry friction, which holds a joint at rest whatever drives it, up to a level."""
     stands_for: ClassVar[tuple[str, ...]] = ()
     """Kinds of figures of its own part that the description need no longer be refitted in."""
     simpler: ClassVar[str] = ""

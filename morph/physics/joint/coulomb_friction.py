@@ -24,6 +24,7 @@ class CoulombFriction(JointEffect):
     name: ClassVar[str] = "coulomb_friction"
     strengths: ClassVar[tuple[str, ...]] = ("c",)
     dissipative: ClassVar[bool] = True
+    holds: ClassVar[bool] = True
     twins: ClassVar[tuple[str, ...]] = ("viscous_friction", "stribeck_friction", "dead_zone")
     excited_by: ClassVar[str] = "Slow motion, reversals, and one stop and start."
     separate_by: ClassVar[dict[str, str]] = {

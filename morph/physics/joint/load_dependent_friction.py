@@ -27,6 +27,7 @@ class LoadDependentFriction(JointEffect):
     name: ClassVar[str] = "load_dependent_friction"
     strengths: ClassVar[tuple[str, ...]] = ("c0", "k")
     dissipative: ClassVar[bool] = True
+    holds: ClassVar[bool] = True
     suspected: ClassVar[bool] = False
     simpler: ClassVar[str] = "coulomb_friction"
     twins: ClassVar[tuple[str, ...]] = ("coulomb_friction", "torque_scale")

@@ -28,6 +28,7 @@ class PositionDependentFriction(JointEffect):
     name: ClassVar[str] = "position_dependent_friction"
     strengths: ClassVar[tuple[str, ...]] = ("c", "a", "phase")
     dissipative: ClassVar[bool] = True
+    holds: ClassVar[bool] = True
     suspected: ClassVar[bool] = False
     simpler: ClassVar[str] = "coulomb_friction"
     twins: ClassVar[tuple[str, ...]] = ("cogging", "coulomb_friction")

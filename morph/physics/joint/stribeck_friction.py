@@ -26,6 +26,7 @@ class StribeckFriction(JointEffect):
     name: ClassVar[str] = "stribeck_friction"
     strengths: ClassVar[tuple[str, ...]] = ("c", "s")
     dissipative: ClassVar[bool] = True
+    holds: ClassVar[bool] = True
     simpler: ClassVar[str] = "coulomb_friction"
     twins: ClassVar[tuple[str, ...]] = ("coulomb_friction", "backlash")
     excited_by: ClassVar[str] = (
