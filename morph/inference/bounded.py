@@ -11,17 +11,19 @@ RANK_TOLERANCE = 1e-8
 """Least eigenvalue that counts towards the rank of a Gram matrix with a unit diagonal."""
 NEGLIGIBLE = 1e-6
 """Norm of a column, as a share of the greatest, up to which it is taken for zero."""
+FELT = 1.0
+"""Most change of whitened readings between its bounds by a column that is taken for zero."""
 
 
 def bounded(inner: Array, along: Array, low: Array, high: Array) -> tuple[Array, int]:
     """Return the least-squares solution within bounds, and the rank of the problem.
 
     Directions in which the columns are dependent take the solution of least norm, in units of the
-    columns. Negligible columns stay at zero, or at the bound nearest to it.
+    columns. Columns that nowhere between their bounds show stay at zero, or at the nearest bound.
     Source: Stark and Parker 1995, Computational Statistics 10, 129-141 (BVLS).
 
     Args:
-        inner: Gram matrix of the columns, shape (columns, columns).
+        inner: Gram matrix of the whitened columns, shape (columns, columns).
         along: Inner products of the columns with the goal, shape (columns,).
         low: Least values, each below that of `high`, shape (columns,).
         high: Greatest values, same shape.
@@ -31,7 +33,8 @@ def bounded(inner: Array, along: Array, low: Array, high: Array) -> tuple[Array,
         bounds aside.
     """
     size = np.sqrt(np.maximum(np.diag(inner), 0.0))
-    seen = size > NEGLIGIBLE * size.max(initial=1e-300)
+    felt = size * np.minimum(high - low, 1e300)
+    seen = (size > NEGLIGIBLE * size.max(initial=1e-300)) & (felt > FELT)
     found = np.clip(np.zeros_like(along), low, high)
     if not seen.any():
         return found, 0

@@ -53,7 +53,12 @@ def search_beside(base: Refit, known: Sequence[Effect], prior: Prior | None, blo
     """
     hypothesis, point, runs = base.hypothesis, base.point, base.runs
     taken = {effect.label for effect in base.effects}
-    grids = [g for g in dictionary(hypothesis.robot, runs, known) if g[0].label not in taken]
+    grids = [
+        tuple(shape for shape in grid if all(shape.beside(other) for other in base.effects))
+        for grid in dictionary(hypothesis.robot, runs, known)
+        if grid[0].label not in taken
+    ]
+    grids = [grid for grid in grids if grid]
     columns = tuple(_columns(grids))
     joints = {each.joint for each in hypothesis.robot.actuators}
     trust, at = information(hypothesis), offset(hypothesis, point)

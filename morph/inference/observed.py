@@ -8,7 +8,6 @@ from functools import cached_property
 
 import mujoco
 import numpy as np
-
 from scipy.ndimage import maximum_filter1d, uniform_filter1d
 
 from morph.arrays import Array, Mask

@@ -157,12 +157,15 @@ class Search:
         What an addition gains without its bounds is the most that it can gain within them: those
         that cannot be among the best are not fitted.
         """
-        taken = {effect.label for effect in base.best.effects}
+        there = base.best.effects
+        taken = {effect.label for effect in there}
         steps = [*((at,) for at in range(len(self.columns))), *self.groups]
         options: list[tuple[int, ...]] = []
         for step in steps:
             added = tuple(at for at in step if self.columns[at].label not in taken)
-            if added and (len(step) > 1 or added == step):
+            new = [self.columns[at].effect for at in added]
+            fits = all(one.beside(other) for one in new for other in there)
+            if added and fits and (len(step) > 1 or added == step):
                 options.append(added)
         prices = np.array([self.price({*base.members, *added}) for added in options])
         prices -= self.price(base.members)

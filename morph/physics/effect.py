@@ -240,6 +240,10 @@ class Effect(ABC):
         names = [p.name for p in scanned]
         return tuple(replace(self, **dict(zip(names, values, strict=True))) for values in grid)  # type: ignore[type-var]
 
+    def beside(self, other: Effect) -> bool:
+        """Return whether both may act at once."""
+        return True
+
     @classmethod
     def regressors(cls: type[Some], shapes: Sequence[Some], motion: Motion) -> Array:
         """Return the regressors of one effect at several shapes side by side.
@@ -266,10 +270,6 @@ class Effect(ABC):
         pairs = [(known[name], known[name].neutral or 0.0) for name in self.strengths]
         low = np.array([p.low - neutral for p, neutral in pairs])
         return low, np.array([p.high - neutral for p, neutral in pairs])
-
-    def typical(self: Some, coefficients: Array) -> Some:
-        """Return the effect at a strength that would be felt, given that of each column."""
-        return self.with_strengths(coefficients)
 
     def with_strengths(self: Some, coefficients: Array) -> Some:
         """Return the effect with strengths read off a linear fit, kept in bounds."""

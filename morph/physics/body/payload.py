@@ -73,10 +73,6 @@ class Payload(WeighedEffect):
         x, y, z = (float(value) for value in np.clip(coefficients[1:] / m, -2.0, 2.0))
         return replace(self, m=m, x=x, y=y, z=z)
 
-    def typical(self, coefficients: Array) -> Payload:
-        """Return a weight that would be felt, where a fit has put this one."""
-        return replace(self, m=float(np.clip(coefficients[0], 1e-6, 100.0)))
-
     def statement(self, *, slide: bool = False) -> str:
         """Return the finding in one plain sentence."""
         place = ", ".join(f"{1e3 * value:.3g}" for value in (self.x, self.y, self.z))

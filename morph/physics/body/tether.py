@@ -8,8 +8,8 @@ from typing import Any, ClassVar
 import numpy as np
 
 from morph.arrays import Array
+from morph.physics.body.point import PointEffect, points_of
 from morph.physics.effect import parameter
-from morph.physics.kinds import BodyEffect
 from morph.physics.motion import Motion
 
 SHARES = (0.0, 0.5, 0.9)
@@ -17,7 +17,7 @@ SHARES = (0.0, 0.5, 0.9)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Tether(BodyEffect):
+class Tether(PointEffect):
     """A cable pulls once it is taut: F = k max(r - length, 0) towards the anchor (x, y, z).
 
     r is the distance from the anchor, in the world, to the point (cx, cy, cz) of the link's
@@ -61,15 +61,11 @@ class Tether(BodyEffect):
     def _anchor(self) -> Array:
         return np.array([self.x, self.y, self.z])
 
-    @property
-    def _point(self) -> Array:
-        return np.array([self.cx, self.cy, self.cz])
-
     def edit(self, spec: Any) -> None:
         """Span a spatial tendon from the anchor to the link."""
         names = f"{self.label}:anchor", f"{self.label}:end"
         spec.worldbody.add_site(name=names[0], pos=self._anchor)
-        spec.body(self.body).add_site(name=names[1], pos=self._point)
+        spec.body(self.body).add_site(name=names[1], pos=self.centre)
         cable = spec.add_tendon(name=self.label, springlength=[0.0, self.length])
         cable.stiffness[0] = self.k
         for name in names:
@@ -82,11 +78,11 @@ class Tether(BodyEffect):
         distance = np.linalg.norm(place - self._anchor, axis=1)
         taut = np.maximum(1.0 - self.length / np.maximum(distance, 1e-9), 0.0)[:, None, None]
         ones = np.broadcast_to(np.eye(3), (len(place), 3, 3))
-        return body.pulled(taut * np.concatenate([-place[:, :, None], ones], axis=2), self._point)
+        return body.pulled(taut * np.concatenate([-place[:, :, None], ones], axis=2), self.centre)
 
     def _place(self, motion: Motion) -> Array:
         body = motion.bodies[self.body]
-        return np.asarray(body.origin + np.einsum("sij,j->si", body.axes, self._point))
+        return np.asarray(body.origin + np.einsum("sij,j->si", body.axes, self.centre))
 
     @property
     def coefficients(self) -> Array:
@@ -99,14 +95,13 @@ class Tether(BodyEffect):
         x, y, z = (float(value) for value in np.clip(coefficients[1:] / k, -1e4, 1e4))
         return replace(self, k=k, x=x, y=y, z=z)
 
-    def typical(self, coefficients: Array) -> Tether:
-        """Return a cable that would be felt, from the anchor as it is."""
-        return replace(self, k=float(np.clip(coefficients[0], 1e-6, 1e6)))
-
     def shapes(self, motion: Motion) -> tuple[Tether, ...]:
-        """Return cables of a few lengths, up to the greatest distance that was recorded."""
-        far = float(np.linalg.norm(self._place(motion) - self._anchor, axis=1).max())
-        return tuple(replace(self, length=min(share * far, 1e4)) for share in SHARES)
+        """Return cables of a few lengths, up to the greatest distance, to a few points."""
+        found = []
+        for cable in (replace(self, **at) for at in points_of(self, motion)):
+            far = float(np.linalg.norm(cable._place(motion) - cable._anchor, axis=1).max())
+            found += [replace(cable, length=min(share * far, 1e4)) for share in SHARES]
+        return tuple(found)
 
     def statement(self, *, slide: bool = False) -> str:
         """Return the finding in one plain sentence."""

@@ -8,6 +8,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from morph.arrays import Array
+from morph.physics.effect import Effect
 from morph.physics.fluid.numbers import add_numbers
 from morph.physics.fluid.wet import AXES, WetEffect, refer, shift
 from morph.physics.motion import Motion
@@ -32,6 +33,11 @@ class Drag(WetEffect):
         if any(strengths):
             refer(spec, self.body, self.centre, self.label)
         add_numbers(spec, self.body, self.slot, strengths)
+
+    def beside(self, other: Effect) -> bool:
+        """Return whether it refers to the same point as another drag of its link."""
+        same = isinstance(other, Drag) and other.body == self.body
+        return not same or bool(np.array_equal(other.centre, self.centre))
 
     def regressor(self, motion: Motion) -> Array:
         """Return the force of each axis for a drag of one."""

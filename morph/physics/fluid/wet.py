@@ -9,6 +9,7 @@ import numpy as np
 from morph.arrays import Array
 from morph.body.robot import Robot
 from morph.errors import EffectError
+from morph.physics.body.point import PointEffect
 from morph.physics.body_jacobian import cross_matrix
 from morph.physics.fluid.numbers import (
     ADDED,
@@ -19,23 +20,13 @@ from morph.physics.fluid.numbers import (
     write_numbers,
 )
 from morph.physics.fluid.reference import tensor
-from morph.physics.kinds import BodyEffect
 
 AXES = ("x", "y", "z", "rx", "ry", "rz")
 """Along and about a link's axes; the order of every six numbers of the fluid."""
 
 
-class WetEffect(BodyEffect):
+class WetEffect(PointEffect):
     """An effect of a fluid on one link."""
-
-    cx: float
-    cy: float
-    cz: float
-
-    @property
-    def centre(self) -> Array:
-        """The point that it refers to, in the link's frame, m, shape (3,)."""
-        return np.array([self.cx, self.cy, self.cz])
 
     @classmethod
     def suspects(cls, robot: Robot) -> tuple[str, ...]:

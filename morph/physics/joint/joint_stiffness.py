@@ -56,10 +56,6 @@ class JointStiffness(JointEffect):
         """k, and k times q0."""
         return np.array([self.k, self.k * self.q0])
 
-    def typical(self, coefficients: Array) -> JointStiffness:
-        """Return a spring that would be felt, slack at zero."""
-        return self.with_strengths(coefficients * np.array([1.0, 0.0]))
-
     def with_strengths(self, coefficients: Array) -> JointStiffness:
         """Return the spring whose force is -coefficients[0] q + coefficients[1]."""
         k = float(np.clip(coefficients[0], 1e-6, 200.0))

@@ -10,7 +10,7 @@ from morph.inference.bounded import bounded
 
 
 @pytest.mark.parametrize("seed", range(5))
-@pytest.mark.parametrize("width", [1e-3, 0.3, np.inf])
+@pytest.mark.parametrize("width", [0.2, 0.5, np.inf])
 def test_it_agrees_with_the_columns_themselves(seed: int, width: float) -> None:
     rng = np.random.default_rng(seed)
     # Columns of masses and of gains differ by orders of magnitude.
@@ -38,3 +38,11 @@ def test_a_zero_column_stays_at_the_bound_nearest_to_zero() -> None:
     inner = np.diag([1.0, 0.0])
     found, rank = bounded(inner, np.array([0.5, 0.0]), np.array([-1.0, 0.2]), np.ones(2))
     assert (rank, found.tolist()) == (1, [0.5, 0.2])
+
+
+def test_what_shows_nowhere_between_its_bounds_stays_at_zero() -> None:
+    # The second column moves readings by 0.01 standard deviations for one, 0.024 at most.
+    inner, along = np.diag([1.0, 1e-4]), np.array([0.5, 0.01])
+    for width, rank, best in ((1.2, 1, 0.0), (120.0, 2, 100.0)):
+        found, counted = bounded(inner, along, np.full(2, -width), np.full(2, width))
+        assert (counted, found) == (rank, pytest.approx([0.5, best]))
