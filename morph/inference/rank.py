@@ -41,7 +41,7 @@ MOST = 4
 """Most effects, or laws at every joint, that the first search adds."""
 LATER, MOST_ROUNDS = 2, 3
 """Most that each later search adds, and most of these searches."""
-STEPS = 5
+STEPS = 2
 """Most Gauss-Newton steps of a refit, of own figures alone and of a finalist."""
 
 

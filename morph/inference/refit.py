@@ -20,7 +20,7 @@ from morph.sim.threads import each
 
 SHARES = (0.3, 0.1)
 """DiagnosisRuns of a step that are tried where the whole step gains nothing."""
-CYCLES = 2
+CYCLES = 4
 """Most estimates of the disturbances."""
 SETTLED = 1.0
 """Nats: a refit ends with a step that gains less evidence."""

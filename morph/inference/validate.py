@@ -14,9 +14,10 @@ from morph.inference.quadratic import LogPosterior
 from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis
 from morph.model.segments import Segments, cut
+from morph.model.shooting import shown
 from morph.physics.effect import Effect
 from morph.physics.joint.motor_side import MotorSideEffect
-from morph.sim.drive import received, sensed, stamped
+from morph.sim.drive import received
 from morph.sim.rollout import rollout
 
 HORIZON = 1.0
@@ -139,10 +140,11 @@ class Validation:
         )
         found = found.reshape(*which.shape, *found.shape[1:])
         read = np.empty((count, *segments.reading.shape))
+        joints = [joint.name for joint in hypothesis.robot.joints]
         for at, variant in enumerate(variants):
             candidate, inside = at // folds, which[at // folds] == at
             moved = found[candidate, inside]
-            read[candidate, inside] = self._read(variant.effects, hypothesis, inside, moved)
+            read[candidate, inside] = shown(variant.effects, joints, segments, moved, inside)
         return np.nan_to_num(read, nan=1e3, posinf=1e3, neginf=-1e3)
 
     def _received(
@@ -153,23 +155,6 @@ class Validation:
             for at, actuator in enumerate(hypothesis.robot.actuators)
         ]
         return np.stack(columns, axis=1) if columns else episode.command
-
-    def _read(
-        self, effects: Sequence[Effect], hypothesis: Hypothesis, inside: Array, position: Array
-    ) -> Array:
-        """Return readings of simulated positions (segments, steps + 1, joints)."""
-        segments = self.segments
-        stamp = (segments.before + segments.part)[inside] * segments.step
-        read = np.empty((*stamp.shape, position.shape[2]))
-        for joint, name in enumerate(each.name for each in hypothesis.robot.joints):
-            # To first order, a clock that stamps s(t) at t read at 2 t - s(t) what it stamps t.
-            time = (2.0 * stamp - stamped(effects, f"{name}.position", stamp)) / segments.step
-            before = np.clip(time.astype(int), 0, segments.steps - 1)
-            part = np.clip(time - before, -1.0, 2.0)
-            rows = np.arange(len(position))[:, None]
-            one, other = (position[rows, before + k, joint] for k in (0, 1))
-            read[..., joint] = sensed(effects, f"{name}.position", one + part * (other - one))
-        return read
 
     def sure(self, before: Array, after: Array) -> bool:
         """Return whether losses fall materially, surely, and in no fold at the cost of another.

@@ -7,10 +7,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from morph.arrays import Array
+from morph.arrays import Array, Mask
 from morph.model.hypothesis import Hypothesis
 from morph.model.segments import Segments
-from morph.sim.drive import received, sensed, unsensed
+from morph.physics.effect import Effect
+from morph.sim.drive import received, sensed, stamped, unsensed
 from morph.sim.rollout import Variant, rollout
 
 MOST_ROWS_BYTES = 4e8
@@ -80,9 +81,13 @@ def _predict(
     count, size = len(segments), len(joints)
     begin = []
     for variant, start in zip(variants, starts, strict=True):
-        true = start.copy()
+        true, time = start.copy(), segments.first * segments.step
         for index, joint in enumerate(joints):
-            true[:, index] = unsensed(variant.effects, f"{joint}.position", start[:, index])
+            channel = f"{joint}.position"
+            true[:, index] = unsensed(variant.effects, channel, start[:, index])
+            # What is stamped late was read before.
+            late = stamped(variant.effects, channel, time) - time
+            true[:, index] += late * start[:, size + index]
         begin.append(true)
     start = np.concatenate(begin)
     q, _ = rollout(
@@ -93,13 +98,41 @@ def _predict(
         np.concatenate(commands),
     )
     q = q.reshape(len(variants), count, segments.steps + 1, size)
-    each = np.arange(count)[:, None]
-    part = segments.part[..., None]
-    read = q[:, each, segments.before] * (1.0 - part) + q[:, each, segments.before + 1] * part
-    for index, joint in enumerate(joints):
-        for variant, values in zip(variants, read, strict=True):
-            values[..., index] = sensed(variant.effects, f"{joint}.position", values[..., index])
-    return np.nan_to_num(read, nan=1e3, posinf=1e3, neginf=-1e3)
+    read = [
+        shown(variant.effects, joints, segments, position)
+        for variant, position in zip(variants, q, strict=True)
+    ]
+    return np.nan_to_num(np.stack(read), nan=1e3, posinf=1e3, neginf=-1e3)
+
+
+def shown(
+    effects: Sequence[Effect],
+    joints: Sequence[str],
+    segments: Segments,
+    position: Array,
+    chosen: Mask | slice = slice(None),
+) -> Array:
+    """Return what sensors report of simulated positions, shape (segments, readings, joints).
+
+    Args:
+        effects: What acts on sensors and their clocks, among others.
+        joints: Their names.
+        segments: When readings were taken.
+        position: Shape (segments, steps + 1, joints).
+        chosen: Which of the segments, by default all.
+    """
+    stamp = (segments.before + segments.part)[chosen] * segments.step
+    begin = (segments.first[chosen] * segments.step)[:, None]
+    read, rows = np.empty((*stamp.shape, len(joints))), np.arange(len(position))[:, None]
+    for joint, name in enumerate(joints):
+        # To first order, a clock that stamps s(t) at t read at 2 t - s(t) what it stamps t.
+        late = stamped(effects, f"{name}.position", begin + stamp) - (begin + stamp)
+        time = (stamp - late) / segments.step
+        before = np.clip(time.astype(int), 0, segments.steps - 1)
+        part = np.clip(time - before, -1.0, 2.0)
+        one, other = (position[rows, before + k, joint] for k in (0, 1))
+        read[..., joint] = sensed(effects, f"{name}.position", one + part * (other - one))
+    return read
 
 
 @dataclass(frozen=True, kw_only=True)

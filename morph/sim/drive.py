@@ -52,9 +52,7 @@ def completed(channel: Channel) -> tuple[Channel, Array]:
     unsure = np.repeat(local[gaps] * (0.5 * (lost[gaps] + 1)) ** 2, lost[gaps])
     whole = np.argsort(np.concatenate([time, added]), kind="stable")
     values = np.concatenate([value, PchipInterpolator(time, value)(added)])
-    filled = replace(
-        channel, time=np.concatenate([time, added])[whole], value=values[whole]
-    )
+    filled = replace(channel, time=np.concatenate([time, added])[whole], value=values[whole])
     return filled, np.concatenate([np.zeros(len(time)), unsure])[whole]
 
 
