@@ -23,6 +23,10 @@ from morph.inference.search import Prior, Search
 from morph.model.hypothesis import Hypothesis
 from morph.physics import EFFECTS
 from morph.physics.effect import Effect
+from morph.physics.fluid.drag import Drag
+from morph.physics.fluid.fluid_current import FluidCurrent
+from morph.physics.fluid.thrust import Thrust
+from morph.physics.fluid.wet import WetEffect
 from morph.physics.motion import Motion
 from morph.sim.threads import each
 
@@ -31,6 +35,8 @@ LEVELS = (1.0, 0.3, 0.1, 0.03)
 explains more leaves less of it: each is scored at the scale under which it is likeliest."""
 ODDS = 3.0
 """Prior log odds against one more effect, nats."""
+DRY = 3.0
+"""Prior log odds against a fluid's force on a robot that nobody puts into water, nats."""
 FRICTIONS = (
     "coulomb_friction", "viscous_friction", "stribeck_friction", "load_dependent_friction",
     "hysteresis",
@@ -64,7 +70,7 @@ def search_beside(base: Refit, known: Sequence[Effect], prior: Prior | None, blo
     trust, at = information(hypothesis), offset(hypothesis, point)
     return Search(
         columns=columns,
-        prior=prior or _prior(grids, joints),
+        prior=prior or _prior(grids, joints, wet=_in_water(hypothesis.robot, known)),
         known=frozenset(taken),
         groups=tuple(_frictions(columns, joints)),
         levels=tuple(
@@ -134,12 +140,28 @@ def _columns(grids: Sequence[tuple[Effect, ...]]) -> Iterator[EffectColumn]:
         first = end
 
 
-def _prior(grids: Sequence[tuple[Effect, ...]], joints: Set[str]) -> Prior:
+def _in_water(robot: Robot, known: Sequence[Effect]) -> bool:
+    """Return whether a robot's card, or what else is known, puts it into water."""
+    told = robot.card is not None and robot.card.water is not None
+    return told or any(isinstance(effect, Thrust) for effect in known)
+
+
+def _prior(grids: Sequence[tuple[Effect, ...]], joints: Set[str], *, wet: bool) -> Prior:
     """Return the prior of effects: each as likely as the others, at all its places and shapes.
 
     Real drives have friction at every joint: one law at all of them is as likely as one effect.
+
+    Args:
+        grids: Effects, each at its shapes.
+        joints: The driven ones.
+        wet: Whether the robot is known to be in water. In air a fluid's forces are rarer.
     """
-    alone = {grid[0].label: ODDS + math.log(len(grid) * len(grids)) for grid in grids}
+    alone = {
+        grid[0].label: ODDS
+        + math.log(len(grid) * len(grids))
+        + (DRY if isinstance(grid[0], WetEffect) and not wet else 0.0)
+        for grid in grids
+    }
     shapes = {grid[0].name: len(grid) for grid in grids}
     groups: dict[frozenset[str], float] = {}
     for name in FRICTIONS:
@@ -177,6 +199,7 @@ def _whitened(
 ) -> list[list[Whitened]]:
     """Return the Gram matrix of [errors, entries of the point, effects], by level and by fold."""
     own = Columns.of(hypothesis, point)
+    drags = [effect for effect in hypothesis.effects_at(point) if isinstance(effect, Drag)]
 
     def one(seen: Observed) -> list[list[Whitened]]:
         about, motion = seen.about, seen.motion
@@ -194,7 +217,10 @@ def _whitened(
                 changes = [effect.reading_regressor(motion) for effect in shapes]
                 readings[:, :, count:last] = np.concatenate(changes, axis=2)
             else:
-                forces = shapes[0].regressors(shapes, motion)
+                if isinstance(shapes[0], FluidCurrent):
+                    forces = shapes[0].through(drags, motion)
+                else:
+                    forces = shapes[0].regressors(shapes, motion)
                 np.matmul(mobility, forces, out=moved[:, :, count:last])
             count = last
         return [

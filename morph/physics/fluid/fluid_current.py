@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
 
 from morph.arrays import Array
 from morph.physics.effect import parameter
+from morph.physics.fluid.drag import Drag
 from morph.physics.fluid.numbers import CURRENT, add_numbers
 from morph.physics.kinds import WorldEffect
 from morph.physics.motion import Motion
+
+SLOW = 1e-4
+"""Current of a finite difference, m/s: links move at 0.1 m/s and more."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -24,7 +29,8 @@ class FluidCurrent(WorldEffect):
     """
 
     name: ClassVar[str] = "fluid_current"
-    strengths: ClassVar[tuple[str, ...]] = ()
+    strengths: ClassVar[tuple[str, ...]] = ("x", "y", "z")
+    suspected: ClassVar[bool] = False
     twins: ClassVar[tuple[str, ...]] = ("sensor_bias", "base_tilt")
     excited_by: ClassVar[str] = "Motion with the current and against it, or rest in it."
 
@@ -41,8 +47,27 @@ class FluidCurrent(WorldEffect):
             add_numbers(spec, body.name, CURRENT, (self.x, self.y, self.z))
 
     def regressor(self, motion: Motion) -> Array:
-        """Return no column: its force hangs on the drag of every link, and is not linear in it."""
-        return np.zeros((*motion.velocity.shape, 0))
+        """Return no force: it acts `through` the drag of links."""
+        return np.zeros((*motion.velocity.shape, 3))
+
+    @staticmethod
+    def through(drags: Sequence[Drag], motion: Motion) -> Array:
+        """Return the change of links' drag by a current of one m/s along each axis of the world.
+
+        To first order about fluid at rest, shape (samples, dofs, 3).
+        """
+        found = np.zeros((*motion.velocity.shape, 3))
+        for drag in drags:
+            body = motion.bodies[drag.body]
+            still = drag.regressor(motion) @ drag.coefficients
+            for axis in range(3):
+                passing = np.zeros_like(body.velocity)
+                passing[:, :3] = SLOW * body.axes[:, axis]
+                seen = replace(body, velocity=body.velocity - passing)
+                moved = replace(motion, bodies={drag.body: seen})
+                force = drag.regressor(moved) @ drag.coefficients
+                found[:, :, axis] += (force - still) / SLOW
+        return found
 
     def statement(self, *, slide: bool = False) -> str:
         """Return the finding in one plain sentence."""
