@@ -19,7 +19,7 @@ from morph.sim.drive import held, received, sensed, stamped
 from morph.sim.rollout import rollout
 
 STEP = 0.0005
-"""Seconds a step of these simulations: a semi-implicit start is off by half a step."""
+"""Seconds a step of the coarser of two simulations, whose errors are extrapolated to none."""
 HORIZON = 1.0
 """Seconds of a window."""
 DIVERGED = 100.0
@@ -42,29 +42,33 @@ class HeldOut:
     """What each joint's channel reads there, shape (windows,)."""
     rate: dict[str, Array]
     """How fast that changes, per s, same shape."""
+    step: float
+    """Seconds a step."""
 
     @classmethod
-    def read(cls, folder: Path, robot: Robot) -> HeldOut:
+    def read(cls, folder: Path, robot: Robot, step: float = STEP) -> HeldOut:
         """Return the held-out run in a case's folder."""
         sent = _table(gzip.decompress((folder / "held_out" / "commands.csv.gz").read_bytes()))
         starts = _table((folder / "held_out" / "starts.csv").read_bytes())
         time, begin = sent["time"], starts["time"]
-        total = round((float(begin[-1]) + HORIZON) / STEP)
+        total = round((float(begin[-1]) + HORIZON) / step)
         names = [actuator.name for actuator in robot.actuators]
         channels = {n: Channel(time=time, value=sent[f"{n}.command"]) for n in names}
         joints = [joint.name for joint in robot.joints]
         return cls(
             time=time,
-            command={n: held(channel, 0.0, STEP, total) for n, channel in channels.items()},
+            # The force of a step carries velocities from half a step before it to half a step after.
+            command={n: held(c, -0.5 * step, step, total) for n, c in channels.items()},
             begin=begin,
             reading={joint: starts[f"{joint}.position"] for joint in joints},
             rate={joint: starts[f"{joint}.velocity"] for joint in joints},
+            step=step,
         )
 
     def windows(self, commands: Sequence[Array]) -> Array:
         """Return commands of each window, shape (windows, steps, actuators)."""
-        first = np.rint(self.begin / STEP).astype(int)
-        rows = first[:, None] + np.arange(round(HORIZON / STEP))
+        first = np.rint(self.begin / self.step).astype(int)
+        rows = first[:, None] + np.arange(round(HORIZON / self.step))
         return np.stack(commands, axis=-1)[rows] if commands else np.zeros((*rows.shape, 0))
 
     def shown(self, joint: str, path: Array, effects: Sequence[Effect] = ()) -> list[float | None]:
@@ -79,7 +83,7 @@ class HeldOut:
             inside = np.flatnonzero((self.time >= start) & (self.time < start + HORIZON))
             told = self.time[inside]
             # To first order, a clock that stamps s(t) at t read at 2 t - s(t) what it stamps t.
-            spot = (2.0 * told - stamped(effects, channel, told) - start) / STEP
+            spot = (2.0 * told - stamped(effects, channel, told) - start) / self.step
             true = np.interp(spot, np.arange(path.shape[1]), path[window])
             true += np.minimum(spot, 0.0) * (path[window, 1] - path[window, 0])
             reading = sensed(effects, channel, true)
@@ -93,18 +97,31 @@ def predicted(folder: Path, robot: Robot, effects: Sequence[Effect] = ()) -> Pre
     """Return each position channel's predicted readings.
 
     Every window starts from the readings and rates that the case gives, which hold the sensors'
-    own faults.
+    own faults. MuJoCo's damping is of first order in the step, and sensors may be quieter.
+
+    Source: Richardson 1911, Phil. Trans. R. Soc. A 210, 307-357 (extrapolation to no step).
 
     Args:
         folder: The case's.
         robot: The model's description.
         effects: What acts beside it.
     """
-    run = HeldOut.read(folder, robot)
-    hypothesis = Hypothesis(robot=robot, step=STEP, knobs=(), effects=tuple(effects))
+    coarse, fine = (_simulated(folder, robot, effects, step) for step in (STEP, 0.5 * STEP))
+    return {
+        channel: [
+            None if one is None or other is None else 2.0 * other - one
+            for one, other in zip(coarse[channel], fine[channel], strict=True)
+        ]
+        for channel in coarse
+    }
+
+
+def _simulated(folder: Path, robot: Robot, effects: Sequence[Effect], step: float) -> Predicted:
+    run = HeldOut.read(folder, robot, step)
+    hypothesis = Hypothesis(robot=robot, step=step, knobs=(), effects=tuple(effects))
     variant = hypothesis.at(hypothesis.start)
     model, count = variant.model, len(run.begin)
-    commands = [received(variant.effects, n, told, STEP) for n, told in run.command.items()]
+    commands = [received(variant.effects, n, told, step) for n, told in run.command.items()]
     position, velocity = np.zeros((count, model.nq)), np.zeros((count, model.nv))
     places = {joint.name: model.joint(joint.name) for joint in robot.joints}
     for joint, place in places.items():
@@ -115,8 +132,11 @@ def predicted(folder: Path, robot: Robot, effects: Sequence[Effect] = ()) -> Pre
         late = stamped(variant.effects, channel, run.begin) - run.begin
         position[:, place.qposadr[0]] = (run.reading[joint] - bias) / scale + late * speed
         velocity[:, place.dofadr[0]] = speed
-    still = np.zeros(count, dtype=int)
-    moved, _ = rollout([variant], still, position, velocity, run.windows(commands))
+    still, sent = np.zeros(count, dtype=int), run.windows(commands)
+    # A semi-implicit step takes velocities to lie half a step before positions.
+    _, after = rollout([variant], still, position, velocity, sent[:, :1])
+    velocity -= 0.5 * (after[:, 1] - velocity)
+    moved, _ = rollout([variant], still, position, velocity, sent)
     return {
         f"{joint}.position": run.shown(joint, moved[:, :, place.qposadr[0]], variant.effects)
         for joint, place in places.items()

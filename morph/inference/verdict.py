@@ -14,6 +14,7 @@ from morph.inference.output_error import output_error_point
 from morph.inference.quadratic import quadratic
 from morph.inference.rank import Ranking
 from morph.inference.remains import Remains, remaining
+from morph.inference.validate import at_noise
 from morph.model.corrected import corrected, data, notes, provenance
 from morph.model.diagnosis import Diagnosis, Finding, Unexplained
 from morph.model.episodes import Episode, stretches
@@ -59,12 +60,14 @@ def conclude(nominal: Hypothesis, ranking: Ranking, parts: DiagnosisRuns) -> Dia
     robot, best, refit = nominal.robot, ranking.best.refit, ranking.none.refit
     remains = remaining(ranking.best, ranking.validation)
     residual = _residual(ranking, parts) if remains.probability > 0.5 else None
-    points = [each.refit.point for each in (ranking.none, ranking.best)]
-    if remains.in_noise > FAR_FROM_NOISE and not ranking.stopped:
-        points = [
-            output_error_point(each, ranking.validation, parts.train, parts.horizon)
-            for each in (ranking.none, ranking.best)
-        ]
+    refits_again = remains.in_noise > FAR_FROM_NOISE and not ranking.stopped
+    points = [
+        # The whitened likelihood is efficient where runs are explained to their noise.
+        output_error_point(each, ranking.validation, parts.train, parts.horizon)
+        if refits_again and not at_noise(each.refit.runs)
+        else each.refit.point
+        for each in (ranking.none, ranking.best)
+    ]
     found = findings(ranking, remains, points[1])
     models = {
         "nominal": (nominal, nominal.start),

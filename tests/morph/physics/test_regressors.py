@@ -128,7 +128,7 @@ def seen(robot: Robot, q: Array, v: Array, u: Array) -> tuple[Motion, Array]:
 
 def test_every_law_that_is_new_has_an_example_here() -> None:
     new = {k.name for k in EFFECTS if not k.suspected}
-    assert new == set(FELT) | {"sensor_scale", "timestamp_offset"}
+    assert new == set(FELT) | {"sensor_scale", "timestamp_offset", "fluid_current"}
 
 
 @pytest.mark.parametrize("name", FELT)
