@@ -22,7 +22,7 @@ from morph.physics.effect import Effect
 from morph.physics.motion import Motion
 from morph.sim.drive import received
 
-REST, STILL, CREEP = 0.25, 1.4, 2.0
+REST, STILL, CREEP = 0.25, 1.4, 0.2
 """Least duration of a rest, s; most standard deviation of readings in it, in units of their noise;
 and how fast the joint may creep, noises a second."""
 

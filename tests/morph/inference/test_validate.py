@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,8 +12,12 @@ from morph.arrays import Array
 from morph.body.robot import Robot
 from morph.inference.validate import Validation
 from morph.model.episodes import Episode, episode, step_for
+from morph.model.hypothesis import Hypothesis
+from morph.model.segments import cut
+from morph.model.shooting import predict
 from morph.physics.actuator.actuator_delay import ActuatorDelay
 from morph.physics.joint.viscous_friction import ViscousFriction
+from morph.physics.sensor.timestamp_offset import TimestampOffset
 from morph.record.recording import Recording
 
 
@@ -81,3 +86,21 @@ def test_no_time_far_below_the_period_of_readings_is_claimed(validation: Validat
     assert validation.too_brief(ActuatorDelay(actuator="hinge", T=0.0005))
     assert not validation.too_brief(ActuatorDelay(actuator="hinge", T=0.001))
     assert not validation.too_brief(ViscousFriction(joint="hinge", b=0.0))
+
+
+def test_a_reading_that_is_late_is_predicted_late(pendulum: Robot, episodes: list[Episode]) -> None:
+    late = TimestampOffset(channel="hinge.position", T=0.05)
+    hypothesis = Hypothesis(robot=pendulum, step=episodes[0].step, knobs=(), effects=(late,))
+    segments = cut(episodes, 1.0)
+    # The pendulum as if its readings were 50 ms late, from the start on.
+    start = segments.start.copy()
+    read = predict(hypothesis, segments, [hypothesis.start], [start])[0]
+    on_time = replace(hypothesis, effects=())
+    start[:, 0] += 0.05 * start[:, 1]
+    same = predict(on_time, segments, [on_time.start], [start])[0]
+    at = (segments.before + segments.part) * segments.step
+    for row in range(len(segments)):
+        inside = segments.valid[row] & (at[row] > 0.1)
+        due = np.interp(at[row] - 0.05, at[row], same[row, :, 0])
+        # Lines between readings 10 ms apart: (0.01)^2 / 8 of an acceleration of at most 20.
+        assert np.abs(read[row, inside, 0] - due[inside]).max() < 3e-4

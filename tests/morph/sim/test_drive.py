@@ -7,7 +7,7 @@ from morph.physics.actuator.actuator_delay import ActuatorDelay
 from morph.physics.actuator.actuator_lag import ActuatorLag
 from morph.physics.sensor.sensor_bias import SensorBias
 from morph.record.recording import Channel
-from morph.sim.drive import held, received, sensed, unsensed
+from morph.sim.drive import completed, held, received, sensed, unsensed
 
 
 def test_a_held_command_is_averaged_over_a_step_exactly() -> None:
@@ -67,3 +67,43 @@ def test_the_truth_behind_a_biased_reading_is_found() -> None:
     assert reading == pytest.approx(truth + 0.3, abs=1e-15)
     assert unsensed((bias,), "hinge.position", reading) == pytest.approx(truth, abs=1e-15)
     assert np.array_equal(unsensed((bias,), "knee.position", truth), truth)
+
+
+def _lossy(seconds: float = 20.0) -> tuple[Channel, Channel, list[int]]:
+    """Return a smooth command at 50 Hz with a little jitter, the same less four rows, and these."""
+    rng = np.random.default_rng(0)
+    time = np.cumsum(0.02 * (1.0 + 0.05 * rng.normal(size=round(50 * seconds))))
+    whole = Channel(time=time, value=np.sin(3.0 * time) + 0.3 * np.sin(8.0 * time), hold=True)
+    lost = [100, 333, 334, 700]
+    kept = np.setdiff1d(np.arange(len(time)), lost)
+    return whole, Channel(time=time[kept], value=whole.value[kept], hold=True), lost
+
+
+def test_samples_that_a_logger_lost_are_filled_in() -> None:
+    whole, lossy, lost = _lossy()
+    filled, error = completed(lossy)
+    assert len(filled.time) == len(whole.time)
+    # The clock jitters by 1 ms.
+    assert filled.time[lost] == pytest.approx(whole.time[lost], abs=4e-3)
+    # Waves lie on a line to (w h)^2 / 8, h = 40 ms: 2e-3 and 0.3 * 1.3e-2, on a cubic to less; a
+    # slope of at most 5 in 1 ms adds 5e-3. A command held for twice as long errs more.
+    assert filled.value[lost] == pytest.approx(whole.value[lost], abs=1e-2)
+    assert np.abs(lossy.at(whole.time[lost]) - whole.value[lost]).max() > 4e-2
+    logged = np.setdiff1d(np.arange(len(whole.time)), lost)
+    assert np.array_equal(filled.value[logged], whole.value[logged])
+    assert not error[logged].any()
+    assert (error[lost] > 0.0).all()
+
+
+def test_commands_on_a_clock_of_their_own_are_held() -> None:
+    # Logged when it changes, not at a rate: a gap says that it did not change.
+    rng = np.random.default_rng(1)
+    time = np.cumsum(rng.exponential(0.1, 300))
+    event = Channel(time=time, value=rng.normal(size=300), hold=True)
+    same, error = completed(event)
+    assert same is event
+    assert not error.any()
+    # A pause of a second at a regular rate is no loss of a few rows either.
+    paused = np.concatenate([np.arange(100), np.arange(150, 300)]) * 0.02
+    pause = Channel(time=paused, value=np.sin(paused), hold=True)
+    assert completed(pause)[0] is pause

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from itertools import permutations
 from typing import Any
 
@@ -13,6 +14,7 @@ import pytest
 from morph.arrays import Array
 from morph.body.robot import Robot
 from morph.errors import EffectError
+from morph.physics.body_motion import body_motions
 from morph.physics.effect import Effect
 from morph.physics.fluid.added_mass import AddedMass
 from morph.physics.fluid.buoyancy import Buoyancy
@@ -21,6 +23,7 @@ from morph.physics.fluid.linear_drag import LinearDrag
 from morph.physics.fluid.numbers import CURRENT
 from morph.physics.fluid.quadratic_drag import QuadraticDrag
 from morph.physics.fluid.thrust import Thrust
+from morph.physics.motion import Motion
 from morph.sim.simulator import Simulator
 
 BALL = (
@@ -44,6 +47,19 @@ def forward(robot: Robot, effects: tuple[Effect, ...]) -> tuple[Array, Array]:
     whole = np.zeros((6, 6))
     mujoco.mj_fullM(model, data, whole)
     return whole, data.qfrc_passive.copy()
+
+
+def seen(robot: Robot) -> Motion:
+    """Return that one state as a motion."""
+    model = Simulator(robot, ()).model
+    state = np.zeros((1, model.nq)), np.array([[0.3, -0.5, 0.2, 1.0, -2.0, 0.7]]), np.zeros((1, 6))
+    state[0][0, 3] = 1.0
+    empty = np.zeros((1, 0, 6))
+    return Motion(
+        position=state[0], velocity=state[1], acceleration=state[2], drive=empty, drive_rate=empty,
+        stiffness=np.zeros((1, 6, 6)), joints={}, actuators={},
+        bodies=body_motions(model, ["ball"], *state),
+    )  # fmt: skip
 
 
 def test_the_order_of_effects_does_not_matter(written: Callable[[str], Robot]) -> None:
@@ -167,3 +183,32 @@ def test_a_current_reaches_every_body_with_or_without_a_name(
     text = "".join(ball.format(place, name) for place, name in enumerate(("", "", "name='c'")))
     model = Simulator(written(f"<worldbody>{text}</worldbody>"), (STREAM,)).model
     assert model.body_user[1:, CURRENT].tolist() == [[0.3, -0.2, 0.0]] * 3
+
+
+def test_a_current_acts_through_the_drag_of_links(written: Callable[[str], Robot]) -> None:
+    robot, current = written(BALL), (0.02, -0.03, 0.05)
+    drag = LinearDrag(body="ball", x=0.7, y=1.1, z=0.4, rx=0.1, cx=0.1, cz=-0.2)
+    still, moving = (
+        forward(robot, (drag, *more))[1]
+        for more in ((), (FluidCurrent(**dict(zip("xyz", current, strict=True))),))
+    )
+    motion = seen(robot)
+    felt = FluidCurrent.through((drag,), motion)[0] @ np.array(current)
+    # Linear drag is linear in the current: a difference over 1e-4 m/s rounds to 1e-12.
+    assert felt == pytest.approx(moving - still, abs=1e-10)
+
+
+def test_a_point_that_is_not_told_is_looked_for_out_on_the_link(
+    written: Callable[[str], Robot],
+) -> None:
+    motion = seen(written(BALL.replace('pos="0 0 0"', 'pos="0.1 0 -0.2"')))
+    com = motion.bodies["ball"].com
+    assert com.any()
+    centres = [each.centre for each in LinearDrag(body="ball").shapes(motion)]
+    assert np.allclose(centres, np.outer([1.0, 1.5, 2.0], com))
+    known = LinearDrag(body="ball", cy=0.3)
+    assert known.shapes(motion) == (known,)
+    one, other = LinearDrag(body="ball", cy=0.3), QuadraticDrag(body="ball", cy=0.2)
+    assert one.beside(replace(other, cy=0.3))
+    assert one.beside(replace(other, body="rod"))
+    assert not one.beside(other)
