@@ -22,7 +22,7 @@ from morph.physics.effect import Effect
 from morph.physics.motion import Motion
 from morph.sim.drive import received
 
-REST, STILL, CREEP = 0.25, 1.4, 0.2
+REST, STILL, CREEP = 0.25, 1.4, 0.7
 """Least duration of a rest, s; most standard deviation of readings in it, in units of their noise;
 and how fast the joint may creep, noises a second."""
 
@@ -73,19 +73,17 @@ def observed(
     run = replace(run, command=np.stack(commands, axis=1) if commands else run.command)
     if before is not None:
         motion = before.motion
-        run = replace(
-            run,
-            force=force_of(effects, motion),
-            shift=shift_of(effects, motion),
-            sticking=sticking(effects, motion, run),
-        )
+        stuck = sticking(effects, motion, run)
+        force = force_of(effects, motion, stuck)
+        run = replace(run, force=force, shift=shift_of(effects, motion), sticking=stuck)
     about = reference(model, run, guess, before=None if before is None else before.about)
     motion = _motion(model, robot, about, run)
     if before is not None and effects:
         # The motion has changed, and under a stiff servo the effects' forces with it: evaluate them
         # along the new one.
         mobility = about.tangent.jacobian[:, :, 2 * guess.shape[1] :]
-        change = np.einsum("tij,tj->ti", mobility, force_of(effects, motion) - run.force)
+        force = force_of(effects, motion, run.sticking)
+        change = np.einsum("tij,tj->ti", mobility, force - run.force)
         shift = shift_of(effects, motion) - run.shift
         about = replace(
             about,
@@ -121,21 +119,31 @@ class _Bodies(Mapping[str, BodyMotion]):
         return len(self._found)
 
 
-def force_of(effects: Sequence[Effect], motion: Motion) -> Array:
-    """Return the generalized force of effects along a motion, N m or N, shape (samples, dofs)."""
-    force = np.zeros_like(motion.position)
+def force_of(effects: Sequence[Effect], motion: Motion, stuck: Array | float = 0.0) -> Array:
+    """Return the generalized force of effects along a motion, N m or N, shape (samples, dofs).
+
+    Args:
+        effects: What acts beside the model.
+        motion: The smoothed motion.
+        stuck: The damping that stands for dry friction, shape (samples, dofs).
+    """
+    force, slips = np.zeros_like(motion.position), np.less_equal(stuck, 0.0)
     for effect in effects:
         # Effects on a command act through the actuators, and those on a sensor on no joint.
         if type(effect).command is Effect.command and effect.kind != "sensor":
-            force += effect.regressor(motion) @ effect.coefficients
+            each = effect.regressor(motion) @ effect.coefficients
+            force += np.where(slips, each, 0.0) if effect.holds else each
     return force
 
 
 def sticking(effects: Sequence[Effect], motion: Motion, run: SampledRun) -> Array:
     """Return the damping that stands for dry friction where a joint rests, (samples, dofs).
 
-    A joint at rest gives what drives it no acceleration, so long as friction is greater: a damper
-    that lets it creep by less than its noise does the same, and linearly.
+    Friction is that of a damper, whose force at the velocity of the motion is the friction's, and
+    at velocities that noise hides less. A joint at rest thus withstands what drives it.
+
+    Source: Hunter and Lange 2004, The American Statistician 58(1), eq. 5 (a quadratic that
+    majorizes the absolute value).
 
     Args:
         effects: What acts beside the model.
@@ -147,7 +155,10 @@ def sticking(effects: Sequence[Effect], motion: Motion, run: SampledRun) -> Arra
         dof = motion.joints[effect.where]
         friction = np.abs(effect.regressor(motion)[:, dof] @ effect.coefficients)
         still = resting(run, dof)
-        found[still, dof] += float(friction.max()) / (CREEP * run.noise[dof])
+        # Velocities follow the noise where nothing holds the joint yet: take their mean.
+        mean = uniform_filter1d(motion.speed(effect.where), max(2, round(REST / run.step)))
+        speed = np.maximum(np.abs(mean), CREEP * run.noise[dof])
+        found[still, dof] += (friction.max() / speed)[still]
     return found
 
 

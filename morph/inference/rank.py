@@ -18,7 +18,7 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.inference.dictionary import search_beside
-from morph.inference.quadratic import quadratic
+from morph.inference.quadratic import LogPosterior, quadratic
 from morph.inference.refit import Refit, refitted, under
 from morph.inference.search import Explanation, Prior, Search
 from morph.inference.validate import Validation, at_noise, needed
@@ -119,7 +119,8 @@ def ranked(
         prior=Prior(alone={}),
         deadline=deadline,
     )
-    none = best = task.finalist(refitted(nominal, nominal.start, episodes, rounds=STEPS))
+    refit = refitted(nominal, nominal.start, episodes, rounds=STEPS)
+    none = best = task.finalist(refit, task.about(refit))
     search, base, tried = task.search(best), best, []
     task = replace(task, prior=search.prior)
     for turn, most in enumerate((MOST, *[LATER] * MOST_ROUNDS)):
@@ -163,10 +164,13 @@ class _Task:
         prior = self.prior if self.prior.alone else None
         return search_beside(base.refit, self.known, prior, self.validation.blocks)
 
-    def finalist(self, refit: Refit) -> Finalist:
-        """Return a refit with its price and its losses."""
+    def about(self, refit: Refit) -> LogPosterior:
+        """Return the log posterior about a refit, by folds."""
         blocks = self.validation.blocks
-        about = quadratic(refit.hypothesis, refit.point, refit.runs, blocks=blocks)
+        return quadratic(refit.hypothesis, refit.point, refit.runs, blocks=blocks)
+
+    def finalist(self, refit: Refit, about: LogPosterior) -> Finalist:
+        """Return a refit with its price and its losses."""
         whole = list(range(len(refit.effects)))
         (losses,) = self.validation.losses_of(about, refit.runs, [whole])
         price = self.prior.price({effect.label for effect in refit.effects})
@@ -189,7 +193,9 @@ class _Task:
             own = base.refit.point + found.own
             point = np.concatenate([own, start.start[len(own) :]])
             refit = refitted(start, point, self.episodes, origin=base.refit, rounds=STEPS)
-            new = self.reduced(self.finalist(under(refit, base.refit)))
+            refit = under(refit, base.refit)
+            about = self.about(refit)
+            new = self.reduced(self.finalist(refit, about), about)
             tried.append(new)
             base, *gained = (_under(each, new) for each in (base, *gained))
             if _gains(base, new, self.validation):
@@ -198,10 +204,9 @@ class _Task:
             return tried, base
         return tried, functools.reduce(lambda a, b: _better(a, b, self.validation), gained)
 
-    def reduced(self, whole: Finalist) -> Finalist:
+    def reduced(self, whole: Finalist, about: LogPosterior) -> Finalist:
         """Return a set without the effects that rollouts do not need, if that is not worse."""
         refit, validation = whole.refit, self.validation
-        about = quadratic(refit.hypothesis, refit.point, refit.runs, blocks=validation.blocks)
         kept, losses = needed(about, validation, refit.runs, certain=CERTAIN)
         brief = any(validation.too_brief(effect) for effect in whole.effects)
         worse = validation.worse(whole.losses, losses) and not brief
@@ -209,7 +214,7 @@ class _Task:
             return whole
         hypothesis, point = about.reduced(kept)
         anew = refitted(hypothesis, point, self.episodes, before=refit.runs, rounds=STEPS)
-        fewer = self.finalist(anew)
+        fewer = self.finalist(anew, self.about(anew))
         return whole if validation.worse(whole.losses, fewer.losses) and not brief else fewer
 
     def simplified(self, best: Finalist) -> Finalist | None:
@@ -225,9 +230,10 @@ class _Task:
             own = len(start.knobs)
             point = np.concatenate([refit.point[:own], start.start[own:]])
             anew = refitted(start, point, self.episodes, before=refit.runs, rounds=STEPS)
-            new = self.finalist(anew)
+            about = self.about(anew)
+            new = self.finalist(anew, about)
             if not self.validation.worse(best.losses, new.losses):
-                return self.reduced(new)
+                return self.reduced(new, about)
         return None
 
 

@@ -163,8 +163,8 @@ class Search:
         options: list[tuple[int, ...]] = []
         for step in steps:
             added = tuple(at for at in step if self.columns[at].label not in taken)
-            new = [self.columns[at].effect for at in added]
-            fits = all(one.beside(other) for one in new for other in there)
+            others = [self.columns[at].effect for at in added]
+            fits = all(one.beside(other) for one in others for other in there)
             if added and fits and (len(step) > 1 or added == step):
                 options.append(added)
         prices = np.array([self.price({*base.members, *added}) for added in options])

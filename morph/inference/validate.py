@@ -33,7 +33,7 @@ SURE = 2.0
 LITTLE_FORCE, LITTLE_VIBRATION = 0.03, 1.0
 """Missing force as a share of the joints', and vibration in units of the noise, up to which runs
 are explained to their noise."""
-BRIEF = 0.15
+BRIEF = 0.2
 """Least time that may be claimed, as a share of the period of readings: simulations step, loggers
 stamp and controllers hold at moments that differ by as much."""
 HARM = 0.5
