@@ -12,9 +12,11 @@ from morph.arrays import Array
 from morph.body.load import load
 from morph.body.robot import Robot
 from morph.inference.columns import Columns, acting
+from morph.inference.dictionary import search_beside
 from morph.inference.observed import observed
-from morph.inference.quadratic import LogPosterior, information, offset
+from morph.inference.quadratic import LogPosterior, information, offset, quadratic
 from morph.inference.refit import refitted, seen
+from morph.inference.validate import Validation
 from morph.model.episodes import Episode, episode
 from morph.model.hypothesis import Hypothesis
 from morph.model.knobs import knobs
@@ -243,3 +245,53 @@ def test_a_joint_that_sticks_hides_no_force(pendulum: Robot) -> None:
     found = refitted(nominal, np.array([0.5]), [episode(recording, pendulum, STEP)], rounds=3)
     assert found.point[0] == pytest.approx(0.8, abs=0.05)
     # Without damping at rest, friction of a sense that noise decides is found to be 0.1 N m.
+
+
+def test_the_likeliest_point_without_an_effect_leaves_it_at_neutral(
+    nominal: Hypothesis, run: Episode
+) -> None:
+    whole = replace(nominal, effects=MISSING)
+    found = refitted(whole, whole.start, [run], rounds=2)
+    about = quadratic(whole, found.point, found.runs)
+    idle = about.idle([0, 2])
+    # Mass, viscous friction, Coulomb friction, bias.
+    assert idle[2] == 0.0
+    assert (np.abs(idle - found.point) > 1e-4).tolist() == [True, True, True, True]
+    fewer, point = about.reduced([0, 2])
+    assert [each.name for each in fewer.effects] == ["viscous_friction", "sensor_bias"]
+    assert point.tolist() == pytest.approx(idle[[0, 1, 3]].tolist())
+
+
+def test_laws_of_sensors_are_looked_for_by_their_readings(
+    nominal: Hypothesis, run: Episode
+) -> None:
+    rubbing = replace(nominal, effects=MISSING[:2])
+    base = refitted(rubbing, rubbing.start, [run], rounds=2)
+    none = refitted(nominal, nominal.start, [run], rounds=1)
+    prior = search_beside(none, (), None, 4).prior
+    sets = search_beside(base, (), prior, 4).sets(1)
+    # A centre of mass beside the rod moves the rest alike.
+    found = {each.effects[0].label: each for each in sets[:3] if each.effects}
+    biased = found["sensor_bias@hinge.position"]
+    assert biased.gain > 20.0
+    assert biased.effects[0].bias == pytest.approx(BIAS, abs=0.01)  # type: ignore[attr-defined]
+
+
+def test_without_an_elastic_drive_its_motor_turns_with_the_joint(
+    nominal: Hypothesis, run: Episode
+) -> None:
+    # A rotor of its own can be given no spring that is stiff enough: it is taken out instead.
+    effects = (effect("SeriesElasticity", "hinge", k=50.0, d=0.5), MISSING[0])
+    whole = replace(nominal, effects=effects)
+    runs = seen(whole, whole.start, [run], seen(nominal, nominal.start, [run]))
+    validation = Validation.of([run])
+    about = quadratic(whole, whole.start, runs, blocks=validation.blocks)
+    both, alone = validation.losses_of(about, runs, [[0, 1], [1]])
+    rubbing = replace(nominal, effects=MISSING[:1])
+    points = [about.without_fold(k).idle([1])[[0, *_last(about, 1)]] for k in range(4)]
+    assert alone == pytest.approx(validation.losses(rubbing, [points], runs)[0])
+    assert np.abs(both - alone).max() > 0.1
+
+
+def _last(about: LogPosterior, count: int) -> list[int]:
+    return list(range(len(about.point) - count, len(about.point)))

@@ -82,9 +82,9 @@ def test_a_loss_that_rises_in_the_mean_is_worse(validation: Validation) -> None:
 
 
 def test_no_time_far_below_the_period_of_readings_is_claimed(validation: Validation) -> None:
-    # Readings come every 5 ms.
-    assert validation.too_brief(ActuatorDelay(actuator="hinge", T=0.0005))
-    assert not validation.too_brief(ActuatorDelay(actuator="hinge", T=0.001))
+    # Readings come every 5 ms: 1 ms is a fifth of that.
+    assert validation.too_brief(ActuatorDelay(actuator="hinge", T=0.0009))
+    assert not validation.too_brief(ActuatorDelay(actuator="hinge", T=0.0011))
     assert not validation.too_brief(ViscousFriction(joint="hinge", b=0.0))
 
 
