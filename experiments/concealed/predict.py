@@ -57,7 +57,7 @@ class HeldOut:
         joints = [joint.name for joint in robot.joints]
         return cls(
             time=time,
-            # The force of a step carries velocities from half a step before it to half a step after.
+            # A step carries velocities from half of it before to half of it after.
             command={n: held(c, -0.5 * step, step, total) for n, c in channels.items()},
             begin=begin,
             reading={joint: starts[f"{joint}.position"] for joint in joints},

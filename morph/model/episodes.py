@@ -166,7 +166,7 @@ def episode(recording: Recording, robot: Robot, step: float) -> Episode:
         # One error a sample acts as an independent one of each of its steps.
         of_steps = error * np.sqrt(max(1.0, float(np.median(np.diff(whole.time))) / step))
         lost = replace(channel, time=whole.time, value=of_steps, hold=True)
-        unsure.append(lost.at(start + step * np.arange(steps))[:, None])
+        unsure.append(lost.at(start + step * np.arange(steps, dtype=float))[:, None])
     return Episode(
         recording=recording,
         step=step,

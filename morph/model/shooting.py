@@ -81,7 +81,7 @@ def _predict(
     count, size = len(segments), len(joints)
     begin = []
     for variant, start in zip(variants, starts, strict=True):
-        true, time = start.copy(), segments.first * segments.step
+        true, time = start.copy(), segments.step * segments.first.astype(float)
         for index, joint in enumerate(joints):
             channel = f"{joint}.position"
             true[:, index] = unsensed(variant.effects, channel, start[:, index])

@@ -36,8 +36,9 @@ class Drag(WetEffect):
 
     def beside(self, other: Effect) -> bool:
         """Return whether it refers to the same point as another drag of its link."""
-        same = isinstance(other, Drag) and other.body == self.body
-        return not same or bool(np.array_equal(other.centre, self.centre))
+        if not isinstance(other, Drag) or other.body != self.body:
+            return True
+        return bool(np.array_equal(other.centre, self.centre))
 
     def regressor(self, motion: Motion) -> Array:
         """Return the force of each axis for a drag of one."""
