@@ -14,6 +14,8 @@ WATER = 1000.0
 """Density of fresh water, kg/m3."""
 PADDLE = 0.12
 """Height of the submerged arm's paddle, m; its description tells it."""
+AT_POINT = ("x", "y", "z", "cx", "cy", "cz")
+"""Figures that nobody can know who is not told the point to which they refer."""
 
 
 def _vector(figures: Figures) -> Array:
@@ -92,8 +94,7 @@ def _fluid(field: str) -> Law:
         return _at_point(plant, i, f).with_body(i, **{field: x, f"{field}_y": y, f"{field}_z": z})
 
     return Law(
-        name=f"{field}_drag", kind="body", figures=figures, apply=apply, acts=_wet,
-        given=("cx", "cy", "cz"),
+        name=f"{field}_drag", kind="body", figures=figures, apply=apply, acts=_wet, given=AT_POINT,
     )  # fmt: skip
 
 
@@ -173,17 +174,17 @@ BODY_LAWS = (
     _fluid("quadratic"),
     Law(
         name="added_mass", kind="body", apply=_added, largest=3.0, acts=_wet,
-        given=("cx", "cy", "cz"), least=lambda x: x.vary["mass"] + 0.1,
+        given=AT_POINT, least=lambda x: x.vary["mass"] + 0.1,
         figures=lambda s, x: _along("added", s * x.mass, x),
     ),
     Law(
         name="buoyancy", kind="body", apply=_buoyant, acts=_wet, largest=1.5,
-        given=("density", "cx", "cy", "cz"), least=lambda x: x.vary["mass"] + 0.05,
+        given=("volume", "density", "cx", "cy", "cz"), least=lambda x: x.vary["mass"] + 0.05,
         figures=lambda s, x: {"volume": s * x.mass / WATER, "density": WATER, **_point(x)},
     ),
     Law(
         name="thrust", kind="body", apply=_thrust, acts=_blows, largest=3.0,
-        given=("density", "span", "cx", "cy", "cz"),
+        given=("C", "density", "span", "cx", "cy", "cz"),
         figures=lambda s, x: {"C": s, "density": WATER, "span": PADDLE, **_point(x)},
     ),
     Law(
@@ -191,7 +192,7 @@ BODY_LAWS = (
     ),
     Law(
         name="tether", kind="body", figures=_tether, apply=_tie, largest=2.0,
-        given=("ax", "ay", "az", "cx", "cy", "cz"),
+        given=("k", "length", "ax", "ay", "az", "cx", "cy", "cz"),
     ),
 )  # fmt: skip
 

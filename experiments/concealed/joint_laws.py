@@ -65,6 +65,12 @@ def _play(size: float, x: Setting) -> Figures:
     }
 
 
+def _patchy(plant: Plant, i: int, f: Figures) -> Plant:
+    return plant.with_joint(
+        i, patch=f["c"], patch_depth=f["a"] / f["c"], patch_n=f["n"], patch_phase=f["phase"]
+    )
+
+
 def _stop(size: float, x: Setting) -> Figures:
     inside = 0.45 * size * (x.of("high") - x.of("low"))
     k = min(x.of("peak") / 0.02, x.of("inertia") * 300.0**2)
@@ -102,10 +108,10 @@ JOINT_LAWS = (
     ),
     Law(
         name="position_dependent_friction", kind="joint", largest=0.5,
-        apply=fields(c="patch", a="patch_depth", n="patch_n", phase="patch_phase"),
+        apply=_patchy,
         figures=lambda s, x: {
             "c": s * x.of("effort"),
-            "a": 0.5 + 0.5 * x.chance[0],
+            "a": s * x.of("effort") * (0.5 + 0.5 * x.chance[0]),
             "n": _waves(3 + 7 * x.chance[1], x),
             "phase": 2 * np.pi * x.chance[2],
         },
@@ -187,7 +193,9 @@ ACTUATOR_LAWS = (
     ),
     Law(
         name="thermal_derating", kind="actuator", acts=_driven,
-        apply=fields(rate="heat_rate", floor="heat_floor", level="heat_level"), given=("level",),
+        apply=fields(rate="heat_rate", floor="heat_floor", level="heat_level"),
+        # While it warms up only (1 - floor) rate / level^2 shows.
+        given=("rate", "floor", "level"),
         figures=lambda s, x: {
             "rate": 3.0 * s / x.seconds, "floor": 0.3 + 0.4 * x.chance[0], "level": x.of("effort"),
         },
