@@ -89,8 +89,8 @@ def findings(ranking: Ranking, remains: Remains, point: Array) -> tuple[Finding,
 def estimates(about: LogPosterior, stated: Array) -> tuple[list[Estimate], Mask]:
     """Return each entry of a point with its 90 % interval, and which are known from the runs.
 
-    The interval is the wider of two: by the curvature of the log posterior, and by the jackknife
-    over folds, which holds where errors are not as the model of the disturbance says. It is widened
+    The interval is the wider of two: by the curvature of the log posterior at its `TEMPERATURE`, and
+    by the jackknife over folds, which holds where errors are not as the model of the disturbance says. It is widened
     to hold the stated value.
 
     Source: Efron 1982, The jackknife, the bootstrap and other resampling plans, eq. 3.5.
@@ -113,11 +113,12 @@ def estimates(about: LogPosterior, stated: Array) -> tuple[list[Estimate], Mask]
     folds = len(about.grams)
     steps = np.stack([about.without_fold(fold).step(moving)[0] for fold in range(folds)])
     jackknife = (folds - 1) / folds * np.sum((steps - steps.mean(axis=0)) ** 2, axis=0)
-    width = NORMAL90 * np.sqrt(np.maximum(variance, jackknife))
+    width = NORMAL90 * np.sqrt(np.maximum(TEMPERATURE * variance, jackknife))
     trust = information(hypothesis)
     # What the prior alone says leaves its own variance.
     prior_only = moving & (trust > 0.0) & (variance * trust > 0.9)
-    width = np.where(at_bound, NORMAL90 / np.sqrt(np.maximum(np.diag(inner), 1e-300)), width)
+    stiff = np.maximum(np.diag(inner), 1e-300)
+    width = np.where(at_bound, NORMAL90 * np.sqrt(TEMPERATURE / stiff), width)
     found = [
         Estimate(
             value=float(stated[at]),

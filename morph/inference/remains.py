@@ -14,12 +14,8 @@ from morph.inference.rank import Finalist
 from morph.inference.sampled import Reference
 from morph.inference.validate import Validation
 
-SHARE, NATS, SHOWN = 0.012, 100.0, 6.0
-"""Where what remains is as probably physics as not: share of the joints' force, evidence, and error
-of rollouts, in units of the noise squared, in which that force shows."""
-ERROR, SOME = 12.0, 0.004
-"""The same error where it decides beside a share of any size: rollouts that err while no force is
-missing began where the smoother was wrong."""
+SHARE, NATS = 0.003, 150.0
+"""Where what remains is as probably physics as not: share of the joints' force, and evidence."""
 STEEP = 2.0
 """How steeply probability rises with the logarithm of each. All are set by hand on cases of
 `experiments.concealed`, apart from those that judge."""
@@ -42,15 +38,9 @@ class Remains:
     def probability(self) -> float:
         """How probable it is that physics is left which has no name here."""
         tiny = 1e-12
-        by_force = min(
-            math.log(max(self.share, tiny) / SHARE),
-            math.log(max(self.nats, tiny) / NATS),
-            math.log(max(self.in_noise, tiny) / SHOWN),
+        steep = STEEP * min(
+            math.log(max(self.share, tiny) / SHARE), math.log(max(self.nats, tiny) / NATS)
         )
-        by_error = min(
-            math.log(max(self.in_noise, tiny) / ERROR), math.log(max(self.share, tiny) / SOME)
-        )
-        steep = STEEP * max(by_force, by_error)
         return float(1.0 / (1.0 + math.exp(-np.clip(steep, -30.0, 30.0))))
 
 
