@@ -1,115 +1,102 @@
-"""Recordings made by hand-written equations: nothing here moves by MuJoCo."""
+"""Recordings of a pendulum whose motion is a few lines of arithmetic: nothing here is MuJoCo's."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pytest
 
-from experiments.conceal.equations import Equations
-from experiments.conceal.excite import free, on_rail
-from experiments.conceal.laws import neutral
-from experiments.conceal.march import Drive, Motion, march
 from morph.arrays import Array
 from morph.record.recording import Channel, Recording
 
 STEP = 5e-4
 RATE = 100.0
+EVERY = round(1.0 / (RATE * STEP))
+"""Steps between readings."""
 NOISE = 3e-4
-"""Standard deviation of a reading, rad or m."""
-
-Law = tuple[str, int, Mapping[str, float]]
-"""An effect's name, the joint's place and its parameters."""
-Push = Callable[[Array], Array]
-"""From times, s, to a torque on the first joint that no command tells of."""
+"""Standard deviation of a reading, rad."""
 
 
+def swing(
+    q: Array, v: Array, torque: Array, *, mass: float = 1.0, friction: float = 0.0,
+    force: Callable[[Array, Array], Array] | None = None,
+) -> Array:  # fmt: skip
+    """Return positions and velocities at each reading of pendulums as `robots/pendulum` has one.
+
+    Moreau's midpoint rule: half a drift, the velocity extrapolated to there, dry friction as an
+    impulse that can stop, half a drift.
+
+    Args:
+        q: Positions at the start, rad; 0 hangs down.
+        v: Velocities at the start, rad/s.
+        torque: The motor's torque over each step, N m, shape (steps, ...).
+        mass: Of the ball, kg.
+        friction: Level of dry friction, N m.
+        force: From positions and velocities to one more torque, N m.
+    """
+    inertia, weight = 0.001 + mass * 0.5**2, mass * 9.81 * 0.5
+    before, path = v, [(q, v)]
+    for effort in torque:
+        middle, speed = q + 0.5 * STEP * v, 1.5 * v - 0.5 * before
+        pull = effort - weight * np.sin(middle) + (force(middle, speed) if force else 0.0)
+        free = v + STEP * pull / inertia
+        before, v = v, np.sign(free) * np.maximum(np.abs(free) - STEP * friction / inertia, 0.0)
+        q = middle + 0.5 * STEP * v
+        path.append((q, v))
+    return np.array(path[::EVERY])
+
+
+@dataclass(frozen=True, kw_only=True)
 class Truth:
-    """Runs of one mechanism, as they were and as they were read."""
+    """Runs of one pendulum, as they were and as they were read."""
 
-    def __init__(self, equations: Equations, motion: Motion, recordings: list[Recording]) -> None:
-        self.equations = equations
-        self.motion = motion
-        self.recordings = recordings
+    path: Array
+    """True positions and velocities at each reading, shape (readings, 2, runs)."""
+    recordings: list[Recording]
+    """What was read and commanded."""
 
-    def state(self, run: int, when: float) -> tuple[Array, Array]:
-        """Return true positions and velocities of a run at a time on the grid of the readings."""
-        at = round(when / self.motion.every)
-        return self.motion.q[at, :, run], self.motion.v[at, :, run]
+    def described(self, run: int, first: int, count: int) -> Array:
+        """Return where the described pendulum is at the readings after a true state of a run."""
+        told = self.recordings[run]["hinge.command"][first : first + count]
+        return swing(*self.path[first, :, run], np.repeat(told, EVERY))[1:, 0]
 
 
 def record(
-    equations: Equations,
-    laws: Sequence[Law] = (),
-    *,
-    seeds: Sequence[int],
-    seconds: float = 4.0,
-    push: Sequence[Push] | None = None,
-    **figures: float,
-) -> Truth:
-    """Return runs of a mechanism under effects, one a seed.
+    *, seeds: Sequence[int], seconds: float = 4.0, gain: float = 1.0,
+    push: Sequence[Callable[[Array], Array]] = (), **true: Any,
+) -> Truth:  # fmt: skip
+    """Return runs of a pendulum that is not as described, one a seed.
 
     Args:
-        equations: The mechanism.
-        laws: What the description leaves out.
         seeds: Of commands, starts and noise.
         seconds: Length of each run.
-        push: A torque for each run that is in no recording.
-        figures: True figures that are not as described.
+        gain: Torque over command.
+        push: For each run, from times, s, to a torque that is in no recording.
+        true: What else is not as described; see `swing`.
     """
-    joints, rows = len(equations.joints), len(seeds)
-    felt = neutral(joints, rows)
-    for name, joint, parameters in laws:
-        felt = felt.put(name, joint, slice(None), dict(parameters))
-    ticks = np.arange(0.0, seconds + 1e-9, 1.0 / RATE)
+    ticks = np.arange(round(seconds * RATE) + 1) / RATE
     commands, starts = [], []
-    for seed in seeds:
-        rng = np.random.default_rng(seed)
-        command, start = np.zeros((joints, len(ticks))), np.zeros(joints)
-        for joint, name in enumerate(equations.joints):
-            reach = equations.reach[joint]
-            turning = equations.kinds[joint] == "hinge"
-            if name in equations.actuators:
-                shape = free if turning else on_rail
-                command[joint] = (reach.effort * shape("multisine", ticks, rng)).round(6)
-            if turning:
-                start[joint] = rng.uniform(-0.7, 0.7)
-        commands.append(command)
-        starts.append(start)
-    drive = Drive(ticks=(ticks,) * rows, commands=tuple(commands))
-    torque = drive.produced(felt, np.zeros(rows), round(seconds / STEP), STEP)
-    middle = (np.arange(len(torque)) + 0.5) * STEP
-    for row, pushed in enumerate(push or ()):
-        torque[:, 0, row] += pushed(middle)
-    true = {**equations.nominal(), **figures}
-    motion = march(
-        equations,
-        {name: np.full(rows, value) for name, value in true.items()},
-        felt,
-        torque,
-        np.array(starts).T,
-        np.zeros((joints, rows)),
-        step=STEP,
-        keep=1.0 / RATE,
-    )
-    return Truth(equations, motion, [_read(equations, motion, commands, ticks, *each)
-                                     for each in enumerate(seeds)])  # fmt: skip
-
-
-def _read(
-    equations: Equations, motion: Motion, commands: list[Array], ticks: Array, row: int, seed: int
-) -> Recording:
-    rng = np.random.default_rng([seed, 1])
-    channels = {}
-    for joint, name in enumerate(equations.joints):
-        # The last sum of steps may be short of the last reading by rounding.
-        value = motion.q[: len(ticks), joint, row] + rng.normal(0.0, NOISE, len(ticks))
-        channels[f"{name}.position"] = Channel(time=ticks, value=value)
-        if name in equations.actuators:
-            told = Channel(time=ticks, value=commands[row][joint], hold=True)
-            channels[f"{name}.command"] = told
-    return Recording(name=f"run_{seed}", channels=channels)
+    for rng in map(np.random.default_rng, seeds):
+        # Six sines from 0.2 to 3 Hz that rise within half a second.
+        rate, phase = np.exp(rng.uniform(*np.log([0.2, 3.0]), 6)), rng.uniform(0, 2 * np.pi, 6)
+        wave = np.sin(2 * np.pi * ticks[:, None] * rate + phase).sum(axis=1)
+        commands.append((3.0 * wave / np.abs(wave).max() * np.clip(2 * ticks, 0, 1)).round(6))
+        starts.append(rng.uniform(-0.7, 0.7))
+    torque = gain * np.repeat(np.array(commands).T[:-1], EVERY, axis=0)
+    for row, pushed in enumerate(push):
+        torque[:, row] += pushed((np.arange(len(torque)) + 0.5) * STEP)
+    path = swing(np.array(starts), np.zeros(len(starts)), torque, **true)
+    recordings = []
+    for row, seed in enumerate(seeds):
+        noise = np.random.default_rng([seed, 1]).normal(0.0, NOISE, len(ticks))
+        told = Channel(time=ticks, value=commands[row], hold=True)
+        read = Channel(time=ticks, value=path[:, 0, row] + noise)
+        channels = {"hinge.position": read, "hinge.command": told}
+        recordings.append(Recording(name=f"run_{seed}", channels=channels))
+    return Truth(path=path, recordings=recordings)
 
 
 @pytest.fixture(scope="session")

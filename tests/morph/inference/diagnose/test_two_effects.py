@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from experiments.conceal.pendulum import Pendulum
 from morph.body.load import load
 from morph.inference.diagnose import diagnose
 from morph.model.diagnosis import Diagnosis
@@ -18,8 +17,8 @@ TRUE = {"torque_scale": ("gain", 1.4), "coulomb_friction": ("c", 0.06)}
 
 @pytest.fixture(scope="module")
 def found(recorded: Callable[..., Any]) -> Diagnosis:
-    laws = [(name, 0, {symbol: value}) for name, (symbol, value) in TRUE.items()]
-    runs = recorded(Pendulum(), laws, seeds=range(4), seconds=3.0)
+    gain, friction = (value for _, value in TRUE.values())
+    runs = recorded(gain=gain, friction=friction, seeds=range(4), seconds=3.0)
     return diagnose(load("pendulum"), runs.recordings, seed=0)
 
 

@@ -9,7 +9,6 @@ import mujoco
 import numpy as np
 import pytest
 
-from experiments.conceal.pendulum import Pendulum
 from morph.arrays import Array
 from morph.body.load import load
 from morph.inference.diagnose import diagnose
@@ -19,10 +18,8 @@ from morph.model.diagnosis import Diagnosis
 @pytest.fixture(scope="module")
 def refuted(recorded: Callable[..., Any]) -> Diagnosis:
     """Friction in every run to learn from, and none in those held out: it came off since."""
-    rubbing = recorded(
-        Pendulum(), [("coulomb_friction", 0, {"c": 0.06})], seeds=range(3), seconds=3.0
-    )
-    free = recorded(Pendulum(), seeds=(8, 9), seconds=3.0)
+    rubbing = recorded(friction=0.06, seeds=range(3), seconds=3.0)
+    free = recorded(seeds=(8, 9), seconds=3.0)
     return diagnose(load("pendulum"), rubbing.recordings, held_out=free.recordings, seed=0)
 
 
@@ -61,7 +58,7 @@ def windy(recorded: Callable[..., Any]) -> Diagnosis:
         return lambda t: 0.2 * np.sin(2.0 * np.pi * t[:, None] * rate + phase).sum(axis=1)
 
     seeds = range(4)
-    runs = recorded(Pendulum(), seeds=seeds, push=[hand(seed) for seed in seeds])
+    runs = recorded(seeds=seeds, push=[hand(seed) for seed in seeds])
     return diagnose(load("pendulum"), runs.recordings, seed=0)
 
 
