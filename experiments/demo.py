@@ -6,20 +6,29 @@ Example: python -m experiments.demo --seed 3 --out out/demo
 from __future__ import annotations
 
 import argparse
+import json
+import shlex
 import sys
 import time
 from dataclasses import replace
+from itertools import count
 from pathlib import Path
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
-from experiments.conceal import conceal, make_cases, open_seal
-from experiments.conceal.__main__ import in_words as truth_in_words
+from experiments.concealed.case import Case, draw_case
+from experiments.concealed.errors import BenchmarkError
+from experiments.concealed.generate import CASES, TRUTHS, write_case
+from experiments.concealed.seal import Sealed, open_seal
+from experiments.concealed.suites import SUITES
 from morph.errors import MorphError
 from morph.files import sha256, write_whole
 
 ROOT = Path(__file__).parent.parent
+SUITE = "development"
+SMALL = ("pendulum", "cart_pole", "double_pendulum")
+"""Mechanisms whose diagnosis takes less than a minute."""
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -32,10 +41,14 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--seed", type=int, default=8, help="of what is concealed (default 8)")
     parser.add_argument("--out", type=Path, default=Path("out/demo"), help="where results go")
     asked = parser.parse_args(arguments)
+    if asked.seed < 0:
+        parser.error("--seed must not be negative")
     console = Console()
     try:
         case = _recorded(asked.seed, asked.out, console)
         report = _diagnosed(case, asked.out, console)
+        # Only now, with the answer written, is the seal opened.
+        truth = _in_words(open_seal(case.parents[1] / TRUTHS, case.name))
     except MorphError as error:
         sys.stderr.write(f"error: {error}\n")
         return 2
@@ -44,12 +57,7 @@ def main(arguments: list[str] | None = None) -> int:
         return 130
     console.print()
     console.print((asked.out / "answer.txt").read_text().rstrip(), highlight=False, soft_wrap=True)
-    # Only now, with the answer written, is the seal opened.
-    console.print(
-        f"\n[bold]Truth, unsealed only now[/]: {truth_in_words(open_seal(case))}",
-        highlight=False,
-        soft_wrap=True,
-    )
+    console.print(f"\n[bold]Truth, unsealed only now[/]: {truth}", highlight=False, soft_wrap=True)
     console.print(f"Open the report in a browser: {report.resolve()}", soft_wrap=True)
     console.print(
         "Next, a minute: a policy that fails on a body with sealed differences, and what\n"
@@ -62,14 +70,52 @@ def main(arguments: list[str] | None = None) -> int:
 
 def _recorded(seed: int, out: Path, console: Console) -> Path:
     """Return the folder of a case; it is made once."""
-    case = make_cases(1, seed, clean=False)[0]
-    folder = out / "case" / case.name
-    if not (folder / "sealed" / "truth.sealed.json").exists():
+    folder = out / "case"
+    made = sorted((folder / CASES).glob(f"{SUITE}_{seed}_*/case.json"))
+    if made:
+        case = made[0].parent
+    else:
         with console.status("Recording a robot with a hidden flaw (its truth is sealed) ..."):
-            conceal(case, folder)
-    said = f"1. Recorded: {folder}/recordings; the truth is sealed beside it"
+            case = write_case(_drawn(seed), folder)
+    said = f"1. Recorded: {case}/recordings; the truth is sealed in {folder / TRUTHS}"
     console.print(said, soft_wrap=True)
-    return folder
+    return case
+
+
+def _drawn(seed: int) -> Case:
+    """Return the first case of a seed with one effect of the library and a small mechanism."""
+    numbers = (number for number in count() if SUITES[SUITE].count(seed, number) == 1)
+    cases = (draw_case(SUITE, seed, number) for number in numbers)
+    # A law that does nothing without another is left out together with it.
+    return next(
+        case for case in cases if len(case.truth.effects) == 1 and case.mechanism.family in SMALL
+    )
+
+
+def _in_words(sealed: Sealed) -> str:
+    """Return the truth of a case in one sentence."""
+    effects = []
+    for effect in sealed.about["effects"]:
+        where, figures = effect["where"], effect["figures"]
+        sizes = ", ".join(f"{name} = {figures[name]:.3g}" for name in effect["scored"])
+        effects.append(
+            f"{effect['effect']} at {where['kind']} {where['name']} ({sizes}), "
+            f"{effect['effect_to_noise']:.1f} times the noise"
+        )
+    return f"{sealed.about['family']}: {'; '.join(effects)}"
+
+
+def _vary(case: Path) -> dict[str, float]:
+    """Return by how much a case says that its description may be wrong."""
+    path = case / "case.json"
+    try:
+        return {
+            str(kind): float(share) for kind, share in json.loads(path.read_text())["vary"].items()
+        }
+    except (OSError, ValueError, TypeError, KeyError, AttributeError) as error:
+        raise BenchmarkError(
+            f"the case cannot be read: {error}", where=str(path), fix="remove its folder"
+        ) from error
 
 
 def _diagnosed(case: Path, out: Path, console: Console) -> Path:
@@ -78,17 +124,18 @@ def _diagnosed(case: Path, out: Path, console: Console) -> Path:
     from morph.app.report.files import write_diagnosis
     from morph.body.load import load as load_robot
     from morph.inference.diagnose import diagnose
-    from morph.record.binding import load_binding
     from morph.record.load import load as load_recordings
 
-    binding = case / "recordings" / "recording.toml"
     stamp, report = out / "stamp", out / "diagnosis" / "report.html"
-    now = sha256(*sorted((ROOT / "morph").rglob("*.py")), binding)
+    description, recorded = case / "robot.xml", case / "recordings"
+    given = sorted(path for path in case.rglob("*") if path.is_file())
+    now = sha256(*sorted((ROOT / "morph").rglob("*.py")), *given)
     if stamp.exists() and stamp.read_text() == now and report.exists():
         console.print("2. Diagnosed before, and nothing has changed since.")
         return report
-    robot = load_robot(str(load_binding(binding).robot))
-    recordings = load_recordings(binding, robot=robot)
+    vary = _vary(case)
+    robot = load_robot(str(description))
+    recordings = load_recordings(recorded, robot=robot)
     columns = (TextColumn("   {task.description}"), BarColumn(), TimeElapsedColumn())
     began = time.monotonic()
     with Progress(*columns, console=console, transient=True) as progress:
@@ -96,9 +143,12 @@ def _diagnosed(case: Path, out: Path, console: Console) -> Path:
         found = diagnose(
             robot,
             recordings,
+            vary=vary,
             progress=lambda what, share: progress.update(task, description=what, completed=share),
         )
-    command = f"morph diagnose {robot.name} {binding} --out DIR --seed 0"
+    told = [f"{kind}={share:g}" for kind, share in vary.items()]
+    said = ["morph", "diagnose", str(description), str(recorded), "--out", "DIR", "--vary", *told]
+    command = shlex.join([*said, "--seed", "0"])
     found = replace(found, provenance={**found.provenance, "command": command})
     write_diagnosis(found, report.parent)
     write_whole(out / "answer.txt", in_words(found, report.parent))
