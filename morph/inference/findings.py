@@ -89,9 +89,9 @@ def findings(ranking: Ranking, remains: Remains, point: Array) -> tuple[Finding,
 def estimates(about: LogPosterior, stated: Array) -> tuple[list[Estimate], Mask]:
     """Return each entry of a point with its 90 % interval, and which are known from the runs.
 
-    The interval is the wider of two: by the curvature of the log posterior at its `TEMPERATURE`, and
-    by the jackknife over folds, which holds where errors are not as the model of the disturbance says. It is widened
-    to hold the stated value.
+    The interval is the wider of two: by the curvature of the log posterior at its `TEMPERATURE`,
+    and by the jackknife over folds, which holds where errors are not as the model of the
+    disturbance says. It is widened to hold the stated value.
 
     Source: Efron 1982, The jackknife, the bootstrap and other resampling plans, eq. 3.5.
 

@@ -37,11 +37,11 @@ def test_each_interval_belongs_to_its_own_effect(found: Diagnosis) -> None:
         symbol, value = TRUE[finding.effect.name]
         estimate = finding.parameters[symbol]
         # Mass and gain are known to 10 and 5 % only, and the motion tells their ratio: to either
-        # side 1.645 of (0.1^2 + 0.05^2)^0.5 = 18 % at most.
+        # side 1.645 of (0.1^2 + 0.05^2)^0.5 = 18 % at most, 26 % at a temperature of 2.
         assert estimate.value == pytest.approx(value, rel=0.05)
         assert estimate.low90 < estimate.value < estimate.high90
         assert getattr(finding.effect, symbol) == pytest.approx(estimate.value)
-        assert estimate.high90 - estimate.low90 < 0.4 * value
+        assert estimate.high90 - estimate.low90 < 0.54 * value
 
 
 def test_each_is_likelier_than_its_rivals(found: Diagnosis) -> None:
