@@ -178,7 +178,7 @@ def test_the_interval_holds_the_friction_with_room_on_both_sides(found: Diagnosi
     assert c.low90 < FRICTION < c.high90
     # No bound is near, so that the interval is symmetric. Friction, mass and gain may all be off by
     # one factor: mass is known to 10 %, gain to 5 %, together to (1 / 0.1^2 + 1 / 0.05^2)^-0.5 =
-    # 4.5 %, and 1.645 of those are 7.4 %; the temperature of 2 is a variance twice as large: 10.4 %.
+    # 4.5 %, and 1.645 of those are 7.4 %; a temperature of 2 doubles the variance: 10.4 %.
     assert c.value - c.low90 == pytest.approx(c.high90 - c.value, rel=1e-6)
     assert c.high90 - c.value == pytest.approx(0.104 * FRICTION, rel=0.15)
     assert c.unit == "N m"
