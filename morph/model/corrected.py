@@ -9,7 +9,7 @@ from typing import Any
 from morph.arrays import JSON, Array
 from morph.body.fulltext import fulltext
 from morph.body.robot import Robot
-from morph.model.episodes import Episode, gaps
+from morph.model.episodes import Episode, fills, gaps
 from morph.model.hypothesis import Hypothesis
 from morph.physics.apply import apply
 from morph.physics.effect import Effect
@@ -65,7 +65,7 @@ def notes(episodes: Sequence[Episode], still: Sequence[str]) -> tuple[str, ...]:
         f"{note.where}: {note.what}" for episode in episodes for note in episode.recording.notes
     ]
     said += [f"Joint {joint} does not move in any run that was fitted." for joint in still]
-    said += [f"{episode.name}: {gap}" for episode in episodes for gap in gaps(episode)]
+    said += [f"{e.name}: {what}" for e in episodes for what in (*gaps(e), *fills(e))]
     return tuple(said)
 
 

@@ -199,6 +199,13 @@ def gaps(episode: Episode) -> list[str]:
     ]
 
 
+def fills(episode: Episode) -> list[str]:
+    """Return in how many places commands were interpolated, as the logger lost them, in words."""
+    lost = (episode.unsure > 0.0).any(axis=1)
+    count = int(np.count_nonzero(np.diff(lost, prepend=False) & lost))
+    return [f"commands that the logger lost are interpolated, gaps: {count}"] if count else []
+
+
 def stretches(episodes: Sequence[Episode], seconds: float) -> list[Episode]:
     """Return stretches of episodes, evenly spread, that last about `seconds` together.
 

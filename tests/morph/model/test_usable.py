@@ -10,7 +10,7 @@ from morph.body.load import load
 from morph.body.robot import Robot
 from morph.errors import DiagnosisError, RecordingError
 from morph.inference.diagnose import diagnose
-from morph.model.episodes import episode, gaps
+from morph.model.episodes import episode, fills, gaps
 from morph.model.segments import cut
 from morph.model.usable import check_channels, check_motion, check_recordings, check_settings
 from morph.record.recording import Channel, Recording
@@ -79,6 +79,18 @@ def test_rollouts_across_a_gap_are_left_out_and_the_gap_is_told(
     assert gaps(laid)[0].startswith("no reading for 1.9")
     # Of the seconds 0-1, 1-2, 2-3, 3-4 the third holds nothing and the second a fifth.
     assert cut([laid], 1.0).first.tolist() == [0, 750]
+
+
+def test_commands_that_the_logger_lost_are_told(pendulum: Robot, swing: Recording) -> None:
+    time = np.arange(0.0, 4.0, 0.01)
+    kept = ~np.isin(np.arange(len(time)), [100, 250, 251])
+    lossy = Channel(time=time[kept], value=np.sin(3.0 * time[kept]), hold=True)
+    holed = replace(swing, channels={**swing.channels, "hinge.command": lossy})
+    laid = episode(holed, pendulum, 0.004)
+    assert fills(laid) == ["commands that the logger lost are interpolated, gaps: 2"]
+    # Steps of 4 ms that begin within 1.00 to 1.01 s, and within 2.50 to 2.52 s.
+    assert np.flatnonzero(laid.unsure[:, 0]).tolist() == [250, 251, 252, 625, 626, 627, 628, 629]
+    assert fills(episode(swing, pendulum, 0.004)) == []
 
 
 @pytest.mark.parametrize(("train", "held_out"), [(["a", "a"], []), (["a"], ["a"])])
