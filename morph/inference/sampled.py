@@ -9,7 +9,7 @@ import numpy as np
 from morph.arrays import Array, Mask
 from morph.inference.filter import Disturbance, Tangent
 
-FLOOR = 2e-3
+FLOOR = 5e-4
 """Least scale of the missing force, as a share of the RMS force that a joint's motion needs."""
 
 

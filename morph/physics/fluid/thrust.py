@@ -14,7 +14,15 @@ from morph.body.spec import spec_of
 from morph.errors import EffectError
 from morph.physics.effect import parameter
 from morph.physics.fluid.edge import Edge, edge_at, trailing_edge
-from morph.physics.fluid.numbers import CHORD, EDGE, NORMAL, SHED, numbers_of, write_numbers
+from morph.physics.fluid.numbers import (
+    CHORD,
+    EDGE,
+    NORMAL,
+    SHED,
+    add_numbers,
+    numbers_of,
+    write_numbers,
+)
 from morph.physics.kinds import BodyEffect
 from morph.physics.motion import Motion
 
@@ -149,6 +157,8 @@ class Thrust(BodyEffect):
     def edit(self, spec: Any) -> None:
         """Tell the fluid where the link's trailing edge is and what it sheds."""
         if self.C == 0.0:
+            # Models of all coefficients run in one batch: they have the same sizes.
+            add_numbers(spec, self.body, SHED, (0.0,))
             return
         edge = self.edge(spec)
         numbers = numbers_of(spec, self.body)

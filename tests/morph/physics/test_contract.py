@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -9,6 +10,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
+from mujoco.batch import MODEL_FIELDS
 
 from morph.arrays import Array
 from morph.body.load import load
@@ -236,6 +238,22 @@ def test_a_value_out_of_bounds_is_refused_with_the_bounds(
         return
     for value in (known.low, known.high):
         assert getattr(replace(effect, **{known.name: value}), known.name) == value
+
+
+@pytest.mark.parametrize(
+    "kind", [kind for kind in EFFECTS if kind.kind != "contact"], ids=lambda kind: kind.name
+)
+def test_models_of_all_strengths_have_the_same_sizes(kind: type[Effect]) -> None:
+    # One batch simulates them side by side.
+    rig, robot = rig_of(kind)
+    effect = felt(kind, robot)
+    one, other = (
+        Simulator(robot, effects=(*rig.beside, each)).model for each in (effect, effect.neutral())
+    )
+    for name in MODEL_FIELDS:
+        path = name.split(".")
+        sizes = {np.shape(functools.reduce(getattr, path, model)) for model in (one, other)}
+        assert len(sizes) == 1, name
 
 
 @every_effect

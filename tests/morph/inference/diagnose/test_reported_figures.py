@@ -198,9 +198,9 @@ def test_factors_of_a_description_that_is_right_are_one_and_have_both_ends(
 def test_what_explains_almost_all_of_the_training_error_is_near_certain(found: Diagnosis) -> None:
     (finding,) = found.findings
     # Laws that hold it as a limit, as Stribeck's, are a few nats less likely each.
-    assert found.probabilities["coulomb_friction@hinge"] > 0.7
+    assert found.probabilities["coulomb_friction@hinge"] > 0.6
     assert found.probabilities["none"] < 0.05
-    assert finding.probability > 0.7
+    assert finding.probability > 0.6
     assert all(rival.probability < 0.2 for rival in finding.rivals)
     # Held-out squared errors fall by (1.5e-2 / 1.5e-3)^2, a hundred times; those of training,
     # cross-validated, no less than ten times.
