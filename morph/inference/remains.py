@@ -14,7 +14,7 @@ from morph.inference.rank import Finalist
 from morph.inference.sampled import Reference
 from morph.inference.validate import Validation
 
-SHARE, NATS = 0.003, 150.0
+SHARE, NATS = 0.01, 150.0
 """Where what remains is as probably physics as not: share of the joints' force, and evidence."""
 STEEP = 2.0
 """How steeply probability rises with the logarithm of each. All are set by hand on cases of

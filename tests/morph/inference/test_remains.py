@@ -24,8 +24,8 @@ def test_at_the_thresholds_it_is_as_probable_as_not() -> None:
     ("share", "nats", "unknown"),
     [
         (0.5, 1.0, False),  # A force that readings do not ask for.
-        (0.002, 1e5, False),  # The least force that is assumed.
-        (0.01, 1e3, True),
+        (0.003, 1e5, False),  # What steps and sticking cost.
+        (0.03, 1e3, True),
         (0.0, 0.0, False),
     ],
 )

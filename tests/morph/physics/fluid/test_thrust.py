@@ -17,7 +17,7 @@ from morph.body.spec import spec_of
 from morph.errors import EffectError
 from morph.physics.body_motion import body_motions
 from morph.physics.fluid.kernel import install
-from morph.physics.fluid.numbers import ADDED, POINT, SHED, numbers_of, write_numbers
+from morph.physics.fluid.numbers import ADDED, POINT, SHED, SIGNATURE, numbers_of, write_numbers
 from morph.physics.fluid.thrust import Thrust, shed_mass, tail_force
 from morph.physics.motion import Motion
 from morph.sim.simulator import Simulator
@@ -230,7 +230,10 @@ def test_a_fin_that_is_thrown_loses_energy_and_only_energy() -> None:
     assert lost[-1] < 0.95 * lost[0]
 
 
-def test_without_a_coefficient_the_paddle_stays_dry() -> None:
+def test_without_a_coefficient_the_paddle_sheds_nothing() -> None:
     spec = mujoco.MjSpec.from_string(BENCH)
+    # Its edge is not told, and need not be.
     Thrust(body="paddle").edit(spec)
-    assert spec.compile().nuser_body == 0
+    numbers = spec.compile().body("paddle").user
+    assert numbers[0] == SIGNATURE
+    assert not numbers[2:].any()
