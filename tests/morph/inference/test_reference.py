@@ -167,3 +167,16 @@ def test_a_model_moved_along_its_own_motion_is_the_same() -> None:
     again = module._moved(found, damped, replace(run, valid=found.tangent.valid))
     assert np.allclose(again.acceleration, found.acceleration, atol=1e-6)
     assert np.allclose(again.error, found.error, atol=1e-12)
+
+
+def test_commands_that_are_unsure_shake_the_joint(model: mujoco.MjModel) -> None:
+    case = swing(lambda t: 0.0)
+    run = case["run"]
+    unsure = np.zeros_like(run.command)
+    unsure[100] = 2.0
+    found = reference(model, replace(run, unsure=unsure), guess(case))
+    jolt = found.disturbance.jolt
+    assert jolt is not None
+    # 2 N m for one step.
+    assert jolt[100, 0] == pytest.approx(2.0 * H / INERTIA, rel=1e-6)
+    assert np.flatnonzero(jolt[:, 0]).tolist() == [100]

@@ -295,3 +295,15 @@ def test_without_an_elastic_drive_its_motor_turns_with_the_joint(
 
 def _last(about: LogPosterior, count: int) -> list[int]:
     return list(range(len(about.point) - count, len(about.point)))
+
+
+def test_a_fluid_is_less_probable_where_nobody_tells_of_water(
+    nominal: Hypothesis, run: Episode
+) -> None:
+    none = refitted(nominal, nominal.start, [run], rounds=1)
+    paddle = effect("Thrust", "rod", span=0.1, z=-0.5, nx=1.0)
+    dry, wet = (search_beside(none, known, None, 4).prior.alone for known in ((), (paddle,)))
+    for prior, price in ((dry, 3.0), (wet, 0.0)):
+        # Drag is looked for at three points.
+        more = prior["linear_drag@rod"] - prior["coulomb_friction@hinge"]
+        assert more == pytest.approx(price + np.log(3.0))
