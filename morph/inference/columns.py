@@ -12,6 +12,7 @@ import numpy as np
 from morph.arrays import Array
 from morph.inference.figures import driven, forces_between
 from morph.inference.observed import Observed, shift_of
+from morph.inference.sticking import slipping
 from morph.model.hypothesis import Hypothesis, bare_spec
 from morph.physics.dynamics import supplied
 from morph.physics.effect import Effect
@@ -122,8 +123,9 @@ class Columns:
                 # Laws with a memory are followed together.
                 whole = type(first).regressors(shapes, seen.motion)
                 parts = np.split(whole, len(shapes), axis=2)
+                slips = np.broadcast_to(slipping(first, seen.motion), len(whole))[:, None]
                 for effect, part in zip(shapes, parts, strict=True):
-                    found[effect] = part @ effect.coefficients
+                    found[effect] = np.where(slips, part @ effect.coefficients, 0.0)
         return found
 
     def _commanded(self, effect: Effect, seen: Observed) -> Array:

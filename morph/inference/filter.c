@@ -190,48 +190,85 @@ double morph_filter(int n, int m, int e, int width, int64_t steps, double h, dou
 	}
 }
 
+/* x <- F' x, with F = I + ... of the semi-implicit step. */
+INLINE void retreat(int n, int e, double h, double keep, double fade, const double *restrict J,
+		    double *restrict x)
+{
+	double next[n];
+	for (int i = 0; i < n; i++)
+		next[i] = h * (x[n + i] + h * x[i]);
+	for (int j = 0; j < n; j++) {
+		x[n + j] += h * x[j];
+		x[2 * n + j] *= keep;
+	}
+	for (int j = 0; j < e; j++)
+		x[3 * n + j] *= fade;
+	for (int i = 0; i < n; i++)
+		for (int j = 0; j < 3 * n; j++)
+			x[j] += J[i * 3 * n + j] * next[i];
+}
+
 /* Smooth the first column of a filter's run: the modified Bryson-Frazier form.
  *
  * white (steps, m) is that of the first column; covariance, predicted, gain and variance as the
- * filter left them; x (steps, N) is the smoothed state. `adjoint` is Bierman's lambda.
+ * filter left them; x (steps, N) is the smoothed state and spread (steps, n) the smoothed variance
+ * of velocities. `adjoint` is Bierman's lambda and L (N, N) its covariance, his capital Lambda.
  * Source: Bierman 1973, Automatica 9(5), 503-511.
  */
 void morph_smooth(int n, int m, int e, int64_t steps, double h, double keep, double fade,
 		  const double *J, const double *C, const uint8_t *valid, const double *white,
-		  const double *covariance, const double *predicted, const double *gain, const double *variance, double *x)
+		  const double *covariance, const double *predicted, const double *gain, const double *variance, double *x,
+		  double *spread)
 {
 	int N = 3 * n + e;
-	double adjoint[N], next[N];
+	double adjoint[N], along[N], L[N * N];
 	memset(adjoint, 0, sizeof adjoint);
+	memset(L, 0, sizeof L);
 	for (int64_t t = steps - 1; t >= 0; t--) {
-		/* adjoint <- F' adjoint, with F' = I + ... of the semi-implicit step. */
 		const double *now = J + t * n * 3 * n;
-		for (int i = 0; i < n; i++)
-			next[i] = h * (adjoint[n + i] + h * adjoint[i]);
-		for (int j = 0; j < n; j++) {
-			adjoint[n + j] += h * adjoint[j];
-			adjoint[2 * n + j] *= keep;
+		retreat(n, e, h, keep, fade, now, adjoint);
+		for (int side = 0; side < 2; side++) {
+			for (int i = 0; i < N; i++)
+				retreat(n, e, h, keep, fade, now, L + (size_t)i * N);
+			transpose(N, L);
 		}
-		for (int j = 0; j < e; j++)
-			adjoint[3 * n + j] *= fade;
-		for (int j = 0; j < 3 * n; j++)
-			for (int i = 0; i < n; i++)
-				adjoint[j] += now[i * 3 * n + j] * next[i];
 		for (int r = m - 1; r >= 0; r--) {
 			if (!valid[t * m + r])
 				continue;
 			const double *row = C + r * N, *k = gain + (t * m + r) * N;
-			double along = white[t * m + r] / sqrt(variance[t * m + r]);
+			double moved = white[t * m + r] / sqrt(variance[t * m + r]);
+			double both = 1.0 / variance[t * m + r];
 			for (int i = 0; i < N; i++)
-				along -= k[i] * adjoint[i];
+				moved -= k[i] * adjoint[i];
 			for (int j = 0; j < N; j++)
-				adjoint[j] += row[j] * along;
+				adjoint[j] += row[j] * moved;
+			/* (1 - k row)' L (1 - k row) + row' row / variance */
+			memset(along, 0, sizeof along);
+			for (int i = 0; i < N; i++)
+				for (int j = 0; j < N; j++)
+					along[j] += k[i] * L[i * N + j];
+			for (int i = 0; i < N; i++)
+				both += along[i] * k[i];
+			for (int i = 0; i < N; i++)
+				for (int j = 0; j < N; j++)
+					L[i * N + j] += row[i] * row[j] * both - row[i] * along[j] - along[i] * row[j];
 		}
 		for (int i = 0; i < N; i++) {
 			double moved = predicted[t * N + i];
 			for (int j = 0; j < N; j++)
 				moved += covariance[((size_t)t * N + i) * N + j] * adjoint[j];
 			x[t * N + i] = moved;
+		}
+		for (int i = 0; i < n; i++) {
+			const double *P = covariance + ((size_t)t * N + n + i) * N;
+			double left = P[n + i];
+			for (int j = 0; j < N; j++) {
+				double seen = 0.0;
+				for (int k = 0; k < N; k++)
+					seen += L[j * N + k] * P[k];
+				left -= P[j] * seen;
+			}
+			spread[t * n + i] = left;
 		}
 	}
 }

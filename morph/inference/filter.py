@@ -153,8 +153,10 @@ def whitened_blocks(
 
 def smoothed(
     tangent: Tangent, disturbance: Disturbance, reading: Array, acceleration: Array | None = None
-) -> Array:
+) -> tuple[Array, Array]:
     """Return the mean of position and velocity errors, force and vibration, given all readings.
+
+    With it the standard deviation of velocities, per s, shape (samples, dofs).
 
     Source: Bierman 1973, Automatica 9(5), 503-511 (the modified Bryson-Frazier smoother).
 
@@ -167,7 +169,7 @@ def smoothed(
             (samples, dofs); by default zero, as for a motion that the model simulated.
 
     Returns:
-        Shape (samples, 3 dofs + vibrating channels).
+        The mean, shape (samples, 3 dofs + vibrating channels), and the standard deviation.
 
     Raises:
         KernelError: There is no C compiler, or it fails.
@@ -232,8 +234,8 @@ class _Run:
         )  # fmt: skip
         return white, log_determinant
 
-    def smooth(self, reading: Array, acceleration: Array | None) -> Array:
-        """Return the smoothed state, shape (samples, states)."""
+    def smooth(self, reading: Array, acceleration: Array | None) -> tuple[Array, Array]:
+        """Return the smoothed state and the standard deviation of its velocities."""
         samples, channels = reading.shape
         size = self._delta.shape[0]
         kept = (
@@ -243,17 +245,17 @@ class _Run:
             np.empty((samples, channels)),
         )
         white, _ = self.filter(slice(None), reading[:, :, None], acceleration, kept)
-        state = np.empty((samples, size))
         tangent = self._tangent
+        state, variance = np.empty((samples, size)), np.empty((samples, tangent.jacobian.shape[1]))
         _code().morph_smooth(
             tangent.jacobian.shape[1], channels, self._vibrating, samples,
             tangent.step, self._keep, self._fade,
             *map(_pointer, (
                 _packed(tangent.jacobian), self._reads,
-                np.ascontiguousarray(tangent.valid, dtype=np.uint8), white, *kept, state,
+                np.ascontiguousarray(tangent.valid, dtype=np.uint8), white, *kept, state, variance,
             )),
         )  # fmt: skip
-        return state
+        return state, np.sqrt(np.maximum(variance, 0.0))
 
 
 def _packed(values: Array) -> Array:
@@ -279,5 +281,5 @@ def _code() -> ctypes.CDLL:
     code.morph_filter.restype = number
     code.morph_filter.argtypes = [count] * 4 + [ctypes.c_int64] + [number] * 3 + [at] * 16
     code.morph_smooth.restype = None
-    code.morph_smooth.argtypes = [count] * 3 + [ctypes.c_int64] + [number] * 3 + [at] * 9
+    code.morph_smooth.argtypes = [count] * 3 + [ctypes.c_int64] + [number] * 3 + [at] * 10
     return code

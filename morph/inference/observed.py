@@ -15,7 +15,7 @@ from morph.inference.disturbance import likeliest_disturbance
 from morph.inference.figures import actuator_forces, constant_moments
 from morph.inference.reference import FEWER_STEPS, reference
 from morph.inference.sampled import Reference, SampledRun
-from morph.inference.sticking import sticking
+from morph.inference.sticking import ending, friction, moved
 from morph.model.episodes import Episode, moving_joints
 from morph.physics.body_motion import BodyMotion, body_motions
 from morph.physics.effect import Effect
@@ -68,18 +68,20 @@ def observed(
     ]
     run = replace(run, command=np.stack(commands, axis=1) if commands else run.command)
     if before is not None:
-        motion = before.motion
-        stuck = sticking(effects, motion, run)
-        force = force_of(effects, motion, stuck)
-        run = replace(run, force=force, shift=shift_of(effects, motion), sticking=stuck)
+        dry = friction(effects, before.motion, before.about)
+        motion = replace(before.motion, senses=dry.senses)
+        force = force_of(effects, motion)
+        shift = shift_of(effects, motion)
+        run = replace(run, force=force, shift=shift, sticking=dry.damping)
     about = reference(model, run, guess, before=None if before is None else before.about)
     motion = _motion(model, robot, about, run)
     if before is not None and effects:
         # The motion has changed, and under a stiff servo the effects' forces with it: evaluate them
         # along the new one.
+        motion = moved(dry, motion, about)
         mobility = about.tangent.jacobian[:, :, 2 * guess.shape[1] :]
-        force = force_of(effects, motion, run.sticking)
-        change = np.einsum("tij,tj->ti", mobility, force - run.force)
+        linear = run.force - dry.damping * ending(about)
+        change = np.einsum("tij,tj->ti", mobility, force_of(effects, motion) - linear)
         shift = shift_of(effects, motion) - run.shift
         about = replace(
             about,
@@ -115,20 +117,13 @@ class _Bodies(Mapping[str, BodyMotion]):
         return len(self._found)
 
 
-def force_of(effects: Sequence[Effect], motion: Motion, stuck: Array | float = 0.0) -> Array:
-    """Return the generalized force of effects along a motion, N m or N, shape (samples, dofs).
-
-    Args:
-        effects: What acts beside the model.
-        motion: The smoothed motion.
-        stuck: The damping that stands for dry friction, shape (samples, dofs).
-    """
-    force, slips = np.zeros_like(motion.position), np.less_equal(stuck, 0.0)
+def force_of(effects: Sequence[Effect], motion: Motion) -> Array:
+    """Return the generalized force of effects along a motion, N m or N, shape (samples, dofs)."""
+    force = np.zeros_like(motion.position)
     for effect in effects:
         # Effects on a command act through the actuators, and those on a sensor on no joint.
         if type(effect).command is Effect.command and effect.kind != "sensor":
-            each = effect.regressor(motion) @ effect.coefficients
-            force += np.where(slips, each, 0.0) if effect.holds else each
+            force += effect.regressor(motion) @ effect.coefficients
     return force
 
 

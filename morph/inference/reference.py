@@ -10,7 +10,7 @@ import numpy as np
 from morph.arrays import Array, Mask
 from morph.inference.disturbance import likeliest_disturbance
 from morph.inference.filter import Disturbance, Tangent, smoothed
-from morph.inference.sampled import Reference, SampledRun
+from morph.inference.sampled import Reference, SampledRun, later
 from morph.physics.dynamics import accelerations, jacobians
 from morph.physics.motion import actuator_moments
 
@@ -61,11 +61,11 @@ def reference(
     if before is None:
         known = likeliest_disturbance(found, steps=STEPS)
     for _ in range(ROUNDS if before is None else 1):
-        state = smoothed(found.tangent, known, found.error, found.acceleration)
+        state, spread = smoothed(found.tangent, known, found.error, found.acceleration)
         change, rate, force, _ = np.split(state, [n * position.shape[1] for n in (1, 2, 3)], axis=1)
         position, velocity = position + change, velocity + rate
         run = replace(run, valid=run.valid & ~outliers(found.error / run.noise, run.valid))
-        found = _along(model, run, position, velocity, force, known)
+        found = replace(_along(model, run, position, velocity, force, known), spread=spread)
     if before is not None:
         return found
     return replace(found, disturbance=likeliest_disturbance(found, steps=FEWER_STEPS))
@@ -117,7 +117,7 @@ def _along(
     # step of second order and stable: (1 - h/2 A_v) v' = v + h (a - A_v v / 2). Where a joint
     # sticks damping is stiff, and the step is Euler's backward one.
     local[:, :, dofs : 2 * dofs] -= mobility * sticking[:, None]
-    damped = np.eye(dofs) - run.step * _later(run, dofs) * local[:, :, dofs : 2 * dofs]
+    damped = np.eye(dofs) - run.step * later(sticking) * local[:, :, dofs : 2 * dofs]
     jacobian = np.asarray(np.linalg.solve(damped, local))
     acceleration = np.linalg.solve(damped, modelled[:, :, None])[:, :, 0] - slope
     # Nothing follows the last sample that its acceleration could be compared with.
@@ -137,8 +137,10 @@ def _along(
     return Reference(
         position=position,
         velocity=velocity,
+        spread=np.zeros_like(velocity),
         force=force,
         acceleration=acceleration,
+        sticking=sticking,
         tangent=Tangent(step=run.step, jacobian=jacobian, reads=run.reads, valid=run.valid),
         disturbance=replace(known, jolt=_jolt(model, run, jacobian[:, :, 2 * dofs :])),
         error=np.where(run.valid, run.reading - _predicted(run, position, velocity), 0.0),
@@ -167,28 +169,26 @@ def _moved(before: Reference, model: mujoco.MjModel, run: SampledRun) -> Referen
 
     A smoother that is iterated once more needs them only roughly.
     """
-    position, velocity, tangent = before.position, before.velocity, before.tangent
+    position, velocity = before.position, before.velocity
     dofs = position.shape[1]
+    sticking = np.broadcast_to(run.sticking, position.shape)
+    local = before.undamped
+    local[:, :, dofs : 2 * dofs] -= local[:, :, 2 * dofs :] * (sticking - before.sticking)[:, None]
+    damped = np.eye(dofs) - run.step * later(sticking) * local[:, :, dofs : 2 * dofs]
+    force = run.force - sticking * velocity
     acceleration = accelerations(model, position, velocity, run.command)
-    # Damping as in `_along`: (1 - h/2 A_v)^-1 = 1 + h/2 (damped A_v).
-    rate = np.einsum("tij,tj->ti", tangent.jacobian[:, :, dofs : 2 * dofs], acceleration)
-    acceleration += run.step * _later(run, dofs)[:, 0] * rate
-    force = run.force - np.broadcast_to(run.sticking, position.shape) * velocity
-    acceleration += np.einsum("tij,tj->ti", tangent.jacobian[:, :, 2 * dofs :], force)
+    acceleration += np.einsum("tij,tj->ti", local[:, :, 2 * dofs :], force)
+    acceleration = np.linalg.solve(damped, acceleration[:, :, None])[:, :, 0]
+    tangent = replace(before.tangent, jacobian=np.linalg.solve(damped, local))
     acceleration[:-1] -= np.diff(velocity, axis=0) / run.step
     acceleration[-1] = 0.0
     return replace(
         before,
         acceleration=acceleration,
+        sticking=sticking,
+        tangent=tangent,
         error=np.where(run.valid, run.reading - _predicted(run, position, velocity), 0.0),
     )
-
-
-def _later(run: SampledRun, dofs: int) -> Array:
-    """Return the share of the new velocity in each step's damping, shape (samples, 1, 1)."""
-    shape = (len(run.command), dofs)
-    sticks = np.broadcast_to(run.sticking, shape).any(axis=1)
-    return np.where(sticks, 1.0, 0.5)[:, None, None]
 
 
 def _predicted(run: SampledRun, position: Array, velocity: Array) -> Array:

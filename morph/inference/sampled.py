@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -38,7 +39,7 @@ class SampledRun:
     force: Array | float = 0.0
     """Known generalized force that the model lacks, N m or N, shape (samples, dofs)."""
     sticking: Array | float = 0.0
-    """Damping that stands for dry friction at rest, N m s/rad or N s/m, shape (samples, dofs)."""
+    """Damping by dry friction near rest, N m s/rad or N s/m, shape (samples, dofs)."""
     shift: Array | float = 0.0
     """Known change of readings that the model lacks, shape (samples, channels)."""
 
@@ -55,10 +56,14 @@ class Reference:
     """rad or m, shape (samples, dofs)."""
     velocity: Array
     """Per s, same shape."""
+    spread: Array
+    """Standard deviation of that velocity, given the readings, same shape."""
     force: Array
     """Missing force: the smoothed state of the Ornstein-Uhlenbeck process, N m or N, same shape."""
     acceleration: Array
     """The model's acceleration less that of the motion, per s2, same shape."""
+    sticking: Array
+    """Damping by dry friction that `tangent` includes, N m s/rad or N s/m, same shape."""
     tangent: Tangent
     """The linearised model, by the trapezoidal rule, and which readings are used."""
     disturbance: Disturbance
@@ -70,7 +75,31 @@ class Reference:
     effort: Array
     """RMS inertial force of the motion on each degree of freedom, N m or N, shape (dofs,)."""
 
+    @cached_property
+    def mobility(self) -> Array:
+        """Acceleration by each force without the damping of a step, (samples, dofs, dofs)."""
+        return self.undamped[:, :, 2 * self.position.shape[1] :]
+
+    @property
+    def undamped(self) -> Array:
+        """The tangent's Jacobian without what makes its steps implicit, (samples, dofs, 3 dofs)."""
+        dofs, jacobian = self.position.shape[1], self.tangent.jacobian
+        rate = self.tangent.step * later(self.sticking) * jacobian[:, :, dofs : 2 * dofs]
+        return np.asarray(np.linalg.solve(np.eye(dofs) + rate, jacobian))
+
     def leaving(self, share: float) -> Disturbance:
         """Return the disturbance with its force scaled, to at least `FLOOR` of the effort."""
         scale = np.maximum(share * self.disturbance.scale, FLOOR * self.effort)
         return replace(self.disturbance, scale=scale)
+
+
+def later(sticking: Array) -> Array:
+    """Return the share of the new velocity in each step's damping, shape (samples, 1, 1).
+
+    It is one half, the trapezoidal rule; where a joint sticks damping is stiff, and the step is
+    Euler's backward one.
+
+    Args:
+        sticking: Damping by dry friction, shape (samples, dofs).
+    """
+    return np.where(np.any(sticking > 0.0, axis=1), 1.0, 0.5)[:, None, None]

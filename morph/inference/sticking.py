@@ -1,58 +1,104 @@
-"""Dry friction that holds a joint at rest."""
+"""Dry friction along a smoothed motion: where joints stick, and what holds them there."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.ndimage import maximum_filter1d, uniform_filter1d
+from scipy.special import erf
 
 from morph.arrays import Array, Mask
-from morph.inference.sampled import SampledRun
+from morph.inference.sampled import Reference
 from morph.physics.effect import Effect
 from morph.physics.motion import Motion
 
-REST, STILL, CREEP = 0.25, 1.4, 0.7
-"""Least duration of a rest, s; most standard deviation of readings in it, in units of their noise;
-and how fast the joint may creep, noises a second."""
+SLIPS = 2.5
+"""Velocity in units of its standard deviation from which a joint slips, at first sight."""
+STIFF = 30.0
+"""Damping of a joint that sticks, in units of its inertia over a step: what is left of a velocity
+after a step is 1 / (1 + STIFF)."""
 
 
-def sticking(effects: Sequence[Effect], motion: Motion, run: SampledRun) -> Array:
-    """Return the damping that stands for dry friction where a joint rests, (samples, dofs).
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Friction:
+    """Dry friction of all joints, set-valued at rest.
 
-    Friction is that of a damper, whose force at the velocity of the motion is the friction's, and
-    at velocities that noise hides less. A joint at rest thus withstands what drives it.
+    Its force is minus its level times its sense. A joint of which the sense lies between -1 and 1
+    sticks: it is held by a stiff damper, and the damper's force goes into the sense.
 
-    Source: Hunter and Lange 2004, The American Statistician 58(1), eq. 5 (a quadratic that
-    majorizes the absolute value).
+    Source: Alart and Curnier 1991, Computer Methods in Applied Mechanics and Engineering 92(3),
+    sections 3 and 4 (the augmented Lagrangian of friction, and which contacts stick).
+    """
+
+    senses: Mapping[str, Array]
+    """The sense by joint, from -1 to 1, shape (samples,) each."""
+    level: Array
+    """Greatest friction, N m or N, shape (samples, dofs)."""
+    damping: Array
+    """Where a joint sticks, N m s/rad or N s/m, same shape."""
+
+
+def friction(effects: Sequence[Effect], motion: Motion, about: Reference) -> Friction:
+    """Return the friction of some effects along a motion.
+
+    Senses are those of the motion; of joints of which it has none they are the mean signs of
+    velocities, given how far these may be off.
+
+    Source: Gelb and Vander Velde 1968, Multiple-input describing functions, section 2.3 (the
+    relay under Gaussian input with a mean).
 
     Args:
         effects: What acts beside the model.
         motion: The smoothed motion.
-        run: Its readings, one of each joint's position.
+        about: Its velocities and how far they may be off.
     """
-    found = np.zeros_like(motion.position)
+    velocity = ending(about)
+    senses, level, damping = {}, np.zeros_like(velocity), np.zeros_like(velocity)
+    inertia = 1.0 / np.einsum("tii->ti", about.mobility)
     for effect in (each for each in effects if each.holds):
-        dof = motion.joints[effect.where]
-        friction = np.abs(effect.regressor(motion)[:, dof] @ effect.coefficients)
-        still = resting(run, dof)
-        # Velocities follow the noise where nothing holds the joint yet: take their mean.
-        mean = uniform_filter1d(motion.speed(effect.where), max(2, round(REST / run.step)))
-        speed = np.maximum(np.abs(mean), CREEP * run.noise[dof])
-        found[still, dof] += (friction.max() / speed)[still]
-    return found
+        joint, dof = effect.where, motion.joints[effect.where]
+        if joint in motion.senses:
+            senses[joint] = motion.senses[joint]
+        elif joint not in senses:
+            spread = np.append(about.spread[1:, dof], about.spread[-1, dof])
+            ratio = velocity[:, dof] / np.maximum(spread, 1e-12)
+            mean = erf(ratio / math.sqrt(2.0))
+            senses[joint] = np.where(np.abs(ratio) > SLIPS, np.sign(ratio), mean)
+        full = replace(motion, senses={joint: np.ones(len(velocity))})
+        level[:, dof] += np.abs(effect.regressor(full)[:, dof] @ effect.coefficients)
+        sticks = np.abs(senses[joint]) < 1.0
+        damping[:, dof] = np.where(sticks, STIFF / about.tangent.step * inertia[:, dof], 0.0)
+    return Friction(senses=senses, level=level, damping=damping)
 
 
-def resting(run: SampledRun, channel: int) -> Mask:
-    """Return where a reading varies by little more than its noise over `REST`, shape (samples,)."""
-    width = max(2, round(REST / run.step))
-    valid = run.valid[:, channel]
-    value = np.where(valid, run.reading[:, channel], 0.0)
-    value -= value.sum() / max(valid.sum(), 1) * valid
-    count, total, squares = (
-        uniform_filter1d(each.astype(float), width) for each in (valid, value, value**2)
-    )
-    count = np.maximum(count, 1.0 / width)
-    quiet = squares / count - (total / count) ** 2 < (STILL * run.noise[channel]) ** 2
-    # A window is about its middle. Its ends may still move, as may the joint near them.
-    return np.asarray(maximum_filter1d(quiet.astype(float), max(1, width // 2)) > 0.0)
+def moved(before: Friction, motion: Motion, about: Reference) -> Motion:
+    """Return a motion with the senses of friction after a step of the augmented Lagrangian.
+
+    A joint that stuck goes on unless more than its friction was needed to hold it. One that slipped
+    and has turned sticks where friction could stop it within a step.
+
+    Args:
+        before: The friction under which the motion was smoothed.
+        motion: The smoothed motion.
+        about: Its velocities.
+    """
+    velocity, mobility = ending(about), np.einsum("tii->ti", about.mobility)
+    stiffness = np.where(before.damping > 0.0, before.damping, 1.0 / (about.tangent.step * mobility))
+    change = stiffness * velocity / np.maximum(before.level, 1e-12)
+    senses = {
+        joint: np.clip(sense + change[:, motion.joints[joint]], -1.0, 1.0)
+        for joint, sense in before.senses.items()
+    }
+    return replace(motion, senses=senses)
+
+
+def ending(about: Reference) -> Array:
+    """Return the velocity at each step's end, which friction brings to zero, (samples, dofs)."""
+    return np.concatenate([about.velocity[1:], about.velocity[-1:]])
+
+
+def slipping(effect: Effect, motion: Motion) -> Mask | bool:
+    """Return where more friction would be felt: not where it holds a joint, shape (samples,)."""
+    return np.abs(motion.sign(effect.where)) >= 1.0 if effect.holds else True

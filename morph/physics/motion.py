@@ -54,6 +54,8 @@ class Motion:
     """What each channel reads, shape (samples, channels)."""
     reading_rate: Array = field(default_factory=_none)
     """How that changes with time, same shape, per s."""
+    senses: Mapping[str, Array] = field(default_factory=dict)
+    """What `sign` returns of joints of which that is known, shape (samples,) each."""
     _signs: dict[str, Array] = field(default_factory=dict, init=False, repr=False, compare=False)
     """What `sign` has returned: many effects ask."""
 
@@ -105,6 +107,8 @@ class Motion:
         Source: Prandtl's stop operator, as in Visintin 1994, Differential Models of Hysteresis,
         section III.1.
         """
+        if joint in self.senses:
+            return self.senses[joint]
         if joint not in self._signs:
             place = self.place(joint)
             moves = np.diff(place) / (1e-4 * float(np.ptp(place)) + 1e-12)

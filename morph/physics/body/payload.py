@@ -37,7 +37,7 @@ class Payload(WeighedEffect):
 
     body: str
     """Link it acts on."""
-    m: float = parameter(0.0, unit="kg", low=0.0, high=100.0, neutral=0.0)
+    m: float = parameter(0.0, unit="kg", low=0.0, high=1e4, neutral=0.0)
     """Mass of the weight."""
     x: float = parameter(0.0, unit="m", low=-2.0, high=2.0)
     """Where it is in the link's frame: x."""

@@ -28,7 +28,7 @@ class Armature(JointEffect):
 
     joint: str
     """Joint it acts on."""
-    J: float = parameter(0.0, unit="kg m2", low=0.0, high=10.0, neutral=0.0)
+    J: float = parameter(0.0, unit="kg m2", low=0.0, high=1e4, neutral=0.0)
     """Inertia added to the joint (kg on a slide)."""
 
     def edit(self, spec: Any) -> None:

@@ -37,7 +37,7 @@ class CoulombFriction(JointEffect):
 
     joint: str
     """Joint it acts on."""
-    c: float = parameter(0.0, unit="N m", low=0.0, high=20.0, neutral=0.0)
+    c: float = parameter(0.0, unit="N m", low=0.0, high=1e4, neutral=0.0)
     """Friction's level (N on a slide)."""
 
     def edit(self, spec: Any) -> None:

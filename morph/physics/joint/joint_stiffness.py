@@ -31,7 +31,7 @@ class JointStiffness(JointEffect):
 
     joint: str
     """Joint it acts on."""
-    k: float = parameter(0.0, unit="N m/rad", low=0.0, high=200.0, neutral=0.0)
+    k: float = parameter(0.0, unit="N m/rad", low=0.0, high=1e6, neutral=0.0)
     """Stiffness (N/m on a slide)."""
     q0: float = parameter(0.0, unit="rad", low=-6.5, high=6.5)
     """Position at which the spring is slack (m on a slide)."""

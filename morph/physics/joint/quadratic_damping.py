@@ -31,7 +31,7 @@ class QuadraticDamping(JointEffect):
 
     joint: str
     """Joint it acts on."""
-    b2: float = parameter(0.0, unit="N m s2/rad2", low=0.0, high=20.0, neutral=0.0)
+    b2: float = parameter(0.0, unit="N m s2/rad2", low=0.0, high=1e4, neutral=0.0)
     """Force lost per unit of squared speed (N s2/m2 on a slide)."""
 
     def edit(self, spec: Any) -> None:

@@ -39,9 +39,9 @@ class StribeckFriction(JointEffect):
 
     joint: str
     """Joint it acts on."""
-    c: float = parameter(0.0, unit="N m", low=0.0, high=20.0, neutral=0.0)
+    c: float = parameter(0.0, unit="N m", low=0.0, high=1e4, neutral=0.0)
     """Friction of the joint in fast motion (N on a slide)."""
-    s: float = parameter(0.0, unit="N m", low=0.0, high=20.0, neutral=0.0)
+    s: float = parameter(0.0, unit="N m", low=0.0, high=1e4, neutral=0.0)
     """Friction of the joint at rest, at least `c` (N on a slide)."""
     vs: float = parameter(0.2, unit="rad/s", low=0.01, high=5.0, scan=(0.05, 0.15, 0.5, 1.5))
     """Speed at which what `s` adds to `c` has fallen to 1/e (m/s on a slide)."""

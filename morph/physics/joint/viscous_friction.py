@@ -30,7 +30,7 @@ class ViscousFriction(JointEffect):
 
     joint: str
     """Joint it acts on."""
-    b: float = parameter(0.0, unit="N m s/rad", low=0.0, high=20.0, neutral=0.0)
+    b: float = parameter(0.0, unit="N m s/rad", low=0.0, high=1e4, neutral=0.0)
     """Force lost per unit of speed (N s/m on a slide)."""
 
     def edit(self, spec: Any) -> None:

@@ -141,10 +141,17 @@ def test_the_smoothed_state_is_the_mean_given_all_readings(seed: int, vibrates: 
     states, reads, inputs = joint(tangent, given["disturbance"])
     known = inputs @ push.reshape(-1)
     surprise = reading[tangent.valid] - reads @ known
-    gain = np.linalg.solve(covariance(tangent, given["disturbance"]), surprise)
-    exact = (known + states @ reads.T @ gain).reshape(len(reading), -1)
-    found = smoothed(tangent, given["disturbance"], reading, push)[:, : exact.shape[1]]
-    assert np.allclose(found, exact, rtol=1e-7, atol=1e-8 * np.abs(exact).max())
+    spread = covariance(tangent, given["disturbance"])
+    exact = (known + states @ reads.T @ np.linalg.solve(spread, surprise)).reshape(len(reading), -1)
+    found, deviation = smoothed(tangent, given["disturbance"], reading, push)
+    assert np.allclose(
+        found[:, : exact.shape[1]], exact, rtol=1e-7, atol=1e-8 * np.abs(exact).max()
+    )
+    left = states - states @ reads.T @ np.linalg.solve(spread, reads @ states)
+    dofs = deviation.shape[1]
+    variance = np.diag(left).reshape(len(reading), -1)[:, dofs : 2 * dofs]
+    # Variances of 1e-6 of the prior's keep four digits.
+    assert np.allclose(deviation**2, variance, rtol=1e-4, atol=1e-9 * variance.max())
 
 
 def test_as_many_channels_as_joints_vibrate_alike_in_compiled_sizes() -> None:
