@@ -20,6 +20,7 @@ from morph.inference.observed import Observed
 from morph.inference.quadratic import information, offset
 from morph.inference.refit import Refit
 from morph.inference.search import Prior, Search
+from morph.inference.sticking import sensed
 from morph.model.hypothesis import Hypothesis
 from morph.physics import EFFECTS
 from morph.physics.effect import Effect
@@ -202,7 +203,8 @@ def _whitened(
     drags = [effect for effect in hypothesis.effects_at(point) if isinstance(effect, Drag)]
 
     def one(seen: Observed) -> list[list[Whitened]]:
-        about, motion = seen.about, seen.motion
+        about = seen.about
+        motion = sensed(list(seen.motion.joints), seen.motion, about)
         first, shown = own.along(seen)
         samples, dofs, count = first.shape
         mobility = about.tangent.jacobian[:, :, 2 * dofs :]

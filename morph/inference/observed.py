@@ -23,6 +23,10 @@ from morph.physics.motion import Motion
 from morph.sim.drive import received
 
 
+DRY_ROUNDS = 3
+"""Rounds of the smoother under dry friction, each of which finds anew where joints stick."""
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Observed:
     """One run, smoothed by a model and linearised along its motion."""
@@ -67,27 +71,33 @@ def observed(
         for at, actuator in enumerate(robot.actuators)
     ]
     run = replace(run, command=np.stack(commands, axis=1) if commands else run.command)
-    if before is not None:
-        dry = friction(effects, before.motion, before.about)
-        motion = replace(before.motion, senses=dry.senses)
-        force = force_of(effects, motion)
-        shift = shift_of(effects, motion)
-        run = replace(run, force=force, shift=shift, sticking=dry.damping)
-    about = reference(model, run, guess, before=None if before is None else before.about)
-    motion = _motion(model, robot, about, run)
-    if before is not None and effects:
-        # The motion has changed, and under a stiff servo the effects' forces with it: evaluate them
-        # along the new one.
-        motion = moved(dry, motion, about)
-        mobility = about.tangent.jacobian[:, :, 2 * guess.shape[1] :]
-        linear = run.force - dry.damping * ending(about)
-        change = np.einsum("tij,tj->ti", mobility, force_of(effects, motion) - linear)
-        shift = shift_of(effects, motion) - run.shift
-        about = replace(
-            about,
-            acceleration=about.acceleration + change,
-            error=np.where(about.tangent.valid, about.error - shift, 0.0),
+    if before is None:
+        about = reference(model, run, guess)
+        return Observed(
+            run=run, about=about, motion=_motion(model, robot, about, run), sent=read.command
         )
+    about, motion = before.about, before.motion
+    rounds = DRY_ROUNDS if any(effect.holds for effect in effects) else 1
+    for _ in range(rounds):
+        dry = friction(effects, motion, about)
+        motion = replace(motion, senses=dry.senses)
+        force, shift = force_of(effects, motion), shift_of(effects, motion)
+        run = replace(run, force=force, shift=shift, sticking=dry.damping)
+        about = reference(model, run, guess, before=about)
+        motion = moved(dry, _motion(model, robot, about, run), about)
+        if effects:
+            # The motion has changed, and under a stiff servo the effects' forces with it: evaluate
+            # them along the new one.
+            mobility = about.tangent.jacobian[:, :, 2 * guess.shape[1] :]
+            linear = force - dry.damping * ending(about)
+            change = np.einsum("tij,tj->ti", mobility, force_of(effects, motion) - linear)
+            about = replace(
+                about,
+                acceleration=about.acceleration + change,
+                error=np.where(
+                    about.tangent.valid, about.error - (shift_of(effects, motion) - shift), 0.0
+                ),
+            )
     return Observed(run=run, about=about, motion=motion, sent=read.command)
 
 

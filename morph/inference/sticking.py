@@ -16,6 +16,8 @@ from morph.physics.motion import Motion
 
 SLIPS = 2.5
 """Velocity in units of its standard deviation from which a joint slips, at first sight."""
+HELD = 0.999
+"""Most share of friction that holds a joint, at first sight."""
 STIFF = 30.0
 """Damping of a joint that sticks, in units of its inertia over a step: what is left of a velocity
 after a step is 1 / (1 + STIFF)."""
@@ -41,36 +43,51 @@ class Friction:
 
 
 def friction(effects: Sequence[Effect], motion: Motion, about: Reference) -> Friction:
-    """Return the friction of some effects along a motion.
-
-    Senses are those of the motion; of joints of which it has none they are the mean signs of
-    velocities, given how far these may be off.
-
-    Source: Gelb and Vander Velde 1968, Multiple-input describing functions, section 2.3 (the
-    relay under Gaussian input with a mean).
+    """Return the friction of some effects along a motion; see `sensed` for its senses.
 
     Args:
         effects: What acts beside the model.
         motion: The smoothed motion.
         about: Its velocities and how far they may be off.
     """
-    velocity = ending(about)
-    senses, level, damping = {}, np.zeros_like(velocity), np.zeros_like(velocity)
+    motion = sensed([each.where for each in effects if each.holds], motion, about)
+    level, damping = np.zeros_like(about.velocity), np.zeros_like(about.velocity)
     inertia = 1.0 / np.einsum("tii->ti", about.mobility)
     for effect in (each for each in effects if each.holds):
         joint, dof = effect.where, motion.joints[effect.where]
-        if joint in motion.senses:
-            senses[joint] = motion.senses[joint]
-        elif joint not in senses:
-            spread = np.append(about.spread[1:, dof], about.spread[-1, dof])
-            ratio = velocity[:, dof] / np.maximum(spread, 1e-12)
-            mean = erf(ratio / math.sqrt(2.0))
-            senses[joint] = np.where(np.abs(ratio) > SLIPS, np.sign(ratio), mean)
-        full = replace(motion, senses={joint: np.ones(len(velocity))})
+        full = replace(motion, senses={joint: np.ones(len(level))})
         level[:, dof] += np.abs(effect.regressor(full)[:, dof] @ effect.coefficients)
-        sticks = np.abs(senses[joint]) < 1.0
+        sticks = np.abs(motion.senses[joint]) < 1.0
         damping[:, dof] = np.where(sticks, STIFF / about.tangent.step * inertia[:, dof], 0.0)
-    return Friction(senses=senses, level=level, damping=damping)
+    return Friction(senses=motion.senses, level=level, damping=damping)
+
+
+def sensed(joints: Sequence[str], motion: Motion, about: Reference) -> Motion:
+    """Return a motion with senses of dry friction on some joints, those it has unchanged.
+
+    A joint slips that surely moves. One at rest is held by the missing force, if that opposes
+    the motion of a joint that slips: as a share of what it does there.
+
+    Args:
+        joints: Their names.
+        motion: The smoothed motion.
+        about: Its velocities, how far they may be off, and the missing force.
+    """
+    velocity, senses = ending(about), dict(motion.senses)
+    spread = np.maximum(np.concatenate([about.spread[1:], about.spread[-1:]]), 1e-12)
+    for joint in joints:
+        if joint in senses:
+            continue
+        dof = motion.joints[joint]
+        ratio = velocity[:, dof] / spread[:, dof]
+        slips, sign = np.abs(ratio) > SLIPS, np.sign(ratio)
+        opposes = -about.force[:, dof] * sign
+        level = float(np.median(opposes[slips])) if slips.any() else 0.0
+        held = erf(ratio / math.sqrt(2.0))
+        if level > 0.0:
+            held = np.clip(-about.force[:, dof] / level, -HELD, HELD)
+        senses[joint] = np.where(slips, sign, held)
+    return replace(motion, senses=senses)
 
 
 def moved(before: Friction, motion: Motion, about: Reference) -> Motion:
@@ -85,7 +102,9 @@ def moved(before: Friction, motion: Motion, about: Reference) -> Motion:
         about: Its velocities.
     """
     velocity, mobility = ending(about), np.einsum("tii->ti", about.mobility)
-    stiffness = np.where(before.damping > 0.0, before.damping, 1.0 / (about.tangent.step * mobility))
+    stiffness = np.where(
+        before.damping > 0.0, before.damping, 1.0 / (about.tangent.step * mobility)
+    )
     change = stiffness * velocity / np.maximum(before.level, 1e-12)
     senses = {
         joint: np.clip(sense + change[:, motion.joints[joint]], -1.0, 1.0)
