@@ -22,7 +22,6 @@ from morph.physics.effect import Effect
 from morph.physics.motion import Motion
 from morph.sim.drive import received
 
-
 DRY_ROUNDS = 3
 """Rounds of the smoother under dry friction, each of which finds anew where joints stick."""
 
