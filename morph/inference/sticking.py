@@ -102,10 +102,10 @@ def moved(before: Friction, motion: Motion, about: Reference) -> Motion:
         about: Its velocities.
     """
     velocity, mobility = ending(about), np.einsum("tii->ti", about.mobility)
-    stiffness = np.where(
-        before.damping > 0.0, before.damping, 1.0 / (about.tangent.step * mobility)
-    )
-    change = stiffness * velocity / np.maximum(before.level, 1e-12)
+    sticks = before.damping > 0.0
+    within_a_step = velocity / (about.tangent.step * mobility)
+    change = np.where(sticks, before.damping * velocity - about.force, within_a_step)
+    change /= np.maximum(before.level, 1e-12)
     senses = {
         joint: np.clip(sense + change[:, motion.joints[joint]], -1.0, 1.0)
         for joint, sense in before.senses.items()
