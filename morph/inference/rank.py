@@ -283,10 +283,11 @@ def _proposals(
             points.append(np.clip(point, more.low, more.high))
         losses[members] = float(validation.losses(more, [points], base.refit.runs).mean())
     by_rollouts = sorted(listed.values(), key=lambda each: losses[each.members])
-    # A set may be likely and yet diverge: a stiff spring in steps that are too long.
+    # A set may diverge: a stiff spring in steps that are too long. The likeliest may also be too far
+    # from a refit for columns to tell its rollouts.
     most = now + DIVERGED * len(hypothesis.robot.joints)
     stable = [each for each in by_rollouts if losses[each.members] < most]
-    likeliest = sorted(stable, key=lambda each: -each.gain)[:1]
+    likeliest = sorted(by_rollouts, key=lambda each: -each.gain)[:1]
     chosen = {each.members: each for each in [*stable[:FINALISTS], *likeliest]}
     return list(chosen.values())
 

@@ -88,8 +88,8 @@ def refitted(
         hypothesis: Own figures and effects.
         point: The first point, shape (entries,).
         episodes: The runs.
-        origin: A refit of the same hypothesis less its last effects. A first point that explains
-            less than it is moved toward it.
+        origin: A refit of the same hypothesis less its last effects. Where what was found explains
+            less than it, the search starts again from nearer to it.
         before: The runs smoothed by a similar hypothesis, where there is no such refit.
         rounds: Most steps before the disturbances are estimated anew.
     """
@@ -101,21 +101,26 @@ def refitted(
         runs = seen(hypothesis, point, episodes, runs) if hypothesis.effects else runs
     else:
         runs = seen(hypothesis, point, episodes, runs)
-    best = _judged(hypothesis, point, runs, len(point))
-    if origin is not None:
-        idle = _idle(hypothesis, origin)
-        price = 0.5 * (len(point) - len(origin.point)) * math.log(readings(runs))
-        for share in SHARES:
-            if best.evidence >= origin.evidence - price:
-                break
-            near = idle + share * (point - idle)
-            runs = seen(hypothesis, near, episodes, origin.runs)
-            best = max(best, _judged(hypothesis, near, runs, len(point)), key=lambda r: r.evidence)
+    best = _converged(_judged(hypothesis, point, runs, len(point)), episodes, rounds)
+    if origin is None:
+        return best
+    idle, price = _idle(hypothesis, origin), 0.5 * (len(point) - len(origin.point))
+    for share in SHARES:
+        if best.evidence >= origin.evidence - price * math.log(readings(runs)):
+            break
+        near = idle + share * (point - idle)
+        first = _judged(hypothesis, near, seen(hypothesis, near, episodes, origin.runs), len(near))
+        best = max(best, _converged(first, episodes, rounds), key=lambda each: each.evidence)
+    return best
+
+
+def _converged(best: Refit, episodes: Sequence[Episode], rounds: int) -> Refit:
+    """Return a refit after Gauss-Newton steps and estimates of the disturbances in turn."""
     for _ in range(CYCLES):
         best = _descended(best, episodes, rounds)
         # Explained errors leave less force missing, which weighs all readings anew.
         runs = each(settled, best.runs)
-        anew = _judged(hypothesis, best.point, runs, best.rank)
+        anew = _judged(best.hypothesis, best.point, runs, best.rank)
         last, best = best, max(best, anew, key=lambda each: each.evidence)
         if best.evidence < last.evidence + SETTLED:
             break

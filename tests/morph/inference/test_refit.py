@@ -23,7 +23,6 @@ from morph.model.knobs import knobs
 from morph.physics import EFFECTS
 from morph.physics.effect import Effect
 from morph.record.recording import Channel, Recording
-from morph.sim.simulator import Simulator
 
 STEP, READ, NOISE = 0.004, 0.008, 1e-3
 MASS, ARM, INERTIA = 2.0, 0.5, 0.02
@@ -220,31 +219,6 @@ def test_effects_act_on_the_motion_that_is_seen(nominal: Hypothesis, run: Episod
     # The sensor reads that much more than the joint has turned.
     off = plain.motion.position - shifted.motion.position
     assert np.median(off) == pytest.approx(BIAS, abs=0.3 * BIAS)
-
-
-def test_a_joint_that_sticks_hides_no_force(pendulum: Robot) -> None:
-    # Dry friction of 0.8 N m holds the pendulum for 3 s against a torque of 0.5 N m, then lets go.
-    time = STEP * np.arange(round(6.0 / STEP))
-    torque = np.where(time < 3.0, 0.5 * np.sin(2.0 * time), 3.0 * np.sin(2.0 * time))
-    held = effect("CoulombFriction", "hinge", c=0.8)
-    moved = Simulator(pendulum, (held,), step=0.25 * STEP).run(
-        seconds=6.0, start={"hinge": 0.0}, command={"motor": lambda t: np.interp(t, time, torque)}
-    )
-    channel = moved.channel("hinge.position")
-    at = np.interp(time, channel.time, channel.value)
-    assert np.abs(at[time < 3.0]).max() < 1e-3 < np.abs(at).max()
-    noise = 1e-3 * np.random.default_rng(0).normal(size=len(time))
-    recording = Recording(
-        name="stuck",
-        channels={
-            "hinge.position": Channel(time=time, value=at + noise),
-            "motor.command": Channel(time=time, value=torque, hold=True),
-        },
-    )
-    nominal = Hypothesis(robot=pendulum, step=STEP, knobs=(), effects=(replace(held, c=0.0),))
-    found = refitted(nominal, np.array([0.5]), [episode(recording, pendulum, STEP)], rounds=3)
-    assert found.point[0] == pytest.approx(0.8, abs=0.05)
-    # Without damping at rest, friction of a sense that noise decides is found to be 0.1 N m.
 
 
 def test_the_likeliest_point_without_an_effect_leaves_it_at_neutral(

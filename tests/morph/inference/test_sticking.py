@@ -105,7 +105,7 @@ def test_a_joint_that_sticks_and_slips_lacks_no_force(wheel: Robot, period: floa
     assert missing(before) > 0.5
     assert missing(found) < 0.05 * missing(before)
     # The wheel stands still where soft thresholding of its velocity holds it.
-    still = np.append(np.abs(np.diff(turned(torque))) < 1e-12, False)
+    still = np.abs(np.diff(turned(torque))) < 1e-12
     sticks = np.abs(found.motion.sign("hinge")) < 1.0
     assert np.mean(sticks == still) > 0.95
 
@@ -118,4 +118,5 @@ def test_a_joint_that_sticks_hides_no_force(wheel: Robot) -> None:
     run = [episode(recorded(turned(torque), torque), wheel, STEP)]
     nominal = Hypothesis(robot=wheel, step=STEP, knobs=(), effects=(held,))
     found = refitted(nominal, np.array([0.5 * LEVEL]), run, rounds=3)
-    assert found.point[0] == pytest.approx(LEVEL, rel=0.03)
+    # The torque changes by 3 % of the friction in a step, and so does what a step may hide.
+    assert found.point[0] == pytest.approx(LEVEL, rel=0.05)
