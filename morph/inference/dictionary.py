@@ -101,7 +101,9 @@ def dictionary(
                     effect = kind.at(place)
                     effect = told.get(effect.label, effect)
                     effect.regressor(longest)
-                    yield _shapes(effect, longest)
+                    motions = [run.motion for run in runs] if kind.of_a_run else [longest]
+                    if shapes := [shape for each in motions for shape in _shapes(effect, each)]:
+                        yield tuple(shapes)
 
 
 def _shapes(effect: Effect, motion: Motion) -> tuple[Effect, ...]:

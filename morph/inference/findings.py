@@ -71,7 +71,7 @@ def findings(ranking: Ranking, remains: Remains, point: Array) -> tuple[Finding,
                 episodes=tuple(
                     episode.name
                     for number, episode in enumerate(ranking.validation.segments.episodes)
-                    if gains[fold == number].sum() > 0.0
+                    if gains[fold == number].sum() > 0.0 or effect.passing
                 ),
                 parameters={
                     known.name: _in_units(estimated[entry], known.unit, slide)

@@ -72,9 +72,8 @@ def observed(
     run = replace(run, command=np.stack(commands, axis=1) if commands else run.command)
     if before is None:
         about = reference(model, run, guess)
-        return Observed(
-            run=run, about=about, motion=_motion(model, robot, about, run), sent=read.command
-        )
+        motion = _motion(model, robot, about, run, read.name)
+        return Observed(run=run, about=about, motion=motion, sent=read.command)
     about, motion = before.about, before.motion
     rounds = DRY_ROUNDS if any(effect.holds for effect in effects) else 1
     for _ in range(rounds):
@@ -83,7 +82,7 @@ def observed(
         force, shift = force_of(effects, motion), shift_of(effects, motion)
         run = replace(run, force=force, shift=shift, sticking=dry.damping)
         about = reference(model, run, guess, before=about)
-        motion = moved(dry, _motion(model, robot, about, run), about)
+        motion = moved(dry, _motion(model, robot, about, run, read.name), about)
         if effects:
             # The motion has changed, and under a stiff servo the effects' forces with it: evaluate
             # them along the new one.
@@ -180,7 +179,9 @@ def _jitter(read: Episode) -> float:
     return float(max(spread, default=0.0))
 
 
-def _motion(model: mujoco.MjModel, robot: Robot, about: Reference, run: SampledRun) -> Motion:
+def _motion(
+    model: mujoco.MjModel, robot: Robot, about: Reference, run: SampledRun, name: str
+) -> Motion:
     """Return a smoothed motion as effects' regressors take it.
 
     Velocities and accelerations are those at the positions' times, and the acceleration is the
@@ -216,4 +217,6 @@ def _motion(model: mujoco.MjModel, robot: Robot, about: Reference, run: SampledR
         channels={name: at for at, name in enumerate(channels)},
         reading=about.position,
         reading_rate=velocity,
+        run=name,
+        missing=about.force,
     )

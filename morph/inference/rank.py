@@ -283,8 +283,8 @@ def _proposals(
             points.append(np.clip(point, more.low, more.high))
         losses[members] = float(validation.losses(more, [points], base.refit.runs).mean())
     by_rollouts = sorted(listed.values(), key=lambda each: losses[each.members])
-    # A set may diverge: a stiff spring in steps that are too long. The likeliest may also be too far
-    # from a refit for columns to tell its rollouts.
+    # A set may diverge: a stiff spring in steps that are too long. The likeliest is refitted anyway:
+    # it may be too far from the base for columns to tell its rollouts.
     most = now + DIVERGED * len(hypothesis.robot.joints)
     stable = [each for each in by_rollouts if losses[each.members] < most]
     likeliest = sorted(by_rollouts, key=lambda each: -each.gain)[:1]

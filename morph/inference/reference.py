@@ -178,8 +178,8 @@ def _moved(before: Reference, model: mujoco.MjModel, run: SampledRun) -> Referen
     force = run.force - sticking * velocity
     acceleration = accelerations(model, position, velocity, run.command)
     acceleration += np.einsum("tij,tj->ti", local[:, :, 2 * dofs :], force)
-    acceleration = np.linalg.solve(damped, acceleration[:, :, None])[:, :, 0]
-    tangent = replace(before.tangent, jacobian=np.linalg.solve(damped, local))
+    acceleration = np.asarray(np.linalg.solve(damped, acceleration[:, :, None]))[:, :, 0]
+    tangent = replace(before.tangent, jacobian=np.asarray(np.linalg.solve(damped, local)))
     acceleration[:-1] -= np.diff(velocity, axis=0) / run.step
     acceleration[-1] = 0.0
     return replace(

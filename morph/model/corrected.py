@@ -27,7 +27,7 @@ def split(spec: Any, effects: Sequence[Effect]) -> tuple[tuple[Effect, ...], str
         spec: The description as a `mujoco.MjSpec`; it is edited.
         effects: What acts on it.
     """
-    beside = tuple(effect for effect in effects if effect.outside)
+    beside = tuple(effect for effect in effects if effect.outside and not effect.passing)
     apply(spec, (effect for effect in effects if not effect.outside))
     spec.compile()
     return beside, fulltext(spec)

@@ -107,6 +107,8 @@ class Effect(ABC):
     """The experiment that tells it from a twin, by the twin's name."""
     suspected: ClassVar[bool] = True
     """Whether a diagnosis looks for it at all."""
+    of_a_run: ClassVar[bool] = False
+    """Whether it is looked for in each run by itself."""
 
     @property
     @abstractmethod
@@ -182,6 +184,11 @@ class Effect(ABC):
         own, none = type(self), Effect
         changes_readings = own.sense is not none.sense or own.stamp is not none.stamp
         return self.stepped or own.command is not none.command or changes_readings
+
+    @property
+    def passing(self) -> bool:
+        """Whether it is an event of one run, which no simulation repeats."""
+        return False
 
     def neutral(self: Some) -> Some:
         """Return the effect with every strength at the value that does nothing."""

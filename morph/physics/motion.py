@@ -54,6 +54,10 @@ class Motion:
     """What each channel reads, shape (samples, channels)."""
     reading_rate: Array = field(default_factory=_none)
     """How that changes with time, same shape, per s."""
+    run: str = ""
+    """Name of the run."""
+    missing: Array = field(default_factory=_none)
+    """Generalized force that the model lacks, N m or N, shape (samples, dofs)."""
     senses: Mapping[str, Array] = field(default_factory=dict)
     """What `sign` returns of joints of which that is known, shape (samples,) each."""
     _signs: dict[str, Array] = field(default_factory=dict, init=False, repr=False, compare=False)

@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
+from scipy.ndimage import median_filter
 
 from morph.arrays import Array
 from morph.physics.effect import Simulations, parameter
 from morph.physics.kinds import BodyEffect
 from morph.physics.motion import Motion
+
+TREND, APART = 1.0, 0.3
+"""Seconds over which a missing force may drift, and least time between two pushes."""
+STANDS_OUT, ALONE = 8.0, 2.0
+"""How high the missing force of a push is, in median absolute deviations and in units of the next
+highest."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -19,7 +26,8 @@ class ExternalPush(BodyEffect):
 
     Its impulse is (x, y, z) in the world's axes: the force times how long it lasts. Each step
     has the mean over the step. Times count from where a run starts; one that is shorter
-    than a step is spread over a step.
+    than a step is spread over a step. A push of one run happens to a robot and is no part of it:
+    no simulation repeats it.
 
     Source: Newton 1687, Principia, law II: an impulse is the change of momentum.
     """
@@ -27,6 +35,7 @@ class ExternalPush(BodyEffect):
     name: ClassVar[str] = "external_push"
     strengths: ClassVar[tuple[str, ...]] = ("x", "y", "z")
     suspected: ClassVar[bool] = False
+    of_a_run: ClassVar[bool] = True
     twins: ClassVar[tuple[str, ...]] = ("end_stop", "ground")
     excited_by: ClassVar[str] = "The same run twice: a push is in one of them."
     separate_by: ClassVar[dict[str, str]] = {
@@ -36,9 +45,11 @@ class ExternalPush(BodyEffect):
 
     body: str
     """Link it acts on."""
-    start: float = parameter(0.0, unit="s", low=0.0, high=1e6)
+    run: str = ""
+    """Name of the only run in which it acts; empty: it acts in all."""
+    start: float = parameter(0.0, unit="s", low=0.0, high=1e6, spread=1.0)
     """When it begins."""
-    end: float = parameter(0.1, unit="s", low=0.0, high=1e6)
+    end: float = parameter(0.1, unit="s", low=0.0, high=1e6, spread=1.0)
     """When it ends."""
     x: float = parameter(0.0, unit="N s", low=-1e5, high=1e5, neutral=0.0)
     """Impulse along the world's x."""
@@ -53,6 +64,8 @@ class ExternalPush(BodyEffect):
 
     def before_step(self, simulations: Simulations, state: Any) -> Any:
         """Push the link while it lasts."""
+        if self.run:
+            return state
         force = np.stack(np.broadcast_arrays(self.x, self.y, self.z), axis=-1)
         share = np.asarray(self._share(state, simulations.step))
         simulations.push(self.body)[:] += share[:, None] * force
@@ -61,9 +74,44 @@ class ExternalPush(BodyEffect):
     def regressor(self, motion: Motion) -> Array:
         """Return what one N s along each axis of the world does, spread over the push."""
         body = motion.bodies[self.body]
+        if self.run not in ("", motion.run):
+            return np.zeros((*motion.position.shape, 3))
         steps = np.diff(motion.time, append=2.0 * motion.time[-1] - motion.time[-2])
         share = self._share(motion.time, steps)
         return body.pulled(share[:, None, None] * np.eye(3), body.com)
+
+    def shapes(self, motion: Motion) -> tuple[ExternalPush, ...]:
+        """Return pushes of a run where one short missing force stands out, none where none does."""
+        if len(motion.missing) < 3:
+            return ()
+        step = float(motion.time[1] - motion.time[0])
+        drift = median_filter(motion.missing, size=(2 * round(0.5 * TREND / step) + 1, 1))
+        rest = motion.missing - drift
+        usual = np.median(np.abs(rest), axis=0) + 1e-12
+        high = np.abs(rest / usual).max(axis=1)
+        peak = int(high.argmax())
+        apart = np.abs(motion.time - motion.time[peak]) > APART
+        if high[peak] < max(STANDS_OUT, ALONE * float(high[apart].max(initial=0.0))):
+            return ()
+        lasts = np.flatnonzero(high < 0.5 * high[peak])
+        before, after = lasts[lasts < peak], lasts[lasts > peak]
+        first = int(before[-1]) + 1 if len(before) else 0
+        last = int(after[0]) if len(after) else len(high) - 1
+        middle, length = 0.5 * (first + last) * step, max(1, last - first) * step
+        return tuple(
+            replace(
+                self,
+                run=motion.run,
+                start=max(0.0, middle - 0.5 * share * length),
+                end=middle + 0.5 * share * length,
+            )
+            for share in (0.5, 1.0, 1.5)
+        )
+
+    @property
+    def passing(self) -> bool:
+        """Whether it is an event of one run."""
+        return bool(self.run)
 
     def _share(self, time: Array, step: Any) -> Array:
         """Return the mean force over steps for one N s, 1/s."""
@@ -75,6 +123,7 @@ class ExternalPush(BodyEffect):
         """Return the finding in one plain sentence."""
         impulse = ", ".join(f"{value:.3g}" for value in (self.x, self.y, self.z))
         return (
-            f"Link {self.body} is pushed from {self.start:.4g} s to {self.end:.4g} s with an "
+            f"Link {self.body} is pushed{f' in {self.run}' if self.run else ''} "
+            f"from {self.start:.4g} s to {self.end:.4g} s with an "
             f"impulse of ({impulse}) N s in the axes of the world: a push was left out."
         )
