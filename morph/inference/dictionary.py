@@ -68,10 +68,14 @@ def search_beside(base: Refit, known: Sequence[Effect], prior: Prior | None, blo
     grids = [grid for grid in grids if grid]
     columns = tuple(_columns(grids))
     joints = {each.joint for each in hypothesis.robot.actuators}
+    whole = _prior(grids, joints, wet=_in_water(hypothesis.robot, known))
+    if prior is not None:
+        # A push may stand out only once other effects are found.
+        whole = replace(prior, alone={**whole.alone, **prior.alone})
     trust, at = information(hypothesis), offset(hypothesis, point)
     return Search(
         columns=columns,
-        prior=prior or _prior(grids, joints, wet=_in_water(hypothesis.robot, known)),
+        prior=whole,
         known=frozenset(taken),
         groups=tuple(_frictions(columns, joints)),
         levels=tuple(

@@ -104,7 +104,7 @@ class LogPosterior:
         stays = [at in kept for at, each in enumerate(effects) for _ in each.free()]
         change = np.zeros(len(self.point))
         change[own:] = (replace(self.hypothesis, effects=tuple(idle)).start - self.point)[own:]
-        return np.array([True] * own + stays), change
+        return np.array([True] * own + stays, dtype=bool), change
 
 
 def quadratic(

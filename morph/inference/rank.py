@@ -131,6 +131,7 @@ def ranked(
         if best.effects == base.effects or task.late():
             break
         search, base = task.search(best), best
+        task = replace(task, prior=search.prior)
     progress("trying simpler laws", 0.8)
     while not task.late() and (simpler := task.simplified(best)) is not None:
         best = simpler
@@ -283,7 +284,7 @@ def _proposals(
             points.append(np.clip(point, more.low, more.high))
         losses[members] = float(validation.losses(more, [points], base.refit.runs).mean())
     by_rollouts = sorted(listed.values(), key=lambda each: losses[each.members])
-    # A set may diverge: a stiff spring in steps that are too long. The likeliest is refitted anyway:
+    # A set may diverge: a stiff spring in long steps. The likeliest is refitted whatever it does:
     # it may be too far from the base for columns to tell its rollouts.
     most = now + DIVERGED * len(hypothesis.robot.joints)
     stable = [each for each in by_rollouts if losses[each.members] < most]

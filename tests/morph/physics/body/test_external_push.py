@@ -5,9 +5,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from morph.arrays import Array
 from morph.body.load import load
 from morph.body.robot import Robot
+from morph.body.spec import spec_of
+from morph.model.corrected import split
 from morph.physics.body.external_push import ExternalPush
+from morph.physics.motion import Motion
 from morph.sim.simulator import Simulator
 
 BRICK = """<mujoco model="brick">
@@ -56,3 +60,45 @@ def test_two_pushes_on_one_link_add_up(brick: Robot) -> None:
     pushes = tuple(ExternalPush(body="brick", end=0.1, x=x) for x in (0.2, -0.5))
     run = Simulator(brick, pushes).run(seconds=0.2)
     assert run["brick.linear_velocity.x"][-1] == pytest.approx(-0.15, abs=1e-13)
+
+
+def moving(missing: Array) -> Motion:
+    """Return a motion of which only the missing force matters, at 250 Hz."""
+    none = np.zeros((len(missing), 0))
+    return Motion(
+        position=none,
+        velocity=none,
+        acceleration=none,
+        drive=none,
+        drive_rate=none,
+        stiffness=none,
+        joints={},
+        actuators={},
+        time=0.004 * np.arange(len(missing)),
+        run="second",
+        missing=missing,
+    )
+
+
+def test_a_push_is_looked_for_where_one_missing_force_stands_out() -> None:
+    noise = np.random.default_rng(0).normal(size=(1500, 2))
+    noise[:, 0] += 5.0 * np.sin(np.arange(1500) * 0.004)
+    push = ExternalPush(body="brick")
+    assert push.shapes(moving(noise)) == ()
+    noise[700:730, 1] += 20.0
+    shapes = push.shapes(moving(noise))
+    assert [shape.run for shape in shapes] == ["second"] * 3
+    # From 2.8 to 2.92 s: the middle is known to a sample or two.
+    assert [0.5 * (s.start + s.end) for s in shapes] == pytest.approx([2.86] * 3, abs=0.01)
+    assert [s.end - s.start for s in shapes] == pytest.approx([0.06, 0.12, 0.18], abs=0.02)
+    # Twice the same is no event.
+    noise[1100:1130, 1] += 20.0
+    assert push.shapes(moving(noise)) == ()
+
+
+def test_a_push_of_one_run_is_no_part_of_a_robot(brick: Robot) -> None:
+    push = ExternalPush(body="brick", run="second", end=0.1, x=0.2)
+    run = Simulator(brick, (push,)).run(seconds=0.2)
+    assert np.abs(run["brick.linear_velocity.x"]).max() == 0.0
+    beside, _ = split(spec_of(brick), [push, ExternalPush(body="brick", end=0.1, x=0.2)])
+    assert [effect.run for effect in beside if isinstance(effect, ExternalPush)] == [""]

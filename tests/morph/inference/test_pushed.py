@@ -1,0 +1,70 @@
+"""A push in one of two runs of an arm that a few lines integrate."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from morph.arrays import Array
+from morph.body.load import load
+from morph.inference.rank import ranked
+from morph.model.episodes import episode
+from morph.model.hypothesis import Hypothesis
+from morph.physics.body.external_push import ExternalPush
+from morph.record.recording import Channel, Recording
+
+STEP, FINE, NOISE, SAMPLES = 0.004, 16, 2e-4, 1000
+INERTIA, ARM = 0.02, 0.1
+IMPULSE, FROM, UNTIL = 0.4, 2.0, 2.1
+LEVEL_ARM = f"""
+<mujoco model="arm">
+  <option gravity="0 0 0"/>
+  <worldbody>
+    <body name="arm">
+      <joint name="hinge" axis="0 0 1"/>
+      <inertial pos="{ARM} 0 0" mass="1" diaginertia="0.01 0.01 {INERTIA - ARM**2}"/>
+    </body>
+  </worldbody>
+  <actuator><motor name="motor" joint="hinge"/></actuator>
+</mujoco>
+"""
+
+
+def turned(torque: Array, *, pushed: bool) -> Array:
+    """Return the arm's angle at each sample, pushed along the world's y for a while or not."""
+    angle, rate, angles = 0.0, 0.0, []
+    for at, now in enumerate(torque.tolist()):
+        angles.append(angle)
+        for part in range(FINE):
+            time = STEP * (at + part / FINE)
+            force = IMPULSE / (UNTIL - FROM) if pushed and FROM <= time < UNTIL else 0.0
+            rate += STEP / FINE * (now + force * ARM * np.cos(angle)) / INERTIA
+            angle += STEP / FINE * rate
+    return np.array(angles)
+
+
+def test_a_push_is_found_in_its_run(tmp_path: Path) -> None:
+    (tmp_path / "arm.xml").write_text(LEVEL_ARM)
+    robot = load(tmp_path / "arm.xml")
+    rng, time = np.random.default_rng(0), STEP * np.arange(SAMPLES)
+    runs = []
+    for name, phase in (("calm", 0.0), ("pushed", 1.0)):
+        torque = 0.1 * np.cos(5.0 * time + phase) + 0.05 * np.cos(11.0 * time)
+        angle = turned(torque, pushed=name == "pushed")
+        channels = {
+            "hinge.position": Channel(time=time, value=angle + NOISE * rng.normal(size=SAMPLES)),
+            "motor.command": Channel(time=time, value=torque, hold=True),
+        }
+        runs.append(episode(Recording(name=name, channels=channels), robot, STEP))
+    found = ranked(Hypothesis(robot=robot, step=STEP, knobs=()), runs)
+    (push,) = found.best.effects
+    assert isinstance(push, ExternalPush)
+    assert push.run == "pushed"
+    # Noise of 2e-4 rad in each of 25 readings during the push tells its ends to a sample or two.
+    assert (push.start, push.end) == pytest.approx((FROM, UNTIL), abs=0.01)
+    # What turns the arm is the impulse across it; the mean angle during the push tells how much.
+    turn = turned(torque, pushed=True)[round(FROM / STEP) : round(UNTIL / STEP)]
+    across = -push.x * np.mean(np.sin(turn)) + push.y * np.mean(np.cos(turn))
+    assert across == pytest.approx(IMPULSE * np.mean(np.cos(turn)), rel=0.02)
