@@ -22,8 +22,8 @@ from morph.physics.effect import Effect
 from morph.physics.motion import Motion
 from morph.sim.drive import received
 
-DRY_ROUNDS = 3
-"""Rounds of the smoother under dry friction, each of which finds anew where joints stick."""
+STICKING_ROUNDS = 2
+"""Rounds of the smoother under dry friction: each finds anew where joints stick."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -75,8 +75,7 @@ def observed(
         motion = _motion(model, robot, about, run, read.name)
         return Observed(run=run, about=about, motion=motion, sent=read.command)
     about, motion = before.about, before.motion
-    rounds = DRY_ROUNDS if any(effect.holds for effect in effects) else 1
-    for _ in range(rounds):
+    for _ in range(STICKING_ROUNDS if any(effect.holds for effect in effects) else 1):
         dry = friction(effects, motion, about)
         motion = replace(motion, senses=dry.senses)
         force, shift = force_of(effects, motion), shift_of(effects, motion)
@@ -89,12 +88,11 @@ def observed(
             mobility = about.tangent.jacobian[:, :, 2 * guess.shape[1] :]
             linear = force - dry.damping * ending(about)
             change = np.einsum("tij,tj->ti", mobility, force_of(effects, motion) - linear)
+            shift = shift_of(effects, motion) - shift
             about = replace(
                 about,
                 acceleration=about.acceleration + change,
-                error=np.where(
-                    about.tangent.valid, about.error - (shift_of(effects, motion) - shift), 0.0
-                ),
+                error=np.where(about.tangent.valid, about.error - shift, 0.0),
             )
     return Observed(run=run, about=about, motion=motion, sent=read.command)
 

@@ -98,14 +98,13 @@ class ExternalPush(BodyEffect):
         first = int(before[-1]) + 1 if len(before) else 0
         last = int(after[0]) if len(after) else len(high) - 1
         middle, length = 0.5 * (first + last) * step, max(1, last - first) * step
+        # The force that a link takes changes as it turns: its push may lie beside what stands out.
+        middles = [middle + shift * length for shift in (-0.5, 0.0, 0.5)]
+        halves = [0.5 * share * length for share in (0.6, 1.2)]
         return tuple(
-            replace(
-                self,
-                run=motion.run,
-                start=max(0.0, middle - 0.5 * share * length),
-                end=middle + 0.5 * share * length,
-            )
-            for share in (0.5, 1.0, 1.5)
+            replace(self, run=motion.run, start=max(0.0, at - half), end=at + half)
+            for at in middles
+            for half in halves
         )
 
     @property

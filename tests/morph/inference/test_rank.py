@@ -99,7 +99,7 @@ def test_backlash_stands_first(folder: Path) -> None:
 def test_a_search_that_stops_early_is_about_what_it_found(
     folder: Path, monkeypatch: pytest.MonkeyPatch, refits: int
 ) -> None:
-    (case,) = generate("development", 1, [5], folder, seconds=2.0)
+    (case,) = generate("development", 1, [1], folder, seconds=2.0)
     robot = load_robot(str(case / "robot.xml"))
     recordings = load_recordings(case / "recordings", robot=robot)
     step = step_for(recordings, robot)

@@ -117,6 +117,6 @@ def test_a_joint_that_sticks_hides_no_force(wheel: Robot) -> None:
     held = CoulombFriction(joint="hinge", c=0.0)
     run = [episode(recorded(turned(torque), torque), wheel, STEP)]
     nominal = Hypothesis(robot=wheel, step=STEP, knobs=(), effects=(held,))
-    found = refitted(nominal, np.array([0.5 * LEVEL]), run, rounds=3)
+    found = refitted(nominal, np.array([0.7 * LEVEL]), run, rounds=3)
     # The torque changes by 3 % of the friction in a step, and so does what a step may hide.
     assert found.point[0] == pytest.approx(LEVEL, rel=0.05)
