@@ -81,8 +81,7 @@ UNLIMITED = 1e9
 class Effect(ABC):
     """One piece of physics that a simulation may have or lack.
 
-    Every subclass is a frozen dataclass in a file of its own, listed in
-    `morph.physics.EFFECTS`. It overrides whichever faces it needs.
+    Every subclass is a frozen dataclass in a file of its own, listed in `morph.physics.EFFECTS`.
     """
 
     name: ClassVar[str]
@@ -225,8 +224,7 @@ class Effect(ABC):
     def regressor(self, motion: Motion) -> Array:
         """Return its generalized force along a recording for strengths of one.
 
-        Shape (samples, degrees of freedom, strengths): the force is this times
-        `coefficients`, by default strength - neutral, to first order.
+        Shape (samples, dofs, strengths): the force is this times `coefficients`, to first order.
         """
 
     def reading_regressor(self, motion: Motion) -> Array:
@@ -239,8 +237,7 @@ class Effect(ABC):
     def shapes(self, motion: Motion) -> tuple[Effect, ...]:
         """Return the effect at a few values of the parameters in which it is not linear.
 
-        Each gives its own columns. By default the values are those to scan; laws whose
-        scale is the recording's take them from it.
+        By default those to scan; laws whose scale is the recording's take them from it.
         """
         scanned = [p for p in self.parameters() if p.scan and p.name not in self.strengths]
         grid = itertools.product(*(p.scan for p in scanned))
@@ -253,10 +250,7 @@ class Effect(ABC):
 
     @classmethod
     def regressors(cls: type[Some], shapes: Sequence[Some], motion: Motion) -> Array:
-        """Return the regressors of one effect at several shapes side by side.
-
-        Shape (samples, degrees of freedom, strengths of all shapes).
-        """
+        """Return the regressors at several shapes, (samples, dofs, strengths of all shapes)."""
         return np.concatenate([effect.regressor(motion) for effect in shapes], axis=2)
 
     @property
