@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
-from scipy.ndimage import median_filter
+from scipy.ndimage import uniform_filter1d
 
 from morph.arrays import Array
 from morph.physics.effect import Simulations, parameter
@@ -85,8 +85,7 @@ class ExternalPush(BodyEffect):
         if len(motion.missing) < 3:
             return ()
         step = float(motion.time[1] - motion.time[0])
-        drift = median_filter(motion.missing, size=(2 * round(0.5 * TREND / step) + 1, 1))
-        rest = motion.missing - drift
+        rest = motion.missing - uniform_filter1d(motion.missing, round(TREND / step), axis=0)
         usual = np.median(np.abs(rest), axis=0) + 1e-12
         high = np.abs(rest / usual).max(axis=1)
         peak = int(high.argmax())
