@@ -70,14 +70,16 @@ def likeliest_disturbance(about: Reference, *, steps: int) -> Disturbance:
     shares = [np.log(share) * of_force for share in (1.0, 0.3, 0.1)]
     shares += [np.log(share) * of_vibration for share in (0.1, 10.0)]
     near = min((np.clip(start + share, *bounds.T) for share in shares), key=cost)
-    # Where all is called vibration, more force explains nothing at first: start from force too.
-    forced = np.log([*[FORCED] * dofs, *[VIBRATIONS[0]] * channels, 0.2, 1.0])
 
     def descended(begin: Array) -> OptimizeResult:
         options = {"maxiter": steps, "eps": 1e-3}
         return minimize(cost, begin, method="L-BFGS-B", bounds=bounds, options=options)
 
-    best = min(map(descended, (near, forced)), key=lambda each: float(each.fun))
+    best = descended(near)
+    if best.x[dofs:-2].max() > 0.0:
+        # Where all is called vibration, more force explains nothing at first: start from force too.
+        forced = np.log([*[FORCED] * dofs, *[VIBRATIONS[0]] * channels, 0.2, 1.0])
+        best = min(best, descended(forced), key=lambda each: float(each.fun))
     return replace(at(best.x), jolt=whole.jolt)
 
 
