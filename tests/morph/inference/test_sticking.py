@@ -11,8 +11,10 @@ import pytest
 from morph.arrays import Array
 from morph.body.load import load
 from morph.body.robot import Robot
+from morph.inference.columns import Columns
 from morph.inference.observed import Observed, settled
 from morph.inference.refit import refitted, seen
+from morph.inference.sticking import sensed
 from morph.model.episodes import episode
 from morph.model.hypothesis import Hypothesis
 from morph.physics.joint.coulomb_friction import CoulombFriction
@@ -120,3 +122,29 @@ def test_a_joint_that_sticks_hides_no_force(wheel: Robot) -> None:
     found = refitted(nominal, np.array([0.7 * LEVEL]), run, rounds=3)
     # The torque changes by 3 % of the friction in a step, and so does what a step may hide.
     assert found.point[0] == pytest.approx(LEVEL, rel=0.05)
+
+
+def test_at_first_sight_the_missing_force_holds_a_joint(wheel: Robot) -> None:
+    time = STEP * np.arange(1500)
+    torque = 2.5 * LEVEL * np.sin(np.pi * time) * np.sin(0.5 * time)
+    before, _ = along(wheel, torque, rounds=0)
+    senses = sensed(["hinge"], before.motion, before.about).sign("hinge")
+    angle = turned(torque)
+    still, moves = (np.abs(np.diff(angle)) < 1e-12), np.abs(np.diff(angle)) > 0.5 * STEP
+    # Friction balances the torque where the wheel rests, and opposes it where it moves.
+    assert np.median(np.abs(senses - torque[:-1] / LEVEL)[still]) < 0.15
+    assert np.all(senses[moves] == np.sign(np.diff(angle))[moves])
+
+
+def test_more_friction_is_not_felt_where_it_holds(wheel: Robot) -> None:
+    time = STEP * np.arange(1500)
+    _, found = along(wheel, 2.5 * LEVEL * np.sin(np.pi * time) * np.sin(0.5 * time), rounds=2)
+    nominal = Hypothesis(robot=wheel, step=STEP, knobs=())
+    rubbed = replace(nominal, effects=(CoulombFriction(joint="hinge", c=LEVEL),))
+    moved, _ = Columns.of(rubbed, rubbed.start).along(found)
+    senses = found.motion.sign("hinge")
+    sticks = np.abs(senses) < 1.0
+    assert np.all(moved[sticks, 0, 1] == 0.0)
+    # Elsewhere it turns the wheel by one over its inertia, but where it has only just come loose.
+    felt = moved[~sticks, 0, 1] * -senses[~sticks] * INERTIA
+    assert np.mean(np.abs(felt - 1.0) < 1e-6) > 0.99
