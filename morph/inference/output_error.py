@@ -6,24 +6,23 @@ from collections.abc import Sequence
 
 from morph.arrays import Array
 from morph.inference.rank import Finalist
-from morph.inference.validate import Validation
+from morph.inference.validate import HORIZON, Validation
 from morph.model.episodes import Episode
 from morph.model.fit import fit, measure
 from morph.model.segments import cut
 from morph.model.shooting import predict
 
-LONGEST = 3.0
-"""Most seconds of the rollouts that are fitted: longer ones may diverge."""
 MOST_ROLLOUTS = 48
 """Most rollouts that are fitted; of longer recordings an even spread."""
 STEPS = 4
 """Most Gauss-Newton steps."""
 
 
-def output_error_point(
-    found: Finalist, validation: Validation, train: Sequence[Episode], horizon: float | None
-) -> Array:
+def output_error_point(found: Finalist, validation: Validation, train: Sequence[Episode]) -> Array:
     """Return a model's point refitted by multiple shooting, if that lowers the error of rollouts.
+
+    They are as long as those that models are compared by: longer ones of a swinging arm diverge,
+    and their figures then are no longer physical.
 
     The whitened likelihood is efficient where the model of the disturbance is right. Where physics
     without a name remains it is not, and a fit of what is scored predicts better.
@@ -32,12 +31,10 @@ def output_error_point(
         found: The model.
         validation: Stretches on which both points are compared.
         train: The runs.
-        horizon: Seconds of the rollouts that are scored; None for whole runs.
     """
     hypothesis, point, runs = found.refit.hypothesis, found.refit.point, found.refit.runs
     longest = min(len(e.command) for e in train) * train[0].step
-    seconds = min(LONGEST, 0.5 * longest, LONGEST if horizon is None else max(horizon, 1.0))
-    segments = cut(train, seconds, most=MOST_ROLLOUTS)
+    segments = cut(train, min(HORIZON, 0.5 * longest), most=MOST_ROLLOUTS)
     read = predict(hypothesis, segments, [point], [segments.start])[0]
     units = measure(segments, read)
     refitted = fit(hypothesis, segments, *units, point=point, iterations=STEPS).point

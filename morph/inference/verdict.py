@@ -63,7 +63,7 @@ def conclude(nominal: Hypothesis, ranking: Ranking, parts: DiagnosisRuns) -> Dia
     refits_again = remains.in_noise > FAR_FROM_NOISE and not ranking.stopped
     points = [
         # The whitened likelihood is efficient where runs are explained to their noise.
-        output_error_point(each, ranking.validation, parts.train, parts.horizon)
+        output_error_point(each, ranking.validation, parts.train)
         if refits_again and not at_noise(each.refit.runs)
         else each.refit.point
         for each in (ranking.none, ranking.best)
