@@ -69,7 +69,7 @@ class Payload(WeighedEffect):
 
     def with_strengths(self, coefficients: Array) -> Payload:
         """Return the weight whose mass and first moment these are."""
-        m = float(np.clip(coefficients[0], 1e-6, 100.0))
+        m = float(np.clip(coefficients[0], 1e-6, 1e4))
         x, y, z = (float(value) for value in np.clip(coefficients[1:] / m, -2.0, 2.0))
         return replace(self, m=m, x=x, y=y, z=z)
 

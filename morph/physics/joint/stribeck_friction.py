@@ -13,6 +13,10 @@ from morph.physics.kinds import JointEffect
 from morph.physics.motion import Motion
 
 
+MOST = 1e4
+"""Greatest level of friction, N m."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class StribeckFriction(JointEffect):
     """Dry friction that is greatest at rest and fades as a joint speeds up.
@@ -39,9 +43,9 @@ class StribeckFriction(JointEffect):
 
     joint: str
     """Joint it acts on."""
-    c: float = parameter(0.0, unit="N m", low=0.0, high=1e4, neutral=0.0)
+    c: float = parameter(0.0, unit="N m", low=0.0, high=MOST, neutral=0.0)
     """Friction of the joint in fast motion (N on a slide)."""
-    s: float = parameter(0.0, unit="N m", low=0.0, high=1e4, neutral=0.0)
+    s: float = parameter(0.0, unit="N m", low=0.0, high=MOST, neutral=0.0)
     """Friction of the joint at rest, at least `c` (N on a slide)."""
     vs: float = parameter(0.2, unit="rad/s", low=0.01, high=5.0, scan=(0.05, 0.15, 0.5, 1.5))
     """Speed at which what `s` adds to `c` has fallen to 1/e (m/s on a slide)."""
@@ -80,12 +84,12 @@ class StribeckFriction(JointEffect):
 
     def coefficient_bounds(self) -> tuple[Array, Array]:
         """Return the least and greatest of its coefficients: neither is negative."""
-        return np.zeros(2), np.full(2, 20.0)
+        return np.zeros(2), np.full(2, MOST)
 
     def with_strengths(self, coefficients: Array) -> StribeckFriction:
         """Return the effect with both levels read off a linear fit, none negative."""
-        c, fades = np.clip(coefficients, 0.0, 20.0)
-        return replace(self, c=float(c), s=float(min(c + fades, 20.0)))
+        c, fades = np.clip(coefficients, 0.0, MOST)
+        return replace(self, c=float(c), s=float(min(c + fades, MOST)))
 
     def statement(self, *, slide: bool = False) -> str:
         """Return the finding in one plain sentence."""
