@@ -215,8 +215,13 @@ class _Task:
             return whole
         hypothesis, point = about.reduced(kept)
         anew = refitted(hypothesis, point, self.episodes, before=refit.runs, rounds=STEPS)
-        fewer = self.finalist(anew, self.about(anew))
-        return whole if validation.worse(whole.losses, fewer.losses) and not brief else fewer
+        about = self.about(anew)
+        fewer = self.finalist(anew, about)
+        if validation.worse(whole.losses, fewer.losses) and not brief:
+            return whole
+        # A time that the refit has shortened is no more to be claimed than one found short.
+        again = any(validation.too_brief(effect) for effect in fewer.effects)
+        return self.reduced(fewer, about) if again else fewer
 
     def simplified(self, best: Finalist) -> Finalist | None:
         """Return a set with a simpler law in the place of one, where that is not surely worse."""

@@ -12,7 +12,6 @@ from morph.physics.effect import Simulations, parameter
 from morph.physics.kinds import JointEffect
 from morph.physics.motion import Motion
 
-
 MOST = 1e4
 """Greatest level of friction, N m."""
 
