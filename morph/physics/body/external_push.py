@@ -14,7 +14,7 @@ from morph.physics.kinds import BodyEffect
 from morph.physics.motion import Motion
 
 TREND, APART = 1.0, 0.3
-"""Seconds over which a missing force may drift, and least time between two pushes."""
+"""Seconds over which a missing force may drift, and least time between pushes and after a start."""
 STANDS_OUT, ALONE = 8.0, 2.0
 """How high the missing force of a push is, in median absolute deviations and in units of the next
 highest."""
@@ -88,6 +88,8 @@ class ExternalPush(BodyEffect):
         rest = motion.missing - uniform_filter1d(motion.missing, round(TREND / step), axis=0)
         usual = np.median(np.abs(rest), axis=0) + 1e-12
         high = np.abs(rest / usual).max(axis=1)
+        # At the start of a run what moves unseen, as a rotor in a gap, is not known yet.
+        high[motion.time < APART] = 0.0
         peak = int(high.argmax())
         apart = np.abs(motion.time - motion.time[peak]) > APART
         if high[peak] < max(STANDS_OUT, ALONE * float(high[apart].max(initial=0.0))):

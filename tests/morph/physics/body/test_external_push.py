@@ -93,6 +93,7 @@ def test_a_push_is_looked_for_where_one_missing_force_stands_out() -> None:
         [2.8, 2.8, 2.86, 2.86, 2.92, 2.92], abs=0.01
     )
     assert [s.end - s.start for s in shapes] == pytest.approx([0.072, 0.144] * 3, abs=0.02)
+    assert push.shapes(moving(noise[680:])) == ()
     # Twice the same is no event.
     noise[1100:1130, 1] += 20.0
     assert push.shapes(moving(noise)) == ()
