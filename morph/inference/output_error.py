@@ -19,7 +19,7 @@ STEPS = 4
 
 
 def output_error_point(found: Finalist, validation: Validation, train: Sequence[Episode]) -> Array:
-    """Return a model's point refitted by multiple shooting, if that lowers the error of rollouts.
+    """Return a model's point refitted by multiple shooting, unless rollouts are surely worse.
 
     They are as long as those that models are compared by: longer ones of a swinging arm diverge,
     and their figures then are no longer physical.
@@ -39,8 +39,8 @@ def output_error_point(found: Finalist, validation: Validation, train: Sequence[
     units = measure(segments, read)
     refitted = fit(hypothesis, segments, *units, point=point, iterations=STEPS).point
 
-    def loss(at: Array) -> float:
+    def losses(at: Array) -> Array:
         points = [at] * (int(validation.fold.max()) + 1)
-        return float(validation.losses(hypothesis, [points], runs).mean())
+        return validation.losses(hypothesis, [points], runs)[0]
 
-    return refitted if loss(refitted) < loss(point) else point
+    return point if validation.worse(losses(point), losses(refitted)) else refitted
