@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from morph.arrays import Array
 from morph.inference.rank import Finalist
 from morph.inference.validate import HORIZON, Validation
@@ -41,6 +43,6 @@ def output_error_point(found: Finalist, validation: Validation, train: Sequence[
 
     def losses(at: Array) -> Array:
         points = [at] * (int(validation.fold.max()) + 1)
-        return validation.losses(hypothesis, [points], runs)[0]
+        return np.asarray(validation.losses(hypothesis, [points], runs)[0])
 
     return point if validation.worse(losses(point), losses(refitted)) else refitted
