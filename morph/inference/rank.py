@@ -1,9 +1,8 @@
 """Ranking of sets of effects by how well they explain a robot's runs; nothing is simulated.
 
 The description is refitted to the runs and linearised along them. Every effect at every place and
-shape gives a column or a few; their Gram matrix in the metric of the readings scores each set
-beside the description's own figures. The best sets are refitted, and the search goes on from the
-best refit.
+shape gives columns; their Gram matrix in the metric of the readings scores each set beside the
+description's own figures. The best are refitted, and the search goes on from the best refit.
 """
 
 from __future__ import annotations
@@ -210,8 +209,9 @@ class _Task:
         refit, validation = whole.refit, self.validation
         kept, losses = needed(about, validation, refit.runs, certain=CERTAIN)
         brief = any(validation.too_brief(effect) for effect in whole.effects)
-        worse = validation.worse(whole.losses, losses) and not brief
-        if worse or len(kept) == len(whole.effects):
+        if len(kept) == len(whole.effects) or (
+            validation.worse(whole.losses, losses) and not brief
+        ):
             return whole
         hypothesis, point = about.reduced(kept)
         anew = refitted(hypothesis, point, self.episodes, before=refit.runs, rounds=STEPS)
@@ -220,8 +220,9 @@ class _Task:
         if validation.worse(whole.losses, fewer.losses) and not brief:
             return whole
         # A time that the refit has shortened is no more to be claimed than one found short.
-        again = any(validation.too_brief(effect) for effect in fewer.effects)
-        return self.reduced(fewer, about) if again else fewer
+        return (
+            self.reduced(fewer, about) if any(map(validation.too_brief, fewer.effects)) else fewer
+        )
 
     def simplified(self, best: Finalist) -> Finalist | None:
         """Return a set with a simpler law in the place of one, where that is not surely worse."""
@@ -275,7 +276,9 @@ def _proposals(
     """Return the sets to refit: the likeliest, and those with the least error in rollouts."""
     some = [each for each in sets if each.effects and each.gain > -5.0]
     alone = [each for each in some if len(each.members) == 1]
-    groups = {group: each for each in reversed(some) if (group := _law(each, search.prior))}
+    labels = [frozenset(effect.label for effect in each.effects) for each in some]
+    laws = dict(search.prior.together)
+    groups = {law: each for law, each in zip(labels[::-1], some[::-1], strict=True) if law in laws}
     listed: dict[tuple[int, ...], Explanation] = {
         each.members: each for each in [*some[:SIMULATED], *alone[:SIMULATED], *groups.values()]
     }
@@ -289,16 +292,9 @@ def _proposals(
             points.append(np.clip(point, more.low, more.high))
         losses[members] = float(validation.losses(more, [points], base.refit.runs).mean())
     by_rollouts = sorted(listed.values(), key=lambda each: losses[each.members])
-    # A set may diverge: a stiff spring in long steps. The likeliest is refitted whatever it does:
-    # it may be too far from the base for columns to tell its rollouts.
+    # A stiff spring diverges in long steps. So may the likeliest set, far from the base.
     most = now + DIVERGED * len(hypothesis.robot.joints)
     stable = [each for each in by_rollouts if losses[each.members] < most]
     likeliest = sorted(by_rollouts, key=lambda each: -each.gain)[:1]
     chosen = {each.members: each for each in [*stable[:FINALISTS], *likeliest]}
     return list(chosen.values())
-
-
-def _law(found: Explanation, prior: Prior) -> frozenset[str] | None:
-    """Return a set's labels if it is one law at every joint."""
-    labels = frozenset(effect.label for effect in found.effects)
-    return labels if labels in dict(prior.together) else None
