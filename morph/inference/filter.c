@@ -212,18 +212,18 @@ INLINE void retreat(int n, int e, double h, double keep, double fade, const doub
  *
  * white (steps, m) is that of the first column; covariance, predicted, gain and variance as the
  * filter left them; x (steps, N) is the smoothed state and spread (steps, n) the smoothed variance
- * of velocities. `adjoint` is Bierman's lambda and L (N, N) its covariance, his capital Lambda.
+ * of velocities. `adjoint` is Bierman's lambda and L (N, N), zero at first, its covariance, his capital
+ * Lambda.
  * Source: Bierman 1973, Automatica 9(5), 503-511.
  */
 void morph_smooth(int n, int m, int e, int64_t steps, double h, double keep, double fade,
 		  const double *J, const double *C, const uint8_t *valid, const double *white,
 		  const double *covariance, const double *predicted, const double *gain, const double *variance, double *x,
-		  double *spread)
+		  double *spread, double *L)
 {
 	int N = 3 * n + e;
-	double adjoint[N], along[N], L[N * N];
+	double adjoint[N], along[N];
 	memset(adjoint, 0, sizeof adjoint);
-	memset(L, 0, sizeof L);
 	for (int64_t t = steps - 1; t >= 0; t--) {
 		const double *now = J + t * n * 3 * n;
 		retreat(n, e, h, keep, fade, now, adjoint);

@@ -253,6 +253,7 @@ class _Run:
             *map(_pointer, (
                 _packed(tangent.jacobian), self._reads,
                 np.ascontiguousarray(tangent.valid, dtype=np.uint8), white, *kept, state, variance,
+                np.zeros((size, size)),
             )),
         )  # fmt: skip
         return state, np.sqrt(np.maximum(variance, 0.0))
@@ -281,5 +282,5 @@ def _code() -> ctypes.CDLL:
     code.morph_filter.restype = number
     code.morph_filter.argtypes = [count] * 4 + [ctypes.c_int64] + [number] * 3 + [at] * 16
     code.morph_smooth.restype = None
-    code.morph_smooth.argtypes = [count] * 3 + [ctypes.c_int64] + [number] * 3 + [at] * 10
+    code.morph_smooth.argtypes = [count] * 3 + [ctypes.c_int64] + [number] * 3 + [at] * 11
     return code
