@@ -61,7 +61,11 @@ class Columns:
     """Derivatives of accelerations and readings by each entry of a point."""
 
     hypothesis: Hypothesis
+    """Own figures and effects."""
+    point: Array
+    """Where the derivatives are taken, shape (entries,)."""
     model: mujoco.MjModel
+    """The model there, with the smooth effects."""
     turned: list[mujoco.MjModel]
     """The model with each own figure a little larger."""
     nudged: list[_Nudged]
@@ -80,7 +84,7 @@ class Columns:
             pairs = [(a, b) for a, b in zip(beside, changed, strict=True) if a != b]
             nudged.append(_Nudged(step=step, model=there, change=pairs[0] if pairs else None))
         turned = [acting(hypothesis, point + NUDGE * axis)[0] for axis in axes[:own]]
-        return cls(hypothesis=hypothesis, model=model, turned=turned, nudged=nudged)
+        return cls(hypothesis=hypothesis, point=point, model=model, turned=turned, nudged=nudged)
 
     def along(self, seen: Observed) -> tuple[Array, Array]:
         """Return columns [errors, entries] of accelerations and of readings along a run.

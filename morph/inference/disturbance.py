@@ -8,8 +8,9 @@ import numpy as np
 from scipy.optimize import OptimizeResult, minimize
 
 from morph.arrays import Array
-from morph.inference.filter import Disturbance, Tangent, whitened
+from morph.inference.filter import Disturbance, scored
 from morph.inference.sampled import FLOOR, Reference
+from morph.inference.whitened import whitened
 
 CORRELATION_TIMES = (0.05, 2.0)
 """Bounds of the missing force's correlation time, s: a stroke of a servo, the drift of a run."""
@@ -22,6 +23,8 @@ MOST_SCALE = 30.0
 FORCED = 0.3
 """Missing force as a share of the RMS force that a joint's motion needs, from which one search
 starts."""
+NUDGE = 1e-3
+"""Finite-difference step of the logarithm of the correlation time."""
 MOST_SAMPLES = 1500
 """Samples of a run by which its disturbance is judged."""
 
@@ -51,7 +54,15 @@ def likeliest_disturbance(about: Reference, *, steps: int) -> Disturbance:
         )
 
     def cost(point: Array) -> float:
-        return -_log_likelihood(tangent, at(point), about)
+        column = about.error[:, :, None]
+        found = whitened(tangent, at(point), column, -about.acceleration[:, :, None])
+        return -found.likelihood()
+
+    def slope(point: Array) -> tuple[float, Array]:
+        found = scored(tangent, at(point), about.error, about.acceleration)
+        later = point + NUDGE * (np.arange(len(point)) == len(point) - 2)
+        by_time = -(cost(later) + found.likelihood) / NUDGE
+        return -found.likelihood, -np.array([*found.scale, *found.vibration, by_time, found.noise])
 
     limits = [(FLOOR, MOST_SCALE)] * dofs + [VIBRATIONS] * channels
     bounds = np.log([*limits, CORRELATION_TIMES, NOISE_FACTORS])
@@ -72,8 +83,8 @@ def likeliest_disturbance(about: Reference, *, steps: int) -> Disturbance:
     near = min((np.clip(start + share, *bounds.T) for share in shares), key=cost)
 
     def descended(begin: Array) -> OptimizeResult:
-        options = {"maxiter": steps, "eps": 1e-3}
-        return minimize(cost, begin, method="L-BFGS-B", bounds=bounds, options=options)
+        options = {"maxiter": steps}
+        return minimize(slope, begin, jac=True, method="L-BFGS-B", bounds=bounds, options=options)
 
     best = descended(near)
     if best.x[dofs:-2].max() > 0.0:
@@ -98,8 +109,3 @@ def _middle(about: Reference, samples: int) -> Reference:
         tangent=replace(tangent, jacobian=tangent.jacobian[part], valid=tangent.valid[part]),
         disturbance=replace(known, jolt=None if known.jolt is None else known.jolt[part]),
     )
-
-
-def _log_likelihood(tangent: Tangent, disturbance: Disturbance, about: Reference) -> float:
-    column = about.error[:, :, None]
-    return whitened(tangent, disturbance, column, -about.acceleration[:, :, None]).likelihood()

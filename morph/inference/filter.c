@@ -20,9 +20,10 @@
 #include <string.h>
 
 #define INLINE static inline __attribute__((always_inline))
+#define TILE 64
 
-/* y = J x of `width` columns side by side; J (n, 3n), x (3n, width). */
-INLINE void accelerate(int n, int width, const double *restrict J,
+/* y = J x of `width` columns side by side; J (n, 3n), x (3n, width) in rows `stride` apart. */
+INLINE void accelerate(int n, int width, int stride, const double *restrict J,
 		       const double *restrict x, double *restrict y)
 {
 	int N = 3 * n;
@@ -32,31 +33,33 @@ INLINE void accelerate(int n, int width, const double *restrict J,
 			double g = J[i * N + k];
 			if (g == 0.0)
 				continue;
-			const double *from = x + (size_t)k * width;
+			const double *from = x + (size_t)k * stride;
 			double *to = y + (size_t)i * width;
 			for (int c = 0; c < width; c++)
 				to[c] += g * from[c];
 		}
 }
 
-/* x <- F x of `width` columns, input (n, width) or NULL added to the acceleration. */
-INLINE void advance(int n, int e, int width, double h, double keep, double fade,
-		    const double *restrict J, const double *restrict input, double *restrict x,
-		    double *restrict a)
+/* x <- F x of `width` columns, input (n, width) or NULL added to the acceleration; rows of both are
+ * `stride` apart. */
+INLINE void advance(int n, int e, int width, int stride, double h, double keep, double fade,
+		    const double *restrict J, const double *restrict input, double *restrict x)
 {
-	accelerate(n, width, J, x, a);
-	size_t block = (size_t)n * width;
-	if (input)
-		for (size_t i = 0; i < block; i++)
-			a[i] += input[i];
-	double *q = x, *v = x + block, *f = v + block;
-	for (size_t i = 0; i < block; i++) {
-		v[i] += h * a[i];
-		q[i] += h * v[i];
-		f[i] *= keep;
+	double a[n * width];
+	accelerate(n, width, stride, J, x, a);
+	for (int i = 0; i < n; i++) {
+		double *q = x + (size_t)i * stride, *v = q + (size_t)n * stride;
+		double *f = v + (size_t)n * stride;
+		for (int c = 0; c < width; c++) {
+			double with = a[i * width + c] + (input ? input[(size_t)i * stride + c] : 0.0);
+			v[c] += h * with;
+			q[c] += h * v[c];
+			f[c] *= keep;
+		}
 	}
-	for (size_t i = 0; i < (size_t)e * width; i++)
-		f[block + i] *= fade;
+	for (int i = 3 * n; i < 3 * n + e; i++)
+		for (int c = 0; c < width; c++)
+			x[(size_t)i * stride + c] *= fade;
 }
 
 INLINE void transpose(int N, double *P)
@@ -69,15 +72,50 @@ INLINE void transpose(int N, double *P)
 		}
 }
 
+/* Update `width` columns by one sample's readings and advance them; rows are `stride` apart.
+ *
+ * gain (m, N) and variance (m) are those of the readings that are `valid`; white (m, stride). */
+INLINE void columns(int n, int m, int e, int width, int stride, double h, double keep, double fade,
+		    const double *J, const double *input, const double *C, const uint8_t *valid,
+		    const double *reading, const double *gain, const double *variance,
+		    double *delta, double *white)
+{
+	int N = 3 * n + e;
+	for (int r = 0; r < m; r++) {
+		const double *row = C + r * N, *k = gain + r * N;
+		double *out = white + (size_t)r * stride, seen[width];
+		if (!valid[r]) {
+			memset(out, 0, sizeof(double) * width);
+			continue;
+		}
+		memcpy(seen, reading + (size_t)r * stride, sizeof(double) * width);
+		for (int j = 0; j < N; j++)
+			if (row[j] != 0.0) {
+				const double *from = delta + (size_t)j * stride;
+				for (int c = 0; c < width; c++)
+					seen[c] += row[j] * from[c];
+			}
+		for (int i = 0; i < N; i++) {
+			double *to = delta + (size_t)i * stride;
+			for (int c = 0; c < width; c++)
+				to[c] -= k[i] * seen[c];
+		}
+		double one = 1.0 / sqrt(variance[r]);
+		for (int c = 0; c < width; c++)
+			out[c] = one * seen[c];
+	}
+	advance(n, e, width, stride, h, keep, fade, J, input, delta);
+}
+
 /* Filter `steps` samples of `width` columns, for n degrees of freedom, m channels and N states.
  *
  * In: J (steps, n, 3n), input (steps, n, width) or NULL, C (m, N), valid (steps, m), reading
  * (steps, m, width); variances noise (m) of readings, added (n + e) of w and u, jolt (steps, n) or
  * NULL. In and out, from one call to the next: delta (N, width) and covariance P (N, N).
  * Out: white (steps, m, width), the innovations over their standard deviation.
- * Out for the smoother, all NULL or none: covariance (steps, N, N) and state predicted
- * (steps, N) before each sample's readings, gain (steps, m, N), innovation variance (steps, m).
- * Scratch: work, n * max(width, N) numbers.
+ * Out for the smoother: gain (steps, m, N) and innovation variance (steps, m), or NULL; for its
+ * state also covariance (steps, N, N) and state predicted (steps, N) before each sample's readings,
+ * or NULL.
  * Returns the sum of the logarithms of the innovations' variances.
  */
 INLINE double filter(int n, int m, int e, int width, int64_t steps, double h, double keep,
@@ -85,10 +123,10 @@ INLINE double filter(int n, int m, int e, int width, int64_t steps, double h, do
 		    const uint8_t *valid, const double *reading, const double *noise,
 		    const double *added, const double *jolt, double *delta,
 		    double *P, double *white, double *covariance, double *predicted, double *gain,
-		    double *variance, double *work)
+		    double *variance)
 {
 	int N = 3 * n + e;
-	double logarithm = 0.0, column[N], k[N];
+	double logarithm = 0.0, column[N], k[m * N], s[m];
 	for (int64_t t = 0; t < steps; t++) {
 		if (covariance) {
 			memcpy(covariance + t * N * N, P, sizeof(double) * N * N);
@@ -97,13 +135,9 @@ INLINE double filter(int n, int m, int e, int width, int64_t steps, double h, do
 		}
 		for (int r = 0; r < m; r++) {
 			const double *row = C + r * N;
-			double *out = white + ((size_t)t * m + r) * width;
-			if (!valid[t * m + r]) {
-				memset(out, 0, sizeof(double) * width);
+			if (!valid[t * m + r])
 				continue;
-			}
-			memcpy(out, reading + ((size_t)t * m + r) * width, sizeof(double) * width);
-			double s = noise[r];
+			s[r] = noise[r];
 			/* Rows of P serve as columns: it is symmetric. */
 			memset(column, 0, sizeof column);
 			for (int j = 0; j < N; j++)
@@ -111,37 +145,38 @@ INLINE double filter(int n, int m, int e, int width, int64_t steps, double h, do
 					for (int i = 0; i < N; i++)
 						column[i] += row[j] * P[j * N + i];
 			for (int j = 0; j < N; j++)
-				if (row[j] != 0.0) {
-					s += row[j] * column[j];
-					const double *from = delta + (size_t)j * width;
-					for (int c = 0; c < width; c++)
-						out[c] += row[j] * from[c];
-				}
-			for (int i = 0; i < N; i++) {
-				k[i] = column[i] / s;
-				double *to = delta + (size_t)i * width;
-				for (int c = 0; c < width; c++)
-					to[c] -= k[i] * out[c];
-			}
+				s[r] += row[j] * column[j];
+			for (int i = 0; i < N; i++)
+				k[r * N + i] = column[i] / s[r];
 			for (int i = 0; i < N; i++)
 				for (int j = 0; j < N; j++)
-					P[i * N + j] -= k[i] * column[j];
-			if (covariance) {
-				memcpy(gain + (t * m + r) * N, k, sizeof(double) * N);
-				variance[t * m + r] = s;
-			}
-			double one = 1.0 / sqrt(s);
-			for (int c = 0; c < width; c++)
-				out[c] *= one;
-			logarithm += log(s);
+					P[i * N + j] -= k[r * N + i] * column[j];
+			logarithm += log(s[r]);
+		}
+		if (gain) {
+			memcpy(gain + t * m * N, k, sizeof k);
+			memcpy(variance + t * m, s, sizeof s);
 		}
 		const double *now = J + t * n * 3 * n;
-		advance(n, e, width, h, keep, fade, now,
-			input ? input + (size_t)t * n * width : NULL, delta, work);
+		/* So many columns at once as a processor's first cache holds. */
+		int c = 0;
+#define COLUMNS(WIDTH) \
+	columns(n, m, e, WIDTH, width, h, keep, fade, now, \
+		input ? input + (size_t)t * n * width + c : NULL, C, valid + t * m, \
+		reading + (size_t)t * m * width + c, k, s, delta + c, \
+		white + (size_t)t * m * width + c)
+		if (width == 1)
+			COLUMNS(1);
+		else {
+			for (; c + TILE <= width; c += TILE)
+				COLUMNS(TILE);
+			if (c < width)
+				COLUMNS(width - c);
+		}
 		/* F P F' = F (F P)' as P is symmetric. */
-		advance(n, e, N, h, keep, fade, now, NULL, P, work);
+		advance(n, e, N, N, h, keep, fade, now, NULL, P);
 		transpose(N, P);
-		advance(n, e, N, h, keep, fade, now, NULL, P, work);
+		advance(n, e, N, N, h, keep, fade, now, NULL, P);
 		for (int i = 0; i < n + e; i++)
 			P[(2 * n + i) * N + 2 * n + i] += added[i];
 		for (int i = 0; jolt && i < n; i++) {
@@ -158,36 +193,41 @@ INLINE double filter(int n, int m, int e, int width, int64_t steps, double h, do
 	return logarithm;
 }
 
-#define FILTER(N, E, WIDTH) \
-	filter(N, m, E, WIDTH, steps, h, keep, fade, J, input, C, valid, reading, noise, added, jolt, \
-	       delta, P, white, covariance, predicted, gain, variance, work)
+/* `CALL(n, e, width)` with numbers known to the compiler where they are small: loops of known length
+ * are several times as fast, and a likelihood is evaluated thousands of times. */
+#define DISPATCH(CALL, alone) \
+	switch (!(alone) || (e && e != n) ? 0 : e ? 10 + n : n) { \
+	case 1: CALL(1, 0, 1); break; \
+	case 2: CALL(2, 0, 1); break; \
+	case 3: CALL(3, 0, 1); break; \
+	case 4: CALL(4, 0, 1); break; \
+	case 5: CALL(5, 0, 1); break; \
+	case 6: CALL(6, 0, 1); break; \
+	case 7: CALL(7, 0, 1); break; \
+	case 11: CALL(1, 1, 1); break; \
+	case 12: CALL(2, 2, 1); break; \
+	case 13: CALL(3, 3, 1); break; \
+	case 14: CALL(4, 4, 1); break; \
+	case 15: CALL(5, 5, 1); break; \
+	case 16: CALL(6, 6, 1); break; \
+	case 17: CALL(7, 7, 1); break; \
+	default: CALL(n, e, width); \
+	}
 
-/* `filter`, compiled for each small n and one column: loops of known length are several times as
- * fast, and a likelihood is evaluated thousands of times. */
+#define FILTER(N, E, WIDTH) \
+	logarithm = filter(N, m, E, WIDTH, steps, h, keep, fade, J, input, C, valid, reading, noise, added, jolt, \
+	       delta, P, white, covariance, predicted, gain, variance)
+
 double morph_filter(int n, int m, int e, int width, int64_t steps, double h, double keep,
 		    double fade, const double *J, const double *input, const double *C,
 		    const uint8_t *valid, const double *reading, const double *noise,
 		    const double *added, const double *jolt, double *delta,
 		    double *P, double *white, double *covariance, double *predicted, double *gain,
-		    double *variance, double *work)
+		    double *variance)
 {
-	switch (width > 1 || (e && e != n) ? 0 : e ? 10 + n : n) {
-	case 1: return FILTER(1, 0, 1);
-	case 2: return FILTER(2, 0, 1);
-	case 3: return FILTER(3, 0, 1);
-	case 4: return FILTER(4, 0, 1);
-	case 5: return FILTER(5, 0, 1);
-	case 6: return FILTER(6, 0, 1);
-	case 7: return FILTER(7, 0, 1);
-	case 11: return FILTER(1, 1, 1);
-	case 12: return FILTER(2, 2, 1);
-	case 13: return FILTER(3, 3, 1);
-	case 14: return FILTER(4, 4, 1);
-	case 15: return FILTER(5, 5, 1);
-	case 16: return FILTER(6, 6, 1);
-	case 17: return FILTER(7, 7, 1);
-	default: return FILTER(n, e, width);
-	}
+	double logarithm;
+	DISPATCH(FILTER, width == 1)
+	return logarithm;
 }
 
 /* x <- F' x, with F = I + ... of the semi-implicit step. */
@@ -211,21 +251,27 @@ INLINE void retreat(int n, int e, double h, double keep, double fade, const doub
 /* Smooth the first column of a filter's run: the modified Bryson-Frazier form.
  *
  * white (steps, m) is that of the first column; covariance, predicted, gain and variance as the
- * filter left them; x (steps, N) is the smoothed state and spread (steps, n) the smoothed variance
- * of velocities. `adjoint` is Bierman's lambda and L (N, N), zero at first, its covariance, his capital
- * Lambda.
- * Source: Bierman 1973, Automatica 9(5), 503-511.
+ * filter left them. x (steps, N) is the smoothed state and spread (steps, n) the smoothed variance
+ * of velocities; they, covariance and predicted may be NULL. score (2 N + m) is twice the derivative
+ * of the log likelihood by the variances of what each step adds to the state, of the initial state
+ * and of the readings' noise. L (N, N), zero at first, is the covariance of the adjoint, Bierman's
+ * lambda.
+ * Source: Bierman 1973, Automatica 9(5), 503-511; Koopman and Shephard 1992, Biometrika 79(4),
+ * 823-826 (the score).
  */
-void morph_smooth(int n, int m, int e, int64_t steps, double h, double keep, double fade,
-		  const double *J, const double *C, const uint8_t *valid, const double *white,
-		  const double *covariance, const double *predicted, const double *gain, const double *variance, double *x,
-		  double *spread, double *L)
+INLINE void smooth(int n, int m, int e, int64_t steps, double h, double keep, double fade,
+		   const double *J, const double *C, const uint8_t *valid, const double *white,
+		   const double *covariance, const double *predicted, const double *gain,
+		   const double *variance, double *x, double *spread, double *score, double *L)
 {
 	int N = 3 * n + e;
 	double adjoint[N], along[N];
 	memset(adjoint, 0, sizeof adjoint);
+	memset(score, 0, sizeof(double) * (2 * N + m));
 	for (int64_t t = steps - 1; t >= 0; t--) {
 		const double *now = J + t * n * 3 * n;
+		for (int i = 0; i < N; i++)
+			score[i] += adjoint[i] * adjoint[i] - L[i * N + i];
 		retreat(n, e, h, keep, fade, now, adjoint);
 		for (int side = 0; side < 2; side++) {
 			for (int i = 0; i < N; i++)
@@ -249,17 +295,18 @@ void morph_smooth(int n, int m, int e, int64_t steps, double h, double keep, dou
 					along[j] += k[i] * L[i * N + j];
 			for (int i = 0; i < N; i++)
 				both += along[i] * k[i];
+			score[2 * N + r] += moved * moved - both;
 			for (int i = 0; i < N; i++)
 				for (int j = 0; j < N; j++)
 					L[i * N + j] += row[i] * row[j] * both - row[i] * along[j] - along[i] * row[j];
 		}
-		for (int i = 0; i < N; i++) {
+		for (int i = 0; x && i < N; i++) {
 			double moved = predicted[t * N + i];
 			for (int j = 0; j < N; j++)
 				moved += covariance[((size_t)t * N + i) * N + j] * adjoint[j];
 			x[t * N + i] = moved;
 		}
-		for (int i = 0; i < n; i++) {
+		for (int i = 0; x && i < n; i++) {
 			const double *P = covariance + ((size_t)t * N + n + i) * N;
 			double left = P[n + i];
 			for (int j = 0; j < N; j++) {
@@ -271,4 +318,18 @@ void morph_smooth(int n, int m, int e, int64_t steps, double h, double keep, dou
 			spread[t * n + i] = left;
 		}
 	}
+	for (int i = 0; i < N; i++)
+		score[N + i] = adjoint[i] * adjoint[i] - L[i * N + i];
+}
+
+#define SMOOTH(N, E, WIDTH) \
+	smooth(N, m, E, steps, h, keep, fade, J, C, valid, white, covariance, predicted, gain, \
+	       variance, x, spread, score, L)
+
+void morph_smooth(int n, int m, int e, int64_t steps, double h, double keep, double fade,
+		  const double *J, const double *C, const uint8_t *valid, const double *white,
+		  const double *covariance, const double *predicted, const double *gain,
+		  const double *variance, double *x, double *spread, double *score, double *L)
+{
+	DISPATCH(SMOOTH, 1)
 }

@@ -15,8 +15,6 @@ from morph.arrays import Array, Mask
 from morph.native import library
 
 SOURCE = Path(__file__).with_name("filter.c")
-CHUNK = 2**22
-"""Whitened numbers held at once: 32 MiB of doubles."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -62,95 +60,6 @@ class Disturbance:
     """Correlation time of vibration, s."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Whitened:
-    """Inner products of columns, whitened by a filter's innovations, over all readings."""
-
-    gram: Array
-    """The Gram matrix D' S^-1 D of columns D, S the covariance of readings, shape (columns,
-    columns)."""
-    logarithm: float
-    """Log determinant of S."""
-    readings: int
-    """How many readings there are."""
-
-    def __add__(self, other: Whitened) -> Whitened:
-        """Return the sums over two independent runs."""
-        return Whitened(
-            gram=self.gram + other.gram,
-            logarithm=self.logarithm + other.logarithm,
-            readings=self.readings + other.readings,
-        )
-
-    def likelihood(self, column: int = 0) -> float:
-        """Return the log likelihood of the readings that one column holds, normalised."""
-        square = float(self.gram[column, column])
-        return -0.5 * (square + self.logarithm + self.readings * math.log(2.0 * math.pi))
-
-
-def whitened(
-    tangent: Tangent, disturbance: Disturbance, readings: Array, accelerations: Array | None = None
-) -> Whitened:
-    """Return the Gram matrix of columns in the metric of the readings, by one Kalman filter.
-
-    A column changes readings directly, and through accelerations that move the state. With S the
-    covariance of all readings under the disturbance and D their changes, the matrix is D' S^-1 D.
-
-    Source: Simon 2006, Optimal State Estimation, sections 6.1 and 10.2.
-
-    Args:
-        tangent: The linearised robot.
-        disturbance: What else moves it, and the noise.
-        readings: Direct change of each reading, shape (samples, channels, columns).
-        accelerations: Acceleration by each column, per s2, shape (samples, dofs, columns); by
-            default none.
-
-    Raises:
-        KernelError: There is no C compiler, or it fails.
-    """
-    (whole,) = whitened_blocks(tangent, disturbance, readings, accelerations, blocks=1)
-    return whole
-
-
-def whitened_blocks(
-    tangent: Tangent,
-    disturbance: Disturbance,
-    readings: Array,
-    accelerations: Array | None = None,
-    *,
-    blocks: int,
-) -> list[Whitened]:
-    """Return the Gram matrices of stretches of equal length, each given all readings before it.
-
-    Their sum is that of the run. See `whitened`, also for what is raised.
-
-    Args:
-        tangent: The linearised robot.
-        disturbance: What else moves it, and the noise.
-        readings: Direct change of each reading, shape (samples, channels, columns).
-        accelerations: Acceleration by each column, per s2, shape (samples, dofs, columns).
-        blocks: How many stretches there are.
-    """
-    samples = len(tangent.jacobian)
-    channels, columns = tangent.reads.shape[0], readings.shape[2]
-    run = _Run(tangent, disturbance, columns)
-    length = max(1, CHUNK // (channels * columns))
-    found = []
-    for block in range(blocks):
-        gram, logarithm = np.zeros((columns, columns)), 0.0
-        first, last = block * samples // blocks, (block + 1) * samples // blocks
-        for begin in range(first, last, length):
-            part = slice(begin, min(begin + length, last))
-            moved = None if accelerations is None else accelerations[part]
-            white, log_determinant = run.filter(part, readings[part], moved)
-            rows = white[tangent.valid[part]]
-            gram += rows.T @ rows
-            logarithm += log_determinant
-        count = int(tangent.valid[first:last].sum())
-        found.append(Whitened(gram=gram, logarithm=logarithm, readings=count))
-    return found
-
-
 def smoothed(
     tangent: Tangent, disturbance: Disturbance, reading: Array, acceleration: Array | None = None
 ) -> tuple[Array, Array]:
@@ -176,15 +85,48 @@ def smoothed(
     """
     # The filter takes readings less the response to known inputs: hence the sign.
     known = None if acceleration is None else -acceleration[:, :, None]
-    return _Run(tangent, disturbance, 1).smooth(reading, known)
+    return FilterRun(tangent, disturbance, 1).smooth(reading, known)
 
 
-class _Run:
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Score:
+    """A log likelihood, and its derivatives by the logarithms of what a disturbance consists of."""
+
+    likelihood: float
+    """Log likelihood of the readings, nats."""
+    scale: Array
+    """By the force's scale, shape (dofs,)."""
+    vibration: Array
+    """By each channel's vibration, shape (channels,); empty where none vibrates."""
+    noise: float
+    """By the noise of all channels together."""
+
+
+def scored(
+    tangent: Tangent, disturbance: Disturbance, reading: Array, acceleration: Array
+) -> Score:
+    """Return the log likelihood of readings and its derivatives, by one filter and smoother.
+
+    Source: Koopman and Shephard 1992, Biometrika 79(4), 823-826.
+
+    Args:
+        tangent: The linearised robot.
+        disturbance: What moves it beside the model, and the noise.
+        reading: Readings less those of the motion, shape (samples, channels).
+        acceleration: The model's acceleration less that of this motion, shape (samples, dofs).
+
+    Raises:
+        KernelError: There is no C compiler, or it fails.
+    """
+    return FilterRun(tangent, disturbance, 1).scored(reading, -acceleration[:, :, None])
+
+
+class FilterRun:
     """A filter that goes through one run in stretches, and its state between two of them."""
 
     def __init__(self, tangent: Tangent, disturbance: Disturbance, columns: int) -> None:
-        self._tangent = tangent
-        dofs = tangent.jacobian.shape[1]
+        self.tangent = tangent
+        self._dofs = dofs = tangent.jacobian.shape[1]
         self._keep = float(np.exp(-tangent.step / disturbance.correlation_time))
         self._jolt = None if disturbance.jolt is None else disturbance.jolt**2
         self._fade = float(np.exp(-tangent.step / disturbance.vibration_time))
@@ -197,17 +139,16 @@ class _Run:
         shown = np.eye(channels)[:, : self._vibrating]
         zeros = np.zeros((channels, dofs))
         self._reads = _packed(np.concatenate([tangent.reads, zeros, shown], axis=1))
-        spread = np.concatenate([disturbance.initial, disturbance.scale, vibration])
-        self._delta = np.zeros((len(spread), columns))
-        self._covariance = np.diag(spread**2)
-        self._work = np.empty(dofs * max(columns, len(spread)))
+        self._spread = np.concatenate([disturbance.initial, disturbance.scale, vibration])
+        self._delta = np.zeros((len(self._spread), columns))
+        self._covariance = np.diag(self._spread**2)
 
     def filter(
         self,
         part: slice,
         readings: Array,
         accelerations: Array | None,
-        kept: tuple[Array, Array, Array, Array] | None = None,
+        kept: tuple[Array | None, ...] = (None,) * 4,
     ) -> tuple[Array, float]:
         """Return whitened innovations of some samples and the log determinant of their covariance.
 
@@ -217,46 +158,75 @@ class _Run:
             accelerations: Shape (samples, dofs, columns).
             kept: Arrays that receive what `smooth` needs.
         """
-        jacobian, valid = self._tangent.jacobian[part], self._tangent.valid[part]
+        jacobian, valid = self.tangent.jacobian[part], self.tangent.valid[part]
         samples, dofs, _ = jacobian.shape
         channels, columns = readings.shape[1:]
         white = np.empty((samples, channels, columns))
         log_determinant: float = _code().morph_filter(
             dofs, channels, self._vibrating, columns, samples,
-            self._tangent.step, self._keep, self._fade,
+            self.tangent.step, self._keep, self._fade,
             *map(_pointer, (
                 _packed(jacobian), None if accelerations is None else _packed(accelerations),
                 self._reads, np.ascontiguousarray(valid, dtype=np.uint8), _packed(readings),
                 self._noise, self._added, None if self._jolt is None else _packed(self._jolt[part]),
                 self._delta, self._covariance, white,
-                *(kept or (None,) * 4), self._work,
+                *kept,
             )),
         )  # fmt: skip
         return white, log_determinant
 
     def smooth(self, reading: Array, acceleration: Array | None) -> tuple[Array, Array]:
         """Return the smoothed state and the standard deviation of its velocities."""
-        samples, channels = reading.shape
-        size = self._delta.shape[0]
-        kept = (
-            np.empty((samples, size, size)),
-            np.empty((samples, size)),
-            np.empty((samples, channels, size)),
-            np.empty((samples, channels)),
+        (samples, channels), size = reading.shape, len(self._delta)
+        states = np.empty((samples, size, size)), np.empty((samples, size))
+        gains = np.empty((samples, channels, size)), np.empty((samples, channels))
+        white, _ = self.filter(slice(None), reading[:, :, None], acceleration, (*states, *gains))
+        state, variance = np.empty((samples, size)), np.empty((samples, self._dofs))
+        self._backwards(white, (*states, *gains), (state, variance))
+        return state, np.sqrt(np.maximum(variance, 0.0))
+
+    def scored(self, reading: Array, acceleration: Array) -> Score:
+        """Return the log likelihood and its derivatives."""
+        (samples, channels), size, dofs = reading.shape, len(self._delta), self._dofs
+        kept = None, None, np.empty((samples, channels, size)), np.empty((samples, channels))
+        white, logarithm = self.filter(slice(None), reading[:, :, None], acceleration, kept)
+        step, initial, readings = np.split(
+            0.5 * self._backwards(white, kept, (None, None)), [size, 2 * size]
         )
-        white, _ = self.filter(slice(None), reading[:, :, None], acceleration, kept)
-        tangent = self._tangent
-        state, variance = np.empty((samples, size)), np.empty((samples, tangent.jacobian.shape[1]))
+        # The derivative of a variance by the logarithm of its root is twice the variance.
+        square = float(np.sum(white**2))
+        constant = int(self.tangent.valid.sum()) * math.log(2.0 * math.pi)
+        by_scale = 2.0 * self._added * step[2 * dofs :]
+        by_scale += 2.0 * self._spread[2 * dofs :] ** 2 * initial[2 * dofs :]
+        return Score(
+            likelihood=-0.5 * (square + logarithm + constant),
+            scale=by_scale[:dofs],
+            vibration=by_scale[dofs:],
+            noise=float(2.0 * self._noise @ readings),
+        )
+
+    def _backwards(
+        self,
+        white: Array,
+        kept: tuple[Array | None, ...],
+        smoothed: tuple[Array | None, Array | None],
+    ) -> Array:
+        """Return twice the derivatives of the log likelihood by variances, and fill the smoothed.
+
+        They are of what each step adds to a state, of the initial state and of readings.
+        """
+        tangent, size, channels = self.tangent, len(self._delta), white.shape[1]
+        score = np.empty(2 * size + channels)
         _code().morph_smooth(
-            tangent.jacobian.shape[1], channels, self._vibrating, samples,
+            self._dofs, channels, self._vibrating, len(white),
             tangent.step, self._keep, self._fade,
             *map(_pointer, (
                 _packed(tangent.jacobian), self._reads,
-                np.ascontiguousarray(tangent.valid, dtype=np.uint8), white, *kept, state, variance,
-                np.zeros((size, size)),
+                np.ascontiguousarray(tangent.valid, dtype=np.uint8), white, *kept, *smoothed,
+                score, np.zeros((size, size)),
             )),
         )  # fmt: skip
-        return state, np.sqrt(np.maximum(variance, 0.0))
+        return score
 
 
 def _packed(values: Array) -> Array:
@@ -280,7 +250,7 @@ def _code() -> ctypes.CDLL:
         code = library.load(path, fix="delete it, so that it is built again")
     number, count, at = ctypes.c_double, ctypes.c_int, ctypes.c_void_p
     code.morph_filter.restype = number
-    code.morph_filter.argtypes = [count] * 4 + [ctypes.c_int64] + [number] * 3 + [at] * 16
+    code.morph_filter.argtypes = [count] * 4 + [ctypes.c_int64] + [number] * 3 + [at] * 15
     code.morph_smooth.restype = None
-    code.morph_smooth.argtypes = [count] * 3 + [ctypes.c_int64] + [number] * 3 + [at] * 11
+    code.morph_smooth.argtypes = [count] * 3 + [ctypes.c_int64] + [number] * 3 + [at] * 12
     return code

@@ -87,7 +87,8 @@ def observed(
             # them along the new one.
             mobility = about.tangent.jacobian[:, :, 2 * guess.shape[1] :]
             linear = force - dry.damping * ending(about)
-            change = np.einsum("tij,tj->ti", mobility, force_of(effects, motion) - linear)
+            lacking = force_of(effects, motion) - linear
+            change = (mobility @ lacking[:, :, None])[:, :, 0]
             shift = shift_of(effects, motion) - shift
             about = replace(
                 about,

@@ -11,8 +11,8 @@ import numpy as np
 from morph.arrays import Array, Mask
 from morph.inference.bounded import bounded
 from morph.inference.columns import Columns
-from morph.inference.filter import Whitened, whitened_blocks
 from morph.inference.observed import Observed
+from morph.inference.whitened import Whitened, whitened_blocks
 from morph.model.hypothesis import Hypothesis
 from morph.sim.threads import each
 

@@ -18,7 +18,7 @@ INTERVAL = 0.02
 """Seconds from one derivative of the model to the next: 3 rad/s turn a link by 0.06 rad."""
 ROUNDS = 3
 """Iterations of the smoother: smooth, then linearise again."""
-STEPS, FEWER_STEPS = 12, 4
+STEPS, FEWER_STEPS = 30, 15
 """Most steps of L-BFGS to the likeliest disturbance: from anywhere, and from one nearby."""
 OUTLIER = 5.0
 """Local standard deviations of the error at which a single reading is left out: its time stamp, or
@@ -110,20 +110,15 @@ def _along(
     mobility = local[:, :, 2 * dofs :]
     sticking = np.broadcast_to(run.sticking, position.shape)
     modelled = accelerations(model, position, velocity, run.command)
-    modelled += np.einsum("tij,tj->ti", mobility, run.force - sticking * velocity)
+    modelled += _times(mobility, run.force - sticking * velocity)
     slope = np.zeros_like(position)
     slope[:-1] = np.diff(velocity, axis=0) / run.step
-    # Velocities lie half a step before positions. The trapezoidal rule for damping makes the
-    # step of second order and stable: (1 - h/2 A_v) v' = v + h (a - A_v v / 2). Where a joint
-    # sticks damping is stiff, and the step is Euler's backward one.
-    local[:, :, dofs : 2 * dofs] -= mobility * sticking[:, None]
-    damped = np.eye(dofs) - run.step * later(sticking) * local[:, :, dofs : 2 * dofs]
-    jacobian = np.asarray(np.linalg.solve(damped, local))
-    acceleration = np.linalg.solve(damped, modelled[:, :, None])[:, :, 0] - slope
+    jacobian, acceleration = _stepped(local, modelled, sticking, run.step)
+    acceleration -= slope
     # Nothing follows the last sample that its acceleration could be compared with.
     acceleration[-1] = 0.0
     inertia = np.linalg.inv(mobility)
-    inertial = np.einsum("tij,tj->ti", inertia, np.gradient(velocity, run.step, axis=0))
+    inertial = _times(inertia, np.gradient(velocity, run.step, axis=0))
     effort = np.sqrt(np.mean(inertial**2, axis=0)) + 1e-12
     if known is None:
         initial = np.concatenate([_initial_std(run, position), _initial_std(run, velocity)])
@@ -141,12 +136,33 @@ def _along(
         force=force,
         acceleration=acceleration,
         sticking=sticking,
+        local=local,
         tangent=Tangent(step=run.step, jacobian=jacobian, reads=run.reads, valid=run.valid),
         disturbance=replace(known, jolt=_jolt(model, run, jacobian[:, :, 2 * dofs :])),
         error=np.where(run.valid, run.reading - _predicted(run, position, velocity), 0.0),
         sensed=run.noise,
         effort=effort,
     )
+
+
+def _stepped(local: Array, modelled: Array, sticking: Array, step: float) -> tuple[Array, Array]:
+    """Return a model's Jacobian and acceleration as the step that damps takes them.
+
+    Velocities lie half a step before positions. The trapezoidal rule for damping makes the
+    step of second order and stable: (1 - h/2 A_v) v' = v + h (a - A_v v / 2). Where a joint
+    sticks damping is stiff, and the step is Euler's backward one.
+    """
+    dofs = sticking.shape[1]
+    whole = np.concatenate([local, modelled[:, :, None]], axis=2)
+    whole[:, :, dofs : 2 * dofs] -= local[:, :, 2 * dofs :] * sticking[:, None]
+    damped = np.eye(dofs) - step * later(sticking) * whole[:, :, dofs : 2 * dofs]
+    found = np.asarray(np.linalg.solve(damped, whole))
+    return found[:, :, :-1], found[:, :, -1]
+
+
+def _times(matrix: Array, vector: Array) -> Array:
+    """Return the product at each sample."""
+    return np.asarray((matrix @ vector[:, :, None])[:, :, 0])
 
 
 def _interpolated(
@@ -170,23 +186,17 @@ def _moved(before: Reference, model: mujoco.MjModel, run: SampledRun) -> Referen
     A smoother that is iterated once more needs them only roughly.
     """
     position, velocity = before.position, before.velocity
-    dofs = position.shape[1]
     sticking = np.broadcast_to(run.sticking, position.shape)
-    local = before.undamped
-    local[:, :, dofs : 2 * dofs] -= local[:, :, 2 * dofs :] * (sticking - before.sticking)[:, None]
-    damped = np.eye(dofs) - run.step * later(sticking) * local[:, :, dofs : 2 * dofs]
-    force = run.force - sticking * velocity
-    acceleration = accelerations(model, position, velocity, run.command)
-    acceleration += np.einsum("tij,tj->ti", local[:, :, 2 * dofs :], force)
-    acceleration = np.asarray(np.linalg.solve(damped, acceleration[:, :, None]))[:, :, 0]
-    tangent = replace(before.tangent, jacobian=np.asarray(np.linalg.solve(damped, local)))
+    modelled = accelerations(model, position, velocity, run.command)
+    modelled += _times(before.mobility, run.force - sticking * velocity)
+    jacobian, acceleration = _stepped(before.local, modelled, sticking, run.step)
     acceleration[:-1] -= np.diff(velocity, axis=0) / run.step
     acceleration[-1] = 0.0
     return replace(
         before,
         acceleration=acceleration,
         sticking=sticking,
-        tangent=tangent,
+        tangent=replace(before.tangent, jacobian=jacobian),
         error=np.where(run.valid, run.reading - _predicted(run, position, velocity), 0.0),
     )
 
@@ -207,7 +217,7 @@ def _jolt(model: mujoco.MjModel, run: SampledRun, mobility: Array) -> Array:
     steps = np.abs(np.diff(run.command, axis=0, prepend=run.command[:1]))
     unsure = np.hypot(run.jitter * steps, run.step * run.unsure)
     forces = unsure @ np.abs(model.actuator_gainprm[:, :1] * actuator_moments(model, data))
-    return np.asarray(np.einsum("tij,tj->ti", np.abs(mobility), forces))
+    return _times(np.abs(mobility), forces)
 
 
 def _initial_std(run: SampledRun, values: Array) -> Array:

@@ -10,9 +10,9 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.inference.columns import acting
-from morph.inference.filter import Whitened, whitened
 from morph.inference.observed import Observed, observed, settled
 from morph.inference.quadratic import information, offset, quadratic
+from morph.inference.whitened import Whitened, whitened
 from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis
 from morph.physics.effect import Effect
@@ -131,8 +131,10 @@ def _descended(best: Refit, episodes: Sequence[Episode], rounds: int) -> Refit:
     """Return a refit after Gauss-Newton steps under the same disturbances."""
     hypothesis = best.hypothesis
     for _ in range(rounds):
-        step, rank, _ = quadratic(hypothesis, best.point, best.runs).step()
+        step, rank, promised = quadratic(hypothesis, best.point, best.runs).step()
         last = best = _judged(hypothesis, best.point, best.runs, rank)
+        if promised < SETTLED:
+            break
         for share in (1.0, *SHARES):
             point = np.clip(best.point + share * step, hypothesis.low, hypothesis.high)
             found = _judged(hypothesis, point, seen(hypothesis, point, episodes, best.runs), rank)

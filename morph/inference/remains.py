@@ -8,11 +8,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from morph.inference.filter import Disturbance, whitened
+from morph.inference.filter import Disturbance
 from morph.inference.observed import Observed
 from morph.inference.rank import Finalist
 from morph.inference.sampled import Reference
 from morph.inference.validate import Validation
+from morph.inference.whitened import whitened
 
 SHARE, NATS = 0.01, 150.0
 """Where what remains is as probably physics as not: share of the joints' force, and evidence."""

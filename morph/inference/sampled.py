@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 
@@ -64,6 +63,8 @@ class Reference:
     """The model's acceleration less that of the motion, per s2, same shape."""
     sticking: Array
     """Damping by dry friction that `tangent` includes, N m s/rad or N s/m, same shape."""
+    local: Array
+    """[dqacc/dq, dqacc/dv, M^-1] of the model alone, shape (samples, dofs, 3 dofs)."""
     tangent: Tangent
     """The linearised model, by the trapezoidal rule, and which readings are used."""
     disturbance: Disturbance
@@ -75,17 +76,10 @@ class Reference:
     effort: Array
     """RMS inertial force of the motion on each degree of freedom, N m or N, shape (dofs,)."""
 
-    @cached_property
+    @property
     def mobility(self) -> Array:
         """Acceleration by each force without the damping of a step, (samples, dofs, dofs)."""
-        return self.undamped[:, :, 2 * self.position.shape[1] :]
-
-    @property
-    def undamped(self) -> Array:
-        """The tangent's Jacobian without what makes its steps implicit, (samples, dofs, 3 dofs)."""
-        dofs, jacobian = self.position.shape[1], self.tangent.jacobian
-        rate = self.tangent.step * later(self.sticking) * jacobian[:, :, dofs : 2 * dofs]
-        return np.asarray(np.linalg.solve(np.eye(dofs) + rate, jacobian))
+        return self.local[:, :, 2 * self.position.shape[1] :]
 
     def leaving(self, share: float) -> Disturbance:
         """Return the disturbance with its force scaled, to at least `FLOOR` of the effort."""

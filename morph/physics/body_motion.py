@@ -61,7 +61,7 @@ class BodyMotion:
 
     def forces(self, load: Array) -> Array:
         """Return loads (samples, 6, columns) as joint forces, (samples, dofs, columns)."""
-        return np.asarray(np.einsum("sid,sic->sdc", self.jacobian, load))
+        return np.asarray(self.jacobian.transpose(0, 2, 1) @ load)
 
 
 def body_motions(
@@ -87,7 +87,7 @@ def body_motions(
         jacobian = _about(axes * chains[at][:, None], arm)
         # The rate of the axes, and that of the point about which they turn.
         rate = _about(rates * chains[at][:, None], arm)
-        speed = np.einsum("srid,sd->sri", jacobian, velocity)[:, 0]
+        speed = _times(jacobian[:, 0], velocity)
         spins = axes[:, :, :3] * chains[at][:, None]
         rate[:, 0] += np.swapaxes(np.cross(spins, speed[:, None]), 1, 2)
         found[name] = _seen(model, index, jacobian, rate, turned, origin, velocity, slope)
@@ -137,23 +137,30 @@ def _seen(
         velocity: Generalized velocities, shape (samples, nv).
         slope: Generalized accelerations, shape (samples, nv).
     """
-    twist = np.einsum("srid,sd->sri", jacobian, velocity)
-    change = np.einsum("srid,sd->sri", jacobian, slope)
-    change += np.einsum("srid,sd->sri", rate, velocity)
+    parts = (len(velocity), 2, 3)
+    flat, moving = (each.reshape(len(velocity), 6, -1) for each in (jacobian, rate))
+    twist = _times(flat, velocity).reshape(parts)
+    change = (_times(flat, slope) + _times(moving, velocity)).reshape(parts)
     # In the link's axes R' x changes by R' (dx/dt - w x x).
     change -= np.cross(twist[:, 1:], twist)
-    own = np.einsum("sji,srjd->srid", turned, jacobian)
-    flat = np.empty(9)
-    mujoco.mju_quat2Mat(flat, model.body_iquat[index])
-    axes = flat.reshape(3, 3)
+    inward = np.swapaxes(turned, 1, 2)
+    own = inward[:, None] @ jacobian
+    axes = np.empty(9)
+    mujoco.mju_quat2Mat(axes, model.body_iquat[index])
+    axes = axes.reshape(3, 3)
     return BodyMotion(
         jacobian=own.reshape(len(velocity), 6, model.nv),
-        velocity=np.einsum("sji,srj->sri", turned, twist).reshape(-1, 6),
-        acceleration=np.einsum("sji,srj->sri", turned, change).reshape(-1, 6),
-        gravity=np.einsum("sji,j->si", turned, model.opt.gravity),
+        velocity=(twist @ turned).reshape(-1, 6),
+        acceleration=(change @ turned).reshape(-1, 6),
+        gravity=inward @ model.opt.gravity,
         origin=origin,
         axes=turned,
         mass=float(model.body_mass[index]),
         com=model.body_ipos[index].copy(),
         inertia=axes @ np.diag(model.body_inertia[index]) @ axes.T,
     )
+
+
+def _times(matrix: Array, vector: Array) -> Array:
+    """Return the product at each sample."""
+    return np.asarray((matrix @ vector[:, :, None])[:, :, 0])

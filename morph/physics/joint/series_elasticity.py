@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
+from scipy.signal import lfilter
 
 from morph.arrays import Array
 from morph.physics.effect import UNLIMITED, Simulations, parameter
@@ -119,13 +120,14 @@ class SeriesElasticity(MotorSideEffect):
         spring = _Spring(k=self.k, d=self.d, J=inertia, h=h)
         tau, (place, speed) = spring.step((r, s), (units[0], units[3], units[4]), motors)
         forced = given @ np.stack([place[2:], speed[2:]], axis=1)
-        (a, b), (c, d) = place[:2].tolist(), speed[:2].tolist()
-        x, y = float(q[0] + effort[0] / (self.k + stiffness)), float(late[0])
-        rotor = []
-        for push, kick in forced.tolist():
-            rotor.append((x, y))
-            x, y = a * x + b * y + push, c * x + d * y + kick
-        carried = np.array(rotor) @ tau[:2] + given @ tau[2:]
+        (a, b), (c, d) = place[:2], speed[:2]
+        wound = q[0] + effort[0] / (self.k + stiffness), late[0]
+        push, kick = np.vstack([wound, forced[:-1]]).T
+        # (1 - A / z)^-1, A of the rotor's own motion, as two filters of second order.
+        own = 1.0, -(a + d), a * d - b * c
+        x = lfilter([1.0, -d], own, push) + lfilter([0.0, b], own, kick)
+        y = lfilter([0.0, c], own, push) + lfilter([1.0, -a], own, kick)
+        carried = np.stack([x, y], axis=1) @ tau[:2] + given @ tau[2:]
         return np.asarray(carried.reshape(-1, parts).mean(axis=1))
 
     @property

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from morph.arrays import Array
-from morph.inference.filter import Disturbance, Tangent, smoothed, whitened, whitened_blocks
+from morph.inference.filter import Disturbance, Tangent, smoothed
+from morph.inference.whitened import whitened, whitened_blocks
 
 H = 0.01
 
@@ -185,7 +186,7 @@ def test_a_run_in_stretches_is_the_whole_run(monkeypatch: pytest.MonkeyPatch) ->
     given = case(7)
     whole = whitened(**given)
     # 3 channels and 3 columns: stretches of 7 samples, the last of 5.
-    monkeypatch.setattr("morph.inference.filter.CHUNK", 7 * 9)
+    monkeypatch.setattr("morph.inference.whitened.CHUNK", 7 * 9)
     parts = whitened(**given)
     assert np.allclose(whole.gram, parts.gram, rtol=1e-12, atol=1e-12 * whole.gram.max())
     assert parts.logarithm == pytest.approx(whole.logarithm, rel=1e-13)

@@ -16,9 +16,9 @@ from experiments.concealed.solvers import paddle, solve_by_ranking
 from morph.body.load import load as load_robot
 from morph.body.spec import spec_of
 from morph.inference.dictionary import believed, dictionary
-from morph.inference.filter import Whitened
 from morph.inference.observed import observed
 from morph.inference.rank import ranked
+from morph.inference.whitened import Whitened
 from morph.model.episodes import episode, step_for
 from morph.model.hypothesis import Hypothesis
 from morph.model.knobs import knobs
