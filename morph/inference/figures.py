@@ -9,6 +9,7 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.physics.body.inertial import pull, spatial, steiner
+from morph.physics.drives import actuator_forces, clamped, constant_moments
 from morph.physics.motion import Motion
 
 DRIVES = (
@@ -67,42 +68,7 @@ def driven(model: mujoco.MjModel, motion: Motion) -> Array:
     """Return the actuators' generalized forces within their limits, N m or N, (samples, dofs)."""
     force = actuator_forces(model, motion.position, motion.velocity, motion.command)
     force = force @ constant_moments(model)
-    return _clamped(force, model.jnt_actfrclimited, model.jnt_actfrcrange)
-
-
-def actuator_forces(
-    model: mujoco.MjModel, position: Array, velocity: Array, command: Array
-) -> Array:
-    """Return the actuators' own forces within their limits, shape (samples, actuators).
-
-    Args:
-        model: The model; its actuators have no activation of their own.
-        position: rad or m, shape (samples, dofs).
-        velocity: Per s, same shape.
-        command: Controls, shape (samples, actuators).
-    """
-    moments = constant_moments(model)
-    gain, bias = model.actuator_gainprm[:, 0], model.actuator_biasprm
-    force = gain * _clamped(command, model.actuator_ctrllimited, model.actuator_ctrlrange)
-    force += bias[:, 0] + bias[:, 1] * (position @ moments.T)
-    force += bias[:, 2] * (velocity @ moments.T)
-    return _clamped(force, model.actuator_forcelimited, model.actuator_forcerange)
-
-
-def constant_moments(model: mujoco.MjModel) -> Array:
-    """Return the actuators' moments, shape (actuators, dofs).
-
-    They are the same everywhere: actuators pull on hinges and slides, not on tendons.
-    """
-    moments = np.zeros((model.nu, model.nv))
-    dofs = model.jnt_dofadr[model.actuator_trnid[:, 0]]
-    moments[np.arange(model.nu), dofs] = model.actuator_gear[:, 0]
-    return moments
-
-
-def _clamped(values: Array, limited: Array, ranges: Array) -> Array:
-    low = np.where(limited, ranges[:, 0], -np.inf)
-    return np.clip(values, low, np.where(limited, ranges[:, 1], np.inf))
+    return clamped(force, model.jnt_actfrclimited, model.jnt_actfrcrange)
 
 
 def _spring(model: mujoco.MjModel, motion: Motion) -> Array:

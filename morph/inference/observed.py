@@ -12,12 +12,12 @@ import numpy as np
 from morph.arrays import Array
 from morph.body.robot import Robot
 from morph.inference.disturbance import likeliest_disturbance
-from morph.inference.figures import actuator_forces, constant_moments
 from morph.inference.reference import FEWER_STEPS, reference
 from morph.inference.sampled import Reference, SampledRun
 from morph.inference.sticking import ending, friction, moved
 from morph.model.episodes import Episode, moving_joints
 from morph.physics.body_motion import BodyMotion, body_motions
+from morph.physics.drives import actuator_forces, constant_moments
 from morph.physics.effect import Effect
 from morph.physics.motion import Motion
 from morph.sim.drive import received

@@ -13,6 +13,7 @@ from morph.inference.observed import Observed
 from morph.inference.quadratic import LogPosterior
 from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis
+from morph.model.recalled import recalled
 from morph.model.segments import Segments, cut
 from morph.model.shooting import shown
 from morph.physics.effect import Effect
@@ -137,6 +138,7 @@ class Validation:
             np.tile(position, (count, 1)),
             np.tile(velocity, (count, 1)),
             command.reshape(-1, *command.shape[2:]),
+            states=recalled(hypothesis, segments, variants, which),
         )
         found = found.reshape(*which.shape, *found.shape[1:])
         read = np.empty((count, *segments.reading.shape))

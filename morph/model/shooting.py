@@ -9,6 +9,7 @@ import numpy as np
 
 from morph.arrays import Array, Mask
 from morph.model.hypothesis import Hypothesis
+from morph.model.recalled import recalled
 from morph.model.segments import Segments
 from morph.physics.effect import Effect
 from morph.sim.drive import received, sensed, stamped, unsensed
@@ -90,12 +91,14 @@ def _predict(
             true[:, index] += late * start[:, size + index]
         begin.append(true)
     start = np.concatenate(begin)
+    which = np.repeat(np.arange(len(variants)), count)
     q, _ = rollout(
         variants,
-        np.repeat(np.arange(len(variants)), count),
+        which,
         start[:, :size],
         start[:, size:],
         np.concatenate(commands),
+        states=recalled(hypothesis, segments, variants, which.reshape(-1, count)),
     )
     q = q.reshape(len(variants), count, segments.steps + 1, size)
     read = [

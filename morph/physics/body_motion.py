@@ -145,9 +145,8 @@ def _seen(
     change -= np.cross(twist[:, 1:], twist)
     inward = np.swapaxes(turned, 1, 2)
     own = inward[:, None] @ jacobian
-    axes = np.empty(9)
-    mujoco.mju_quat2Mat(axes, model.body_iquat[index])
-    axes = axes.reshape(3, 3)
+    axes = np.empty((3, 3))
+    mujoco.mju_quat2Mat(axes.reshape(-1), model.body_iquat[index])
     return BodyMotion(
         jacobian=own.reshape(len(velocity), 6, model.nv),
         velocity=(twist @ turned).reshape(-1, 6),

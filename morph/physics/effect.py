@@ -201,6 +201,13 @@ class Effect(ABC):
         """Return the internal state that `before_step` is handed, here none."""
         return None
 
+    def recalled(self, motion: Motion) -> Array:
+        """Return its internal state at each sample of a recording, shape (..., samples).
+
+        Only effects have it that remember more than the last moments: see `initial_state`.
+        """
+        raise NotImplementedError
+
     def before_step(self, simulations: Simulations, state: Any) -> Any:
         """Act on every simulation for the coming step; return the new internal state.
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any
 
 import mujoco
@@ -38,6 +39,7 @@ def rollout(
     velocity: Array,
     command: Array,
     *,
+    states: Mapping[int, Any] = MappingProxyType({}),
     strict: bool = False,
 ) -> tuple[Array, Array]:
     """Return positions and velocities of many simulations, started and driven as told.
@@ -48,6 +50,8 @@ def rollout(
         position: Where each row starts, shape (rows, nq).
         velocity: How fast, shape (rows, nv).
         command: Controls, constant over each step, shape (rows, steps, nu).
+        states: What some effects remember, by their index in a variant; the others start with
+            their initial state.
         strict: Whether an unstable row is an error instead.
 
     Returns:
@@ -72,7 +76,7 @@ def rollout(
     try:
         with quiet():
             if any(effect.stepped for effect in variants[0].effects):
-                q, v = _step_by_step(batch, variants, which, command)
+                q, v = _step_by_step(batch, variants, which, command, states)
             else:
                 out = batch.rollout(steps, command, record=("qpos", "qvel"))
                 q, v = out["qpos"], out["qvel"]
@@ -124,16 +128,20 @@ def quiet() -> Iterator[None]:
 
 
 def _step_by_step(
-    batch: Batch, variants: Sequence[Variant], which: Integers, command: Array
+    batch: Batch,
+    variants: Sequence[Variant],
+    which: Integers,
+    command: Array,
+    known: Mapping[int, Any],
 ) -> tuple[Array, Array]:
     rows, steps = command.shape[:2]
     seen = Rows(batch, float(batch.model.opt.timestep))
-    acting = [
-        stacked([variants[index].effects[slot] for index in which])
-        for slot, effect in enumerate(variants[0].effects)
-        if effect.stepped
+    slots = [slot for slot, effect in enumerate(variants[0].effects) if effect.stepped]
+    acting = [stacked([variants[index].effects[slot] for index in which]) for slot in slots]
+    states = [
+        known[slot] if slot in known else effect.initial_state(seen)
+        for slot, effect in zip(slots, acting, strict=True)
     ]
-    states = [effect.initial_state(seen) for effect in acting]
     position, velocity, control = batch.bind("qpos"), batch.bind("qvel"), batch.bind("ctrl")
     q = np.empty((rows, steps, position.shape[1]))
     v = np.empty((rows, steps, velocity.shape[1]))

@@ -18,10 +18,10 @@ RATES = (1.0, 3.0, 10.0)
 
 @dataclass(frozen=True, kw_only=True)
 class ThermalDerating(ActuatorEffect):
-    """Gain falls with heat: tau = (1 - (1 - floor) x) u, dx/dt = rate (u / level)^2, x <= 1.
+    """Gain falls with heat: tau = (1 - (1 - floor) x) u, dx/dt = rate (u / level)^2 (1 - x).
 
-    u is what the actuator would produce cold, and x its heat, 0 at the start of a run. It
-    does not cool within a run.
+    u is what the actuator would produce cold, and x its heat, 0 at the start of a run and 1 once
+    it is hot. It does not cool within a run.
 
     Source: Joule 1841, Philosophical Magazine 19: heat with the square of the current, to
     which torque is in proportion; one lumped winding without losses to the housing.
@@ -51,19 +51,22 @@ class ThermalDerating(ActuatorEffect):
         """Return no heat."""
         return np.zeros_like(simulations.control(self.actuator))
 
+    def recalled(self, motion: Motion) -> Array:
+        """Return the heat along the recording."""
+        effort = motion.effort(self.actuator)
+        heats = self.rate * (effort[:-1] / self.level) ** 2 * np.diff(motion.time)
+        return np.asarray(-np.expm1(-np.cumsum(np.concatenate([[0.0], heats]))))
+
     def before_step(self, simulations: Simulations, state: Any) -> Any:
         """Weaken the actuator, and heat it up."""
         effort = simulations.effort(self.actuator)
         heat = simulations.step * self.rate * (effort / self.level) ** 2
         effort[:] *= 1.0 - (1.0 - self.floor) * state
-        return np.minimum(state + heat, 1.0)
+        return state - np.expm1(-heat) * (1.0 - state)
 
     def regressor(self, motion: Motion) -> Array:
         """Return the actuator's torque times its heat."""
-        effort = motion.effort(self.actuator)
-        heats = self.rate * (effort[:-1] / self.level) ** 2 * np.diff(motion.time)
-        heat = np.minimum(np.concatenate([[0.0], np.cumsum(heats)]), 1.0)
-        return motion.actuated(self.actuator, effort * heat)
+        return motion.actuated(self.actuator, motion.effort(self.actuator) * self.recalled(motion))
 
     def shapes(self, motion: Motion) -> tuple[ThermalDerating, ...]:
         """Return a few rates about one heating a run, at the torque that was typical."""

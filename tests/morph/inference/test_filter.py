@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from morph.arrays import Array
-from morph.inference.filter import Disturbance, Tangent, smoothed
-from morph.inference.whitened import whitened, whitened_blocks
+from morph.inference.filter import Disturbance, Tangent, scored, smoothed
+from morph.inference.whitened import products, whitened, whitened_blocks
 
 H = 0.01
 
@@ -197,3 +197,50 @@ def test_runs_add_up() -> None:
     both = one + two
     assert np.allclose(both.gram, one.gram + two.gram)
     assert both.likelihood() == pytest.approx(one.likelihood() + two.likelihood())
+
+
+@pytest.mark.parametrize("vibrates", [False, True])
+@pytest.mark.parametrize("seed", range(2))
+def test_the_score_is_the_derivative_of_the_likelihood(seed: int, vibrates: bool) -> None:
+    given = vibrating(case(seed)) if vibrates else case(seed)
+    tangent, disturbance = given["tangent"], given["disturbance"]
+    reading, push = given["readings"][:, :, 0], given["accelerations"][:, :, 0]
+    found = scored(tangent, disturbance, reading, push)
+
+    def likelihood(**changes: Array) -> float:
+        changed = replace(disturbance, **changes)
+        return whitened(tangent, changed, reading[:, :, None], -push[:, :, None]).likelihood()
+
+    def slope(name: str, which: Array) -> float:
+        up, down = (getattr(disturbance, name) * np.exp(s * 1e-4 * which) for s in (1.0, -1.0))
+        return (likelihood(**{name: up}) - likelihood(**{name: down})) / 2e-4
+
+    assert found.likelihood == pytest.approx(likelihood(), rel=1e-12)
+    # Central differences of a likelihood of some 1e4 nats to 1e-12 of it: 1e-8 / 2e-4 = 5e-5 nats;
+    # truncation is 1e-8 / 6 of the third derivative, of the size of the first.
+    close = {"rel": 1e-6, "abs": 2e-4}
+    assert found.noise == pytest.approx(slope("noise", np.ones(3)), **close)
+    for at in range(len(disturbance.scale)):
+        by_hand = slope("scale", np.arange(len(disturbance.scale)) == at)
+        assert found.scale[at] == pytest.approx(by_hand, **close)
+    assert len(found.vibration) == (3 if vibrates else 0)
+    for at in range(len(found.vibration)):
+        assert found.vibration[at] == pytest.approx(slope("vibration", np.arange(3) == at), **close)
+
+
+def test_products_with_the_first_columns_are_those_of_the_gram_matrix() -> None:
+    given = vibrating(case(4))
+    whole = whitened(**given).gram
+    across, square = products(**given, first=2)
+    assert np.allclose(across, whole[:2], rtol=1e-12)
+    assert np.allclose(square, np.diag(whole), rtol=1e-12)
+
+
+def test_columns_beyond_a_tile_are_whitened_as_alone() -> None:
+    given = case(8)
+    readings = np.concatenate([given["readings"]] * 50, axis=2)
+    moved = np.concatenate([given["accelerations"]] * 50, axis=2)
+    # 150 columns: two tiles of 64, and 22 more.
+    many = whitened(given["tangent"], given["disturbance"], readings, moved).gram
+    once = whitened(**given).gram
+    assert np.allclose(many, np.tile(once, (50, 50)), rtol=1e-11, atol=1e-11 * np.abs(once).max())

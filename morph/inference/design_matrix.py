@@ -1,0 +1,147 @@
+"""Columns of errors, own figures and effects along runs, and their Gram matrices."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from morph.arrays import Array
+from morph.inference.bounded import RANK_TOLERANCE
+from morph.inference.columns import Columns
+from morph.inference.level import EffectColumn, all_bounds
+from morph.inference.observed import Observed
+from morph.inference.quadratic import information, offset
+from morph.inference.sticking import sensed
+from morph.inference.whitened import Whitened, products, whitened_blocks
+from morph.physics.effect import Effect
+from morph.physics.fluid.drag import Drag
+from morph.physics.fluid.fluid_current import FluidCurrent
+from morph.sim.threads import each
+
+LEVELS = (1.0, 0.3, 0.1, 0.03)
+"""Scales of the missing force, as shares of the likeliest one before effects are added. A set that
+explains more leaves less of it: each is scored at the scale under which it is likeliest."""
+SHAPES, SCREENED = 2, (1.0, 0.1)
+"""How many shapes of an effect are searched, and the scales at which they are the likeliest."""
+FRICTIONS = (
+    "coulomb_friction", "viscous_friction", "stribeck_friction", "load_dependent_friction",
+    "hysteresis",
+)  # fmt: skip
+"""Laws that are also looked for at all driven joints together."""
+
+
+def effect_columns(grids: Sequence[tuple[Effect, ...]]) -> Iterator[EffectColumn]:
+    """Yield the columns of each effect at each shape: one for each strength, after the errors."""
+    first = 1
+    for effect in (effect for grid in grids for effect in grid):
+        end = first + len(effect.strengths)
+        yield EffectColumn(effect=effect, place=slice(first, end))
+        first = end
+
+
+def screened(
+    own: Columns, grids: Sequence[tuple[Effect, ...]], runs: Sequence[Observed]
+) -> list[tuple[Effect, ...]]:
+    """Return effects at those of their shapes that alone gain most, of laws with many.
+
+    A law of friction keeps all: it is also looked for at one shape at every joint.
+    """
+    many = [at for at, g in enumerate(grids) if len(g) > SHAPES and g[0].name not in FRICTIONS]
+    if not many:
+        return list(grids)
+    columns = list(effect_columns([grids[at] for at in many]))
+    count, trust = len(own.hypothesis.low), information(own.hypothesis)
+    pull = trust * offset(own.hypothesis, own.point)
+    low, high = all_bounds(columns)
+
+    def one(seen: Observed) -> list[tuple[Array, Array]]:
+        about = seen.about
+        readings, moved = _along(own, [grids[at] for at in many], seen)
+        levels = (about.leaving(share) for share in SCREENED)
+        return [products(about.tangent, each, readings, moved, first=1 + count) for each in levels]
+
+    chosen: set[EffectColumn] = set()
+    by_run = each(one, runs)
+    for level in range(len(SCREENED)):
+        across, square = (np.sum([f[level][part] for f in by_run], axis=0) for part in (0, 1))
+        across[1:, 1 : 1 + count] += np.diag(trust)
+        across[1:, 0] -= pull
+        across[0, 1 : 1 + count] -= pull
+        along, rest = _without(across, square, count)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            best = np.where(rest > 0.0, np.clip(along / rest, low, high), 0.0)
+        gains = best * along - 0.5 * best**2 * rest
+        by_effect: dict[str, list[tuple[float, int]]] = {}
+        for at, column in enumerate(columns):
+            place = slice(column.place.start - 1, column.place.stop - 1)
+            by_effect.setdefault(column.label, []).append((float(gains[place].sum()), at))
+        for shapes in by_effect.values():
+            chosen |= {columns[at] for _, at in sorted(shapes)[-SHAPES:]}
+    kept = {id(column.effect) for column in chosen}
+    return [
+        tuple(shape for shape in grid if id(shape) in kept) if at in many else grid
+        for at, grid in enumerate(grids)
+    ]
+
+
+def _without(across: Array, square: Array, own: int) -> tuple[Array, Array]:
+    """Return products of errors with columns, and squares of columns, without own figures."""
+    inner = across[1:, 1 : 1 + own]
+    scale = np.sqrt(np.maximum(np.diag(inner), 1e-300))
+    inverse = np.linalg.pinv(inner / np.outer(scale, scale), rcond=RANK_TOLERANCE, hermitian=True)
+    unit = across[1:] / scale[:, None]
+    fitted = inverse @ unit
+    rest = square - np.einsum("ij,ij->j", unit, fitted)
+    rest[rest < RANK_TOLERANCE * square] = 0.0
+    return (across[0] - unit[:, 0] @ fitted)[1 + own :], rest[1 + own :]
+
+
+def _along(
+    own: Columns, grids: Sequence[tuple[Effect, ...]], seen: Observed
+) -> tuple[Array, Array]:
+    """Return the changes of readings and accelerations by [errors, entries of a point, effects].
+
+    Shapes (samples, channels, columns) and (samples, dofs, columns).
+    """
+    about = seen.about
+    motion = sensed(list(seen.motion.joints), seen.motion, about)
+    effects = own.hypothesis.effects_at(own.point)
+    drags = [effect for effect in effects if isinstance(effect, Drag)]
+    first, shown = own.along(seen)
+    samples, dofs, count = first.shape
+    mobility = about.tangent.jacobian[:, :, 2 * dofs :]
+    total = count + sum(len(effect.strengths) for grid in grids for effect in grid)
+    moved = np.zeros((samples, dofs, total))
+    readings = np.zeros((samples, shown.shape[1], total))
+    moved[:, :, :count], readings[:, :, :count] = first, shown
+    for shapes in grids:
+        last = count + sum(len(effect.strengths) for effect in shapes)
+        if shapes[0].kind == "sensor":
+            changes = [effect.reading_regressor(motion) for effect in shapes]
+            readings[:, :, count:last] = np.concatenate(changes, axis=2)
+        else:
+            if isinstance(shapes[0], FluidCurrent):
+                forces = shapes[0].through(drags, motion)
+            else:
+                forces = shapes[0].regressors(shapes, motion)
+            np.matmul(mobility, forces, out=moved[:, :, count:last])
+        count = last
+    return readings, moved
+
+
+def whitened_levels(
+    own: Columns, grids: Sequence[tuple[Effect, ...]], runs: Sequence[Observed], blocks: int
+) -> list[list[Whitened]]:
+    """Return the Gram matrix of [errors, entries of the point, effects], by level and by fold."""
+
+    def one(seen: Observed) -> list[list[Whitened]]:
+        about = seen.about
+        readings, moved = _along(own, grids, seen)
+        return [
+            whitened_blocks(about.tangent, about.leaving(share), readings, moved, blocks=blocks)
+            for share in LEVELS
+        ]
+
+    by_run = each(one, runs)
+    return [[fold for found in by_run for fold in found[at]] for at in range(len(LEVELS))]

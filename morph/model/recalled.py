@@ -1,0 +1,78 @@
+"""What effects remember of a recording where a rollout starts within it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from morph.arrays import Array, Integers
+from morph.model.episodes import Episode
+from morph.model.hypothesis import Hypothesis
+from morph.model.segments import Segments
+from morph.physics.drives import actuator_forces, constant_moments
+from morph.physics.effect import Effect
+from morph.physics.motion import Motion
+from morph.sim.drive import received
+from morph.sim.rollout import Variant
+
+
+def recalled(
+    hypothesis: Hypothesis, segments: Segments, variants: Sequence[Variant], which: Integers
+) -> dict[int, Array]:
+    """Return what effects remember at the start of each segment, by their index.
+
+    Those are left out of which a simulation soon knows it.
+
+    Args:
+        hypothesis: The robot.
+        segments: Where rollouts start.
+        variants: Versions of the robot.
+        which: Index of the variant of each row and segment, shape (rows, segments).
+
+    Returns:
+        Of each effect an array, shape (..., rows times segments).
+    """
+    slots = [at for at, each in enumerate(variants[0].effects) if _remembers(each)]
+    found: dict[int, Array] = {}
+    for number, variant in enumerate(variants if slots else ()):
+        for index, episode in enumerate(segments.episodes):
+            row, segment = np.nonzero((which == number) & (segments.episode == index))
+            motion = _motion(hypothesis, variant, episode)
+            for slot in slots:
+                state = variant.effects[slot].recalled(motion)[..., segments.first[segment]]
+                whole = found.setdefault(slot, np.zeros((*state.shape[:-1], which.size)))
+                whole[..., row * which.shape[1] + segment] = state
+    return found
+
+
+def _remembers(effect: Effect) -> bool:
+    return type(effect).recalled is not Effect.recalled
+
+
+def _motion(hypothesis: Hypothesis, variant: Variant, episode: Episode) -> Motion:
+    """Return positions, velocities and actuators' forces of an episode at each step."""
+    robot, model = hypothesis.robot, variant.model
+    time = episode.step * np.arange(len(episode.command), dtype=float)
+    state = np.stack([np.interp(time, episode.time, each) for each in episode.state.T], axis=1)
+    position, velocity = np.split(state, 2, axis=1)
+    sent = [
+        received(variant.effects, actuator.name, episode.command[:, at], episode.step)
+        for at, actuator in enumerate(robot.actuators)
+    ]
+    command = np.stack(sent, axis=1) if sent else episode.command
+    drive = constant_moments(model) * actuator_forces(model, position, velocity, command)[..., None]
+    none = np.zeros_like(velocity)
+    return Motion(
+        position=position,
+        velocity=velocity,
+        acceleration=none,
+        drive=drive,
+        drive_rate=np.zeros_like(drive),
+        stiffness=none,
+        joints={joint.name: model.joint(joint.name).dofadr[0] for joint in robot.joints},
+        actuators={actuator.name: at for at, actuator in enumerate(robot.actuators)},
+        driven={actuator.name: actuator.joint for actuator in robot.actuators},
+        time=time,
+        command=command,
+    )
