@@ -91,7 +91,8 @@ def dictionary(
     robot: Robot, runs: Sequence[Observed], known: Sequence[Effect]
 ) -> Iterator[tuple[Effect, ...]]:
     """Yield each effect at each place, as a tuple over the shapes of its grid."""
-    longest = max((run.motion for run in runs), key=lambda motion: len(motion.time))
+    motions = [run.motion for run in runs]
+    longest = max(motions, key=lambda motion: len(motion.time))
     measured, told = set(longest.channels), {effect.label: effect for effect in known}
     for kind in EFFECTS:
         for place in kind.places(robot) if kind.strengths else ():
@@ -100,8 +101,10 @@ def dictionary(
                     effect = kind.at(place)
                     effect = told.get(effect.label, effect)
                     effect.regressor(longest)
-                    motions = [run.motion for run in runs] if kind.of_a_run else [longest]
-                    if shapes := [shape for each in motions for shape in _shapes(effect, each)]:
+                    most = max(effect.extent(motion) for motion in motions)
+                    full = [m for m in motions if effect.extent(m) == most]
+                    seen = motions if kind.of_a_run else [max(full, key=lambda m: len(m.time))]
+                    if shapes := [shape for each in seen for shape in _shapes(effect, each)]:
                         yield tuple(shapes)
 
 

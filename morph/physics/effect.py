@@ -251,6 +251,13 @@ class Effect(ABC):
         names = [p.name for p in scanned]
         return tuple(replace(self, **dict(zip(names, values, strict=True))) for values in grid)  # type: ignore[type-var]
 
+    def extent(self, motion: Motion) -> float:
+        """Return how far a recording excites it, in any unit; shapes are of the one that does most.
+
+        By default recordings are alike.
+        """
+        return 0.0
+
     def beside(self, other: Effect) -> bool:
         """Return whether both may act at once."""
         return True

@@ -5,9 +5,12 @@ from __future__ import annotations
 import itertools
 from typing import TypeVar
 
+import numpy as np
+
 from morph.body.robot import Robot
 from morph.errors import EffectError
 from morph.physics.effect import Effect
+from morph.physics.motion import Motion
 
 Some = TypeVar("Some", bound=Effect)
 
@@ -33,6 +36,10 @@ class JointEffect(Effect):
         """Return the hinges and slides."""
         return tuple(j.name for j in robot.joints if j.kind in {"hinge", "slide"})
 
+    def extent(self, motion: Motion) -> float:
+        """Return the range of the joint's positions."""
+        return float(np.ptp(motion.place(self.joint)))
+
 
 class ActuatorEffect(Effect):
     """An effect on one actuator."""
@@ -54,6 +61,10 @@ class ActuatorEffect(Effect):
     def places(cls, robot: Robot) -> tuple[str, ...]:
         """Return the actuators."""
         return tuple(actuator.name for actuator in robot.actuators)
+
+    def extent(self, motion: Motion) -> float:
+        """Return the greatest of what the actuator produces."""
+        return float(np.abs(motion.effort(self.actuator)).max())
 
 
 class SensorEffect(Effect):

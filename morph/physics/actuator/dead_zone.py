@@ -12,7 +12,7 @@ from morph.physics.effect import UNLIMITED, Simulations, parameter
 from morph.physics.kinds import ActuatorEffect
 from morph.physics.motion import Motion
 
-SHARES = (0.03, 0.1, 0.3)
+SHARES = (0.01, 0.03, 0.06, 0.1, 0.2, 0.3)
 """Thresholds to try, as shares of the greatest torque along a recording."""
 
 

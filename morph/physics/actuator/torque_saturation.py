@@ -12,7 +12,7 @@ from morph.physics.actuator.limit import LimitEffect
 from morph.physics.effect import UNLIMITED, parameter
 from morph.physics.motion import Motion
 
-SHARES = (0.4, 0.55, 0.7, 0.85)
+SHARES = tuple(0.05 * twentieth for twentieth in range(1, 20))
 """Limits to try, as shares of the greatest torque along a recording."""
 
 

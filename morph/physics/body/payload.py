@@ -14,6 +14,9 @@ from morph.physics.body.weighed import WeighedEffect
 from morph.physics.effect import parameter
 from morph.physics.motion import Motion
 
+PLACES = (1.0, 2.0, 3.0)
+"""Distances to try from the link's origin, as shares of that of its centre of mass."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Payload(WeighedEffect):
@@ -53,14 +56,22 @@ class Payload(WeighedEffect):
             set_pseudo_inertia(body, pseudo_inertia(body) + self.m * np.outer(point, point))
 
     def regressor(self, motion: Motion) -> Array:
-        """Return the force for m, m x, m y and m z: exact for a weight at the centre of mass.
+        """Return the force for m, m x, m y and m z: exact for a weight where it is.
 
-        With c that centre, r r' = c r' + r c' - c c' + (r - c)(r - c)', and the last is left out.
+        With c that place, or the centre of mass where none is told, r r' = c r' + r c' - c c' +
+        (r - c)(r - c)', and the last is left out.
         """
-        body = motion.bodies[self.body]
-        columns = [spatial(1.0, np.zeros(3), -steiner(body.com, body.com))]
-        columns += [spatial(0.0, axis, 2.0 * steiner(body.com, axis)) for axis in np.eye(3)]
+        body, told = motion.bodies[self.body], np.array([self.x, self.y, self.z])
+        near = told if told.any() else body.com
+        columns = [spatial(1.0, np.zeros(3), -steiner(near, near))]
+        columns += [spatial(0.0, axis, 2.0 * steiner(near, axis)) for axis in np.eye(3)]
         return pull(body, columns)
+
+    def shapes(self, motion: Motion) -> tuple[Payload, ...]:
+        """Return weights near the link's middle, its end and beyond."""
+        com = motion.bodies[self.body].com
+        places = [np.clip(share * com, -2.0, 2.0).tolist() for share in PLACES]
+        return tuple(replace(self, x=x, y=y, z=z) for x, y, z in places)
 
     @property
     def coefficients(self) -> Array:

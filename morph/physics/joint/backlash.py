@@ -14,7 +14,7 @@ from morph.physics.joint.motor_side import Motors, MotorSideEffect
 from morph.physics.joint.recorded import followed_backlash
 from morph.physics.motion import Motion
 
-GAPS = (0.002, 0.006, 0.02, 0.06)
+GAPS = (0.001, 0.002, 0.003, 0.006, 0.01, 0.02, 0.03, 0.06, 0.1)
 """Gaps to try, as shares of the joint's range in a recording."""
 LIGHT = 1e-12
 """Inertia of a rotor that has none, kg m2: it crosses a gap within a step."""
