@@ -14,7 +14,7 @@ from morph.inference.rank import Ranking
 from morph.inference.remains import Remains
 from morph.model.diagnosis import Estimate, Finding, Rival
 from morph.physics import EFFECTS
-from morph.physics.effect import SLIDING, Effect
+from morph.physics.effect import SLIDING, Effect, Parameter
 
 TEMPERATURE = 2.0
 """By what differences of evidence are divided: laws in tables are not those of robots, and errors
@@ -74,8 +74,8 @@ def findings(ranking: Ranking, remains: Remains, point: Array) -> tuple[Finding,
                     if gains[fold == number].sum() > 0.0 or effect.passing
                 ),
                 parameters={
-                    known.name: _in_units(estimated[entry], known.unit, slide)
-                    for known, entry in zip(effect.free(), entries, strict=True)
+                    known.name: _in_units(estimated[at_entry], known, slide)
+                    for known, at_entry in zip(effect.free(), entries, strict=True)
                 },
                 rivals=tuple(rivals),
                 separate_by=experiment(effect, nearest),
@@ -168,5 +168,11 @@ def _on_slide(robot: Robot, effect: Effect) -> bool:
     return any(joint.name == name and joint.kind == "slide" for joint in robot.joints)
 
 
-def _in_units(estimate: Estimate, unit: str, slide: bool) -> Estimate:
-    return replace(estimate, unit=SLIDING.get(unit, unit) if slide else unit)
+def _in_units(estimate: Estimate, known: Parameter, slide: bool) -> Estimate:
+    if known.reciprocal:
+        value, low, high = (
+            float(np.clip(1.0 / max(each, 1e-300), known.low, known.high))
+            for each in (estimate.value, estimate.high90, estimate.low90)
+        )
+        estimate = replace(estimate, value=value, low90=low, high90=high)
+    return replace(estimate, unit=SLIDING.get(known.unit, known.unit) if slide else known.unit)

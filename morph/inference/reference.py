@@ -118,7 +118,7 @@ def _along(
     # Nothing follows the last sample that its acceleration could be compared with.
     acceleration[-1] = 0.0
     inertia = np.linalg.inv(mobility)
-    inertial = _times(inertia, np.asarray(np.gradient(velocity, run.step, axis=0), np.float64))
+    inertial = (inertia @ np.gradient(velocity, run.step, axis=0)[:, :, None])[:, :, 0]
     effort = np.sqrt(np.mean(inertial**2, axis=0)) + 1e-12
     if known is None:
         initial = np.concatenate([_initial_std(run, position), _initial_std(run, velocity)])

@@ -13,7 +13,7 @@ from morph.arrays import Array
 from morph.body.robot import Robot
 from morph.body.spec import spec_of
 from morph.model.knobs import Knob
-from morph.physics.effect import Effect
+from morph.physics.effect import Effect, Parameter
 from morph.sim.rollout import Variant
 from morph.sim.simulator import compiled
 
@@ -47,7 +47,8 @@ def bare_spec(robot: Robot, step: float) -> Any:
 class Hypothesis:
     """A robot, what may be wrong in its description, and effects to be fitted.
 
-    A point holds the logarithms of the knobs' factors, then the effects' parameters.
+    A point holds the logarithms of the knobs' factors, then the effects' parameters: of a limit
+    or a stiffness, which does nothing at infinity, one over it.
     """
 
     robot: Robot
@@ -79,18 +80,20 @@ class Hypothesis:
     @cached_property
     def start(self) -> Array:
         """The nominal description with the effects as they stand."""
-        values = [getattr(self.effects[i], known.name) for i, known in self._slots]
+        values = [entry(known, getattr(self.effects[i], known.name)) for i, known in self._slots]
         return np.array([0.0] * len(self.knobs) + values)
 
     @cached_property
     def low(self) -> Array:
         """The least value of each entry."""
-        return np.array([self._bounds(k)[0] for k in self.knobs] + [k.low for _, k in self._slots])
+        least = [entry(k, k.high if k.reciprocal else k.low) for _, k in self._slots]
+        return np.array([self._bounds(k)[0] for k in self.knobs] + least)
 
     @cached_property
     def high(self) -> Array:
         """The greatest value of each entry."""
-        return np.array([self._bounds(k)[1] for k in self.knobs] + [k.high for _, k in self._slots])
+        most = [entry(k, k.low if k.reciprocal else k.high) for _, k in self._slots]
+        return np.array([self._bounds(k)[1] for k in self.knobs] + most)
 
     def _bounds(self, knob: Knob) -> tuple[float, float]:
         # What an effect says of a link, its own figure need not say too: the two together
@@ -103,8 +106,9 @@ class Hypothesis:
         """One over the variance that each entry has before any data, about its nominal."""
         of_knobs = [1.0 / knob.fraction**2 for knob in self.knobs]
         # The effects' own bounds are wide: as good as no prior, yet never singular.
-        widths = [k.spread or k.high - k.low for _, k in self._slots]
-        return np.array(of_knobs + [1.0 / width**2 for width in widths])
+        widths = (self.high - self.low)[len(self.knobs) :]
+        spreads = [k.spread or width for (_, k), width in zip(self._slots, widths, strict=True)]
+        return np.array(of_knobs + [1.0 / spread**2 for spread in spreads])
 
     @cached_property
     def likely(self) -> Array:
@@ -117,7 +121,7 @@ class Hypothesis:
     def nudge(self, point: Array) -> Array:
         """Return the step of a finite difference at a point, one for each entry."""
         knobs = np.full(len(self.knobs), 1e-3)
-        widths = np.array([k.high - k.low for _, k in self._slots])
+        widths = (self.high - self.low)[len(self.knobs) :]
         # Bounds may lie as good as nowhere: a step is no share of those.
         wide = 0.02 * np.abs(point[len(knobs) :]) + 1e-5 * np.minimum(widths, 1.0)
         # Of what links weigh only sums show: a coarse step would seem to tell them apart.
@@ -128,8 +132,12 @@ class Hypothesis:
     def effects_at(self, point: Array) -> tuple[Effect, ...]:
         """Return the effects with their parameters read from a point."""
         values: list[dict[str, float]] = [{} for _ in self.effects]
-        for (index, known), value in zip(self._slots, point[len(self.knobs) :], strict=True):
-            values[index][known.name] = float(np.clip(value, known.low, known.high))
+        inside = np.clip(point, self.low, self.high)[len(self.knobs) :].tolist()
+        for (index, known), value in zip(self._slots, inside, strict=True):
+            value = float(np.clip(entry(known, value), known.low, known.high))
+            # Rounding is no limit: 1 / (1 / 1e9) is less than 1e9.
+            unlimited = known.reciprocal and np.isclose(value, known.high, rtol=1e-12)
+            values[index][known.name] = known.high if unlimited else value
         return tuple(replace(e, **v) for e, v in zip(self.effects, values, strict=True))  # type: ignore[type-var]
 
     def spec_at(self, point: Array) -> Any:
@@ -161,6 +169,11 @@ class Hypothesis:
     def describe(self) -> str:
         """Return the effects' labels, or `refitted` when there are none."""
         return " + ".join(effect.label for effect in self.effects) or "refitted"
+
+
+def entry(known: Parameter, value: float) -> float:
+    """Return the entry of a point for a parameter's value, and the value for an entry."""
+    return 1.0 / value if known.reciprocal else value
 
 
 def same_kind(one: Effect, other: Effect) -> bool:

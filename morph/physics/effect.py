@@ -43,6 +43,11 @@ class Parameter:
     spread: float | None
     """How far from neutral it is likely to be; None: anywhere within its bounds."""
 
+    @property
+    def reciprocal(self) -> bool:
+        """Whether it does nothing at infinity, and else as much as one over it."""
+        return self.neutral == UNLIMITED
+
 
 def parameter(
     default: float,

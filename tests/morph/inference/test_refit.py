@@ -265,8 +265,10 @@ def test_without_an_elastic_drive_its_motor_turns_with_the_joint(
     runs = seen(whole, whole.start, [run], seen(nominal, nominal.start, [run]))
     validation = Validation.of([run])
     about = quadratic(whole, whole.start, runs, blocks=validation.blocks)
-    both, alone = validation.losses_of(about, runs, [[0, 1], [1]])
+    (alone,) = validation.losses_of(about, runs, [[1]])
     rubbing = replace(nominal, effects=MISSING[:1])
     points = [about.without_fold(k).idle([1])[[0, -1]] for k in range(4)]
     assert alone == pytest.approx(validation.losses(rubbing, [points], runs)[0])
-    assert np.abs(both - alone).max() > 0.1
+    # A refit brings the spring near to none: as it stands it shows.
+    soft = validation.losses(whole, [[whole.start] * 4], runs)[0]
+    assert np.abs(soft - alone).max() > 0.1

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,8 +15,10 @@ from morph.model.hypothesis import Hypothesis
 from morph.model.knobs import knobs
 from morph.model.segments import cut
 from morph.model.shooting import predict
+from morph.physics.actuator.torque_saturation import TorqueSaturation
 from morph.physics.joint.coulomb_friction import CoulombFriction
 from morph.physics.joint.joint_stiffness import JointStiffness
+from morph.physics.joint.series_elasticity import SeriesElasticity
 from morph.record.recording import Recording
 
 Recorded = Callable[..., Recording]
@@ -111,3 +114,18 @@ def test_a_points_entries_are_named_bounded_and_read_back(cartpole: Robot) -> No
     compiled = model.at(point).model
     assert compiled.body("cart").mass[0] == pytest.approx(0.55, rel=1e-12)
     assert compiled.joint("slide").frictionloss[0] == pytest.approx(0.1, rel=1e-12)
+
+
+def test_a_stiffness_and_a_limit_are_entered_as_one_over_them(cartpole: Robot) -> None:
+    effects = (SeriesElasticity(joint="slide", k=200.0, d=0.5), TorqueSaturation(actuator="slide"))
+    model = Hypothesis(robot=cartpole, step=0.002, knobs=(), effects=effects)
+    # Without a limit its entry is that of the greatest value, 1e9.
+    assert model.start == pytest.approx([0.005, 0.5, 1e-9])
+    assert model.effects_at(model.start) == effects
+    softer, _, limited = np.eye(3)
+    spring, limit = model.effects_at(model.start + 0.005 * softer + 0.25 * limited)
+    # 1 / 0.01 = 100 N/m, and 1 / 0.25 = 4 N but for the entry of no limit, 4e-9 of it.
+    assert spring.coefficients[0] == pytest.approx(0.01)
+    assert limit.limits(np.zeros(1))[1] == pytest.approx(4.0, rel=1e-8)
+    rigid, _ = model.effects_at(model.start - 0.01 * softer)
+    assert rigid == replace(effects[0], k=1e9)
