@@ -22,6 +22,8 @@ from morph.physics.effect import Effect
 from morph.physics.motion import Motion
 from morph.sim.drive import received
 
+NUDGE = 1e-7
+"""Step of a difference, rad or m, and per s: small beside what limits and gaps are wide."""
 STICKING_ROUNDS = 2
 """Rounds of the smoother under dry friction: each finds anew where joints stick."""
 
@@ -79,7 +81,9 @@ def observed(
         dry = friction(effects, motion, about)
         motion = replace(motion, senses=dry.senses)
         force, shift = force_of(effects, motion), shift_of(effects, motion)
-        run = replace(run, force=force, shift=shift, sticking=dry.damping)
+        slope = _slope_of(effects, motion, force, model)
+        run = replace(run, force=force, slope=slope, shift=shift, sticking=dry.damping)
+        before_moved = motion
         about = reference(model, run, guess, before=about)
         motion = moved(dry, _motion(model, robot, about, run, read.name), about)
         if effects:
@@ -87,6 +91,8 @@ def observed(
             # them along the new one.
             mobility = about.tangent.jacobian[:, :, 2 * guess.shape[1] :]
             linear = force - dry.damping * ending(about)
+            linear += slope[:, 0] * (motion.position - before_moved.position)
+            linear += slope[:, 1] * (motion.velocity - before_moved.velocity)
             lacking = force_of(effects, motion) - linear
             change = (mobility @ lacking[:, :, None])[:, :, 0]
             shift = shift_of(effects, motion) - shift
@@ -132,6 +138,26 @@ def force_of(effects: Sequence[Effect], motion: Motion) -> Array:
         if type(effect).command is Effect.command and effect.kind != "sensor":
             force += effect.regressor(motion) @ effect.coefficients
     return force
+
+
+def _slope_of(
+    effects: Sequence[Effect], motion: Motion, force: Array, model: mujoco.MjModel
+) -> Array:
+    """Return how effects' forces change with their joint's position and velocity.
+
+    A limit that is reached takes away a servo's stiffness. Shape (samples, 2, dofs).
+    """
+    slope = np.zeros((len(force), 2, force.shape[1]))
+    local = [each for each in effects if each.kind == "joint" and not each.holds]
+    if not local:
+        return slope
+    held = force_of(local, motion)
+    for at, name in enumerate(("position", "velocity")):
+        there = replace(motion, **{name: getattr(motion, name) + NUDGE})
+        driven = actuator_forces(model, there.position, there.velocity, there.command)
+        there = replace(there, drive=constant_moments(model) * driven[:, :, None])
+        slope[:, at] = (force_of(local, there) - held) / NUDGE
+    return slope
 
 
 def shift_of(effects: Sequence[Effect], motion: Motion) -> Array:

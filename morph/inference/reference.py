@@ -113,7 +113,7 @@ def _along(
     modelled += _times(mobility, run.force - sticking * velocity)
     slope = np.zeros_like(position)
     slope[:-1] = np.diff(velocity, axis=0) / run.step
-    jacobian, acceleration = _stepped(local, modelled, sticking, run.step)
+    jacobian, acceleration = _stepped(local, modelled, sticking, run)
     acceleration -= slope
     # Nothing follows the last sample that its acceleration could be compared with.
     acceleration[-1] = 0.0
@@ -145,7 +145,9 @@ def _along(
     )
 
 
-def _stepped(local: Array, modelled: Array, sticking: Array, step: float) -> tuple[Array, Array]:
+def _stepped(
+    local: Array, modelled: Array, sticking: Array, run: SampledRun
+) -> tuple[Array, Array]:
     """Return a model's Jacobian and acceleration as the step that damps takes them.
 
     Velocities lie half a step before positions. The trapezoidal rule for damping makes the
@@ -154,8 +156,10 @@ def _stepped(local: Array, modelled: Array, sticking: Array, step: float) -> tup
     """
     dofs = sticking.shape[1]
     whole = np.concatenate([local, modelled[:, :, None]], axis=2)
-    whole[:, :, dofs : 2 * dofs] -= local[:, :, 2 * dofs :] * sticking[:, None]
-    damped = np.eye(dofs) - step * later(sticking) * whole[:, :, dofs : 2 * dofs]
+    slope = np.broadcast_to(run.slope, (len(sticking), 2, dofs))
+    whole[:, :, :dofs] += local[:, :, 2 * dofs :] * slope[:, :1]
+    whole[:, :, dofs : 2 * dofs] += local[:, :, 2 * dofs :] * (slope[:, 1:] - sticking[:, None])
+    damped = np.eye(dofs) - run.step * later(sticking) * whole[:, :, dofs : 2 * dofs]
     found = np.asarray(np.linalg.solve(damped, whole))
     return found[:, :, :-1], found[:, :, -1]
 
@@ -189,7 +193,7 @@ def _moved(before: Reference, model: mujoco.MjModel, run: SampledRun) -> Referen
     sticking = np.broadcast_to(run.sticking, position.shape)
     modelled = accelerations(model, position, velocity, run.command)
     modelled += _times(before.mobility, run.force - sticking * velocity)
-    jacobian, acceleration = _stepped(before.local, modelled, sticking, run.step)
+    jacobian, acceleration = _stepped(before.local, modelled, sticking, run)
     acceleration[:-1] -= np.diff(velocity, axis=0) / run.step
     acceleration[-1] = 0.0
     return replace(

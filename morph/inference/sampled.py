@@ -37,6 +37,8 @@ class SampledRun:
     """Standard deviation of each control, shape (samples, actuators)."""
     force: Array | float = 0.0
     """Known generalized force that the model lacks, N m or N, shape (samples, dofs)."""
+    slope: Array | float = 0.0
+    """How that force changes with its own joint's position and velocity, (samples, 2, dofs)."""
     sticking: Array | float = 0.0
     """Damping by dry friction near rest, N m s/rad or N s/m, shape (samples, dofs)."""
     shift: Array | float = 0.0

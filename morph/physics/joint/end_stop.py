@@ -12,7 +12,7 @@ from morph.physics.effect import Simulations, parameter
 from morph.physics.kinds import JointEffect
 from morph.physics.motion import Motion
 
-DEPTHS = (0.005, 0.02, 0.06, 0.15)
+DEPTHS = (0.001, 0.0025, 0.005, 0.01, 0.02, 0.06, 0.15)
 """How far into a recording's range to try a stop, as shares of the range."""
 
 
