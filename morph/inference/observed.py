@@ -81,9 +81,9 @@ def observed(
         dry = friction(effects, motion, about)
         motion = replace(motion, senses=dry.senses)
         force, shift = force_of(effects, motion), shift_of(effects, motion)
-        slope = _slope_of(effects, motion, force, model)
+        slope = _slope_of(effects, motion)
         run = replace(run, force=force, slope=slope, shift=shift, sticking=dry.damping)
-        before_moved = motion
+        last = motion
         about = reference(model, run, guess, before=about)
         motion = moved(dry, _motion(model, robot, about, run, read.name), about)
         if effects:
@@ -91,8 +91,8 @@ def observed(
             # them along the new one.
             mobility = about.tangent.jacobian[:, :, 2 * guess.shape[1] :]
             linear = force - dry.damping * ending(about)
-            linear += slope[:, 0] * (motion.position - before_moved.position)
-            linear += slope[:, 1] * (motion.velocity - before_moved.velocity)
+            linear += slope[:, 0] * (motion.position - last.position)
+            linear += slope[:, 1] * (motion.velocity - last.velocity)
             lacking = force_of(effects, motion) - linear
             change = (mobility @ lacking[:, :, None])[:, :, 0]
             shift = shift_of(effects, motion) - shift
@@ -140,22 +140,18 @@ def force_of(effects: Sequence[Effect], motion: Motion) -> Array:
     return force
 
 
-def _slope_of(
-    effects: Sequence[Effect], motion: Motion, force: Array, model: mujoco.MjModel
-) -> Array:
-    """Return how effects' forces change with their joint's position and velocity.
+def _slope_of(effects: Sequence[Effect], motion: Motion) -> Array:
+    """Return how forces without a memory change with their joint's position and velocity.
 
-    A limit that is reached takes away a servo's stiffness. Shape (samples, 2, dofs).
+    A stop is stiff where it is reached. Shape (samples, 2, dofs).
     """
-    slope = np.zeros((len(force), 2, force.shape[1]))
-    local = [each for each in effects if each.kind == "joint" and not each.holds]
+    slope = np.zeros((len(motion.time), 2, motion.position.shape[1]))
+    local = [e for e in effects if e.kind == "joint" and not e.holds and not e.remembers]
     if not local:
         return slope
     held = force_of(local, motion)
     for at, name in enumerate(("position", "velocity")):
         there = replace(motion, **{name: getattr(motion, name) + NUDGE})
-        driven = actuator_forces(model, there.position, there.velocity, there.command)
-        there = replace(there, drive=constant_moments(model) * driven[:, :, None])
         slope[:, at] = (force_of(local, there) - held) / NUDGE
     return slope
 
