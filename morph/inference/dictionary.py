@@ -95,7 +95,8 @@ def dictionary(
     longest = max(motions, key=lambda motion: len(motion.time))
     measured, told = set(longest.channels), {effect.label: effect for effect in known}
     for kind in EFFECTS:
-        for place in kind.places(robot) if kind.strengths else ():
+        places = kind.places(robot) if kind.strengths else ()
+        for place in places[:1] if kind.everywhere else places:
             if kind.kind != "sensor" or place in measured:
                 with suppress(EffectError):  # It needs what the description does not tell.
                     effect = kind.at(place)

@@ -111,6 +111,8 @@ class Effect(ABC):
     """The experiment that tells it from a twin, by the twin's name."""
     suspected: ClassVar[bool] = True
     """Whether a diagnosis looks for it at all."""
+    everywhere: ClassVar[bool] = False
+    """Whether it is the same at all of its places: it is told at one of them."""
     of_a_run: ClassVar[bool] = False
     """Whether it is looked for in each run by itself."""
 

@@ -28,6 +28,7 @@ class VoltageSag(ActuatorEffect):
     name: ClassVar[str] = "voltage_sag"
     strengths: ClassVar[tuple[str, ...]] = ("k",)
     suspected: ClassVar[bool] = False
+    everywhere: ClassVar[bool] = True
     twins: ClassVar[tuple[str, ...]] = ("thermal_derating", "torque_scale")
     excited_by: ClassVar[str] = (
         "The same motion of one joint while others rest and while they work."
