@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -21,8 +20,9 @@ TEMPERATURE = 2.0
 are not normal."""
 MOST_RIVALS = 3
 """Rivals of a finding that are listed."""
-DOUBTED = 0.9
-"""Most probability of a finding with a parameter at a bound or known beforehand alone."""
+SURE, DOUBTED = 0.9, 0.8
+"""Most probability of a finding, as laws that are not compared may do as well; and with a parameter
+at a bound or known beforehand alone."""
 NORMAL90 = 1.645
 """Standard deviations from the middle of a normal distribution to an end of its 90 % interval."""
 
@@ -44,12 +44,9 @@ def findings(ranking: Ranking, remains: Remains, point: Array) -> tuple[Finding,
         hypothesis, best.refit.point, best.refit.runs, blocks=ranking.validation.blocks
     )
     estimated, sure = estimates(about, point)
-    listed, first = [], len(hypothesis.knobs)
+    listed = []
     for at, effect in enumerate(hypothesis.effects_at(point)):
-        entries = np.arange(first, first + len(effect.free()))
-        first += len(entries)
-        neutral = replace(hypothesis, effects=_idle(best.effects, at)).start[entries]
-        change = neutral - best.refit.point[entries]
+        entries, change = best.refit.removal(at)
         none, others = ranking.search.instead(effect.label, entries, change)
         odds = np.exp(np.minimum([none, *(each[1] for each in others)], 0.0) / TEMPERATURE)
         chance = (1.0 - 0.5 * remains.probability) / (1.0 + float(odds.sum()))
@@ -67,7 +64,7 @@ def findings(ranking: Ranking, remains: Remains, point: Array) -> tuple[Finding,
         listed.append(
             Finding(
                 effect=effect,
-                probability=chance if sure[entries].all() else min(chance, DOUBTED),
+                probability=min(chance, SURE if sure[entries].all() else DOUBTED),
                 episodes=tuple(
                     episode.name
                     for number, episode in enumerate(ranking.validation.segments.episodes)
@@ -156,11 +153,6 @@ def experiment(effect: Effect, rival: str) -> str:
             return kind.separate_by[effect.name]
     other = next((kind.excited_by for kind in EFFECTS if kind.name == rival), "")
     return effect.separate_by.get(rival, f"{effect.excited_by} {other}".strip())
-
-
-def _idle(effects: Sequence[Effect], at: int) -> tuple[Effect, ...]:
-    """Return effects with one at neutral."""
-    return tuple(each.neutral() if k == at else each for k, each in enumerate(effects))
 
 
 def _on_slide(robot: Robot, effect: Effect) -> bool:

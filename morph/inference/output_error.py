@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from morph.arrays import Array
-from morph.inference.rank import Finalist
+from morph.inference.finalist import Finalist
 from morph.inference.validate import HORIZON, Validation
 from morph.model.episodes import Episode
 from morph.model.fit import fit, measure

@@ -10,20 +10,20 @@ from __future__ import annotations
 import functools
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Sequence, Set
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from morph.arrays import Array
 from morph.inference.dictionary import search_beside
+from morph.inference.finalist import CERTAIN, Finalist, better, gains, under
 from morph.inference.quadratic import LogPosterior, quadratic
-from morph.inference.refit import Refit, refitted, under
+from morph.inference.refit import Refit, refitted
+from morph.inference.refit import under as refit_under
 from morph.inference.search import Explanation, Prior, Search
-from morph.inference.validate import Validation, at_noise, needed
+from morph.inference.validate import Validation, needed
 from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis
-from morph.physics import EFFECTS
 from morph.physics.effect import Effect
 
 Progress = Callable[[str, float], None]
@@ -32,38 +32,16 @@ SIMULATED = 6
 """How many of the likeliest sets, and of the likeliest single effects, are simulated."""
 FINALISTS = 2
 """How many of those with the least error are refitted, beside the likeliest."""
-CERTAIN = 20.0
-"""Gain in evidence, nats, that needs no gain in rollouts where readings are at their noise."""
 DIVERGED = 0.5
 """By how much a set may raise the mean loss before it is refitted, nats a stretch and joint."""
 MOST = 4
 """Most effects, or laws at every joint, that the first search adds."""
 LATER, MOST_ROUNDS = 2, 3
 """Most that each later search adds, and most of these searches."""
+LIKELIER, REPLACED = 10.0, 2
+"""Nats by which a law must be likelier than another to be tried in its place, and most trials."""
 STEPS = 2
 """Most Gauss-Newton steps of a refit, of own figures alone and of a finalist."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Finalist:
-    """A set of effects, refitted to the runs beside the description's own figures."""
-
-    refit: Refit
-    """At its likeliest point."""
-    price: float
-    """Negative log prior of its effects, nats."""
-    losses: Array
-    """Loss of each stretch in rollouts of the model fitted to the other folds, (segments,)."""
-
-    @property
-    def effects(self) -> tuple[Effect, ...]:
-        """The effects with their parameters."""
-        return self.refit.effects
-
-    @property
-    def evidence(self) -> float:
-        """Log evidence and log prior, nats, up to a constant."""
-        return self.refit.evidence - self.price
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -126,18 +104,20 @@ def ranked(
         progress(f"looking for what is missing (round {turn + 1})", 0.8 - 0.7 * 0.7**turn)
         new, best = task.added(base, search, most)
         tried += new
-        none = functools.reduce(_under, new, none)
+        none = functools.reduce(under, new, none)
         if best.effects == base.effects or task.late():
             break
         search, base = task.search(best), best
         task = replace(task, prior=search.prior)
-    progress("trying simpler laws", 0.8)
-    while not task.late() and (simpler := task.simplified(best)) is not None:
-        best = simpler
-        tried.append(best)
-    stopped = task.late()
     if best.effects != base.effects:
         search = task.search(best)
+    progress("trying other laws", 0.85)
+    gone: set[str] = set()
+    while not task.late() and (other := task.replaced(best, search, gone)) is not None:
+        gone |= {e.label for e in best.effects} - {e.label for e in other.effects}
+        best, search = other, task.search(other)
+        tried.append(best)
+    stopped = task.late()
     ordered = tuple(sorted([*tried, none], key=lambda each: -each.evidence))
     return Ranking(
         best=best, tried=ordered, validation=task.validation, search=search, stopped=stopped
@@ -193,16 +173,16 @@ class _Task:
             own = base.refit.point + found.own
             point = np.concatenate([own, start.start[len(own) :]])
             refit = refitted(start, point, self.episodes, origin=base.refit, rounds=STEPS)
-            refit = under(refit, base.refit)
+            refit = refit_under(refit, base.refit)
             about = self.about(refit)
             new = self.reduced(self.finalist(refit, about), about)
             tried.append(new)
-            base, *gained = (_under(each, new) for each in (base, *gained))
-            if _gains(base, new, self.validation):
+            base, *gained = (under(each, new) for each in (base, *gained))
+            if gains(base, new, self.validation):
                 gained.append(new)
         if not gained:
             return tried, base
-        return tried, functools.reduce(lambda a, b: _better(a, b, self.validation), gained)
+        return tried, functools.reduce(lambda a, b: better(a, b, self.validation), gained)
 
     def reduced(self, whole: Finalist, about: LogPosterior) -> Finalist:
         """Return a set without the effects that rollouts do not need, if that is not worse."""
@@ -224,47 +204,37 @@ class _Task:
             self.reduced(fewer, about) if any(map(validation.too_brief, fewer.effects)) else fewer
         )
 
-    def simplified(self, best: Finalist) -> Finalist | None:
-        """Return a set with a simpler law in the place of one, where that is not surely worse."""
-        refit, laws = best.refit, {kind.name: kind for kind in EFFECTS}
-        labels = {each.label for each in refit.effects}
-        for at, effect in enumerate(refit.effects):
-            if not effect.simpler or f"{effect.simpler}@{effect.where}" in labels:
-                continue
-            simpler = laws[effect.simpler].at(effect.where).with_strengths(effect.coefficients[:1])
-            effects = (*refit.effects[:at], simpler, *refit.effects[at + 1 :])
-            start = replace(refit.hypothesis, effects=effects)
+    def replaced(self, best: Finalist, search: Search, gone: Set[str]) -> Finalist | None:
+        """Return a set with another law in the place of one: a likelier, or a simpler one.
+
+        What was found first was found beside all that had not been found yet. A simpler law is
+        taken where rollouts are not surely worse.
+
+        Args:
+            best: The set.
+            search: Beside it.
+            gone: Labels of effects that were replaced before.
+        """
+        rivals: list[tuple[float, int, Effect]] = []
+        for at, effect in enumerate(best.effects):
+            _, every = search.instead(effect.label, *best.refit.removal(at))
+            others = [each for each in every if each[0].label not in gone]
+            rivals += [(gain, at, other) for other, gain in others[:1] if gain > LIKELIER]
+            simple = f"{effect.simpler}@{effect.where}"
+            rivals += [(g, at, each) for each, g in others if each.label == simple and g > -CERTAIN]
+        for _, at, other in sorted(rivals, key=lambda each: -each[0])[:REPLACED]:
+            effects = (*best.effects[:at], other, *best.effects[at + 1 :])
+            start = replace(best.refit.hypothesis, effects=effects)
             own = len(start.knobs)
-            point = np.concatenate([refit.point[:own], start.start[own:]])
-            anew = refitted(start, point, self.episodes, before=refit.runs, rounds=STEPS)
-            about = self.about(anew)
-            new = self.finalist(anew, about)
-            if not self.validation.worse(best.losses, new.losses):
+            point = np.concatenate([best.refit.point[:own], start.start[own:]])
+            refit = refitted(start, point, self.episodes, before=best.refit.runs, rounds=STEPS)
+            about = self.about(refit)
+            new = self.finalist(refit, about)
+            simpler = other.name == best.effects[at].simpler
+            worse = self.validation.worse(best.losses, new.losses)
+            if gains(best, new, self.validation) or (simpler and not worse):
                 return self.reduced(new, about)
         return None
-
-
-def _under(one: Finalist, other: Finalist) -> Finalist:
-    return replace(one, refit=under(one.refit, other.refit))
-
-
-def _gains(before: Finalist, new: Finalist, validation: Validation) -> bool:
-    """Return whether a set of effects explains more than another.
-
-    Rollouts decide where physics without a name remains. Where readings are explained to their
-    noise the model of the disturbance holds, and evidence decides that rollouts do not refute.
-    """
-    gain = new.evidence - before.evidence
-    if validation.sure(before.losses, new.losses):
-        return gain > 0.0
-    refuted = validation.worse(before.losses, new.losses)
-    return gain > CERTAIN and at_noise(new.refit.runs) and not refuted
-
-
-def _better(one: Finalist, other: Finalist, validation: Validation) -> Finalist:
-    """Return the likelier of two, unless the other is surely better in rollouts."""
-    first, second = sorted((one, other), key=lambda each: -each.evidence)
-    return second if validation.sure(first.losses, second.losses) else first
 
 
 def _proposals(

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from morph.arrays import Array
+from morph.arrays import Array, Integers
 from morph.inference.columns import acting
 from morph.inference.observed import Observed, observed, settled
 from morph.inference.quadratic import information, offset, quadratic
@@ -45,6 +45,19 @@ class Refit:
     def effects(self) -> tuple[Effect, ...]:
         """The effects at the point."""
         return self.hypothesis.effects_at(self.point)
+
+    def removal(self, at: int) -> tuple[Integers, Array]:
+        """Return the entries of an effect's parameters, and what takes them to neutral.
+
+        Args:
+            at: Index of the effect.
+        """
+        effects = self.effects
+        first = len(self.hypothesis.knobs) + sum(len(each.free()) for each in effects[:at])
+        entries = np.arange(first, first + len(effects[at].free()))
+        idle = (*effects[:at], effects[at].neutral(), *effects[at + 1 :])
+        neutral = replace(self.hypothesis, effects=idle).start[entries]
+        return entries, neutral - self.point[entries]
 
 
 def seen(

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from morph.arrays import Array
-from morph.inference.findings import factors, findings
+from morph.inference.findings import SURE, factors, findings
 from morph.inference.output_error import output_error_point
 from morph.inference.quadratic import quadratic
 from morph.inference.rank import Ranking
@@ -156,7 +156,7 @@ def _probabilities(found: Sequence[Finding], remains: Remains, *, worse: bool) -
             label = f"{rival.effect}@{rival.where}"
             chances[label] = max(chances.get(label, 0.0), rival.probability)
     if not found:
-        chances["none"] = 1.0 - remains.probability
+        chances["none"] = min(SURE, 1.0 - remains.more)
     else:
         chances["none"] = min(
             max(0.0, 1.0 - finding.probability - sum(r.probability for r in finding.rivals))

@@ -1,0 +1,60 @@
+"""Sets of effects that were refitted, and which of two explains more."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from morph.arrays import Array
+from morph.inference.refit import Refit
+from morph.inference.refit import under as refit_under
+from morph.inference.validate import Validation, at_noise
+from morph.physics.effect import Effect
+
+CERTAIN = 20.0
+"""Gain in evidence, nats, that needs no gain in rollouts where readings are at their noise."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Finalist:
+    """A set of effects, refitted to the runs beside the description's own figures."""
+
+    refit: Refit
+    """At its likeliest point."""
+    price: float
+    """Negative log prior of its effects, nats."""
+    losses: Array
+    """Loss of each stretch in rollouts of the model fitted to the other folds, (segments,)."""
+
+    @property
+    def effects(self) -> tuple[Effect, ...]:
+        """The effects with their parameters."""
+        return self.refit.effects
+
+    @property
+    def evidence(self) -> float:
+        """Log evidence and log prior, nats, up to a constant."""
+        return self.refit.evidence - self.price
+
+
+def under(one: Finalist, other: Finalist) -> Finalist:
+    """Return a set under the disturbances of another where the readings are likelier so."""
+    return replace(one, refit=refit_under(one.refit, other.refit))
+
+
+def gains(before: Finalist, new: Finalist, validation: Validation) -> bool:
+    """Return whether a set of effects explains more than another.
+
+    Rollouts decide where physics without a name remains. Where readings are explained to their
+    noise the model of the disturbance holds, and evidence decides that rollouts do not refute.
+    """
+    gain = new.evidence - before.evidence
+    if validation.sure(before.losses, new.losses):
+        return gain > 0.0
+    refuted = validation.worse(before.losses, new.losses)
+    return gain > CERTAIN and at_noise(new.refit.runs) and not refuted
+
+
+def better(one: Finalist, other: Finalist, validation: Validation) -> Finalist:
+    """Return the likelier of two, unless the other is surely better in rollouts."""
+    first, second = sorted((one, other), key=lambda each: -each.evidence)
+    return second if validation.sure(first.losses, second.losses) else first
