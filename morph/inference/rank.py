@@ -230,11 +230,20 @@ class _Task:
             refit = refitted(start, point, self.episodes, before=best.refit.runs, rounds=STEPS)
             about = self.about(refit)
             new = self.finalist(refit, about)
-            simpler = other.name == best.effects[at].simpler
-            worse = self.validation.worse(best.losses, new.losses)
-            if gains(best, new, self.validation) or (simpler and not worse):
+            if self.prefers(best, new, best.effects[at], other):
                 return self.reduced(new, about)
         return None
+
+    def prefers(self, best: Finalist, new: Finalist, effect: Effect, other: Effect) -> bool:
+        """Return whether a set is better with another law in the place of an effect.
+
+        Parameters that a law has more than its simpler one must show in rollouts.
+        """
+        if other.name == effect.simpler:
+            return not self.validation.worse(best.losses, new.losses)
+        if other.simpler == effect.name and not self.validation.sure(best.losses, new.losses):
+            return False
+        return gains(best, new, self.validation)
 
 
 def _proposals(

@@ -123,7 +123,7 @@ class Hypothesis:
         knobs = np.full(len(self.knobs), 1e-3)
         widths = (self.high - self.low)[len(self.knobs) :]
         # Bounds may lie as good as nowhere: a step is no share of those.
-        wide = 0.02 * np.abs(point[len(knobs) :]) + 1e-5 * np.minimum(widths, 1.0)
+        wide = 0.001 * np.abs(point[len(knobs) :]) + 1e-5 * np.minimum(widths, 1.0)
         # Of what links weigh only sums show: a coarse step would seem to tell them apart.
         fine = np.array([1e-3 * (k.spread or 0.0) for _, k in self._slots])
         step = np.concatenate([knobs, np.where(fine > 0.0, fine, wide)])
