@@ -188,21 +188,17 @@ class _Task:
         """Return a set without the effects that rollouts do not need, if that is not worse."""
         refit, validation = whole.refit, self.validation
         kept, losses = needed(about, validation, refit.runs, certain=CERTAIN)
-        brief = any(validation.too_brief(effect) for effect in whole.effects)
-        if len(kept) == len(whole.effects) or (
-            validation.worse(whole.losses, losses) and not brief
-        ):
+        idle = any(validation.idle(effect) for effect in whole.effects)
+        if len(kept) == len(whole.effects) or (validation.worse(whole.losses, losses) and not idle):
             return whole
         hypothesis, point = about.reduced(kept)
         anew = refitted(hypothesis, point, self.episodes, before=refit.runs, rounds=STEPS)
         about = self.about(anew)
         fewer = self.finalist(anew, about)
-        if validation.worse(whole.losses, fewer.losses) and not brief:
+        if validation.worse(whole.losses, fewer.losses) and not idle:
             return whole
         # A time that the refit has shortened is no more to be claimed than one found short.
-        return (
-            self.reduced(fewer, about) if any(map(validation.too_brief, fewer.effects)) else fewer
-        )
+        return self.reduced(fewer, about) if any(map(validation.idle, fewer.effects)) else fewer
 
     def replaced(self, best: Finalist, search: Search, gone: Set[str]) -> Finalist | None:
         """Return a set with another law in the place of one: a likelier, or a simpler one.

@@ -174,8 +174,10 @@ class Validation:
         consistent = harm < HARM * float(np.maximum(by_fold, 0.0).sum())
         return gain.mean() > MATERIAL and consistent and _sureness(before, after) > SURE
 
-    def too_brief(self, effect: Effect) -> bool:
-        """Return whether all that an effect is of is a time far below the period of readings."""
+    def idle(self, effect: Effect) -> bool:
+        """Return whether an effect does nothing, or is a time far below the period of readings."""
+        if effect == effect.neutral():
+            return True
         times = [p for p in effect.parameters() if p.unit == "s" and p.neutral is not None]
         periods = [
             float(np.median(np.diff(channel.time)))
@@ -221,7 +223,7 @@ def needed(
     """
     trusted = at_noise(runs)
     effects = about.hypothesis.effects_at(about.point)
-    kept = [at for at, each in enumerate(effects) if not validation.too_brief(each)]
+    kept = [at for at, each in enumerate(effects) if not validation.idle(each)]
     (whole,) = validation.losses_of(about, runs, [kept])
     while kept:
         rest = [[at for at in kept if at != gone] for gone in kept]
