@@ -38,7 +38,7 @@ MOST = 4
 """Most effects, or laws at every joint, that the first search adds."""
 LATER, MOST_ROUNDS = 2, 3
 """Most that each later search adds, and most of these searches."""
-LIKELIER, REPLACED = 10.0, 2
+LIKELIER, REPLACED = 10.0, 3
 """Nats by which a law must be likelier than another to be tried in its place, and most trials."""
 STEPS = 2
 """Most Gauss-Newton steps of a refit, of own figures alone and of a finalist."""
@@ -217,7 +217,8 @@ class _Task:
             others = [each for each in every if each[0].label not in gone]
             rivals += [(gain, at, other) for other, gain in others[:1] if gain > LIKELIER]
             simple = f"{effect.simpler}@{effect.where}"
-            rivals += [(g, at, each) for each, g in others if each.label == simple and g > -CERTAIN]
+            strength = effect.coefficients[:1]
+            rivals += [(g, at, o.with_strengths(strength)) for o, g in others if o.label == simple]
         for _, at, other in sorted(rivals, key=lambda each: -each[0])[:REPLACED]:
             effects = (*best.effects[:at], other, *best.effects[at + 1 :])
             start = replace(best.refit.hypothesis, effects=effects)
