@@ -27,6 +27,7 @@ from morph.inference.refit import Refit
 from morph.inference.search import Prior, Search
 from morph.inference.whitened import Whitened
 from morph.physics import EFFECTS
+from morph.physics.body.tether import Tether
 from morph.physics.effect import Effect
 from morph.physics.fluid.thrust import Thrust
 from morph.physics.fluid.wet import WetEffect
@@ -34,8 +35,8 @@ from morph.physics.motion import Motion
 
 ODDS = 3.0
 """Prior log odds against one more effect, nats."""
-DRY = 3.0
-"""Prior log odds against a fluid's force on a robot that nobody puts into water, nats."""
+RARE = 10.0
+"""Prior log odds against a fluid's force on a robot that nobody puts into water, and a cable, nats."""
 VISCOUS = "viscous_friction"
 """The one that may stand beside each of the others."""
 SLACK = 1e-9
@@ -156,7 +157,11 @@ def _prior(grids: Sequence[tuple[Effect, ...]], joints: Set[str], *, wet: bool) 
     alone = {
         grid[0].label: ODDS
         + math.log(len(grid) * len(grids))
-        + (DRY if isinstance(grid[0], WetEffect) and not wet else 0.0)
+        + (
+            RARE
+            if isinstance(grid[0], Tether) or (isinstance(grid[0], WetEffect) and not wet)
+            else 0.0
+        )
         for grid in grids
     }
     shapes = {grid[0].name: len(grid) for grid in grids}
