@@ -36,7 +36,8 @@ from morph.physics.motion import Motion
 ODDS = 3.0
 """Prior log odds against one more effect, nats."""
 RARE = 10.0
-"""Prior log odds against a fluid's force on a robot that nobody puts into water, and a cable, nats."""
+"""Prior log odds against a cable, and a fluid's force on a robot that nobody puts into water,
+nats."""
 VISCOUS = "viscous_friction"
 """The one that may stand beside each of the others."""
 SLACK = 1e-9
