@@ -12,7 +12,7 @@ from morph.arrays import Array
 from morph.body.load import load
 from morph.body.robot import Robot
 from morph.inference.columns import Columns, acting
-from morph.inference.dictionary import search_beside
+from morph.inference.dictionary import RARE, search_beside
 from morph.inference.observed import observed
 from morph.inference.quadratic import LogPosterior, information, offset, quadratic
 from morph.inference.refit import refitted, seen
@@ -244,7 +244,7 @@ def test_laws_of_sensors_are_looked_for_by_their_readings(
     none = refitted(nominal, nominal.start, [run], rounds=1)
     paddle = effect("Thrust", "rod", span=0.1, z=-0.5, nx=1.0)
     prior, wet = (search_beside(none, known, None, 4).prior for known in ((), (paddle,)))
-    for alone, price in ((prior.alone, 3.0), (wet.alone, 0.0)):
+    for alone, price in ((prior.alone, RARE), (wet.alone, 0.0)):
         # Drag is looked for at three points; nobody says that a robot without a paddle is wet.
         more = alone["linear_drag@rod"] - alone["coulomb_friction@hinge"]
         assert more == pytest.approx(price + np.log(3.0))
