@@ -373,10 +373,6 @@ def test_a_regressor_tells_the_force_that_the_simulation_feels(kind: type[Effect
         # First order only: an offset d misses m d^2 times an angular acceleration of at most
         # 2 + 2 rad/s2, and half as much by centrifugal forces: 0.64 * 1e-10 * 6 = 4e-10 N m.
         effect = replace(effect, x=1e-05, z=1e-05)
-    if kind.name == "payload":
-        # Exact at the centre of mass, which is 0.2831 m down: at d = 3.1 mm from it, 10 mg
-        # miss m d^2 * 6 = 1e-5 * 9.6e-6 * 6 = 6e-10 N m.
-        effect = replace(effect, m=1e-05, x=0.0, z=-0.28)
     rng = np.random.default_rng(0)
     samples, dofs = 400, len(robot.joints)
     model = compiled(spec_of(robot), (), robot).model

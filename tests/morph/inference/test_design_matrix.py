@@ -1,0 +1,118 @@
+"""Columns of effects along runs: which shapes go on to the search, and of which run they are."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from morph.arrays import Array
+from morph.body.load import load
+from morph.body.robot import Robot
+from morph.inference.columns import Columns
+from morph.inference.design_matrix import SCREENED, SHAPES, effect_columns, screened
+from morph.inference.dictionary import dictionary
+from morph.inference.refit import Refit, refitted
+from morph.inference.sticking import sensed
+from morph.inference.whitened import whitened
+from morph.model.episodes import episode
+from morph.model.hypothesis import Hypothesis
+from morph.physics.actuator.torque_saturation import TorqueSaturation
+from morph.physics.effect import Effect
+from morph.record.recording import Channel, Recording
+
+STEP, FINE, INERTIA, LIMIT, NOISE = 0.004, 16, 0.02, 0.3, 1e-4
+WHEELS = f"""
+<mujoco model="wheels">
+  <option gravity="0 0 0"/>
+  <worldbody>
+    <body name="one"><joint name="first" axis="0 0 1"/>
+      <inertial pos="0 0 0" mass="1" diaginertia="{INERTIA} {INERTIA} {INERTIA}"/></body>
+    <body name="two"><joint name="second" axis="0 0 1"/>
+      <inertial pos="0 0 0" mass="1" diaginertia="{INERTIA} {INERTIA} {INERTIA}"/></body>
+  </worldbody>
+  <actuator><motor name="first" joint="first"/><motor name="second" joint="second"/></actuator>
+</mujoco>
+"""
+
+
+def turned(torque: Array) -> Array:
+    """Return the angle of a wheel whose motor gives no more than its limit, at each sample."""
+    angle, rate, angles = 0.0, 0.0, []
+    for now in np.clip(torque, -LIMIT, LIMIT).tolist():
+        angles.append(angle)
+        rate += STEP * now / INERTIA
+        angle += STEP * (rate - 0.5 * STEP * now / INERTIA)
+    return np.array(angles)
+
+
+@pytest.fixture(scope="module")
+def robot(tmp_path_factory: pytest.TempPathFactory) -> Robot:
+    """Return two wheels."""
+    path: Path = tmp_path_factory.mktemp("wheels") / "wheels.xml"
+    path.write_text(WHEELS)
+    return load(path)
+
+
+@pytest.fixture(scope="module")
+def base(robot: Robot) -> Refit:
+    """Return a refit of the wheels without an effect to a long calm run and a short wild one."""
+    rng, runs = np.random.default_rng(0), []
+    for name, size, samples in (("calm", 0.1, 1500), ("wild", 0.5, 500)):
+        time = STEP * np.arange(samples)
+        torque = {"first": size * np.cos(6.0 * time), "second": 0.2 * np.cos(4.0 * time)}
+        channels = {
+            f"{n}.command": Channel(time=time, value=u, hold=True) for n, u in torque.items()
+        }
+        for joint, u in torque.items():
+            read = turned(u) + NOISE * rng.normal(size=samples)
+            channels[f"{joint}.position"] = Channel(time=time, value=read)
+        runs.append(episode(Recording(name=name, channels=channels), robot, STEP))
+    nominal = Hypothesis(robot=robot, step=STEP, knobs=())
+    return refitted(nominal, nominal.start, runs)
+
+
+def shapes(robot: Robot, base: Refit, label: str) -> tuple[Effect, ...]:
+    """Return the shapes of an effect in the dictionary."""
+    return next(grid for grid in dictionary(robot, base.runs, ()) if grid[0].label == label)
+
+
+def test_limits_are_tried_up_to_the_greatest_torque_of_any_run(robot: Robot, base: Refit) -> None:
+    grid = shapes(robot, base, "torque_saturation@first")
+    limits = [shape.limit for shape in grid if isinstance(shape, TorqueSaturation)]
+    # The calm run is longer, but its torque is 0.1 N m.
+    assert limits == pytest.approx([0.5 * 0.05 * twentieth for twentieth in range(1, 20)], rel=1e-3)
+
+
+def test_what_acts_everywhere_is_looked_for_once(robot: Robot, base: Refit) -> None:
+    labels = [grid[0].label for grid in dictionary(robot, base.runs, ())]
+    assert [label for label in labels if label.startswith("voltage_sag")] == ["voltage_sag@first"]
+    assert sum(label.startswith("torque_scale") for label in labels) == 2
+
+
+def test_the_shapes_that_alone_gain_most_are_searched(robot: Robot, base: Refit) -> None:
+    grids = [shapes(robot, base, f"{law}@first") for law in ("torque_saturation", "backlash")]
+    own = Columns.of(base.hypothesis, base.point)
+    kept = screened(own, grids, base.runs)
+    for grid, few in zip(grids, kept, strict=True):
+        gains = []
+        for level in SCREENED:
+            gains.append([alone(base, shape, level) for shape in grid])
+        best = {int(at) for each in gains for at in np.argsort(each)[-SHAPES:]}
+        assert few == tuple(grid[at] for at in sorted(best))
+
+
+def alone(base: Refit, shape: Effect, level: float) -> float:
+    """Return what an effect at one shape and any strength gains, nats, by the whole Gram matrix."""
+    gram = np.zeros((2, 2))
+    for run in base.runs:
+        about = run.about
+        force = shape.regressor(sensed(list(run.motion.joints), run.motion, about))
+        moved = np.concatenate([-about.acceleration[:, :, None], about.mobility @ force], axis=2)
+        shown = np.concatenate([about.error[:, :, None], np.zeros_like(moved[:, :, 1:])], axis=2)
+        gram += whitened(about.tangent, about.leaving(level), shown, moved).gram
+    (column,) = effect_columns([(shape,)])
+    low, high = column.bounds
+    best = float(np.clip(gram[0, 1] / max(gram[1, 1], 1e-300), low[0], high[0]))
+    return float(best * gram[0, 1] - 0.5 * best**2 * gram[1, 1])
