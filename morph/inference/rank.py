@@ -166,10 +166,14 @@ class _Task:
         """
         tried: list[Finalist] = []
         gained: list[Finalist] = []
+        done = {_labels(base.effects)}
         for found in _proposals(search, search.sets(most), base, self.validation):
             if self.late():
                 break
             start = replace(self.nominal, effects=(*base.effects, *found.effects))
+            # A larger set may have been reduced to this one.
+            if _labels(start.effects) in done:
+                continue
             own = base.refit.point + found.own
             point = np.concatenate([own, start.start[len(own) :]])
             refit = refitted(start, point, self.episodes, origin=base.refit, rounds=STEPS)
@@ -177,6 +181,7 @@ class _Task:
             about = self.about(refit)
             new = self.reduced(self.finalist(refit, about), about)
             tried.append(new)
+            done |= {_labels(start.effects), _labels(new.effects)}
             base, *gained = (under(each, new) for each in (base, *gained))
             if gains(base, new, self.validation):
                 gained.append(new)
@@ -243,6 +248,10 @@ class _Task:
         return gains(best, new, self.validation)
 
 
+def _labels(effects: Sequence[Effect]) -> frozenset[str]:
+    return frozenset(effect.label for effect in effects)
+
+
 def _proposals(
     search: Search,
     sets: Sequence[Explanation],
@@ -250,11 +259,12 @@ def _proposals(
     validation: Validation,
 ) -> list[Explanation]:
     """Return the sets to refit: the likeliest, and those with the least error in rollouts."""
-    some = [each for each in sets if each.effects and each.gain > -5.0]
+    some = [each for each in sets if each.effects and each.gain > 0.0]
     alone = [each for each in some if len(each.members) == 1]
-    labels = [frozenset(effect.label for effect in each.effects) for each in some]
     laws = dict(search.prior.together)
-    groups = {law: each for law, each in zip(labels[::-1], some[::-1], strict=True) if law in laws}
+    # Stiction mimics lost torque: friction at every driven joint is tried though it gains little.
+    all_over = [each for each in sets if each.gain > -5.0 and _labels(each.effects) in laws]
+    groups = {_labels(each.effects): each for each in all_over[::-1]}
     listed: dict[tuple[int, ...], Explanation] = {
         each.members: each for each in [*some[:SIMULATED], *alone[:SIMULATED], *groups.values()]
     }
@@ -272,5 +282,5 @@ def _proposals(
     most = now + DIVERGED * len(hypothesis.robot.joints)
     stable = [each for each in by_rollouts if losses[each.members] < most]
     likeliest = sorted(by_rollouts, key=lambda each: -each.gain)[:1]
-    chosen = {each.members: each for each in [*stable[:FINALISTS], *likeliest]}
+    chosen = {each.members: each for each in [*likeliest, *stable[:FINALISTS]]}
     return list(chosen.values())

@@ -209,10 +209,7 @@ class Effect(ABC):
         return None
 
     def recalled(self, motion: Motion) -> Array:
-        """Return its internal state at each sample of a recording, shape (..., samples).
-
-        Only effects have it that remember more than the last moments: see `initial_state`.
-        """
+        """Return its internal state along a recording, (..., samples), if it remembers long."""
         raise NotImplementedError
 
     def before_step(self, simulations: Simulations, state: Any) -> Any:
@@ -259,10 +256,7 @@ class Effect(ABC):
         return tuple(replace(self, **dict(zip(names, values, strict=True))) for values in grid)  # type: ignore[type-var]
 
     def extent(self, motion: Motion) -> float:
-        """Return how far a recording excites it, in any unit; shapes are of the one that does most.
-
-        By default recordings are alike.
-        """
+        """Return how far a recording excites it, in any unit; by default all alike."""
         return 0.0
 
     def beside(self, other: Effect) -> bool:
@@ -303,18 +297,3 @@ class Effect(ABC):
             for name, value in zip(self.strengths, coefficients, strict=True)
         }
         return replace(self, **values)  # type: ignore[type-var]
-
-
-def stacked(effects: Sequence[Some]) -> Some:
-    """Return one effect whose parameters are arrays, one entry a simulation.
-
-    The bounds were checked when each was made; the dataclass is filled as it is.
-    """
-    first = effects[0]
-    whole = object.__new__(type(first))
-    numbers = {p.name for p in first.parameters()}
-    for item in fields(first):  # type: ignore[arg-type]
-        values = [getattr(effect, item.name) for effect in effects]
-        value = np.array(values, dtype=float) if item.name in numbers else values[0]
-        object.__setattr__(whole, item.name, value)
-    return whole

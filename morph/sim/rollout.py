@@ -15,8 +15,9 @@ from mujoco.batch import Batch, SimulationError
 
 from morph.arrays import Array, Integers
 from morph.errors import SimulationFailed
-from morph.physics.effect import Effect, stacked
+from morph.physics.effect import Effect
 from morph.physics.fluid.settle import batches
+from morph.physics.stacked import stacked
 from morph.sim.one_by_one import one_by_one
 from morph.sim.rows import Rows
 from morph.sim.threads import batch_threads

@@ -9,10 +9,11 @@ from typing import Any, ClassVar
 import numpy as np
 
 from morph.arrays import Array, Mask
-from morph.physics.effect import Simulations, parameter, stacked
+from morph.physics.effect import Simulations, parameter
 from morph.physics.joint.motor_side import Motors, MotorSideEffect
 from morph.physics.joint.recorded import followed_backlash
 from morph.physics.motion import Motion
+from morph.physics.stacked import stacked
 
 GAPS = (0.001, 0.002, 0.003, 0.006, 0.01, 0.02, 0.03, 0.06, 0.1)
 """Gaps to try, as shares of the joint's range in a recording."""

@@ -9,10 +9,11 @@ from typing import Any, ClassVar
 import numpy as np
 
 from morph.arrays import Array
-from morph.physics.effect import Simulations, parameter, stacked
+from morph.physics.effect import Simulations, parameter
 from morph.physics.joint.recorded import followed_hysteresis
 from morph.physics.kinds import JointEffect
 from morph.physics.motion import Motion
+from morph.physics.stacked import stacked
 
 SPANS = (0.01, 0.03, 0.1, 0.3)
 """Displacements z to try, as shares of the joint's range in a recording."""

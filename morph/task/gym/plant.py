@@ -10,8 +10,9 @@ from mujoco.batch import Batch, SimulationError
 
 from morph.arrays import Array, Integers, Mask
 from morph.errors import SimulationFailed
-from morph.physics.effect import Effect, stacked
+from morph.physics.effect import Effect
 from morph.physics.fluid.settle import batches
+from morph.physics.stacked import stacked
 from morph.sim.drive import received
 from morph.sim.rollout import quiet
 from morph.sim.rows import Rows

@@ -280,13 +280,9 @@ def test_a_simpler_law_takes_the_place_of_one_that_predicts_no_better(
     nominal: Hypothesis, run: Episode
 ) -> None:
     alone = _Task(
-        nominal=nominal,
-        episodes=[run],
-        known=(),
-        validation=Validation.of([run]),
-        prior=Prior(alone={}),
-        deadline=np.inf,
-    )
+        nominal=nominal, episodes=[run], known=(), validation=Validation.of([run]),
+        prior=Prior(alone={}), deadline=np.inf,
+    )  # fmt: skip
     bare = refitted(nominal, nominal.start, [run])
     task = replace(alone, prior=alone.search(alone.finalist(bare, alone.about(bare))).prior)
     # The friction of this pendulum is the same at every speed.
@@ -301,23 +297,3 @@ def test_a_simpler_law_takes_the_place_of_one_that_predicts_no_better(
     # What was replaced before does not come back.
     again = task.replaced(best, search, {"coulomb_friction@hinge"})
     assert again is None or "coulomb_friction@hinge" not in {e.label for e in again.effects}
-
-
-def test_a_stop_is_as_stiff_in_the_linearised_model(nominal: Hypothesis, run: Episode) -> None:
-    k, d = 5.0, 0.3
-    whole = replace(nominal, effects=(effect("EndStop", "hinge", q_stop=0.2, k=k, d=d),))
-    first = seen(nominal, nominal.start, [run])
-    (about,) = (each.about for each in seen(whole, whole.start, [run], first))
-    # The slope is that along the motion before.
-    place, speed = first[0].motion.position[:, 0], first[0].motion.velocity[:, 0]
-    inside = (place > 0.2 + 1e-6) & (k * (place - 0.2) + d * speed > 1e-6)
-    outside = place < 0.2 - 1e-6
-    assert inside.sum() > 100
-    assert outside.sum() > 100
-    mobility, local = about.mobility[:, 0, 0], about.local[:, 0]
-    # By the trapezoidal rule damping divides all by 1 + h / 2 d / J.
-    damped = 1.0 + 0.5 * STEP * d * mobility
-    due = (local[:, 0] - k * mobility) / damped
-    # Central differences of a force that is linear err by rounding, 1e-16 / 1e-7.
-    assert about.tangent.jacobian[inside, 0, 0] == pytest.approx(due[inside], rel=1e-6)
-    assert about.tangent.jacobian[outside, 0, 0] == pytest.approx(local[outside, 0], rel=1e-9)
