@@ -136,8 +136,11 @@ def solve_by_lasso(folder: Path, seed: int) -> JSON:
         if felt > max(FELT, best.get(effect.label, (0.0,))[0]):
             strengths = np.array([found.coef_[at] / size[at] for at in mine])
             best[effect.label] = felt, effect.with_strengths(strengths)
-    ordered = sorted(best.values(), key=lambda each: -each[0])[:5]
-    effects = tuple(effect for _, effect in ordered)
+    effects: tuple[Effect, ...] = ()
+    for _, effect in sorted(best.values(), key=lambda each: -each[0]):
+        # Two drags of one link may not act at two points of it.
+        if len(effects) < 5 and all(effect.beside(other) for other in effects):
+            effects = (*effects, effect)
     whole = Hypothesis(robot=task.robot, step=task.nominal.step, knobs=(), effects=effects)
     return task.answer(folder, "lasso", _by_model(folder, whole, whole.start), effects)
 
