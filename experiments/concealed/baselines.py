@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import json
 import time
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from sklearn.exceptions import ConvergenceWarning
 from sklearn.linear_model import LassoLarsIC
 
 from experiments.concealed.generate import TRUTHS
@@ -127,7 +129,10 @@ def solve_by_lasso(folder: Path, seed: int) -> JSON:
     rows = slice(None, None, max(1, len(missing) // 20000))
     table = np.concatenate(columns, axis=1)[rows]
     size = np.sqrt(np.mean(table**2, axis=0)) + 1e-12
-    found = LassoLarsIC(criterion="bic", max_iter=60).fit(table / size, missing[rows])
+    with warnings.catch_warnings():
+        # A column that others make up is dropped, with a warning.
+        warnings.simplefilter("ignore", ConvergenceWarning)
+        found = LassoLarsIC(criterion="bic", max_iter=60).fit(table / size, missing[rows])
     share = np.abs(found.coef_) / (np.sqrt(np.mean(missing**2)) + 1e-12)
     best: dict[str, tuple[float, Effect]] = {}
     for effect in dict.fromkeys(effect for effect, _ in shapes):

@@ -13,11 +13,13 @@ from morph.body.robot import Robot
 from morph.inference.columns import Columns
 from morph.inference.design_matrix import SCREENED, SHAPES, effect_columns, screened
 from morph.inference.dictionary import dictionary
-from morph.inference.refit import Refit, refitted
+from morph.inference.quadratic import quadratic
+from morph.inference.refit import Refit, refitted, seen
 from morph.inference.sticking import sensed
 from morph.inference.whitened import whitened
-from morph.model.episodes import episode
+from morph.model.episodes import Episode, episode
 from morph.model.hypothesis import Hypothesis
+from morph.model.knobs import knobs
 from morph.physics.actuator.torque_saturation import TorqueSaturation
 from morph.physics.effect import Effect
 from morph.record.recording import Channel, Recording
@@ -56,8 +58,8 @@ def robot(tmp_path_factory: pytest.TempPathFactory) -> Robot:
 
 
 @pytest.fixture(scope="module")
-def base(robot: Robot) -> Refit:
-    """Return a refit of the wheels without an effect to a long calm run and a short wild one."""
+def episodes(robot: Robot) -> list[Episode]:
+    """Return a long calm run and a short wild one."""
     rng, runs = np.random.default_rng(0), []
     for name, size, samples in (("calm", 0.1, 1500), ("wild", 0.5, 500)):
         time = STEP * np.arange(samples)
@@ -69,8 +71,14 @@ def base(robot: Robot) -> Refit:
             read = turned(u) + NOISE * rng.normal(size=samples)
             channels[f"{joint}.position"] = Channel(time=time, value=read)
         runs.append(episode(Recording(name=name, channels=channels), robot, STEP))
+    return runs
+
+
+@pytest.fixture(scope="module")
+def base(robot: Robot, episodes: list[Episode]) -> Refit:
+    """Return a refit of the wheels without an effect."""
     nominal = Hypothesis(robot=robot, step=STEP, knobs=())
-    return refitted(nominal, nominal.start, runs)
+    return refitted(nominal, nominal.start, episodes)
 
 
 def shapes(robot: Robot, base: Refit, label: str) -> tuple[Effect, ...]:
@@ -101,6 +109,23 @@ def test_the_shapes_that_alone_gain_most_are_searched(robot: Robot, base: Refit)
             gains.append([alone(base, shape, level) for shape in grid])
         best = {int(at) for each in gains for at in np.argsort(each)[-SHAPES:]}
         assert few == tuple(grid[at] for at in sorted(best))
+
+
+def test_no_run_tells_torques_and_inertias_that_are_off_by_one_factor(
+    robot: Robot, episodes: list[Episode], base: Refit
+) -> None:
+    vary = {"mass": 0.0, "com": 0.0, "inertia": 0.1, "gain": 0.1}
+    limit = TorqueSaturation(actuator="first", limit=LIMIT)
+    whole = Hypothesis(robot=robot, step=STEP, knobs=knobs(robot, vary), effects=(limit,))
+    runs = seen(whole, whole.start, episodes, base.runs)
+    gram = quadratic(whole, whole.start, runs).grams.sum(axis=0)[1:, 1:]
+    off = np.zeros(len(whole.names))
+    off[[whole.names.index(name) for name in ("inertia:one", "gain:first")]] = 1.0
+    gain = np.where(np.char.startswith(whole.names, "gain:first"), 1.0, 0.0)
+    # The entry of a limit is one over it.
+    off[-1] = -whole.start[-1]
+    # A difference by a thousandth of the limit errs by up to so much, at as few samples: 1e-3 cubed.
+    assert off @ gram @ off < 1e-9 * (gain @ gram @ gain)
 
 
 def alone(base: Refit, shape: Effect, level: float) -> float:
