@@ -124,7 +124,7 @@ def test_no_run_tells_torques_and_inertias_that_are_off_by_one_factor(
     gain = np.where(np.char.startswith(whole.names, "gain:first"), 1.0, 0.0)
     # The entry of a limit is one over it.
     off[-1] = -whole.start[-1]
-    # A difference by a thousandth of the limit errs by up to so much, at as few samples: 1e-3 cubed.
+    # A difference by a thousandth of the limit errs by as much, at as few samples: 1e-3 cubed.
     assert off @ gram @ off < 1e-9 * (gain @ gram @ gain)
 
 
