@@ -16,7 +16,7 @@ from morph.inference.reference import FEWER_STEPS, reference
 from morph.inference.sampled import Reference, SampledRun
 from morph.inference.sticking import ending, friction, moved
 from morph.model.episodes import Episode, moving_joints
-from morph.physics.body_motion import BodyMotion, body_motions
+from morph.physics.body_motion import BodyMotion, body_motions, times
 from morph.physics.drives import actuator_forces, constant_moments
 from morph.physics.effect import Effect
 from morph.physics.motion import Motion
@@ -93,8 +93,7 @@ def observed(
             linear = force - dry.damping * ending(about)
             linear += slope[:, 0] * (motion.position - last.position)
             linear += slope[:, 1] * (motion.velocity - last.velocity)
-            lacking = force_of(effects, motion) - linear
-            change = (mobility @ lacking[:, :, None])[:, :, 0]
+            change = times(mobility, force_of(effects, motion) - linear)
             shift = shift_of(effects, motion) - shift
             about = replace(
                 about,

@@ -11,6 +11,7 @@ from morph.arrays import Array, Mask
 from morph.inference.disturbance import likeliest_disturbance
 from morph.inference.filter import Disturbance, Tangent, smoothed
 from morph.inference.sampled import Reference, SampledRun, later
+from morph.physics.body_motion import times
 from morph.physics.dynamics import accelerations, jacobians
 from morph.physics.motion import actuator_moments
 
@@ -110,15 +111,15 @@ def _along(
     mobility = local[:, :, 2 * dofs :]
     sticking = np.broadcast_to(run.sticking, position.shape)
     modelled = accelerations(model, position, velocity, run.command)
-    modelled += _times(mobility, run.force - sticking * velocity)
+    modelled += times(mobility, run.force - sticking * velocity)
     slope = np.zeros_like(position)
     slope[:-1] = np.diff(velocity, axis=0) / run.step
     jacobian, acceleration = _stepped(local, modelled, sticking, run)
     acceleration -= slope
     # Nothing follows the last sample that its acceleration could be compared with.
     acceleration[-1] = 0.0
-    inertia = np.linalg.inv(mobility)
-    inertial = (inertia @ np.gradient(velocity, run.step, axis=0)[:, :, None])[:, :, 0]
+    inertia = np.asarray(np.linalg.inv(mobility), np.float64)
+    inertial = times(inertia, np.gradient(velocity, run.step, axis=0))
     effort = np.sqrt(np.mean(inertial**2, axis=0)) + 1e-12
     if known is None:
         initial = np.concatenate([_initial_std(run, position), _initial_std(run, velocity)])
@@ -164,11 +165,6 @@ def _stepped(
     return found[:, :, :-1], found[:, :, -1]
 
 
-def _times(matrix: Array, vector: Array) -> Array:
-    """Return the product at each sample."""
-    return np.asarray((matrix @ vector[:, :, None])[:, :, 0])
-
-
 def _interpolated(
     model: mujoco.MjModel, position: Array, velocity: Array, run: SampledRun
 ) -> Array:
@@ -192,7 +188,7 @@ def _moved(before: Reference, model: mujoco.MjModel, run: SampledRun) -> Referen
     position, velocity = before.position, before.velocity
     sticking = np.broadcast_to(run.sticking, position.shape)
     modelled = accelerations(model, position, velocity, run.command)
-    modelled += _times(before.mobility, run.force - sticking * velocity)
+    modelled += times(before.mobility, run.force - sticking * velocity)
     jacobian, acceleration = _stepped(before.local, modelled, sticking, run)
     acceleration[:-1] -= np.diff(velocity, axis=0) / run.step
     acceleration[-1] = 0.0
@@ -221,7 +217,7 @@ def _jolt(model: mujoco.MjModel, run: SampledRun, mobility: Array) -> Array:
     steps = np.abs(np.diff(run.command, axis=0, prepend=run.command[:1]))
     unsure = np.hypot(run.jitter * steps, run.step * run.unsure)
     forces = unsure @ np.abs(model.actuator_gainprm[:, :1] * actuator_moments(model, data))
-    return _times(np.abs(mobility), forces)
+    return times(np.abs(mobility), forces)
 
 
 def _initial_std(run: SampledRun, values: Array) -> Array:

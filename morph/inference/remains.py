@@ -21,7 +21,7 @@ STEEP = 2.0
 """How steeply probability rises with the logarithm of each."""
 MOST = 0.6
 """Greatest probability: laws of the library that a search has missed leave as much. All are set by
-hand on cases of `experiments.concealed`, apart from those that judge."""
+hand on cases of `experiments.concealed` that had been opened, before others judged."""
 
 
 @dataclass(frozen=True, kw_only=True)

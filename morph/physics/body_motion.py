@@ -87,7 +87,7 @@ def body_motions(
         jacobian = _about(axes * chains[at][:, None], arm)
         # The rate of the axes, and that of the point about which they turn.
         rate = _about(rates * chains[at][:, None], arm)
-        speed = _times(jacobian[:, 0], velocity)
+        speed = times(jacobian[:, 0], velocity)
         spins = axes[:, :, :3] * chains[at][:, None]
         rate[:, 0] += np.swapaxes(np.cross(spins, speed[:, None]), 1, 2)
         found[name] = _seen(model, index, jacobian, rate, turned, origin, velocity, slope)
@@ -139,8 +139,8 @@ def _seen(
     """
     parts = (len(velocity), 2, 3)
     flat, moving = (each.reshape(len(velocity), 6, -1) for each in (jacobian, rate))
-    twist = _times(flat, velocity).reshape(parts)
-    change = (_times(flat, slope) + _times(moving, velocity)).reshape(parts)
+    twist = times(flat, velocity).reshape(parts)
+    change = (times(flat, slope) + times(moving, velocity)).reshape(parts)
     # In the link's axes R' x changes by R' (dx/dt - w x x).
     change -= np.cross(twist[:, 1:], twist)
     inward = np.swapaxes(turned, 1, 2)
@@ -160,6 +160,6 @@ def _seen(
     )
 
 
-def _times(matrix: Array, vector: Array) -> Array:
+def times(matrix: Array, vector: Array) -> Array:
     """Return the product at each sample."""
     return np.asarray((matrix @ vector[:, :, None])[:, :, 0])
