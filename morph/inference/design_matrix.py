@@ -52,7 +52,7 @@ def screened(
         return list(grids)
     columns = list(effect_columns([grids[at] for at in many]))
     count, trust = len(own.hypothesis.low), information(own.hypothesis)
-    pull = trust * offset(own.hypothesis, own.point)
+    point = offset(own.hypothesis, own.point)
     low, high = all_bounds(columns)
 
     def one(seen: Observed) -> list[tuple[Array, Array]]:
@@ -65,10 +65,7 @@ def screened(
     by_run = each(one, runs)
     for level in range(len(SCREENED)):
         across, square = (np.sum([f[level][part] for f in by_run], axis=0) for part in (0, 1))
-        across[1:, 1 : 1 + count] += np.diag(trust)
-        across[1:, 0] -= pull
-        across[0, 1 : 1 + count] -= pull
-        along, rest = _without(across, square, count)
+        along, rest = _without(believed(across, trust, point), square, count)
         with np.errstate(divide="ignore", invalid="ignore"):
             best = np.where(rest > 0.0, np.clip(along / rest, low, high), 0.0)
         gains = best * along - 0.5 * best**2 * rest
@@ -83,6 +80,22 @@ def screened(
         tuple(shape for shape in grid if id(shape) in kept) if at in many else grid
         for at, grid in enumerate(grids)
     ]
+
+
+def believed(gram: Array, trust: Array, point: Array) -> Array:
+    """Return a Gram matrix with the Gaussian prior of own figures as further readings.
+
+    Args:
+        gram: Of [errors, own figures, effects]; rows of effects may be left out.
+        trust: One over the prior variance of each own figure, shape (own,).
+        point: Their values less the likeliest ones beforehand, same shape.
+    """
+    whole, own = gram.copy(), slice(1, 1 + len(trust))
+    whole[own, own] += np.diag(trust)
+    whole[0, own] -= trust * point
+    whole[own, 0] -= trust * point
+    whole[0, 0] += float(point @ (trust * point))
+    return whole
 
 
 def _without(across: Array, square: Array, own: int) -> tuple[Array, Array]:

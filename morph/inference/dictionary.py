@@ -10,12 +10,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from morph.arrays import Array
 from morph.body.robot import Robot
 from morph.errors import EffectError
 from morph.inference.columns import Columns
 from morph.inference.design_matrix import (
     FRICTIONS,
+    believed,
     effect_columns,
     screened,
     whitened_levels,
@@ -25,7 +25,6 @@ from morph.inference.observed import Observed
 from morph.inference.quadratic import information, offset
 from morph.inference.refit import Refit
 from morph.inference.search import Prior, Search
-from morph.inference.whitened import Whitened
 from morph.physics import EFFECTS
 from morph.physics.body.tether import Tether
 from morph.physics.effect import Effect
@@ -77,7 +76,7 @@ def search_beside(base: Refit, known: Sequence[Effect], prior: Prior | None, blo
         groups=tuple(_frictions(columns, joints)),
         levels=tuple(
             WhitenedLevel(
-                gram=believed(sum(folds[1:], start=folds[0]), trust, at).gram,
+                gram=believed(np.sum([fold.gram for fold in folds], axis=0), trust, at),
                 logarithm=sum(fold.logarithm for fold in folds),
                 low=hypothesis.low - point - SLACK,
                 high=hypothesis.high - point + SLACK,
@@ -121,22 +120,6 @@ def _shapes(effect: Effect, motion: Motion) -> tuple[Effect, ...]:
         for known in effect.parameters()
         for value in known.scan
     )
-
-
-def believed(level: Whitened, trust: Array, point: Array) -> Whitened:
-    """Return a Gram matrix with the Gaussian prior of own figures as further readings.
-
-    Args:
-        level: Of [errors, own figures, effects].
-        trust: One over the prior variance of each own figure, shape (own,).
-        point: Their values less the likeliest ones beforehand, same shape.
-    """
-    gram, own = level.gram.copy(), slice(1, 1 + len(trust))
-    gram[own, own] += np.diag(trust)
-    gram[0, own] -= trust * point
-    gram[own, 0] -= trust * point
-    gram[0, 0] += float(point @ (trust * point))
-    return replace(level, gram=gram)
 
 
 def _in_water(robot: Robot, known: Sequence[Effect]) -> bool:

@@ -11,7 +11,14 @@ from morph.arrays import Array
 from morph.body.load import load
 from morph.body.robot import Robot
 from morph.inference.columns import Columns
-from morph.inference.design_matrix import SCREENED, SHAPES, effect_columns, screened
+from morph.inference.design_matrix import (
+    SCREENED,
+    SHAPES,
+    _without,
+    believed,
+    effect_columns,
+    screened,
+)
 from morph.inference.dictionary import dictionary
 from morph.inference.quadratic import quadratic
 from morph.inference.refit import Refit, refitted, seen
@@ -141,3 +148,21 @@ def alone(base: Refit, shape: Effect, level: float) -> float:
     low, high = column.bounds
     best = float(np.clip(gram[0, 1] / max(gram[1, 1], 1e-300), low[0], high[0]))
     return float(best * gram[0, 1] - 0.5 * best**2 * gram[1, 1])
+
+
+def test_a_prior_is_as_good_as_readings_of_the_figures() -> None:
+    rng = np.random.default_rng(0)
+    columns, error, effects = (rng.normal(size=(30, k)) for k in (3, 1, 2))
+    trust, point = np.array([4.0, 100.0, 0.5]), np.array([0.3, -0.1, 0.2])
+    whole = np.column_stack([error, columns, effects])
+    rows = np.zeros((3, 6))
+    rows[:, 0], rows[:, 1:4] = -np.sqrt(trust) * point, np.diag(np.sqrt(trust))
+    stacked = np.concatenate([whole, rows])
+    gram, exact = whole.T @ whole, stacked.T @ stacked
+    assert np.allclose(believed(gram, trust, point), exact, atol=1e-12)
+    # Also of some rows: what is left of errors and effects without own figures.
+    own = np.concatenate([columns, rows[:, 1:4]])
+    rest = stacked - own @ np.linalg.lstsq(own, stacked, rcond=None)[0]
+    along, square = _without(believed(gram[:4], trust, point), np.diag(exact), 3)
+    assert along == pytest.approx((rest.T @ rest)[0, 4:], abs=1e-12)
+    assert square == pytest.approx(np.diag(rest.T @ rest)[4:], abs=1e-12)

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import mujoco
-import numpy as np
 import pytest
 
 from experiments.concealed.generate import TRUTHS, generate
@@ -15,10 +14,9 @@ from experiments.concealed.seal import open_seal
 from experiments.concealed.solvers import paddle, solve_by_ranking
 from morph.body.load import load as load_robot
 from morph.body.spec import spec_of
-from morph.inference.dictionary import believed, dictionary
+from morph.inference.dictionary import dictionary
 from morph.inference.observed import observed
 from morph.inference.rank import ranked
-from morph.inference.whitened import Whitened
 from morph.model.episodes import episode, step_for
 from morph.model.hypothesis import Hypothesis
 from morph.model.knobs import knobs
@@ -30,18 +28,6 @@ from morph.sim.simulator import compiled
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     return tmp_path / "cases"
-
-
-def test_a_prior_is_as_good_as_readings_of_the_figures() -> None:
-    rng = np.random.default_rng(0)
-    columns, error, effect = rng.normal(size=(30, 3)), rng.normal(size=30), rng.normal(size=30)
-    trust, point = np.array([4.0, 100.0, 0.5]), np.array([0.3, -0.1, 0.2])
-    whole = np.column_stack([error, columns, effect])
-    rows = np.zeros((3, 5))
-    rows[:, 0], rows[:, 1:4] = -np.sqrt(trust) * point, np.diag(np.sqrt(trust))
-    stacked = np.concatenate([whole, rows])
-    level = Whitened(gram=whole.T @ whole, logarithm=0.0, readings=30)
-    assert np.allclose(believed(level, trust, point).gram, stacked.T @ stacked, atol=1e-12)
 
 
 def test_effects_see_the_motion_at_the_acceleration_of_the_model(folder: Path) -> None:

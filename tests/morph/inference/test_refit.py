@@ -15,9 +15,7 @@ from morph.inference.columns import Columns, acting
 from morph.inference.dictionary import RARE, search_beside
 from morph.inference.observed import observed
 from morph.inference.quadratic import LogPosterior, information, offset, quadratic
-from morph.inference.rank import _Task
 from morph.inference.refit import refitted, seen
-from morph.inference.search import Prior
 from morph.inference.validate import Validation
 from morph.model.episodes import Episode, episode
 from morph.model.hypothesis import Hypothesis
@@ -246,6 +244,9 @@ def test_laws_of_sensors_are_looked_for_by_their_readings(
     none = refitted(nominal, nominal.start, [run], rounds=1)
     paddle = effect("Thrust", "rod", span=0.1, z=-0.5, nx=1.0)
     prior, wet = (search_beside(none, known, None, 4).prior for known in ((), (paddle,)))
+    # A cable of nine shapes is as rare as drag in air.
+    tied = prior.alone["tether@rod"] - prior.alone["coulomb_friction@hinge"]
+    assert tied == pytest.approx(RARE + np.log(9.0))
     for alone, price in ((prior.alone, RARE), (wet.alone, 0.0)):
         # Drag is looked for at three points; nobody says that a robot without a paddle is wet.
         more = alone["linear_drag@rod"] - alone["coulomb_friction@hinge"]
@@ -274,26 +275,3 @@ def test_without_an_elastic_drive_its_motor_turns_with_the_joint(
     # A refit brings the spring near to none: as it stands it shows.
     soft = validation.losses(whole, [[whole.start] * 4], runs)[0]
     assert np.abs(soft - alone).max() > 0.1
-
-
-def test_a_simpler_law_takes_the_place_of_one_that_predicts_no_better(
-    nominal: Hypothesis, run: Episode
-) -> None:
-    alone = _Task(
-        nominal=nominal, episodes=[run], known=(), validation=Validation.of([run]),
-        prior=Prior(alone={}), deadline=np.inf,
-    )  # fmt: skip
-    bare = refitted(nominal, nominal.start, [run])
-    task = replace(alone, prior=alone.search(alone.finalist(bare, alone.about(bare))).prior)
-    # The friction of this pendulum is the same at every speed.
-    curved = effect("StribeckFriction", "hinge", c=COULOMB, s=COULOMB + 0.01, vs=0.5)
-    whole = replace(nominal, effects=(MISSING[0], curved, MISSING[2]))
-    refit = refitted(whole, whole.start, [run], rounds=3)
-    best = task.finalist(refit, task.about(refit))
-    search = task.search(best)
-    found = task.replaced(best, search, set())
-    assert found is not None
-    assert {each.label for each in found.effects} == {each.label for each in MISSING}
-    # What was replaced before does not come back.
-    again = task.replaced(best, search, {"coulomb_friction@hinge"})
-    assert again is None or "coulomb_friction@hinge" not in {e.label for e in again.effects}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -23,15 +24,18 @@ STEP = 0.002
 
 
 @pytest.mark.parametrize(
-    "effect",
+    ("effect", "another"),
     [
-        ThermalDerating(actuator="axle", floor=0.2, rate=1.0, level=0.3),
-        Hysteresis(joint="axle", c=0.2, z=0.05),
+        (
+            ThermalDerating(actuator="axle", floor=0.2, rate=1.0, level=0.3),
+            ThermalDerating(actuator="axle", floor=0.2, rate=0.2, level=0.3),
+        ),
+        (Hysteresis(joint="axle", c=0.2, z=0.05), Hysteresis(joint="axle", c=0.2, z=0.5)),
     ],
-    ids=lambda effect: effect.name,
+    ids=["thermal_derating", "hysteresis"],
 )
 def test_a_rollout_from_within_a_run_goes_on_as_the_run(
-    wheels: Callable[..., Robot], effect: Effect
+    wheels: Callable[..., Robot], effect: Effect, another: Effect
 ) -> None:
     robot = wheels()
     time = STEP * np.arange(2001)
@@ -61,3 +65,10 @@ def test_a_rollout_from_within_a_run_goes_on_as_the_run(
     assert on[:, :, 0] == pytest.approx(due, abs=6e-4)
     # Begun anew, a motor is cold or a spring unloaded: that shows.
     assert np.abs(anew[1:, -1, 0] - due[1:, -1]).max() > 0.01
+    # Of two versions at once each remembers its own.
+    changed = replace(hypothesis, effects=(another,))
+    versions = [variant, changed.at(changed.start)]
+    both = recalled(hypothesis, segments, versions, np.array([[0] * 8, [1] * 8]))[0]
+    alone = recalled(changed, segments, versions[1:], which)[0]
+    assert np.array_equal(both, np.concatenate([states[0], alone], axis=-1), equal_nan=True)
+    assert not np.allclose(states[0], alone, equal_nan=True)

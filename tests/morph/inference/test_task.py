@@ -1,0 +1,132 @@
+"""Sets of effects that are refitted: none twice, and other laws in the place of those found."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from morph.body.load import load
+from morph.inference.finalist import Finalist
+from morph.inference.findings import _in_units
+from morph.inference.rank import _Task
+from morph.inference.refit import Refit, refitted
+from morph.inference.search import Prior
+from morph.inference.validate import Validation
+from morph.model.diagnosis import Estimate
+from morph.model.episodes import episode
+from morph.model.hypothesis import Hypothesis
+from morph.physics.actuator.torque_saturation import TorqueSaturation
+from morph.physics.joint.coulomb_friction import CoulombFriction
+from morph.physics.joint.stribeck_friction import StribeckFriction
+from morph.physics.joint.viscous_friction import ViscousFriction
+from morph.record.recording import Channel, Recording
+
+STEP, FINE, SAMPLES, INERTIA, COULOMB, NOISE = 0.004, 16, 1000, 0.02, 0.05, 2e-4
+WHEEL = f"""
+<mujoco model="wheel"><option gravity="0 0 0"/><worldbody><body name="disc">
+  <joint name="axle" axis="0 0 1"/>
+  <inertial pos="0 0 0" mass="1" diaginertia="{INERTIA} {INERTIA} {INERTIA}"/></body></worldbody>
+  <actuator><motor name="motor" joint="axle"/></actuator></mujoco>
+"""
+
+
+@pytest.fixture(scope="module")
+def task(tmp_path_factory: pytest.TempPathFactory) -> _Task:
+    """Return four runs of a wheel with dry friction, the same at every speed, to be explained."""
+    path = tmp_path_factory.mktemp("wheel") / "wheel.xml"
+    path.write_text(WHEEL)
+    robot, rng, runs = load(path), np.random.default_rng(0), []
+    for number in range(4):
+        time = STEP * np.arange(SAMPLES)
+        torque = 0.2 * np.cos((3.0 + number) * time) + 0.1 * np.cos(11.0 * time)
+        angle, rate, read = 0.0, 0.0, []
+        for now in torque.tolist():
+            read.append(angle)
+            for _ in range(FINE):
+                moved = rate + STEP / FINE * now / INERTIA
+                # Friction stops the wheel within a step, or takes all that it can.
+                rate = np.sign(moved) * max(abs(moved) - STEP / FINE * COULOMB / INERTIA, 0.0)
+                angle += STEP / FINE * rate
+        channels = {
+            "axle.position": Channel(time=time, value=read + NOISE * rng.normal(size=SAMPLES)),
+            "motor.command": Channel(time=time, value=torque, hold=True),
+        }
+        runs.append(episode(Recording(name=f"run_{number}", channels=channels), robot, STEP))
+    nominal = Hypothesis(robot=robot, step=STEP, knobs=())
+    bare = _Task(
+        nominal=nominal, episodes=runs, known=(), validation=Validation.of(runs),
+        prior=Prior(alone={}), deadline=np.inf,
+    )  # fmt: skip
+    return replace(bare, prior=bare.search(found(bare, nominal)).prior)
+
+
+def found(task: _Task, hypothesis: Hypothesis) -> Finalist:
+    """Return a hypothesis refitted to the runs."""
+    refit = refitted(hypothesis, hypothesis.start, task.episodes)
+    return task.finalist(refit, task.about(refit))
+
+
+def test_a_simpler_law_takes_the_place_of_one_that_predicts_no_better(task: _Task) -> None:
+    curved = StribeckFriction(joint="axle", c=COULOMB, s=1.1 * COULOMB, vs=0.5)
+    best = found(task, replace(task.nominal, effects=(curved,)))
+    search = task.search(best)
+    other = task.replaced(best, search, set())
+    assert other is not None
+    (simple,) = other.effects
+    assert isinstance(simple, CoulombFriction)
+    # 1000 readings of 2e-4 rad in a second each way: torques of 1e-3 N m show.
+    assert simple.c == pytest.approx(COULOMB, abs=2e-3)
+    # What was replaced before does not come back.
+    again = task.replaced(best, search, {"coulomb_friction@axle"})
+    assert again is None or not isinstance(again.effects[0], CoulombFriction)
+
+
+def test_no_set_is_refitted_twice(task: _Task, monkeypatch: pytest.MonkeyPatch) -> None:
+    base = found(task, task.nominal)
+    search = task.search(base)
+    best = search.sets(1)[0]
+    calls = []
+
+    def counted(hypothesis: Hypothesis, *rest: Any, **options: Any) -> Refit:
+        calls.append([each.label for each in hypothesis.effects])
+        return refitted(hypothesis, *rest, **options)
+
+    def twice(*rest: Any) -> Sequence[Any]:
+        return [best, best]
+
+    monkeypatch.setattr("morph.inference.rank.refitted", counted)
+    monkeypatch.setattr("morph.inference.rank._proposals", twice)
+    tried, _ = task.added(base, search, 1)
+    assert len(tried) == 1
+    assert calls == [[each.label for each in best.effects]]
+
+
+@pytest.mark.parametrize(("sure", "other", "taken"), [
+    (False, StribeckFriction(joint="axle"), False),
+    (True, StribeckFriction(joint="axle"), True),
+    (False, ViscousFriction(joint="axle"), True),
+])  # fmt: skip
+def test_parameters_more_than_the_simpler_law_has_must_show_in_rollouts(
+    task: _Task, monkeypatch: pytest.MonkeyPatch, sure: bool, other: Any, taken: bool
+) -> None:
+    monkeypatch.setattr("morph.inference.finalist.at_noise", lambda runs: True)
+    judge: Any = SimpleNamespace(sure=lambda a, b: sure, worse=lambda a, b: False)
+    before: Any = SimpleNamespace(evidence=0.0, losses=None)
+    after: Any = SimpleNamespace(evidence=100.0, losses=None, refit=SimpleNamespace(runs=()))
+    simple = CoulombFriction(joint="axle")
+    assert replace(task, validation=judge).prefers(before, after, simple, other) == taken
+
+
+def test_the_interval_of_a_limit_is_that_of_one_over_it() -> None:
+    known = next(each for each in TorqueSaturation.free() if each.name == "limit")
+    entry = Estimate(value=0.2, low90=0.16, high90=0.25, unit="-", bounded=False, prior_only=False)
+    stated = _in_units(entry, known, False)
+    assert (stated.low90, stated.value, stated.high90) == pytest.approx((4.0, 5.0, 6.25))
+    # An entry of nothing is no limit.
+    none = _in_units(replace(entry, low90=0.0), known, False)
+    assert none.high90 == known.high
