@@ -59,11 +59,6 @@ class Hysteresis(JointEffect):
         here = simulations.position(self.joint).copy()
         return here, np.zeros_like(here)
 
-    def recalled(self, motion: Motion) -> Array:
-        """Return the position and h along the recording."""
-        place = motion.place(self.joint)
-        return np.stack([place, followed_hysteresis(place, np.atleast_1d(self.z))[:, 0]])
-
     def before_step(self, simulations: Simulations, state: Any) -> Any:
         """Follow the joint, and push back."""
         before, held = state
