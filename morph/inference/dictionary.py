@@ -151,7 +151,7 @@ def _prior(grids: Sequence[tuple[Effect, ...]], joints: Set[str], *, wet: bool) 
     shapes = {grid[0].name: len(grid) for grid in grids}
     groups: dict[frozenset[str], float] = {}
     for name in FRICTIONS:
-        if name in shapes and len(joints) > 1:
+        if name in shapes and joints:
             whole = ODDS + math.log(2 * len(FRICTIONS) * shapes[name])
             members = {f"{name}@{joint}" for joint in joints}
             groups[frozenset(members | {f"{VISCOUS}@{joint}" for joint in joints})] = whole
@@ -170,7 +170,6 @@ def _frictions(columns: Sequence[EffectColumn], joints: Set[str]) -> Iterator[tu
             shapes[effect.label] += 1
     beside = laws.get((VISCOUS, 0), [])
     for (name, _), members in laws.items():
-        if len(members) > 1:
-            yield tuple(members)
-            if name != VISCOUS:
-                yield tuple(sorted({*members, *beside}))
+        yield tuple(members)
+        if name != VISCOUS:
+            yield tuple(sorted({*members, *beside}))

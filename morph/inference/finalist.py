@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from morph.arrays import Array
+from morph.inference.quadratic import LogPosterior
 from morph.inference.refit import Refit
 from morph.inference.refit import under as refit_under
 from morph.inference.validate import Validation, at_noise
@@ -24,6 +25,8 @@ class Finalist:
     """Negative log prior of its effects, nats."""
     losses: Array
     """Loss of each stretch in rollouts of the model fitted to the other folds, (segments,)."""
+    about: LogPosterior
+    """The log posterior about the refit, by folds."""
 
     @property
     def effects(self) -> tuple[Effect, ...]:

@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from morph.arrays import Array, Mask
+from morph.arrays import Mask
 from morph.body.robot import Robot
-from morph.inference.quadratic import LogPosterior, information, quadratic
+from morph.inference.quadratic import LogPosterior, information
 from morph.inference.rank import Ranking
 from morph.inference.remains import Remains
 from morph.model.diagnosis import Estimate, Finding, Rival
@@ -27,7 +27,7 @@ NORMAL90 = 1.645
 """Standard deviations from the middle of a normal distribution to an end of its 90 % interval."""
 
 
-def findings(ranking: Ranking, remains: Remains, point: Array) -> tuple[Finding, ...]:
+def findings(ranking: Ranking, remains: Remains) -> tuple[Finding, ...]:
     """Return the effects of the best set, what lowers the error most first.
 
     An effect's probability is against nothing and against every other effect in its place, in
@@ -36,22 +36,18 @@ def findings(ranking: Ranking, remains: Remains, point: Array) -> tuple[Finding,
     Args:
         ranking: Sets of effects, refitted.
         remains: What the best of them leaves.
-        point: The corrected model's, shape (entries,).
     """
     best = ranking.best
-    hypothesis, robot = best.refit.hypothesis, best.refit.hypothesis.robot
-    about = quadratic(
-        hypothesis, best.refit.point, best.refit.runs, blocks=ranking.validation.blocks
-    )
-    estimated, sure = estimates(about, point)
+    robot = best.refit.hypothesis.robot
+    estimated, sure = estimates(best.about)
     listed = []
-    for at, effect in enumerate(hypothesis.effects_at(point)):
+    for at, effect in enumerate(best.effects):
         entries, change = best.refit.removal(at)
         none, others = ranking.search.instead(effect.label, entries, change)
         odds = np.exp(np.minimum([none, *(each[1] for each in others)], 0.0) / TEMPERATURE)
         chance = (1.0 - 0.5 * remains.probability) / (1.0 + float(odds.sum()))
         fewer = [each for each in range(len(best.effects)) if each != at]
-        (losses,) = ranking.validation.losses_of(about, best.refit.runs, [fewer])
+        (losses,) = ranking.validation.losses_of(best.about, best.refit.runs, [fewer])
         gains = losses - best.losses
         fold = ranking.validation.segments.episode
         slide = _on_slide(robot, effect)
@@ -83,7 +79,7 @@ def findings(ranking: Ranking, remains: Remains, point: Array) -> tuple[Finding,
     return tuple(sorted(listed, key=lambda finding: -finding.gain))
 
 
-def estimates(about: LogPosterior, stated: Array) -> tuple[list[Estimate], Mask]:
+def estimates(about: LogPosterior) -> tuple[list[Estimate], Mask]:
     """Return each entry of a point with its 90 % interval, and which are known from the runs.
 
     The interval is the wider of two: by the curvature of the log posterior at its `TEMPERATURE`,
@@ -94,7 +90,6 @@ def estimates(about: LogPosterior, stated: Array) -> tuple[list[Estimate], Mask]
 
     Args:
         about: The quadratic about the likeliest point.
-        stated: The values to state, shape (entries,).
     """
     hypothesis, point = about.hypothesis, about.point
     low, high = hypothesis.low, hypothesis.high
@@ -118,9 +113,9 @@ def estimates(about: LogPosterior, stated: Array) -> tuple[list[Estimate], Mask]
     width = np.where(at_bound, NORMAL90 * np.sqrt(TEMPERATURE / stiff), width)
     found = [
         Estimate(
-            value=float(stated[at]),
-            low90=float(np.clip(min(point[at] - width[at], stated[at]), low[at], high[at])),
-            high90=float(np.clip(max(point[at] + width[at], stated[at]), low[at], high[at])),
+            value=float(point[at]),
+            low90=float(np.clip(point[at] - width[at], low[at], high[at])),
+            high90=float(np.clip(point[at] + width[at], low[at], high[at])),
             unit="-",
             bounded=bool(at_bound[at]),
             prior_only=bool(prior_only[at]),
@@ -130,9 +125,9 @@ def estimates(about: LogPosterior, stated: Array) -> tuple[list[Estimate], Mask]
     return found, ~(at_bound | prior_only)
 
 
-def factors(about: LogPosterior, stated: Array) -> dict[str, Estimate]:
+def factors(about: LogPosterior) -> dict[str, Estimate]:
     """Return the factors on the description's own figures, by name; see `estimates`."""
-    estimated, _ = estimates(about, stated)
+    estimated, _ = estimates(about)
     return {
         knob.name: replace(
             each,

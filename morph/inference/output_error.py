@@ -1,48 +1,44 @@
-"""Figures refitted to the error of rollouts, for models that miss more than noise."""
+"""Refit to the errors of rollouts, for models that miss more than noise."""
 
 from __future__ import annotations
-
-from collections.abc import Sequence
 
 import numpy as np
 
 from morph.arrays import Array
-from morph.inference.finalist import Finalist
-from morph.inference.validate import HORIZON, Validation
-from morph.model.episodes import Episode
+from morph.inference.quadratic import LogPosterior
+from morph.inference.validate import Validation
 from morph.model.fit import fit, measure
-from morph.model.segments import cut
+from morph.model.hypothesis import Hypothesis
 from morph.model.shooting import predict
 
-MOST_ROLLOUTS = 48
-"""Most rollouts that are fitted; of longer recordings an even spread."""
 STEPS = 4
 """Most Gauss-Newton steps."""
 
 
-def output_error_point(found: Finalist, validation: Validation, train: Sequence[Episode]) -> Array:
-    """Return a model's point refitted by multiple shooting, unless rollouts are surely worse.
-
-    They are as long as those that models are compared by: longer ones of a swinging arm diverge,
-    and their figures then are no longer physical.
+def output_error(hypothesis: Hypothesis, point: Array, validation: Validation) -> LogPosterior:
+    """Return the log posterior about the point at which rollouts err least, by multiple shooting.
 
     The whitened likelihood is efficient where the model of the disturbance is right. Where physics
-    without a name remains it is not, and a fit of what is scored predicts better.
+    without a name remains it is not: readings of a geared joint that sticks are likeliest where
+    the joint sticks for any reason, such as a weak motor. A fit of what is scored predicts better.
+
+    Source: Maine and Iliff 1985, NASA Reference Publication 1138, section 2 (output error beside
+    filter error).
 
     Args:
-        found: The model.
-        validation: Stretches on which both points are compared.
-        train: The runs.
+        hypothesis: Own figures and effects.
+        point: Where it begins, shape (entries,).
+        validation: The rollouts, and which fold each belongs to.
     """
-    hypothesis, point, runs = found.refit.hypothesis, found.refit.point, found.refit.runs
-    longest = min(len(e.command) for e in train) * train[0].step
-    segments = cut(train, min(HORIZON, 0.5 * longest), most=MOST_ROLLOUTS)
+    segments = validation.segments
     read = predict(hypothesis, segments, [point], [segments.start])[0]
-    units = measure(segments, read)
-    refitted = fit(hypothesis, segments, *units, point=point, iterations=STEPS).point
-
-    def losses(at: Array) -> Array:
-        points = [at] * (int(validation.fold.max()) + 1)
-        return np.asarray(validation.losses(hypothesis, [points], runs)[0])
-
-    return point if validation.worse(losses(point), losses(refitted)) else refitted
+    found = fit(hypothesis, segments, *measure(segments, read), point=point, iterations=STEPS)
+    point = found.point
+    fold, curve = validation.fold, found.quadratic
+    grams = np.zeros((validation.folds, 1 + len(point), 1 + len(point)))
+    np.add.at(grams[:, 0, 0], fold, curve.loss)
+    np.add.at(grams[:, 0, 1:], fold, curve.slope)
+    np.add.at(grams[:, 1:, 0], fold, curve.slope)
+    np.add.at(grams[:, 1:, 1:], fold, curve.hessian)
+    readings = len(segments) * segments.reading.shape[2]
+    return LogPosterior(hypothesis=hypothesis, point=point, grams=grams, readings=readings)

@@ -104,17 +104,13 @@ class Search:
             if shorter.best.evidence <= best.best.evidence:
                 break
             best = shorter
-        explained = [
-            Explanation(
-                effects=each.best.effects,
-                gain=each.best.evidence - none,
-                own=each.best.own,
-                members=each.members,
-                level=each.fits.index(each.best),
-            )
-            for each in tried.values()
-        ]
-        return sorted(explained, key=lambda each: -each.gain)
+        return sorted((each.beside(none) for each in tried.values()), key=lambda each: -each.gain)
+
+    def together(self) -> list[Explanation]:
+        """Return the groups as sets of effects, the best first."""
+        none = self._fitted(()).best.evidence
+        fitted = (self._fitted(tuple(sorted(group))).beside(none) for group in self.groups)
+        return sorted(fitted, key=lambda each: -each.gain)
 
     def instead(
         self, label: str, entries: Integers, change: Array
@@ -251,3 +247,14 @@ class _Candidate:
     def best(self) -> LevelFit:
         """The fit at the likeliest level."""
         return max(self.fits, key=lambda fit: fit.evidence)
+
+    def beside(self, none: float) -> Explanation:
+        """Return the set as an explanation; `none` is the log evidence of no effect."""
+        best = self.best
+        return Explanation(
+            effects=best.effects,
+            gain=best.evidence - none,
+            own=best.own,
+            members=self.members,
+            level=self.fits.index(best),
+        )

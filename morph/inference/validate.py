@@ -65,6 +65,11 @@ class Validation:
         part = middle * self.blocks // lengths[self.segments.episode]
         return np.asarray(self.segments.episode * self.blocks + part)
 
+    @property
+    def folds(self) -> int:
+        """How many folds there are."""
+        return len(self.segments.episodes) * self.blocks
+
     def losses(
         self,
         hypothesis: Hypothesis,
@@ -197,14 +202,18 @@ class Validation:
 
 def at_noise(runs: Sequence[Observed]) -> bool:
     """Return whether runs are explained to their noise, but for a little missing force."""
-    shares, vibrations = [], []
-    for run in runs:
-        about, disturbance = run.about, run.about.disturbance
-        shares.append((disturbance.scale / about.effort) ** 2)
-        if disturbance.vibration is not None:
-            vibrations.append((disturbance.vibration / about.sensed) ** 2)
-    little = float(np.sqrt(np.mean(shares, axis=0).max())) < LITTLE_FORCE
-    return little and float(np.sqrt(np.mean(vibrations))) < LITTLE_VIBRATION
+    vibrations = [
+        (run.about.disturbance.vibration / run.about.sensed) ** 2
+        for run in runs
+        if run.about.disturbance.vibration is not None
+    ]
+    return missing(runs) < LITTLE_FORCE and float(np.sqrt(np.mean(vibrations))) < LITTLE_VIBRATION
+
+
+def missing(runs: Sequence[Observed]) -> float:
+    """Return the missing force over the force that the motion needs, RMS, of the worst joint."""
+    squared = [(run.about.disturbance.scale / run.about.effort) ** 2 for run in runs]
+    return float(np.sqrt(np.mean(squared, axis=0).max()))
 
 
 def needed(

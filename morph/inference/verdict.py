@@ -10,11 +10,8 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.inference.findings import SURE, factors, findings
-from morph.inference.output_error import output_error_point
-from morph.inference.quadratic import quadratic
 from morph.inference.rank import Ranking
 from morph.inference.remains import Remains, remaining
-from morph.inference.validate import at_noise
 from morph.model.corrected import corrected, data, notes, provenance
 from morph.model.diagnosis import Diagnosis, Finding, Unexplained
 from morph.model.episodes import Episode, stretches
@@ -27,8 +24,6 @@ from morph.model.split import Split
 
 RESIDUAL_SECONDS = 80.0
 """Seconds of motion that a residual is learned from, and states are looked at."""
-FAR_FROM_NOISE = 4.0
-"""Mean squared error of rollouts, in units of the noise, from which models are refitted to it."""
 WITH_RESIDUAL = "corrected_plus_residual"
 """Name of the corrected model with a learned residual."""
 
@@ -60,23 +55,15 @@ def conclude(nominal: Hypothesis, ranking: Ranking, parts: DiagnosisRuns) -> Dia
     robot, best, refit = nominal.robot, ranking.best.refit, ranking.none.refit
     remains = remaining(ranking.best, ranking.validation)
     residual = _residual(ranking, parts) if remains.probability > 0.5 else None
-    refits_again = remains.in_noise > FAR_FROM_NOISE and not ranking.stopped
-    points = [
-        # The whitened likelihood is efficient where runs are explained to their noise.
-        output_error_point(each, ranking.validation, parts.train)
-        if refits_again and not at_noise(each.refit.runs)
-        else each.refit.point
-        for each in (ranking.none, ranking.best)
-    ]
-    found = findings(ranking, remains, points[1])
+    found = findings(ranking, remains)
     models = {
         "nominal": (nominal, nominal.start),
-        "refitted": (refit.hypothesis, points[0]),
-        "corrected": (best.hypothesis, points[1]),
+        "refitted": (refit.hypothesis, refit.point),
+        "corrected": (best.hypothesis, best.point),
     }
     if residual is not None:
         more = replace(best.hypothesis, effects=(*best.hypothesis.effects, residual))
-        models[WITH_RESIDUAL] = (more, points[1])
+        models[WITH_RESIDUAL] = (more, best.point)
     predicted = rollouts(models, parts.scored)
     errors = {name: rmse(parts.scored, values) for name, values in predicted.items()}
     unit = np.maximum(errors["nominal"], parts.scored.noise)
@@ -95,7 +82,6 @@ def conclude(nominal: Hypothesis, ranking: Ranking, parts: DiagnosisRuns) -> Dia
     beside, mjcf = corrected(*models["nominal" if worse else "corrected"])
     if worse:
         beside = ()
-    about = quadratic(best.hypothesis, best.point, best.runs, blocks=ranking.validation.blocks)
     episodes = (*parts.train, *parts.aside)
     return Diagnosis(
         robot=robot.name,
@@ -121,7 +107,7 @@ def conclude(nominal: Hypothesis, ranking: Ranking, parts: DiagnosisRuns) -> Dia
         split=parts.split.how,
         held_out_rmse=_table(nominal, errors, parts.scored.noise),
         improvement_low90=improvement_low90(before, after, parts.seed),
-        refit={} if worse else factors(about, points[1]),
+        refit={} if worse else factors(ranking.best.about),
         traces=traces(
             parts.scored,
             {model: predicted[model] for model in ("nominal", "refitted", "corrected")},

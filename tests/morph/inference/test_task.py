@@ -13,9 +13,9 @@ import pytest
 from morph.body.load import load
 from morph.inference.finalist import Finalist
 from morph.inference.findings import _in_units
-from morph.inference.rank import _Task
 from morph.inference.refit import Refit, refitted
 from morph.inference.search import Prior
+from morph.inference.task import Task
 from morph.inference.validate import Validation
 from morph.model.diagnosis import Estimate
 from morph.model.episodes import episode
@@ -36,7 +36,7 @@ WHEEL = f"""
 
 
 @pytest.fixture(scope="module")
-def task(tmp_path_factory: pytest.TempPathFactory) -> _Task:
+def task(tmp_path_factory: pytest.TempPathFactory) -> Task:
     """Return four runs of a wheel with dry friction, the same at every speed, to be explained."""
     path = tmp_path_factory.mktemp("wheel") / "wheel.xml"
     path.write_text(WHEEL)
@@ -58,20 +58,19 @@ def task(tmp_path_factory: pytest.TempPathFactory) -> _Task:
         }
         runs.append(episode(Recording(name=f"run_{number}", channels=channels), robot, STEP))
     nominal = Hypothesis(robot=robot, step=STEP, knobs=())
-    bare = _Task(
+    bare = Task(
         nominal=nominal, episodes=runs, known=(), validation=Validation.of(runs),
         prior=Prior(alone={}), deadline=np.inf,
     )  # fmt: skip
     return replace(bare, prior=bare.search(found(bare, nominal)).prior)
 
 
-def found(task: _Task, hypothesis: Hypothesis) -> Finalist:
+def found(task: Task, hypothesis: Hypothesis) -> Finalist:
     """Return a hypothesis refitted to the runs."""
-    refit = refitted(hypothesis, hypothesis.start, task.episodes)
-    return task.finalist(refit, task.about(refit))
+    return task.refitted(hypothesis, hypothesis.start)
 
 
-def test_a_simpler_law_takes_the_place_of_one_that_predicts_no_better(task: _Task) -> None:
+def test_a_simpler_law_takes_the_place_of_one_that_predicts_no_better(task: Task) -> None:
     curved = StribeckFriction(joint="axle", c=COULOMB, s=1.1 * COULOMB, vs=0.5)
     best = found(task, replace(task.nominal, effects=(curved,)))
     search = task.search(best)
@@ -86,7 +85,7 @@ def test_a_simpler_law_takes_the_place_of_one_that_predicts_no_better(task: _Tas
     assert again is None or not isinstance(again.effects[0], CoulombFriction)
 
 
-def test_no_set_is_refitted_twice(task: _Task, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_set_is_refitted_twice(task: Task, monkeypatch: pytest.MonkeyPatch) -> None:
     base = found(task, task.nominal)
     search = task.search(base)
     best = search.sets(1)[0]
@@ -99,8 +98,8 @@ def test_no_set_is_refitted_twice(task: _Task, monkeypatch: pytest.MonkeyPatch) 
     def twice(*rest: Any) -> Sequence[Any]:
         return [best, best]
 
-    monkeypatch.setattr("morph.inference.rank.refitted", counted)
-    monkeypatch.setattr("morph.inference.rank._proposals", twice)
+    monkeypatch.setattr("morph.inference.task.refitted", counted)
+    monkeypatch.setattr(Task, "proposals", twice)
     tried, _ = task.added(base, search, 1)
     assert len(tried) == 1
     assert calls == [[each.label for each in best.effects]]
@@ -112,7 +111,7 @@ def test_no_set_is_refitted_twice(task: _Task, monkeypatch: pytest.MonkeyPatch) 
     (False, ViscousFriction(joint="axle"), True),
 ])  # fmt: skip
 def test_parameters_more_than_the_simpler_law_has_must_show_in_rollouts(
-    task: _Task, monkeypatch: pytest.MonkeyPatch, sure: bool, other: Any, taken: bool
+    task: Task, monkeypatch: pytest.MonkeyPatch, sure: bool, other: Any, taken: bool
 ) -> None:
     monkeypatch.setattr("morph.inference.finalist.at_noise", lambda runs: True)
     judge: Any = SimpleNamespace(sure=lambda a, b: sure, worse=lambda a, b: False)

@@ -1,0 +1,244 @@
+"""Sets of effects refitted to runs, reduced and compared."""
+
+from __future__ import annotations
+
+import functools
+import time
+from collections.abc import Sequence, Set
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from morph.arrays import Array
+from morph.inference.dictionary import search_beside
+from morph.inference.finalist import CERTAIN, Finalist, better, gains, under
+from morph.inference.observed import Observed, settled
+from morph.inference.output_error import output_error
+from morph.inference.quadratic import quadratic
+from morph.inference.refit import Refit, refitted, seen
+from morph.inference.refit import under as refit_under
+from morph.inference.search import Explanation, Prior, Search
+from morph.inference.validate import Validation, missing, needed
+from morph.model.episodes import Episode
+from morph.model.hypothesis import Hypothesis
+from morph.physics.effect import Effect
+from morph.sim.threads import each
+
+SIMULATED = 6
+"""How many of the likeliest sets, and of the likeliest single effects, are simulated."""
+FINALISTS = 2
+"""How many of those with the least error are refitted, beside the likeliest."""
+GROUP = -5.0
+"""Least gain of a law of friction at all driven joints that is simulated, nats: it is tried even
+where it gains a little less than it costs."""
+DIVERGED = 0.5
+"""By how much a set may raise the mean loss before it is refitted, nats a stretch and joint."""
+LIKELIER, REPLACED = 10.0, 3
+"""Nats by which a law must be likelier than another to be tried in its place, and most trials."""
+UNMODELLED = 1.0
+"""Missing force over the force that the motion needs from which its model is not believed."""
+STEPS = 2
+"""Most Gauss-Newton steps of a refit, of own figures alone and of a finalist."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Task:
+    """What is ranked, and how sets of effects are refitted and compared."""
+
+    nominal: Hypothesis
+    """The description, with its figures that may be wrong, and no effect."""
+    episodes: Sequence[Episode]
+    """Its runs."""
+    known: Sequence[Effect]
+    """Effects whose fixed parameters are known."""
+    validation: Validation
+    """The stretches on which sets are compared."""
+    prior: Prior
+    """How probable sets are beforehand."""
+    deadline: float
+    """Time of the monotonic clock after which no refit begins."""
+    by_rollouts: bool = False
+    """Whether sets are refitted to the errors of rollouts, since runs are not explained to their
+    noise."""
+
+    def late(self) -> bool:
+        """Return whether no refit may begin any more."""
+        return time.monotonic() > self.deadline
+
+    def search(self, base: Finalist) -> Search:
+        """Return a search for effects to add to a set."""
+        prior = self.prior if self.prior.alone else None
+        return search_beside(base.refit, self.known, prior, self.validation.blocks)
+
+    def refitted(
+        self,
+        hypothesis: Hypothesis,
+        point: Array,
+        runs: Sequence[Observed] | None = None,
+        origin: Refit | None = None,
+    ) -> Finalist:
+        """Return a hypothesis refitted to the runs.
+
+        Args:
+            hypothesis: Own figures and effects.
+            point: Where the refit begins, shape (entries,).
+            runs: Smoothed by a similar hypothesis.
+            origin: A refit of the same hypothesis less its last effects.
+        """
+        if self.by_rollouts:
+            about = output_error(hypothesis, point, self.validation)
+            smoothed = each(settled, seen(hypothesis, about.point, self.episodes, runs))
+            refit = Refit(
+                hypothesis=hypothesis, point=about.point, runs=smoothed,
+                evidence=0.0, rank=about.step()[1],
+            )  # fmt: skip
+        else:
+            refit = refitted(
+                hypothesis, point, self.episodes, origin=origin, before=runs, rounds=STEPS
+            )
+            refit = refit_under(refit, origin) if origin else refit
+            blocks = self.validation.blocks
+            about = quadratic(hypothesis, refit.point, refit.runs, blocks=blocks)
+        whole = list(range(len(refit.effects)))
+        (losses,) = self.validation.losses_of(about, refit.runs, [whole])
+        if self.by_rollouts:
+            # A stretch's errors are correlated: it counts as one reading of each joint.
+            refit = replace(refit, evidence=-float(losses.sum()))
+        price = self.prior.price({effect.label for effect in refit.effects})
+        return Finalist(refit=refit, price=price, losses=losses, about=about)
+
+    def added(self, base: Finalist, search: Search, most: int) -> tuple[list[Finalist], Finalist]:
+        """Return larger sets that were refitted, and the best of them or the one before.
+
+        Args:
+            base: A set.
+            search: What might be added to it.
+            most: Most effects, or laws at every joint, that are added.
+        """
+        tried: list[Finalist] = []
+        gained: list[Finalist] = []
+        done, wholes = {labels(base.effects)}, []
+        for found in self.proposals(search, search.sets(most), base):
+            start = replace(self.nominal, effects=(*base.effects, *found.effects))
+            if not self.late() and labels(start.effects) not in done:
+                own = base.refit.point + found.own
+                point = np.concatenate([own, start.start[len(own) :]])
+                wholes.append(self.refitted(start, point, base.refit.runs, base.refit))
+                done.add(labels(start.effects))
+        if not self.by_rollouts and all(missing(e.refit.runs) > UNMODELLED for e in wholes):
+            return [], base
+        for whole in wholes:
+            new = self.reduced(whole)
+            tried.append(new)
+            if not self.by_rollouts:
+                base, *gained = (under(one, new) for one in (base, *gained))
+            if gains(base, new, self.validation):
+                gained.append(new)
+            elif labels(new.effects) == labels(base.effects) and new.evidence > base.evidence:
+                base = new
+        if not gained:
+            return tried, base
+        return tried, functools.reduce(lambda a, b: better(a, b, self.validation), gained)
+
+    def at_least_error(self, found: Finalist) -> Finalist:
+        """Return a set refitted to rollouts, unless they are surely worse then."""
+        refit = found.refit
+        task = replace(self, by_rollouts=True)
+        again = task.refitted(refit.hypothesis, refit.point, refit.runs)
+        if self.validation.worse(found.losses, again.losses):
+            return found
+        return replace(again, refit=replace(again.refit, evidence=refit.evidence))
+
+    def proposals(
+        self, search: Search, sets: Sequence[Explanation], base: Finalist
+    ) -> list[Explanation]:
+        """Return the sets to refit: the likeliest, and those with the least error in rollouts.
+
+        Where the model of the missing force is not believed, each law of friction at all driven
+        joints is first among them: stiction mimics lost torque.
+        """
+        some = [one for one in sets if one.effects and one.gain > 0.0]
+        alone = [one for one in some if len(one.members) == 1]
+        groups = [one for one in search.together() if self.by_rollouts or one.gain > GROUP]
+        by_labels = {labels(one.effects): one for one in groups[::-1]}
+        listed = {
+            one.members: one for one in [*some[:SIMULATED], *alone[:SIMULATED], *by_labels.values()]
+        }
+        hypothesis, now, losses = base.refit.hypothesis, float(base.losses.mean()), {}
+        for members, found in listed.items():
+            points = []
+            for fold in range(len(search.levels[0].folds)):
+                own, effects = search.without_fold(found, fold)
+                more = replace(hypothesis, effects=(*hypothesis.effects, *effects))
+                point = np.concatenate([base.refit.point + own, more.start[len(own) :]])
+                points.append(np.clip(point, more.low, more.high))
+            losses[members] = float(self.validation.losses(more, [points], base.refit.runs).mean())
+        by_rollouts = sorted(listed.values(), key=lambda one: losses[one.members])
+        # A stiff spring diverges in long steps. So may the likeliest set, far from the base.
+        most = now + DIVERGED * len(hypothesis.robot.joints)
+        stable = [one for one in by_rollouts if losses[one.members] < most]
+        likeliest = sorted(by_rollouts, key=lambda one: -one.gain)[:1]
+        if self.by_rollouts and not base.effects:
+            one_law = [one for one in by_labels.values() if len({e.name for e in one.effects}) == 1]
+            chosen = [*one_law, *stable[:FINALISTS]]
+        else:
+            chosen = [*likeliest, *stable[:FINALISTS]]
+        return list({one.members: one for one in chosen}.values())
+
+    def reduced(self, whole: Finalist) -> Finalist:
+        """Return a set without the effects that rollouts do not need, if that is not worse."""
+        refit, validation = whole.refit, self.validation
+        kept, losses = needed(whole.about, validation, refit.runs, certain=CERTAIN)
+        idle = any(validation.idle(effect) for effect in whole.effects)
+        if len(kept) == len(whole.effects) or (validation.worse(whole.losses, losses) and not idle):
+            return whole
+        fewer = self.refitted(*whole.about.reduced(kept), refit.runs)
+        if validation.worse(whole.losses, fewer.losses) and not idle:
+            return whole
+        # A time that the refit has shortened is no more to be claimed than one found short.
+        return self.reduced(fewer) if any(map(validation.idle, fewer.effects)) else fewer
+
+    def replaced(self, best: Finalist, search: Search, gone: Set[str]) -> Finalist | None:
+        """Return a set with another law in the place of one: a likelier, or a simpler one.
+
+        What was found first was found beside all that had not been found yet. A simpler law is
+        taken where rollouts are not surely worse.
+
+        Args:
+            best: The set.
+            search: Beside it.
+            gone: Labels of effects that were replaced before.
+        """
+        rivals: list[tuple[float, int, Effect]] = []
+        for at, effect in enumerate(best.effects):
+            _, every = search.instead(effect.label, *best.refit.removal(at))
+            others = [one for one in every if one[0].label not in gone]
+            rivals += [(gain, at, other) for other, gain in others[:1] if gain > LIKELIER]
+            simple = f"{effect.simpler}@{effect.where}"
+            strength = effect.coefficients[:1]
+            rivals += [(g, at, o.with_strengths(strength)) for o, g in others if o.label == simple]
+        for _, at, other in sorted(rivals, key=lambda one: -one[0])[:REPLACED]:
+            effects = (*best.effects[:at], other, *best.effects[at + 1 :])
+            start = replace(best.refit.hypothesis, effects=effects)
+            own = len(start.knobs)
+            point = np.concatenate([best.refit.point[:own], start.start[own:]])
+            new = self.refitted(start, point, best.refit.runs)
+            if self.prefers(best, new, best.effects[at], other):
+                return self.reduced(new)
+        return None
+
+    def prefers(self, best: Finalist, new: Finalist, effect: Effect, other: Effect) -> bool:
+        """Return whether a set is better with another law in the place of an effect.
+
+        Parameters that a law has more than its simpler one must show in rollouts.
+        """
+        if other.name == effect.simpler:
+            return not self.validation.worse(best.losses, new.losses)
+        if other.simpler == effect.name and not self.validation.sure(best.losses, new.losses):
+            return False
+        return gains(best, new, self.validation)
+
+
+def labels(effects: Sequence[Effect]) -> frozenset[str]:
+    """Return the labels of effects."""
+    return frozenset(effect.label for effect in effects)
