@@ -24,8 +24,9 @@ Progress = Callable[[str, float], None]
 """Told what is being done and the share of the work that is behind, 0 to 1."""
 MOST = 4
 """Most effects, or laws at every joint, that the first search adds."""
-LATER, MOST_ROUNDS = 2, 3
-"""Most that each later search adds, and most of these searches."""
+LATER, MOST_ROUNDS, FAR_ROUNDS = 2, 3, 1
+"""Most that each later search adds, and most of these searches; by the errors of rollouts, which
+take long, fewer."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -100,7 +101,8 @@ def ranked(
             task, none = far, start
     progress("trying other laws", 0.85)
     gone: set[str] = set()
-    while not task.late() and (other := task.replaced(best, search, gone)) is not None:
+    # By rollouts each law of friction was tried at all driven joints.
+    while not (task.by_rollouts or task.late()) and (other := task.replaced(best, search, gone)):
         gone |= {e.label for e in best.effects} - {e.label for e in other.effects}
         best, search = other, task.search(other)
         tried.append(best)
@@ -121,7 +123,8 @@ def _searched(
     These are the sets that were refitted, the best of them or the first, and a search beside it.
     """
     tried: list[Finalist] = []
-    for turn, most in enumerate((MOST, *[LATER] * MOST_ROUNDS)):
+    later = FAR_ROUNDS if task.by_rollouts else MOST_ROUNDS
+    for turn, most in enumerate((MOST, *[LATER] * later)):
         progress(f"looking for what is missing (round {turn + 1})", 0.8 - 0.7 * 0.7**turn)
         new, best = task.added(base, search, most)
         tried += new
