@@ -146,7 +146,7 @@ def forecasts(seen: World, rng: np.random.Generator) -> dict[str, tuple[Forecast
         model, size = models["force"], len(hypothesis.start)
         mean = model.posterior.mean.copy()
         mean[size:] *= -1.0
-        there = replace(model.posterior, mean=mean)
+        there = replace(model.posterior, b=model.posterior.H @ mean)
         return _of(replace(model, weight=-model.weight, posterior=there))
 
     def plain(simulate: Callable[[Array, Array], Array] | None, *, shuffled: bool) -> Forecast:

@@ -13,7 +13,7 @@ from morph.errors import DiagnosisError
 from morph.model.latent.run import Run
 from morph.model.missing_force.corrected import Corrected
 from morph.model.missing_force.periods import Periods
-from morph.model.missing_force.problem import Belief, Problem
+from morph.model.missing_force.problem import Iterate, Problem
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -65,10 +65,10 @@ def information(corrected: Corrected, candidates: Sequence[Candidate]) -> list[A
             waves=corrected.waves,
             unit=corrected.unit,
         )
-        belief = Belief(point=corrected.point, weight=corrected.weight, states=(states,))
+        belief = Iterate(point=corrected.point, weight=corrected.weight, states=(states,))
         slopes = problem.slopes(belief, corrected.settings)
         parts = problem.reduced(slopes, corrected.settings)
-        found.append(problem.told(slopes, parts, corrected.settings)[0][0])
+        found.append(problem.told(slopes, parts, corrected.settings)[0].H)
     return found
 
 
@@ -100,8 +100,7 @@ def chosen(corrected: Corrected, candidates: Sequence[Candidate], count: int) ->
             fix="give one candidate or more for each run that is wanted",
         )
     added = information(corrected, candidates)
-    factor = corrected.posterior.factor
-    precision = factor @ factor.T
+    precision = corrected.posterior.H
     left = list(range(len(candidates)))
     found: list[Choice] = []
     for number in range(count):

@@ -8,13 +8,14 @@ time that grows with the run as a straight line.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from morph.arrays import Array
+from morph.model.gaussian.filter import innovations
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -68,9 +69,8 @@ def likelihood(
     a being the Ornstein-Uhlenbeck process: a Gaussian process with the kernel
     scale^2 exp(-|t - t'| / length).
 
-    Source: Rasmussen and Williams 2006, Gaussian processes for machine learning, appendix B
-    (the kernel), Särkkä 2013, Bayesian filtering and smoothing, theorem 4.2 and section 12.1
-    (the filter and its likelihood).
+    Source: Rasmussen and Williams 2006, Gaussian processes for machine learning, appendix B (the
+    kernel).
 
     Args:
         miss: As `Transitions` have it, shape (models, periods, 2 m).
@@ -96,31 +96,26 @@ def likelihood(
     step[..., n:, n:] = keep[:, None, None] * np.eye(m)
     added = np.zeros((len(carry), settings, size))
     added[..., n:] = scale**2 * (1.0 - keep**2)[:, None]
-    moves = np.concatenate([miss[..., None], doubt], axis=-1)
+    moves = np.zeros((models, settings, size, 1 + doubts))
     # The first state is known by its observation alone, and its error is the noise.
-    mean = np.zeros((models, settings, size, 1 + doubts))
     spread = np.zeros((len(carry), settings, size, size))
     diagonal = np.arange(size)
     spread[..., diagonal[:n], diagonal[:n]] = noise**2
     spread[..., diagonal[n:], diagonal[n:]] = scale**2
+
+    def transitions() -> Iterator[tuple[Array, Array, Array]]:
+        for t in range(periods):
+            step[..., :n, :n] = carry[:, t, None]
+            added[..., :n] = leak[:, t, None]
+            moves[..., :n, 0], moves[..., :n, 1:] = miss[:, t, None], doubt[:, t, None]
+            yield step, moves, added
+
     base = np.empty((models, settings, periods))
     square = np.empty((models, settings, periods, 1 + doubts, 1 + doubts))
-    for t in range(periods):
-        step[..., :n, :n] = carry[:, t, None]
-        mean = step @ mean
-        mean[..., :n, :] += moves[:, t, None]
-        spread = step @ spread @ np.swapaxes(step, -1, -2)
-        added[..., :n] = leak[:, t, None]
-        spread[..., diagonal, diagonal] += added
-        root = np.linalg.cholesky(spread[..., :n, :n] + np.diag(noise**2))
-        white = np.linalg.inv(root)
-        surprise = white @ -mean[..., :n, :]
+    for t, (surprise, peak) in enumerate(innovations(spread, transitions(), noise)):
         square[..., t, :, :] = np.swapaxes(surprise, -1, -2) @ surprise
-        base[..., t] = -np.log(np.diagonal(root, axis1=-2, axis2=-1)).sum(axis=-1)
-        gain = white @ spread[..., :n, :]
-        mean = mean + np.swapaxes(gain, -1, -2) @ surprise
-        spread = spread - np.swapaxes(gain, -1, -2) @ gain
-    base -= 0.5 * (square[..., 0, 0] + n * np.log(2.0 * np.pi))
+        base[..., t] = peak
+    base -= 0.5 * square[..., 0, 0]
     return Likelihood(
         base=np.cumsum(base, axis=2),
         slope=np.cumsum(-square[..., 0, 1:], axis=2),

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from morph.arrays import Array
+from morph.model.gaussian.information import Information
 
 UNCHANGED = 0.3
 """Prior probability that no named figure differs from its description."""
@@ -36,31 +37,8 @@ WIDE = 1.2
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Information:
-    """A quadratic: log p(data | theta) = - (c - 2 b theta + theta H theta) / 2 + constant."""
-
-    H: Array
-    """Shape (unknowns, unknowns)."""
-    b: Array
-    """Shape (unknowns,)."""
-    c: float
-    """At theta = 0."""
-
-    def weaker(self, factor: float) -> Information:
-        """Return the information if every variance were greater by a factor."""
-        return Information(H=self.H / factor, b=self.b / factor, c=self.c / factor)
-
-    def missed(self, theta: Array) -> float:
-        """Return the sum of squares that theta leaves, in units of the noise."""
-        return float(self.c - 2.0 * self.b @ theta + theta @ self.H @ theta)
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
 class Sized:
-    """Evidence when the unnamed process has one size: its weights integrated out.
-
-    Source: Schur's complement; Rasmussen and Williams 2006, eq. 2.43 for the mixed model.
-    """
+    """Evidence when the unnamed process has one size: its weights integrated out."""
 
     information: Information
     """Of named and unnamed together, the named first."""
@@ -78,19 +56,10 @@ class Sized:
 
 def sized(information: Information, named: int, size: Array, share: float = 1.0) -> Sized:
     """Return the evidence when each unnamed weight is N(0, size^2), as probable as `share`."""
-    H, b, p = information.H, information.b, named
-    M = H[p:, p:] + np.diag(size**-2.0)
-    inner: Array = np.asarray(np.linalg.inv(M), dtype=float)
-    cross = H[:p, p:] @ inner
-    occam = float(np.linalg.slogdet(M)[1]) + 2.0 * float(np.log(size).sum())
-    reduced = Information(
-        H=H[:p, :p] - cross @ H[p:, :p],
-        b=b[:p] - cross @ b[p:],
-        c=information.c - float(b[p:] @ inner @ b[p:]) + occam,
-    )
+    reduced, inner = information.with_prior(np.zeros(len(size)), size**2).first(named)
     return Sized(
         information=information,
-        named=p,
+        named=named,
         size=size,
         log_prior=math.log(share),
         inner=inner,

@@ -11,8 +11,9 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.errors import DiagnosisError
+from morph.model.gaussian.information import Information
 from morph.model.hypothesis import Hypothesis
-from morph.model.kwik.belief import Belief, Information, belief
+from morph.model.kwik.belief import Belief, belief
 from morph.model.kwik.closer import units
 from morph.model.kwik.visit import Visit, visit
 from morph.model.kwik.wager import bets, worst

@@ -9,8 +9,8 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.errors import DiagnosisError
+from morph.model.gaussian.information import Information
 from morph.model.kwik.account import Account, account
-from morph.model.kwik.belief import Information
 from morph.model.kwik.features import Unnamed, unnamed
 from morph.model.latent.run import Run
 from morph.model.latent.transit import Transit

@@ -12,7 +12,6 @@ from morph.body.robot import Robot
 from morph.model.hypothesis import Hypothesis, same_kind
 from morph.model.knobs import Knob
 from morph.model.latent.infer import Inferred
-from morph.model.latent.normal import band
 from morph.model.latent.run import Run
 from morph.model.latent.sparse import likelihood_of, precisions, weighed
 from morph.model.latent.subsets import precision_of
@@ -95,15 +94,16 @@ def _step(base: Inferred, effect: Effect) -> Candidate | None:
     point = np.concatenate([base.point, added.start[own:]])
     transit = replace(base.transit, hypothesis=added)
     bands = tuple(
-        band(_beside(transit, point, run, state, known), state, run.state, base.trust)
+        _beside(transit, point, run, state, known).band(state, run.state, base.trust)
         for run, state, known in zip(base.runs, base.states, base.slopes, strict=True)
     )
     likelihood = likelihood_of(bands, point)
     best = weighed(likelihood, added, point)[0]
     free, trusted, known = precisions(added)
     shift = np.concatenate([np.zeros(known), point[known:]])
-    about = replace(likelihood, slope=likelihood.slope - likelihood.hessian @ shift)
-    reached = shift + about.best(precision_of(best.changed, free, trusted, known))
+    precision = precision_of(best.changed, free, trusted, known)
+    about = likelihood.about(-shift).with_prior(np.zeros(len(shift)), 1.0 / precision)
+    reached = shift + about.mean
     kept = np.clip(reached[own:], added.low[own:], added.high[own:])
     stronger = added.effects_at(np.concatenate([base.point, kept]))[-1]
     if _idle(stronger):

@@ -13,8 +13,8 @@ from morph.arrays import Array
 from morph.body.robot import Robot
 from morph.errors import DiagnosisError, EffectError, SimulationFailed
 from morph.model.fit import Room
+from morph.model.gaussian.states import Band, Trust
 from morph.model.hypothesis import Hypothesis
-from morph.model.latent.normal import Band, Trust, band
 from morph.model.latent.run import Run
 from morph.model.latent.transit import Slopes, Transit
 from morph.model.latent.unknowns import MOST, with_knobs
@@ -72,7 +72,7 @@ class Inferred:
     def bands(self) -> tuple[Band, ...]:
         """The normal equations of each run about its states."""
         return tuple(
-            band(slopes, state, run.state, self.trust)
+            slopes.band(state, run.state, self.trust)
             for slopes, state, run in zip(self.slopes, self.states, self.runs, strict=True)
         )
 
@@ -219,7 +219,7 @@ class _Search:
     def _bands(self, slopes: list[Slopes], states: list[Array], unsaid: float) -> list[Band]:
         trust = self.trust(unsaid)
         return [
-            band(slope, state, run.state, trust)
+            slope.band(state, run.state, trust)
             for slope, state, run in zip(slopes, states, self.runs, strict=True)
         ]
 

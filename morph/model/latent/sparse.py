@@ -8,10 +8,11 @@ from functools import cached_property
 import numpy as np
 
 from morph.arrays import Array
+from morph.model.gaussian.information import Information
+from morph.model.gaussian.states import Band
 from morph.model.hypothesis import Hypothesis
 from morph.model.latent.infer import Inferred, infer
-from morph.model.latent.normal import Band
-from morph.model.latent.subsets import DEAR, Likelihood, Subset, subsets
+from morph.model.latent.subsets import DEAR, Subset, subsets
 from morph.model.latent.unknowns import TRUSTED, WIDE
 
 PRICE = 4.0
@@ -51,15 +52,11 @@ def sparse(found: Inferred, noise: Array, price: float) -> Sparse:
     return Sparse(free=found, held=_held(found, order[0], noise), order=order, price=price)
 
 
-def weighed(likelihood: Likelihood, hypothesis: Hypothesis, point: Array) -> tuple[Subset, ...]:
+def weighed(found: Information, hypothesis: Hypothesis, point: Array) -> tuple[Subset, ...]:
     """Return every set of changed figures, effects free about where they were found."""
     free, trusted, known = precisions(hypothesis)
     shift = np.concatenate([np.zeros(known), point[known:]])
-    moved = likelihood.slope - likelihood.hessian @ shift
-    base = likelihood.constant + likelihood.slope @ shift
-    base -= 0.5 * shift @ likelihood.hessian @ shift
-    about = Likelihood(constant=float(base), hessian=likelihood.hessian, slope=moved)
-    return subsets(about, free, trusted, known)
+    return subsets(found.about(-shift), free, trusted, known)
 
 
 def precisions(hypothesis: Hypothesis) -> tuple[Array, Array, int]:
@@ -70,13 +67,9 @@ def precisions(hypothesis: Hypothesis) -> tuple[Array, Array, int]:
     return free, trusted, known
 
 
-def likelihood_of(bands: tuple[Band, ...], point: Array) -> Likelihood:
-    """Return log p(runs | theta) about a point, states eliminated, up to what models share."""
-    hessian = np.sum([each.hessian for each in bands], axis=0)
-    slope = np.sum([each.slope for each in bands], axis=0) + hessian @ point
-    top = -sum(each.cost - each.reach + 0.5 * each.log_determinant for each in bands)
-    constant = top - float(slope @ point - 0.5 * point @ hessian @ point)
-    return Likelihood(constant=constant, hessian=hessian, slope=slope)
+def likelihood_of(bands: tuple[Band, ...], point: Array) -> Information:
+    """Return what runs say about a point, states eliminated, up to what models share."""
+    return sum((each.information for each in bands[1:]), bands[0].information).about(point)
 
 
 def _held(found: Inferred, subset: Subset, noise: Array) -> Inferred:

@@ -9,6 +9,7 @@ import numpy as np
 
 from morph.arrays import Array, Integers
 from morph.errors import DiagnosisError
+from morph.model.gaussian.states import Band, Trust, band
 from morph.model.hypothesis import Hypothesis
 from morph.model.latent.run import Run
 from morph.sim.drive import received, sensed
@@ -33,6 +34,17 @@ class Slopes:
     """h(x_t), what sensors say, shape (periods + 1, n)."""
     seen_parameter: Array
     """dh/dtheta, shape (periods + 1, n, p)."""
+
+    def band(self, state: Array, reading: Array, trust: Trust) -> Band:
+        """Return the normal equations of one run about its states, both (periods + 1, n)."""
+        return band(
+            state=self.state,
+            unknown=self.parameter,
+            seen_unknown=self.seen_parameter,
+            off=state[1:] - self.value,
+            missed=reading - self.seen,
+            trust=trust,
+        )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -9,11 +9,11 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.errors import DiagnosisError
+from morph.model.gaussian.information import Information
 from morph.model.latent.run import Run
 from morph.model.missing_force.corrected import Corrected, within
 from morph.model.missing_force.periods import Periods
-from morph.model.missing_force.posterior import Posterior, posterior
-from morph.model.missing_force.problem import Belief, Problem
+from morph.model.missing_force.problem import Iterate, Problem
 
 BLOCK = 20
 """Periods of a block that is left out."""
@@ -114,8 +114,8 @@ def calibrated(
     told, start, variance = _information(corrected, pieces, believed)
     error, spread, still = [], [], []
     for out, piece in enumerate(pieces):
-        rest = [each for at, each in enumerate(told) if at != out]
-        left = _with(corrected, posterior(rest, 0.0, start, variance))
+        first, *rest = (each for at, each in enumerate(told) if at != out)
+        left = _with(corrected, sum(rest, first).with_prior(start, variance))
         begin, command = piece.state[:1], piece.command[None]
         seen = left.foresee(begin, command, rng, draws=draws)
         sure = left.scaled(1e-3).foresee(begin, command, rng, draws=draws)
@@ -152,7 +152,7 @@ def _cut(run: Run, at: int) -> Run:
 
 def _information(
     corrected: Corrected, pieces: tuple[Run, ...], believed: tuple[Array, ...]
-) -> tuple[list[tuple[Array, Array]], Array, Array]:
+) -> tuple[list[Information], Array, Array]:
     """Return what each block says of point and weights, and their prior."""
     problem = Problem(
         periods=Periods(corrected.hypothesis, corrected.period, corrected.integrator),
@@ -161,14 +161,14 @@ def _information(
         waves=corrected.waves,
         unit=corrected.unit,
     )
-    belief = Belief(point=corrected.point, weight=corrected.weight, states=believed)
+    belief = Iterate(point=corrected.point, weight=corrected.weight, states=believed)
     slopes = problem.slopes(belief, corrected.settings)
     parts = problem.reduced(slopes, corrected.settings)
     told = problem.told(slopes, parts, corrected.settings)
     return told, *problem.prior(corrected.settings)
 
 
-def _with(corrected: Corrected, found: Posterior) -> Corrected:
+def _with(corrected: Corrected, found: Information) -> Corrected:
     """Return the same with another posterior."""
     size, weight = len(corrected.point), corrected.weight
     if corrected.unit is not None:

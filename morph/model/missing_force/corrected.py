@@ -10,11 +10,11 @@ import numpy as np
 from morph.arrays import Array
 from morph.body.robot import Robot
 from morph.errors import DiagnosisError
+from morph.model.gaussian.information import Information
 from morph.model.hypothesis import Hypothesis
 from morph.model.latent.unknowns import with_knobs
 from morph.model.missing_force.force import MissingForce
 from morph.model.missing_force.periods import Periods
-from morph.model.missing_force.posterior import Posterior
 from morph.model.missing_force.settings import Settings
 from morph.model.missing_force.waves import Waves
 from morph.physics.effect import Effect
@@ -70,7 +70,7 @@ class Corrected:
     """Typical forces of the motion, shape (joints,); None if no force was sought."""
     settings: Settings
     """Settings that the evidence chose."""
-    posterior: Posterior
+    posterior: Information
     """Of the point and the weights together."""
     point: Array
     """The likeliest point of the hypothesis."""

@@ -14,7 +14,7 @@ from morph.model.latent.run import Run
 from morph.model.missing_force.corrected import Corrected, within
 from morph.model.missing_force.periods import Periods, Slopes
 from morph.model.missing_force.posterior import Reduced
-from morph.model.missing_force.problem import Belief, Problem, typical_forces
+from morph.model.missing_force.problem import Iterate, Problem, typical_forces
 from morph.model.missing_force.settings import Settings, first_settings, settled
 from morph.model.missing_force.waves import waves_of
 from morph.sim.integrator import Integrator
@@ -76,7 +76,7 @@ def fit(
     states = tuple(run.state for run in runs)
     kinds = [joint.kind for joint in hypothesis.robot.joints]
     waves = waves_of(kinds, np.concatenate(states), slides=slides)
-    believed = Belief(
+    believed = Iterate(
         point=hypothesis.start, weight=np.zeros((periods.nv, waves.count)), states=states
     )
     problem = Problem(periods=periods, runs=tuple(runs), noise=noise, waves=waves, unit=None)
@@ -129,7 +129,7 @@ def _check(hypothesis: Hypothesis, periods: Periods, runs: Sequence[Run], noise:
         )
 
 
-def _solved(problem: Problem, believed: Belief, chosen: Settings) -> tuple[Belief, list[Slopes]]:
+def _solved(problem: Problem, believed: Iterate, chosen: Settings) -> tuple[Iterate, list[Slopes]]:
     """Return what Gauss-Newton steps lead to, and the slopes there."""
     slopes = problem.slopes(believed, chosen)
     cost = problem.cost(believed, slopes, chosen)
@@ -149,7 +149,7 @@ def _solved(problem: Problem, believed: Belief, chosen: Settings) -> tuple[Belie
     return believed, slopes
 
 
-def _wanted(problem: Problem, slopes: Sequence[Slopes], chosen: Settings) -> Belief:
+def _wanted(problem: Problem, slopes: Sequence[Slopes], chosen: Settings) -> Iterate:
     """Return what is likeliest if the slopes hold everywhere."""
     parts = problem.reduced(slopes, chosen)
     found = problem.posterior(slopes, parts, chosen)
@@ -162,7 +162,7 @@ def _wanted(problem: Problem, slopes: Sequence[Slopes], chosen: Settings) -> Bel
         force = (problem.features(each, chosen) * weight).sum(axis=-1)
         off = part.states(np.concatenate([point, force.ravel()]))
         states.append(each.state + off.reshape(each.state.shape))
-    return Belief(point=point, weight=weight, states=tuple(states))
+    return Iterate(point=point, weight=weight, states=tuple(states))
 
 
 def _settled(problem: Problem, slopes: Sequence[Slopes], chosen: Settings) -> Settings:

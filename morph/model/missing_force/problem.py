@@ -8,21 +8,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from morph.arrays import Array
+from morph.model.gaussian.information import Information
 from morph.model.latent.run import Run
 from morph.model.missing_force.periods import Periods, Slopes
-from morph.model.missing_force.posterior import (
-    Posterior,
-    Reduced,
-    jump_variance,
-    posterior,
-    reduced,
-)
+from morph.model.missing_force.posterior import Reduced, jump_variance, reduced
 from morph.model.missing_force.settings import Settings
 from morph.model.missing_force.waves import Waves
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Belief:
+class Iterate:
     """What is believed at one time of a fit: figures, weights and the states of every run."""
 
     point: Array
@@ -32,13 +27,13 @@ class Belief:
     states: tuple[Array, ...]
     """The states of each run, (periods + 1, n)."""
 
-    def towards(self, other: Belief, share: float) -> Belief:
+    def towards(self, other: Iterate, share: float) -> Iterate:
         """Return what is a share of the way to another."""
 
         def between(a: Array, b: Array) -> Array:
             return np.asarray(a + share * (b - a))
 
-        return Belief(
+        return Iterate(
             point=between(self.point, other.point),
             weight=between(self.weight, other.weight),
             states=tuple(between(a, b) for a, b in zip(self.states, other.states, strict=True)),
@@ -81,7 +76,7 @@ class Problem:
             np.concatenate([variance, more.ravel()]),
         )
 
-    def slopes(self, believed: Belief, chosen: Settings) -> list[Slopes]:
+    def slopes(self, believed: Iterate, chosen: Settings) -> list[Slopes]:
         """Return all runs, linearised about what is believed."""
         waves = None if self.unit is None else self.looking(chosen)
         return [
@@ -89,7 +84,7 @@ class Problem:
             for run, state in zip(self.runs, believed.states, strict=True)
         ]
 
-    def cost(self, believed: Belief, slopes: Sequence[Slopes], chosen: Settings) -> float:
+    def cost(self, believed: Iterate, slopes: Sequence[Slopes], chosen: Settings) -> float:
         """Return minus twice the log posterior of a belief, but for its constant."""
         total, jump = 0.0, self.jump(chosen)
         for run, each in zip(self.runs, slopes, strict=True):
@@ -114,20 +109,20 @@ class Problem:
 
     def told(
         self, slopes: Sequence[Slopes], parts: Sequence[Reduced], chosen: Settings
-    ) -> list[tuple[Array, Array]]:
-        """Return D and b of each run in (p, w), whatever lengths its slopes were taken with."""
+    ) -> list[Information]:
+        """Return what each run says of (p, w), whatever lengths its slopes were taken with."""
         if self.unit is None:
             size = len(slopes[0].point)
-            return [(part.information[:size, :size], part.vector[:size]) for part in parts]
+            return [part.information.through(np.eye(len(part.about), size)) for part in parts]
         pairs = zip(slopes, parts, strict=True)
         return [part.through(self.features(each, chosen)) for each, part in pairs]
 
     def posterior(
         self, slopes: Sequence[Slopes], parts: Sequence[Reduced], chosen: Settings
-    ) -> Posterior:
-        """Return what is known of (p, w) by all runs."""
-        constant = sum(part.constant for part in parts)
-        return posterior(self.told(slopes, parts, chosen), constant, *self.prior(chosen))
+    ) -> Information:
+        """Return what is known of (p, w) by all runs and the prior."""
+        told = self.told(slopes, parts, chosen)
+        return sum(told[1:], told[0]).with_prior(*self.prior(chosen))
 
 
 def typical_forces(slopes: Sequence[Slopes]) -> Array:

@@ -56,7 +56,7 @@ def test_every_other_run_explores_and_each_tells_the_most_of_its_kind(model: Cor
 def test_the_gain_is_the_change_of_the_log_determinant(model: Corrected) -> None:
     candidates = _candidates()
     added = information(model, candidates)
-    precision = model.posterior.factor @ model.posterior.factor.T
+    precision = model.posterior.H
     before, after = (np.linalg.slogdet(P)[1] for P in (precision, precision + added[1]))
     (first,) = chosen(model, candidates, 1)
     assert first.index == 1

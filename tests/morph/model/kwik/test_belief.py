@@ -7,10 +7,10 @@ import pytest
 from scipy.integrate import quad
 from scipy.stats import norm
 
+from morph.model.gaussian.information import Information
 from morph.model.kwik.belief import (
     UNCHANGED,
     Belief,
-    Information,
     belief,
     evidence,
     sized,

@@ -7,7 +7,8 @@ import pytest
 from scipy.optimize import minimize
 
 from morph.arrays import Array
-from morph.model.kwik.belief import WIDE, Information, belief, sized
+from morph.model.gaussian.information import Information
+from morph.model.kwik.belief import WIDE, belief, sized
 from morph.model.kwik.wager import bets, distances, worst
 
 DELTA = 0.05

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from morph.body.robot import Robot
+from morph.model.gaussian.information import Information
 from morph.model.latent.explain import explain
-from morph.model.latent.subsets import Likelihood, subsets
+from morph.model.latent.subsets import subsets
 from morph.model.latent.unknowns import turned
 from morph.physics import EFFECTS
 
@@ -50,7 +51,7 @@ def test_sets_are_weighed_as_exact_normal_integrals_weigh_them() -> None:
     # One parameter seen once with deviation 0.1 at the value 0.5: its evidence is that of a
     # normal distribution of variance 0.01 + prior, so wide over narrow is
     # N(0.5; 0, 0.01 + 1) / N(0.5; 0, 0.01 + 0.0025).
-    likelihood = Likelihood(constant=0.0, hessian=np.array([[100.0]]), slope=np.array([50.0]))
+    likelihood = Information(H=np.array([[100.0]]), b=np.array([50.0]), c=0.0)
     order = subsets(likelihood, np.array([1.0]), np.array([400.0]), 1)
     by_set = {each.changed: each.evidence for each in order}
 

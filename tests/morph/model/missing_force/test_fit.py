@@ -102,7 +102,8 @@ def test_new_runs_are_foreseen_better_than_by_figures_alone(
         weight=-corrected.weight,
         posterior=replace(
             corrected.posterior,
-            mean=corrected.posterior.mean * np.r_[np.ones(6), -np.ones(corrected.weight.size)],
+            b=corrected.posterior.H
+            @ (corrected.posterior.mean * np.r_[np.ones(6), -np.ones(corrected.weight.size)]),
         ),
     )
     assert far(_foreseen(turned_round, runs)[1]) > far(without)

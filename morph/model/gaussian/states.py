@@ -1,4 +1,4 @@
-"""Normal equations of states along time and parameters beside them: a band with a border."""
+"""Normal equations of states along time and unknowns beside them: a band with a border."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 from scipy.linalg import cho_solve_banded, cholesky_banded
 
 from morph.arrays import Array
-from morph.model.latent.transit import Slopes
+from morph.model.gaussian.information import Information
 
 LEAST = 1e-13
 """What is added to the diagonal, as a share of it, against rounding."""
@@ -28,20 +28,20 @@ class Trust:
 class Band:
     """One run's share of the normal equations, states eliminated.
 
-    With J the sum of squares of one run, z its states and theta the parameters,
-    J + dJ is quadratic in (dz, dtheta); eliminating dz leaves a quadratic in dtheta.
+    With J the sum of squares of one run, z its states and theta the unknowns, J + dJ is quadratic
+    in (dz, dtheta); eliminating dz leaves a quadratic in dtheta.
     """
 
     factor: Array
     """Banded Cholesky factor of the states' block."""
     border: Array
-    """The block between states and parameters, shape (states, p)."""
+    """The block between states and unknowns, shape (states, p)."""
     pull: Array
     """Minus the gradient in the states, shape (states,)."""
     hessian: Array
-    """Of the parameters, states eliminated, shape (p, p)."""
+    """Of the unknowns, states eliminated, shape (p, p)."""
     slope: Array
-    """Minus the gradient in the parameters, states eliminated, shape (p,)."""
+    """Minus the gradient in the unknowns, states eliminated, shape (p,)."""
     cost: float
     """J / 2 as it is."""
     reach: float
@@ -52,13 +52,27 @@ class Band:
         """Logarithm of the determinant of the states' block."""
         return 2.0 * float(np.log(self.factor[0]).sum())
 
+    @property
+    def information(self) -> Information:
+        """What the run says of the change of unknowns, up to a constant of the trust."""
+        c = 2.0 * (self.cost - self.reach) + self.log_determinant
+        return Information(H=self.hessian, b=self.slope, c=c)
+
     def states(self, change: Array) -> Array:
-        """Return the states' best change when parameters change by so much, (states,)."""
+        """Return the states' best change when unknowns change by so much, (states,)."""
         right = self.pull - self.border @ change
         return np.asarray(cho_solve_banded((self.factor, True), right))
 
 
-def band(slopes: Slopes, state: Array, reading: Array, trust: Trust) -> Band:
+def band(
+    *,
+    state: Array,
+    unknown: Array,
+    seen_unknown: Array | None = None,
+    off: Array,
+    missed: Array,
+    trust: Trust,
+) -> Band:
     """Return the normal equations of one run about its states.
 
     Minimised is half the sum over all times of
@@ -69,40 +83,44 @@ def band(slopes: Slopes, state: Array, reading: Array, trust: Trust) -> Band:
     method.
 
     Args:
-        slopes: About these states.
-        state: x, shape (T + 1, n).
-        reading: y, same shape.
+        state: df/dx about these states, shape (T, n, n).
+        unknown: df/dtheta, shape (T, n, p).
+        seen_unknown: dh/dtheta, shape (T + 1, n, p); None for zero. dh/dx is one.
+        off: x_(t+1) - f(x_t), shape (T, n).
+        missed: y_t - h(x_t), shape (T + 1, n).
         trust: How the two parts are weighed.
     """
-    T, n = len(slopes.value), state.shape[1]
-    A, B, C = slopes.state, slopes.parameter, slopes.seen_parameter
-    p = B.shape[-1]
-    missed, off = reading - slopes.seen, state[1:] - slopes.value
+    (T, n, p), A = unknown.shape, state
     W, Q = trust.seen, trust.moved
-    WA = Q[:, None] * A
+    forward = np.swapaxes(A, 1, 2)
     diagonal = np.zeros((T + 1, n, n))
     diagonal[:, np.arange(n), np.arange(n)] += W
     diagonal[1:, np.arange(n), np.arange(n)] += Q
-    diagonal[:-1] += np.swapaxes(A, 1, 2) @ WA
+    diagonal[:-1] += forward @ (Q[:, None] * A)
     # Below the diagonal: d2/dx_(t+1) dx_t = -Q A.
-    below = -WA
-    weighted = Q[:, None] * B
-    border = W[:, None] * C
+    below = -Q[:, None] * A
+    weighted = Q[:, None] * unknown
+    border = np.zeros((T + 1, n, p))
     border[1:] -= weighted
-    border[:-1] += np.swapaxes(A, 1, 2) @ weighted
+    border[:-1] += forward @ weighted
     pull = W * missed
     pull[1:] -= Q * off
-    pull[:-1] += (np.swapaxes(A, 1, 2) @ (Q * off)[..., None])[..., 0]
+    pull[:-1] += (forward @ (Q * off)[..., None])[..., 0]
+    inner = unknown.reshape(T * n, p).T @ weighted.reshape(T * n, p)
+    drive = weighted.reshape(T * n, p).T @ off.ravel()
+    if seen_unknown is not None:
+        seen = W[:, None] * seen_unknown
+        border += seen
+        inner += seen_unknown.reshape(T * n + n, p).T @ seen.reshape(T * n + n, p)
+        drive += seen.reshape(T * n + n, p).T @ missed.ravel()
     factor = cholesky_banded(_banded(diagonal, below), lower=True)
-    flat, push = border.reshape((T + 1) * n, p), pull.reshape(-1)
+    flat, push = border.reshape(T * n + n, p), pull.ravel()
     solved = cho_solve_banded((factor, True), np.column_stack([flat, push]))
-    own = np.einsum("tnp,n,tnq->pq", B, Q, B) + np.einsum("tnp,n,tnq->pq", C, W, C)
-    drive = np.einsum("tnp,n,tn->p", B, Q, off) + np.einsum("tnp,n,tn->p", C, W, missed)
     return Band(
         factor=factor,
         border=flat,
         pull=push,
-        hessian=own - flat.T @ solved[:, :p],
+        hessian=inner - flat.T @ solved[:, :p],
         slope=drive - flat.T @ solved[:, p],
         cost=0.5 * float((W * missed**2).sum() + (Q * off**2).sum()),
         reach=0.5 * float(push @ solved[:, p]),

@@ -1,0 +1,1 @@
+"""Linear models with normal noise: states, unknowns, filter, normal equations and evidence."""
