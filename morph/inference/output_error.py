@@ -11,8 +11,10 @@ from morph.model.fit import fit, measure
 from morph.model.hypothesis import Hypothesis
 from morph.model.shooting import predict
 
-STEPS = 4
-"""Most Gauss-Newton steps."""
+CYCLES, STEPS = 3, 4
+"""Most estimates of the errors' sizes, and Gauss-Newton steps under each."""
+SETTLED = 0.02
+"""Share of their sizes by which errors must fall for another estimate."""
 
 
 def output_error(hypothesis: Hypothesis, point: Array, validation: Validation) -> LogPosterior:
@@ -30,10 +32,16 @@ def output_error(hypothesis: Hypothesis, point: Array, validation: Validation) -
         point: Where it begins, shape (entries,).
         validation: The rollouts, and which fold each belongs to.
     """
-    segments = validation.segments
-    read = predict(hypothesis, segments, [point], [segments.start])[0]
-    found = fit(hypothesis, segments, *measure(segments, read), point=point, iterations=STEPS)
-    point = found.point
+    segments, before = validation.segments, np.inf
+    for _ in range(CYCLES):
+        read = predict(hypothesis, segments, [point], [segments.start])[0]
+        scale, weight = measure(segments, read)
+        size = float(np.exp(np.log(scale).mean()))
+        if size > (1.0 - SETTLED) * before:
+            break
+        # Errors that fall weigh more beside the prior.
+        found = fit(hypothesis, segments, scale, weight, point=point, iterations=STEPS)
+        point, before = found.point, size
     fold, curve = validation.fold, found.quadratic
     grams = np.zeros((validation.folds, 1 + len(point), 1 + len(point)))
     np.add.at(grams[:, 0, 0], fold, curve.loss)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import math
 import time
 from collections.abc import Sequence, Set
 from dataclasses import dataclass, replace
@@ -103,7 +104,9 @@ class Task:
         (losses,) = self.validation.losses_of(about, refit.runs, [whole])
         if self.by_rollouts:
             # A stretch's errors are correlated: it counts as one reading of each joint.
-            refit = replace(refit, evidence=-float(losses.sum()))
+            extra = 0.5 * max(0, refit.rank - len(hypothesis.knobs))
+            evidence = -float(losses.sum()) - extra * math.log(len(losses))
+            refit = replace(refit, evidence=evidence)
         price = self.prior.price({effect.label for effect in refit.effects})
         return Finalist(refit=refit, price=price, losses=losses, about=about)
 

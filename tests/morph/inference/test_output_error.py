@@ -1,0 +1,108 @@
+"""Output error: a servo that sticks, integrated by hand, whose gain the description has wrong."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from morph.body.load import load
+from morph.inference.output_error import output_error
+from morph.inference.rank import ranked
+from morph.inference.search import Prior
+from morph.inference.task import Task
+from morph.inference.validate import Validation
+from morph.model.episodes import episode
+from morph.model.hypothesis import Hypothesis
+from morph.model.knobs import knobs
+from morph.physics.joint.coulomb_friction import CoulombFriction
+from morph.record.recording import Channel, Recording
+
+STEP, FINE, SAMPLES, NOISE = 0.004, 16, 750, 1e-3
+INERTIA, GAIN, DAMPING, COULOMB, WRONG = 0.02, 4.0, 0.2, 0.3, 1.3
+SERVO = f"""
+<mujoco model="servo"><option gravity="0 0 0"/><worldbody><body name="disc">
+  <joint name="axle" axis="0 0 1" damping="{DAMPING}"/>
+  <inertial pos="0 0 0" mass="1" diaginertia="{INERTIA} {INERTIA} {INERTIA}"/></body></worldbody>
+  <actuator><position name="servo" joint="axle" kp="{WRONG * GAIN}"/></actuator></mujoco>
+"""
+
+
+@pytest.fixture(scope="module")
+def task(tmp_path_factory: pytest.TempPathFactory) -> Task:
+    """Return four runs of a servo that stands still for much of the time, to be explained."""
+    path = tmp_path_factory.mktemp("servo") / "servo.xml"
+    path.write_text(SERVO)
+    robot, rng, runs = load(path), np.random.default_rng(0), []
+    for number in range(4):
+        time = STEP * np.arange(SAMPLES)
+        goal = 0.25 * np.cos((1.0 + 0.3 * number) * time) + 0.05 * np.cos(7.0 * time)
+        angle, rate, read = 0.25, 0.0, []
+        for now in goal.tolist():
+            read.append(angle)
+            for _ in range(FINE):
+                torque = GAIN * (now - angle) - DAMPING * rate
+                moved = rate + STEP / FINE * torque / INERTIA
+                # Friction stops the disc within a step, or takes all that it can.
+                rate = np.sign(moved) * max(abs(moved) - STEP / FINE * COULOMB / INERTIA, 0.0)
+                angle += STEP / FINE * rate
+        channels = {
+            "axle.position": Channel(time=time, value=read + NOISE * rng.normal(size=SAMPLES)),
+            "servo.command": Channel(time=time, value=goal, hold=True),
+        }
+        runs.append(episode(Recording(name=f"run_{number}", channels=channels), robot, STEP))
+    trusted = {"mass": 0.0, "com": 0.0, "inertia": 0.0, "joint": 0.0, "gain": 0.5}
+    return Task(
+        nominal=Hypothesis(robot=robot, step=STEP, knobs=knobs(robot, trusted)),
+        episodes=runs, known=(), validation=Validation.of(runs), prior=Prior(alone={}),
+        deadline=np.inf, by_rollouts=True,
+    )  # fmt: skip
+
+
+def test_rollouts_err_least_at_the_true_gain_and_friction(task: Task) -> None:
+    start = replace(task.nominal, effects=(CoulombFriction(joint="axle", c=0.05),))
+    found = output_error(start, start.start, task.validation)
+    (gain,) = np.exp(found.point[: len(start.knobs)]) * WRONG
+    # The simulation's step of 4 ms against one of 0.25 ms: friction acts half a step late, which
+    # moves a force by its rate of 7 / s times 2 ms.
+    assert gain == pytest.approx(1.0, abs=0.02)
+    assert found.point[-1] == pytest.approx(COULOMB, rel=0.02)
+    # At its least the log posterior has no slope, by folds that add up to it.
+    step, _, gained = found.step()
+    assert np.abs(step).max() < 1e-2
+    assert gained < 1.0
+    assert len(found.grams) == task.validation.folds
+    whole = found.grams.sum(axis=0)
+    assert whole == pytest.approx(whole.T)
+
+
+def test_a_refit_by_rollouts_is_judged_by_its_stretches(task: Task) -> None:
+    none = task.refitted(task.nominal, task.nominal.start)
+    assert none.refit.evidence == pytest.approx(-none.losses.sum())
+    ready = replace(task, prior=task.search(none).prior)
+    tried, best = ready.added(none, task.search(none), 1)
+    assert [effect.name for effect in best.effects] == ["coulomb_friction"]
+    assert best.losses.sum() < none.losses.sum() - 1.0
+    # Each law of friction was refitted, however little its evidence.
+    names = {effect.name for each in tried for effect in each.effects}
+    assert {"coulomb_friction", "load_dependent_friction", "hysteresis"} <= names
+
+
+def test_where_the_missing_force_is_not_believed_rollouts_decide(
+    task: Task, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("morph.inference.task.UNMODELLED", 0.0)
+    made = []
+    real = output_error
+
+    def counted(*given: object) -> object:
+        made.append(given)
+        return real(*given)  # type: ignore[arg-type]
+
+    monkeypatch.setattr("morph.inference.task.output_error", counted)
+    found = ranked(task.nominal, task.episodes)
+    assert made
+    (effect,) = found.best.effects
+    assert isinstance(effect, CoulombFriction)
+    assert effect.c == pytest.approx(COULOMB, rel=0.02)
