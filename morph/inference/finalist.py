@@ -13,6 +13,8 @@ from morph.physics.effect import Effect
 
 CERTAIN = 20.0
 """Gain in evidence, nats, that needs no gain in rollouts where readings are at their noise."""
+LIKELIER = 10.0
+"""The same of a set with no more effects: another law in the place of one."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -51,10 +53,11 @@ def gains(before: Finalist, new: Finalist, validation: Validation) -> bool:
     noise the model of the disturbance holds, and evidence decides that rollouts do not refute.
     """
     gain = new.evidence - before.evidence
+    needed = CERTAIN if len(new.effects) > len(before.effects) else LIKELIER
     if validation.sure(before.losses, new.losses):
         return gain > 0.0
     refuted = validation.worse(before.losses, new.losses)
-    return gain > CERTAIN and at_noise(new.refit.runs) and not refuted
+    return gain > needed and at_noise(new.refit.runs) and not refuted
 
 
 def better(one: Finalist, other: Finalist, validation: Validation) -> Finalist:

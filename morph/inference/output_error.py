@@ -11,7 +11,7 @@ from morph.model.fit import fit, measure
 from morph.model.hypothesis import Hypothesis
 from morph.model.shooting import predict
 
-CYCLES, STEPS = 3, 4
+CYCLES, STEPS = 3, 2
 """Most estimates of the errors' sizes, and Gauss-Newton steps under each."""
 SETTLED = 0.02
 """Share of their sizes by which errors must fall for another estimate."""

@@ -12,14 +12,14 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.inference.dictionary import search_beside
-from morph.inference.finalist import CERTAIN, Finalist, better, gains, under
+from morph.inference.finalist import CERTAIN, LIKELIER, Finalist, better, gains, under
 from morph.inference.observed import Observed, settled
 from morph.inference.output_error import output_error
 from morph.inference.quadratic import quadratic
 from morph.inference.refit import Refit, refitted, seen
 from morph.inference.refit import under as refit_under
 from morph.inference.search import Explanation, Prior, Search
-from morph.inference.validate import Validation, missing, needed
+from morph.inference.validate import Validation, at_noise, missing, needed
 from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis
 from morph.physics.effect import Effect
@@ -34,8 +34,9 @@ GROUP = -5.0
 where it gains a little less than it costs."""
 DIVERGED = 0.5
 """By how much a set may raise the mean loss before it is refitted, nats a stretch and joint."""
-LIKELIER, REPLACED = 10.0, 3
-"""Nats by which a law must be likelier than another to be tried in its place, and most trials."""
+REPLACED, LOST = 3, 200.0
+"""Most laws that are tried in the place of others, and nats that an effect which is left out may
+cost in Gram space: a refit of the others may make up for it."""
 UNMODELLED = 1.0
 """Missing force over the force that the motion needs from which its model is not believed."""
 STEPS = 2
@@ -150,6 +151,7 @@ class Task:
         again = task.refitted(refit.hypothesis, refit.point, refit.runs)
         if self.validation.worse(found.losses, again.losses):
             return found
+        again = task.reduced(again)
         return replace(again, refit=replace(again.refit, evidence=refit.evidence))
 
     def proposals(
@@ -202,26 +204,27 @@ class Task:
         return self.reduced(fewer) if any(map(validation.idle, fewer.effects)) else fewer
 
     def replaced(self, best: Finalist, search: Search, gone: Set[str]) -> Finalist | None:
-        """Return a set with another law in the place of one: a likelier, or a simpler one.
+        """Return a set with another law in the place of one, a likelier or a simpler, or none.
 
         What was found first was found beside all that had not been found yet. A simpler law is
-        taken where rollouts are not surely worse.
+        taken where rollouts are not surely worse, none where the others explain what it did.
 
         Args:
             best: The set.
             search: Beside it.
             gone: Labels of effects that were replaced before.
         """
-        rivals: list[tuple[float, int, Effect]] = []
+        rivals: list[tuple[float, int, Effect | None]] = []
         for at, effect in enumerate(best.effects):
-            _, every = search.instead(effect.label, *best.refit.removal(at))
+            none, every = search.instead(effect.label, *best.refit.removal(at))
+            rivals += [(none, at, None)] if none > -LOST and len(best.effects) > 1 else []
             others = [one for one in every if one[0].label not in gone]
             rivals += [(gain, at, other) for other, gain in others[:1] if gain > LIKELIER]
             simple = f"{effect.simpler}@{effect.where}"
             strength = effect.coefficients[:1]
             rivals += [(g, at, o.with_strengths(strength)) for o, g in others if o.label == simple]
         for _, at, other in sorted(rivals, key=lambda one: -one[0])[:REPLACED]:
-            effects = (*best.effects[:at], other, *best.effects[at + 1 :])
+            effects = (*best.effects[:at], *([other] if other else []), *best.effects[at + 1 :])
             start = replace(best.refit.hypothesis, effects=effects)
             own = len(start.knobs)
             point = np.concatenate([best.refit.point[:own], start.start[own:]])
@@ -230,11 +233,15 @@ class Task:
                 return self.reduced(new)
         return None
 
-    def prefers(self, best: Finalist, new: Finalist, effect: Effect, other: Effect) -> bool:
-        """Return whether a set is better with another law in the place of an effect.
+    def prefers(self, best: Finalist, new: Finalist, effect: Effect, other: Effect | None) -> bool:
+        """Return whether a set is better with another law in the place of an effect, or none.
 
         Parameters that a law has more than its simpler one must show in rollouts.
         """
+        if other is None:
+            shown = self.validation.sure(new.losses, best.losses)
+            certain = at_noise(best.refit.runs) and best.evidence - new.evidence > CERTAIN
+            return not (shown or certain)
         if other.name == effect.simpler:
             return not self.validation.worse(best.losses, new.losses)
         if other.simpler == effect.name and not self.validation.sure(best.losses, new.losses):

@@ -47,7 +47,7 @@ class PositionDependentFriction(JointEffect):
     """By how much the level rises and falls about the mean (N on a slide)."""
     n: float = parameter(1.0, unit="1/rad", low=0.01, high=1e4, scan=WAVES)
     """Wave number: waves in 2 pi rad (in 2 pi m on a slide)."""
-    phase: float = parameter(0.0, unit="-", low=-np.pi, high=np.pi)
+    phase: float = parameter(0.0, unit="-", low=-2.0 * np.pi, high=2.0 * np.pi)
     """Angle of the wave where the joint is at zero, rad also on a slide."""
 
     def level(self, position: Array) -> Array:
