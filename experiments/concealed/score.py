@@ -48,6 +48,7 @@ def score(answer: JSON, sealed: Sealed) -> JSON:
         "answer": truth["answer"],
         "truth": [f"{e['effect']}@{e['where']['name']}" for e in truth["effects"]],
         "effect_to_noise": [e["effect_to_noise"] for e in truth["effects"]],
+        "after_refit": [e["after_refit"] for e in truth["effects"]],
         "found": [f"{f['effect']}@{f['where']}" for f in findings],
         "unknown": unknown,
         "first": any(name in each for name, _ in first for each in right),

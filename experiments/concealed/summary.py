@@ -10,6 +10,8 @@ import numpy as np
 JSON = dict[str, Any]
 Figure = Callable[[Sequence[JSON]], float | None]
 RESAMPLES = 500
+SHOWN = 2.0
+"""Least effect-to-noise, after refits of own figures, of every effect of a case that shows it."""
 
 
 def _share(rows: Sequence[JSON], key: str, of: Callable[[JSON], bool]) -> float | None:
@@ -23,6 +25,15 @@ def _effects(row: JSON) -> bool:
 
 def _several(count: int) -> Callable[[JSON], bool]:
     return lambda row: _effects(row) and len(row["truth"]) == count
+
+
+def _shown(of: Callable[[JSON], bool]) -> Callable[[JSON], bool]:
+    """Return a choice of those of some cases in which own figures cannot hide an effect."""
+    return lambda row: of(row) and min(row["after_refit"], default=0.0) >= SHOWN
+
+
+def _outside(row: JSON) -> bool:
+    return bool(row["answer"] == "unknown")
 
 
 def _clean_accused(rows: Sequence[JSON]) -> float | None:
@@ -87,9 +98,14 @@ FIGURES: Mapping[str, Figure] = {
     "exact_set_of_one": lambda rows: _share(rows, "exact", _several(1)),
     "exact_set_of_two": lambda rows: _share(rows, "exact", _several(2)),
     "exact_set_of_three": lambda rows: _share(rows, "exact", _several(3)),
+    "first_shown": lambda rows: _share(rows, "first", _shown(_effects)),
+    "first_three_shown": lambda rows: _share(rows, "first_three", _shown(_effects)),
+    "place_shown": lambda rows: _share(rows, "place", _shown(_effects)),
+    "exact_set_shown": lambda rows: _share(rows, "exact", _shown(_effects)),
     "extra_per_case": _extra,
     "clean_accused": _clean_accused,
-    "unknown_right": lambda rows: _share(rows, "unknown", lambda r: r["answer"] == "unknown"),
+    "unknown_right": lambda rows: _share(rows, "unknown", _outside),
+    "unknown_right_shown": lambda rows: _share(rows, "unknown", _shown(_outside)),
     "unknown_wrong": lambda rows: _share(rows, "unknown", lambda r: r["answer"] != "unknown"),
     "ece": _ece,
     "brier": _brier,

@@ -25,8 +25,8 @@ PARTS = {
 def effect(name: str, where: str, **figures: float) -> dict[str, Any]:
     return {
         "effect": name, "where": {"kind": "joint", "name": where}, "figures": figures,
-        "scored": list(figures), "effect_to_noise": 5.0, "run": None, "anywhere": False,
-        "ties": [], "why": "",
+        "scored": list(figures), "effect_to_noise": 5.0, "after_refit": 2.5,
+        "run": None, "anywhere": False, "ties": [], "why": "",
     }  # fmt: skip
 
 
@@ -157,3 +157,11 @@ def test_a_submission_that_breaks_the_schema_is_refused_by_its_place(tmp_path: P
     path.write_text("{")
     with pytest.raises(BenchmarkError, match="cannot read"):
         load_submission(path)
+
+
+def test_effects_that_own_figures_hide_count_apart() -> None:
+    right = score(said(("coulomb_friction", "hip", 0.9)), sealed(DRY))
+    hidden = score(said(), sealed({**DRY, "after_refit": 0.5}))
+    figures = summarise([right, hidden])
+    assert figures["first"]["value"] == 0.5
+    assert figures["first_shown"]["value"] == figures["exact_set_shown"]["value"] == 1.0

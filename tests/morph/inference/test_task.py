@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from morph.body.load import load
-from morph.inference.finalist import Finalist
+from morph.inference.finalist import Finalist, gains
 from morph.inference.findings import _in_units
 from morph.inference.refit import Refit, refitted
 from morph.inference.search import Prior
@@ -85,6 +85,31 @@ def test_a_simpler_law_takes_the_place_of_one_that_predicts_no_better(task: Task
     assert again is None or not isinstance(again.effects[0], CoulombFriction)
 
 
+def test_an_effect_goes_where_the_others_explain_what_it_did(task: Task) -> None:
+    dry, wet = CoulombFriction(joint="axle", c=COULOMB), ViscousFriction(joint="axle", b=0.001)
+    best = found(task, replace(task.nominal, effects=(dry, wet)))
+    other = task.replaced(best, task.search(best), set())
+    assert other is not None
+    assert [effect.name for effect in other.effects] == ["coulomb_friction"]
+    # The one that is left cannot go: a wheel with dry friction stops.
+    alone = task.replaced(other, task.search(other), set())
+    assert alone is None or alone.effects
+
+
+@pytest.mark.parametrize(("more", "gain", "taken"), [
+    (0, 12.0, True), (0, 8.0, False), (1, 12.0, False), (1, 25.0, True),
+])  # fmt: skip
+def test_another_law_in_the_place_of_one_needs_less_evidence_than_one_more(
+    monkeypatch: pytest.MonkeyPatch, more: int, gain: float, taken: bool
+) -> None:
+    monkeypatch.setattr("morph.inference.finalist.at_noise", lambda runs: True)
+    judge: Any = SimpleNamespace(sure=lambda a, b: False, worse=lambda a, b: False)
+    refit = SimpleNamespace(runs=())
+    before: Any = SimpleNamespace(evidence=0.0, losses=None, effects=(1,))
+    after: Any = SimpleNamespace(evidence=gain, losses=None, refit=refit, effects=(1,) * (1 + more))
+    assert gains(before, after, judge) == taken
+
+
 def test_no_set_is_refitted_twice(task: Task, monkeypatch: pytest.MonkeyPatch) -> None:
     base = found(task, task.nominal)
     search = task.search(base)
@@ -115,8 +140,9 @@ def test_parameters_more_than_the_simpler_law_has_must_show_in_rollouts(
 ) -> None:
     monkeypatch.setattr("morph.inference.finalist.at_noise", lambda runs: True)
     judge: Any = SimpleNamespace(sure=lambda a, b: sure, worse=lambda a, b: False)
-    before: Any = SimpleNamespace(evidence=0.0, losses=None)
-    after: Any = SimpleNamespace(evidence=100.0, losses=None, refit=SimpleNamespace(runs=()))
+    before: Any = SimpleNamespace(evidence=0.0, losses=None, effects=(1,))
+    refit = SimpleNamespace(runs=())
+    after: Any = SimpleNamespace(evidence=100.0, losses=None, refit=refit, effects=(1,))
     simple = CoulombFriction(joint="axle")
     assert replace(task, validation=judge).prefers(before, after, simple, other) == taken
 
