@@ -32,16 +32,27 @@ def output_error(hypothesis: Hypothesis, point: Array, validation: Validation) -
         point: Where it begins, shape (entries,).
         validation: The rollouts, and which fold each belongs to.
     """
-    segments, before = validation.segments, np.inf
+    segments, before, found = validation.segments, np.inf, None
+    read = predict(hypothesis, segments, [point], [segments.start])[0]
     for _ in range(CYCLES):
-        read = predict(hypothesis, segments, [point], [segments.start])[0]
         scale, weight = measure(segments, read)
         size = float(np.exp(np.log(scale).mean()))
         if size > (1.0 - SETTLED) * before:
             break
         # Errors that fall weigh more beside the prior.
-        found = fit(hypothesis, segments, scale, weight, point=point, iterations=STEPS)
-        point, before = found.point, size
+        found = fit(
+            hypothesis,
+            segments,
+            scale,
+            weight,
+            point=found.point if found else point,
+            start=found.start if found else None,
+            around=found.around.in_units(found.scale / scale) if found else None,
+            iterations=STEPS,
+        )
+        read, before = segments.reading - found.around.error.reshape(read.shape) * scale, size
+    assert found is not None
+    point = found.point
     fold, curve = validation.fold, found.quadratic
     grams = np.zeros((validation.folds, 1 + len(point), 1 + len(point)))
     np.add.at(grams[:, 0, 0], fold, curve.loss)

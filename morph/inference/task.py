@@ -29,6 +29,8 @@ SIMULATED = 6
 """How many of the likeliest sets, and of the likeliest single effects, are simulated."""
 FINALISTS = 2
 """How many of those with the least error are refitted, beside the likeliest."""
+DRY = [{"coulomb_friction"}, {"stribeck_friction"}, {"load_dependent_friction"}]
+"""Laws of dry friction, each of which is refitted to rollouts at all driven joints."""
 GROUP = -5.0
 """Least gain of a law of friction at all driven joints that is simulated, nats: it is tried even
 where it gains a little less than it costs."""
@@ -184,8 +186,8 @@ class Task:
         stable = [one for one in by_rollouts if losses[one.members] < most]
         likeliest = sorted(by_rollouts, key=lambda one: -one.gain)[:1]
         if self.by_rollouts and not base.effects:
-            one_law = [one for one in by_labels.values() if len({e.name for e in one.effects}) == 1]
-            chosen = [*one_law, *stable[:FINALISTS]]
+            dry = [one for one in by_labels.values() if {e.name for e in one.effects} in DRY]
+            chosen = [*dry, *stable[:FINALISTS]]
         else:
             chosen = [*likeliest, *stable[:FINALISTS]]
         return list({one.members: one for one in chosen}.values())

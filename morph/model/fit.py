@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -137,6 +137,7 @@ def fit(
     *,
     point: Array | None = None,
     start: Array | None = None,
+    around: Sensitivity | None = None,
     iterations: int = 6,
     tolerance: float = 2e-3,
     beaten_by: float = math.inf,
@@ -150,6 +151,7 @@ def fit(
         weight: Of each segment's loss, shape (segments,).
         point: Where to begin; default the hypothesis' own start.
         start: The segments' starts to begin with; default as smoothed.
+        around: Error and derivatives at `point` and `start`, where they are known.
         iterations: Most Gauss-Newton steps.
         tolerance: Relative gain in cost below which it stops.
         beaten_by: A cost already reached elsewhere; a fit that is far from it after two
@@ -159,7 +161,8 @@ def fit(
     point = np.clip(point, hypothesis.low, hypothesis.high)
     start = segments.start if start is None else start
     space = room(hypothesis, point)
-    around = sensitivity(hypothesis, segments, point, start, scale)
+    if around is None:
+        around = sensitivity(hypothesis, segments, point, start, scale)
     for step in range(iterations):
         curve = quadratic(segments, around, weight)
         total = curve.hessian.sum(axis=0), curve.slope.sum(axis=0)
@@ -191,13 +194,6 @@ def fit(
         quadratic=quadratic(segments, around, weight),
         weight=weight,
     )
-
-
-def rescaled(found: Fit, segments: Segments, scale: Array, weight: Array) -> Fit:
-    """Return a fit as it stands, its errors in other units; nothing is simulated."""
-    around = found.around.in_units(found.scale / scale)
-    curve = quadratic(segments, around, weight)
-    return replace(found, scale=scale, weight=weight, around=around, quadratic=curve)
 
 
 def measure(segments: Segments, predicted: Array) -> tuple[Array, Array]:

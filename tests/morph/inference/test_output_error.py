@@ -86,7 +86,7 @@ def test_a_refit_by_rollouts_is_judged_by_its_stretches(task: Task) -> None:
     assert best.losses.sum() < none.losses.sum() - 1.0
     # Each law of friction was refitted, however little its evidence.
     names = {effect.name for each in tried for effect in each.effects}
-    assert {"coulomb_friction", "load_dependent_friction", "hysteresis"} <= names
+    assert {"coulomb_friction", "load_dependent_friction", "stribeck_friction"} <= names
 
 
 def test_where_the_missing_force_is_not_believed_rollouts_decide(
