@@ -14,7 +14,7 @@ from morph.model.shooting import predict
 CYCLES, STEPS = 3, 2
 """Most estimates of the errors' sizes, and Gauss-Newton steps under each."""
 SETTLED = 0.02
-"""Share of their sizes by which errors must fall for another estimate."""
+"""Logarithm of the factor by which errors must fall for another estimate of their sizes."""
 
 
 def output_error(hypothesis: Hypothesis, point: Array, validation: Validation) -> LogPosterior:
@@ -32,26 +32,26 @@ def output_error(hypothesis: Hypothesis, point: Array, validation: Validation) -
         point: Where it begins, shape (entries,).
         validation: The rollouts, and which fold each belongs to.
     """
-    segments, before, found = validation.segments, np.inf, None
+    segments = validation.segments
     read = predict(hypothesis, segments, [point], [segments.start])[0]
-    for _ in range(CYCLES):
+    units = measure(segments, read)
+    found = fit(hypothesis, segments, *units, point=point, iterations=STEPS)
+    for _ in range(CYCLES - 1):
+        read = segments.reading - found.around.error.reshape(read.shape) * found.scale
         scale, weight = measure(segments, read)
-        size = float(np.exp(np.log(scale).mean()))
-        if size > (1.0 - SETTLED) * before:
+        if float(np.log(scale / found.scale).mean()) > -SETTLED:
             break
-        # Errors that fall weigh more beside the prior.
+        # Errors that have fallen weigh more beside the prior.
         found = fit(
             hypothesis,
             segments,
             scale,
             weight,
-            point=found.point if found else point,
-            start=found.start if found else None,
-            around=found.around.in_units(found.scale / scale) if found else None,
+            point=found.point,
+            start=found.start,
+            around=found.around.in_units(found.scale / scale),
             iterations=STEPS,
         )
-        read, before = segments.reading - found.around.error.reshape(read.shape) * scale, size
-    assert found is not None
     point = found.point
     fold, curve = validation.fold, found.quadratic
     grams = np.zeros((validation.folds, 1 + len(point), 1 + len(point)))
