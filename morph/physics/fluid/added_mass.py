@@ -64,11 +64,11 @@ class AddedMass(WetEffect):
     rx_rz: float = parameter(0.0, unit="kg m2", low=-1e3, high=1e3, neutral=0.0, free=False)
     ry_rz: float = parameter(0.0, unit="kg m2", low=-1e3, high=1e3, neutral=0.0, free=False)
     """What couples one axis to another: the upper triangle of K beside its diagonal."""
-    cx: float = parameter(0.0, unit="m", low=-100.0, high=100.0, free=False)
+    cx: float = parameter(0.0, unit="m", low=-100.0, high=100.0, spread=0.1)
     """The point that they refer to, in the link's frame: x."""
-    cy: float = parameter(0.0, unit="m", low=-100.0, high=100.0, free=False)
+    cy: float = parameter(0.0, unit="m", low=-100.0, high=100.0, spread=0.1)
     """The point that they refer to, in the link's frame: y."""
-    cz: float = parameter(0.0, unit="m", low=-100.0, high=100.0, free=False)
+    cz: float = parameter(0.0, unit="m", low=-100.0, high=100.0, spread=0.1)
     """The point that they refer to, in the link's frame: z."""
 
     def __post_init__(self) -> None:

@@ -38,11 +38,11 @@ class Buoyancy(WetEffect):
     """Volume of fluid that the link displaces."""
     density: float = parameter(1000.0, unit="kg/m3", low=0.01, high=2e4, free=False)
     """Density of the fluid: 1000 for fresh water, 1025 for the sea, 1.2 for air."""
-    cx: float = parameter(0.0, unit="m", low=-100.0, high=100.0, free=False)
+    cx: float = parameter(0.0, unit="m", low=-100.0, high=100.0, spread=0.1)
     """Centre of buoyancy in the link's frame: x."""
-    cy: float = parameter(0.0, unit="m", low=-100.0, high=100.0, free=False)
+    cy: float = parameter(0.0, unit="m", low=-100.0, high=100.0, spread=0.1)
     """Centre of buoyancy in the link's frame: y."""
-    cz: float = parameter(0.0, unit="m", low=-100.0, high=100.0, free=False)
+    cz: float = parameter(0.0, unit="m", low=-100.0, high=100.0, spread=0.1)
     """Centre of buoyancy in the link's frame: z."""
 
     def edit(self, spec: Any) -> None:

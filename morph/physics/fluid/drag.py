@@ -35,10 +35,8 @@ class Drag(WetEffect):
         add_numbers(spec, self.body, self.slot, strengths)
 
     def beside(self, other: Effect) -> bool:
-        """Return whether it refers to the same point as another drag of its link."""
-        if not isinstance(other, Drag) or other.body != self.body:
-            return True
-        return bool(np.array_equal(other.centre, self.centre))
+        """Return whether it is the only drag of its link: two would refer to one point."""
+        return not (isinstance(other, Drag) and other.body == self.body)
 
     def regressor(self, motion: Motion) -> Array:
         """Return the force of each axis for a drag of one."""

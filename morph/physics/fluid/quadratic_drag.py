@@ -47,11 +47,11 @@ class QuadraticDrag(Drag):
     """Drag about the link's y."""
     rz: float = parameter(0.0, unit="N m s2/rad2", low=0.0, high=1e3, neutral=0.0)
     """Drag about the link's z."""
-    cx: float = parameter(0.0, unit="m", low=-100.0, high=100.0, free=False)
+    cx: float = parameter(0.0, unit="m", low=-100.0, high=100.0, spread=0.1)
     """The point that they refer to, in the link's frame: x."""
-    cy: float = parameter(0.0, unit="m", low=-100.0, high=100.0, free=False)
+    cy: float = parameter(0.0, unit="m", low=-100.0, high=100.0, spread=0.1)
     """The point that they refer to, in the link's frame: y."""
-    cz: float = parameter(0.0, unit="m", low=-100.0, high=100.0, free=False)
+    cz: float = parameter(0.0, unit="m", low=-100.0, high=100.0, spread=0.1)
     """The point that they refer to, in the link's frame: z."""
 
     @staticmethod
