@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 
 from morph.inference.finalist import Finalist, under
 from morph.inference.search import Prior, Search
-from morph.inference.task import Task, labels
+from morph.inference.task import EffectSelection, labels
 from morph.inference.validate import Validation, at_noise
 from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis
@@ -73,7 +73,7 @@ def ranked(
         progress: Told what is being done, and the share of the work that is behind.
         deadline: Time of the monotonic clock after which no refit begins.
     """
-    task = Task(
+    task = EffectSelection(
         nominal=nominal,
         episodes=episodes,
         known=known,
@@ -91,7 +91,7 @@ def ranked(
         far = replace(task, by_rollouts=True)
         start = far.refitted(nominal, none.refit.point, none.refit.runs)
         far, tried, best, search = _searched(far, start, far.search(start), progress)
-        best = far.at_least_error(best)
+        best = far.refitted_to_rollouts(best)
         found = best.refit
         again = task.refitted(found.hypothesis, found.point, found.runs)
         if at_noise(again.refit.runs):
@@ -108,7 +108,7 @@ def ranked(
         tried.append(best)
     stopped = task.late()
     if not stopped and not task.by_rollouts and not at_noise(best.refit.runs):
-        none, best = (task.at_least_error(each) for each in (none, best))
+        none, best = (task.refitted_to_rollouts(each) for each in (none, best))
     ordered = tuple(sorted([*tried, none], key=lambda each: -each.evidence))
     return Ranking(
         best=best, tried=ordered, validation=task.validation, search=search, stopped=stopped
@@ -116,8 +116,8 @@ def ranked(
 
 
 def _searched(
-    task: Task, base: Finalist, search: Search, progress: Progress
-) -> tuple[Task, list[Finalist], Finalist, Search]:
+    task: EffectSelection, base: Finalist, search: Search, progress: Progress
+) -> tuple[EffectSelection, list[Finalist], Finalist, Search]:
     """Return what is known of a task after rounds of a search from a set on, and their results.
 
     These are the sets that were refitted, the best of them or the first, and a search beside it.

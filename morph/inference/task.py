@@ -46,7 +46,7 @@ STEPS = 2
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Task:
+class EffectSelection:
     """What is ranked, and how sets of effects are refitted and compared."""
 
     nominal: Hypothesis
@@ -146,7 +146,7 @@ class Task:
             return tried, base
         return tried, functools.reduce(lambda a, b: better(a, b, self.validation), gained)
 
-    def at_least_error(self, found: Finalist) -> Finalist:
+    def refitted_to_rollouts(self, found: Finalist) -> Finalist:
         """Return a set refitted to rollouts, unless they are surely worse then."""
         refit = found.refit
         task = replace(self, by_rollouts=True)

@@ -11,7 +11,7 @@ from morph.body.load import load
 from morph.inference.output_error import output_error
 from morph.inference.rank import ranked
 from morph.inference.search import Prior
-from morph.inference.task import Task
+from morph.inference.task import EffectSelection
 from morph.inference.validate import Validation
 from morph.model.episodes import episode
 from morph.model.hypothesis import Hypothesis
@@ -30,7 +30,7 @@ SERVO = f"""
 
 
 @pytest.fixture(scope="module")
-def task(tmp_path_factory: pytest.TempPathFactory) -> Task:
+def task(tmp_path_factory: pytest.TempPathFactory) -> EffectSelection:
     """Return four runs of a servo that stands still for much of the time, to be explained."""
     path = tmp_path_factory.mktemp("servo") / "servo.xml"
     path.write_text(SERVO)
@@ -53,14 +53,14 @@ def task(tmp_path_factory: pytest.TempPathFactory) -> Task:
         }
         runs.append(episode(Recording(name=f"run_{number}", channels=channels), robot, STEP))
     trusted = {"mass": 0.0, "com": 0.0, "inertia": 0.0, "joint": 0.0, "gain": 0.5}
-    return Task(
+    return EffectSelection(
         nominal=Hypothesis(robot=robot, step=STEP, knobs=knobs(robot, trusted)),
         episodes=runs, known=(), validation=Validation.of(runs), prior=Prior(alone={}),
         deadline=np.inf, by_rollouts=True,
     )  # fmt: skip
 
 
-def test_rollouts_err_least_at_the_true_gain_and_friction(task: Task) -> None:
+def test_rollouts_err_least_at_the_true_gain_and_friction(task: EffectSelection) -> None:
     start = replace(task.nominal, effects=(CoulombFriction(joint="axle", c=0.05),))
     found = output_error(start, start.start, task.validation)
     (gain,) = np.exp(found.point[: len(start.knobs)]) * WRONG
@@ -77,7 +77,7 @@ def test_rollouts_err_least_at_the_true_gain_and_friction(task: Task) -> None:
     assert whole == pytest.approx(whole.T)
 
 
-def test_a_refit_by_rollouts_is_judged_by_its_stretches(task: Task) -> None:
+def test_a_refit_by_rollouts_is_judged_by_its_stretches(task: EffectSelection) -> None:
     none = task.refitted(task.nominal, task.nominal.start)
     assert none.refit.evidence == pytest.approx(-none.losses.sum())
     ready = replace(task, prior=task.search(none).prior)
@@ -90,7 +90,7 @@ def test_a_refit_by_rollouts_is_judged_by_its_stretches(task: Task) -> None:
 
 
 def test_where_the_missing_force_is_not_believed_rollouts_decide(
-    task: Task, monkeypatch: pytest.MonkeyPatch
+    task: EffectSelection, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("morph.inference.task.UNMODELLED", 0.0)
     made = []

@@ -15,7 +15,7 @@ from morph.inference.finalist import Finalist, gains
 from morph.inference.findings import _in_units
 from morph.inference.refit import Refit, refitted
 from morph.inference.search import Prior
-from morph.inference.task import Task
+from morph.inference.task import EffectSelection
 from morph.inference.validate import Validation
 from morph.model.diagnosis import Estimate
 from morph.model.episodes import episode
@@ -36,7 +36,7 @@ WHEEL = f"""
 
 
 @pytest.fixture(scope="module")
-def task(tmp_path_factory: pytest.TempPathFactory) -> Task:
+def task(tmp_path_factory: pytest.TempPathFactory) -> EffectSelection:
     """Return four runs of a wheel with dry friction, the same at every speed, to be explained."""
     path = tmp_path_factory.mktemp("wheel") / "wheel.xml"
     path.write_text(WHEEL)
@@ -58,19 +58,21 @@ def task(tmp_path_factory: pytest.TempPathFactory) -> Task:
         }
         runs.append(episode(Recording(name=f"run_{number}", channels=channels), robot, STEP))
     nominal = Hypothesis(robot=robot, step=STEP, knobs=())
-    bare = Task(
+    bare = EffectSelection(
         nominal=nominal, episodes=runs, known=(), validation=Validation.of(runs),
         prior=Prior(alone={}), deadline=np.inf,
     )  # fmt: skip
     return replace(bare, prior=bare.search(found(bare, nominal)).prior)
 
 
-def found(task: Task, hypothesis: Hypothesis) -> Finalist:
+def found(task: EffectSelection, hypothesis: Hypothesis) -> Finalist:
     """Return a hypothesis refitted to the runs."""
     return task.refitted(hypothesis, hypothesis.start)
 
 
-def test_a_simpler_law_takes_the_place_of_one_that_predicts_no_better(task: Task) -> None:
+def test_a_simpler_law_takes_the_place_of_a_richer_one(
+    task: EffectSelection,
+) -> None:
     curved = StribeckFriction(joint="axle", c=COULOMB, s=1.1 * COULOMB, vs=0.5)
     best = found(task, replace(task.nominal, effects=(curved,)))
     search = task.search(best)
@@ -85,7 +87,7 @@ def test_a_simpler_law_takes_the_place_of_one_that_predicts_no_better(task: Task
     assert again is None or not isinstance(again.effects[0], CoulombFriction)
 
 
-def test_an_effect_goes_where_the_others_explain_what_it_did(task: Task) -> None:
+def test_an_effect_goes_where_the_others_explain_what_it_did(task: EffectSelection) -> None:
     dry, wet = CoulombFriction(joint="axle", c=COULOMB), ViscousFriction(joint="axle", b=0.001)
     best = found(task, replace(task.nominal, effects=(dry, wet)))
     other = task.replaced(best, task.search(best), set())
@@ -110,7 +112,7 @@ def test_another_law_in_the_place_of_one_needs_less_evidence_than_one_more(
     assert gains(before, after, judge) == taken
 
 
-def test_no_set_is_refitted_twice(task: Task, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_set_is_refitted_twice(task: EffectSelection, monkeypatch: pytest.MonkeyPatch) -> None:
     base = found(task, task.nominal)
     search = task.search(base)
     best = search.sets(1)[0]
@@ -124,7 +126,7 @@ def test_no_set_is_refitted_twice(task: Task, monkeypatch: pytest.MonkeyPatch) -
         return [best, best]
 
     monkeypatch.setattr("morph.inference.task.refitted", counted)
-    monkeypatch.setattr(Task, "proposals", twice)
+    monkeypatch.setattr(EffectSelection, "proposals", twice)
     tried, _ = task.added(base, search, 1)
     assert len(tried) == 1
     assert calls == [[each.label for each in best.effects]]
@@ -136,7 +138,7 @@ def test_no_set_is_refitted_twice(task: Task, monkeypatch: pytest.MonkeyPatch) -
     (False, ViscousFriction(joint="axle"), True),
 ])  # fmt: skip
 def test_parameters_more_than_the_simpler_law_has_must_show_in_rollouts(
-    task: Task, monkeypatch: pytest.MonkeyPatch, sure: bool, other: Any, taken: bool
+    task: EffectSelection, monkeypatch: pytest.MonkeyPatch, sure: bool, other: Any, taken: bool
 ) -> None:
     monkeypatch.setattr("morph.inference.finalist.at_noise", lambda runs: True)
     judge: Any = SimpleNamespace(sure=lambda a, b: sure, worse=lambda a, b: False)
