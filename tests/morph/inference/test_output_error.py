@@ -106,3 +106,16 @@ def test_where_the_missing_force_is_not_believed_rollouts_decide(
     (effect,) = found.best.effects
     assert isinstance(effect, CoulombFriction)
     assert effect.c == pytest.approx(COULOMB, rel=0.02)
+
+
+def test_the_log_posterior_leads_from_too_little_friction_to_more(
+    task: EffectSelection, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("morph.inference.output_error.STEPS", 0)
+    start = replace(task.nominal, effects=(CoulombFriction(joint="axle", c=0.8 * COULOMB),))
+    found = output_error(start, start.start, task.validation)
+    assert found.point == pytest.approx(start.start)
+    for fold in range(task.validation.folds):
+        step, _, gained = found.without_fold(fold).step()
+        assert step[-1] > 0.0
+        assert gained > 0.0
