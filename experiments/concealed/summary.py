@@ -67,6 +67,16 @@ def _ece(rows: Sequence[JSON]) -> float | None:
     return calibration_error([claim for row in rows for claim in row["claims"]])
 
 
+def _ece_by_chance(rows: Sequence[JSON]) -> float | None:
+    """Return the calibration error that the claims would have were each exactly as probable."""
+    stated = np.array([claim for row in rows for claim in row["claims"]], dtype=float)
+    if not len(stated):
+        return None
+    drawn = np.random.default_rng(0).random((200, len(stated))) < stated[:, 0]
+    errors = [calibration_error(list(zip(stated[:, 0], each, strict=True))) for each in drawn]
+    return float(np.mean([error for error in errors if error is not None]))
+
+
 def _brier(rows: Sequence[JSON]) -> float | None:
     claims = [claim for row in rows for claim in row["claims"]]
     return float(np.mean([(p - t) ** 2 for p, t in claims])) if claims else None
@@ -108,6 +118,7 @@ FIGURES: Mapping[str, Figure] = {
     "unknown_right_shown": lambda rows: _share(rows, "unknown", _shown(_outside)),
     "unknown_wrong": lambda rows: _share(rows, "unknown", lambda r: r["answer"] != "unknown"),
     "ece": _ece,
+    "ece_by_chance": _ece_by_chance,
     "brier": _brier,
     "coverage": _coverage,
     "E_median": _median,

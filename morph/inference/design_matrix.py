@@ -24,9 +24,9 @@ LEVELS = (1.0, 0.3, 0.1, 0.03)
 explains more leaves less of it: each is scored at the scale under which it is likeliest."""
 SHAPES, SCREENED = 2, (1.0, 0.1)
 """How many shapes of an effect are searched, and the scales at which they are the likeliest."""
-FRICTIONS = (
+DRIVE_LAWS = (
     "coulomb_friction", "viscous_friction", "stribeck_friction", "load_dependent_friction",
-    "hysteresis",
+    "hysteresis", "series_elasticity",
 )  # fmt: skip
 """Laws that are also looked for at all driven joints together."""
 
@@ -47,7 +47,7 @@ def screened(
 
     A law of friction keeps all: it is also looked for at one shape at every joint.
     """
-    many = [at for at, g in enumerate(grids) if len(g) > SHAPES and g[0].name not in FRICTIONS]
+    many = [at for at, g in enumerate(grids) if len(g) > SHAPES and g[0].name not in DRIVE_LAWS]
     if not many:
         return list(grids)
     columns = list(effect_columns([grids[at] for at in many]))

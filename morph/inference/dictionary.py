@@ -14,7 +14,7 @@ from morph.body.robot import Robot
 from morph.errors import EffectError
 from morph.inference.columns import Columns
 from morph.inference.design_matrix import (
-    FRICTIONS,
+    DRIVE_LAWS,
     believed,
     effect_columns,
     screened,
@@ -150,9 +150,9 @@ def _prior(grids: Sequence[tuple[Effect, ...]], joints: Set[str], *, wet: bool) 
     }
     shapes = {grid[0].name: len(grid) for grid in grids}
     groups: dict[frozenset[str], float] = {}
-    for name in FRICTIONS:
+    for name in DRIVE_LAWS:
         if name in shapes and joints:
-            whole = ODDS + math.log(2 * len(FRICTIONS) * shapes[name])
+            whole = ODDS + math.log(2 * len(DRIVE_LAWS) * shapes[name])
             members = {f"{name}@{joint}" for joint in joints}
             groups[frozenset(members | {f"{VISCOUS}@{joint}" for joint in joints})] = whole
             groups[frozenset(members)] = whole
@@ -165,7 +165,7 @@ def _frictions(columns: Sequence[EffectColumn], joints: Set[str]) -> Iterator[tu
     laws: dict[tuple[str, int], list[int]] = {}
     shapes = Counter[str]()
     for at, effect in enumerate(column.effect for column in columns):
-        if effect.name in FRICTIONS and effect.where in joints:
+        if effect.name in DRIVE_LAWS and effect.where in joints:
             laws.setdefault((effect.name, shapes[effect.label]), []).append(at)
             shapes[effect.label] += 1
     beside = laws.get((VISCOUS, 0), [])

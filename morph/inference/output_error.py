@@ -59,5 +59,17 @@ def output_error(hypothesis: Hypothesis, point: Array, validation: Validation) -
     np.add.at(grams[:, 0, 1:], fold, curve.slope)
     np.add.at(grams[:, 1:, 0], fold, curve.slope)
     np.add.at(grams[:, 1:, 1:], fold, curve.hessian)
-    readings = len(segments) * segments.reading.shape[2]
-    return LogPosterior(hypothesis=hypothesis, point=point, grams=grams, readings=readings)
+    about = LogPosterior(
+        hypothesis=hypothesis,
+        point=point,
+        grams=grams,
+        readings=len(segments) * segments.reading.shape[2],
+    )
+    # The fit ends where further steps gain nothing: what slope is left there is not to be followed.
+    left = about.along()
+    held = np.where(left > 0.0, point >= hypothesis.high, point <= hypothesis.low)
+    share = np.bincount(fold, minlength=validation.folds) / len(fold)
+    even = share[:, None] * np.where(held, 0.0, left)
+    grams[:, 1:, 0] -= even
+    grams[:, 0, 1:] -= even
+    return about

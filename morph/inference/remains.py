@@ -19,7 +19,7 @@ SHARE, NATS = 0.003, 400.0
 """Where what remains is as probably physics as not: share of the joints' force, and evidence."""
 STEEP = 2.0
 """How steeply probability rises with the logarithm of each."""
-MOST = 0.6
+MOST = 0.55
 """Greatest probability: laws of the library that a search has missed leave as much. All are set by
 hand on cases of `experiments.concealed` that had been opened, before others judged."""
 

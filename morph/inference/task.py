@@ -29,11 +29,15 @@ SIMULATED = 6
 """How many of the likeliest sets, and of the likeliest single effects, are simulated."""
 FINALISTS = 2
 """How many of those with the least error are refitted, beside the likeliest."""
-DRY = [{"coulomb_friction"}, {"stribeck_friction"}, {"load_dependent_friction"}]
-"""Laws of dry friction, each of which is refitted to rollouts at all driven joints."""
+DRY = {"coulomb_friction", "stribeck_friction", "load_dependent_friction"}
+SPRINGS = {"series_elasticity"}
+"""Laws of real drives, each of which is refitted to rollouts at all driven joints: dry friction
+until one is found, springs where they lower the error."""
 GROUP = -5.0
 """Least gain of a law of friction at all driven joints that is simulated, nats: it is tried even
 where it gains a little less than it costs."""
+SHARES = (1.0, 0.3, 0.1)
+"""Shares of linearised strengths that are simulated where the linearisation is not believed."""
 DIVERGED = 0.5
 """By how much a set may raise the mean loss before it is refitted, nats a stretch and joint."""
 REPLACED, LOST = 3, 200.0
@@ -127,7 +131,7 @@ class EffectSelection:
         for found in self.proposals(search, search.sets(most), base):
             start = replace(self.nominal, effects=(*base.effects, *found.effects))
             if not self.late() and labels(start.effects) not in done:
-                own = base.refit.point + found.own
+                own = base.refit.point + (0.0 if self.by_rollouts else found.own)
                 point = np.concatenate([own, start.start[len(own) :]])
                 wholes.append(self.refitted(start, point, base.refit.runs, base.refit))
                 done.add(labels(start.effects))
@@ -161,8 +165,8 @@ class EffectSelection:
     ) -> list[Explanation]:
         """Return the sets to refit: the likeliest, and those with the least error in rollouts.
 
-        Where the model of the missing force is not believed, each law of friction at all driven
-        joints is first among them: stiction mimics lost torque.
+        Where the model of the missing force is not believed, laws of real drives at all joints are
+        first among them, as stiction mimics lost torque; and own figures stay where they are.
         """
         some = [one for one in sets if one.effects and one.gain > 0.0]
         alone = [one for one in some if len(one.members) == 1]
@@ -173,23 +177,39 @@ class EffectSelection:
         }
         hypothesis, now, losses = base.refit.hypothesis, float(base.losses.mean()), {}
         for members, found in listed.items():
+            parts = [search.without_fold(found, fold) for fold in range(self.validation.folds)]
             points = []
-            for fold in range(len(search.levels[0].folds)):
-                own, effects = search.without_fold(found, fold)
-                more = replace(hypothesis, effects=(*hypothesis.effects, *effects))
-                point = np.concatenate([base.refit.point + own, more.start[len(own) :]])
-                points.append(np.clip(point, more.low, more.high))
-            losses[members] = float(self.validation.losses(more, [points], base.refit.runs).mean())
+            for share in SHARES if self.by_rollouts else SHARES[:1]:
+                weaker = [scaled(effects, share) for _, effects in parts]
+                more = replace(hypothesis, effects=(*hypothesis.effects, *weaker[0]))
+                starts = [replace(more, effects=(*hypothesis.effects, *e)).start for e in weaker]
+                own = [0.0 if self.by_rollouts else change for change, _ in parts]
+                known = len(base.refit.point)
+                points.append(
+                    [
+                        np.clip(np.r_[base.refit.point + c, start[known:]], more.low, more.high)
+                        for c, start in zip(own, starts, strict=True)
+                    ]
+                )
+            by_share = self.validation.losses(more, points, base.refit.runs).mean(axis=1)
+            best = int(np.argmin(by_share))
+            losses[members] = float(by_share[best])
+            listed[members] = replace(found, effects=scaled(found.effects, SHARES[best]))
         by_rollouts = sorted(listed.values(), key=lambda one: losses[one.members])
         # A stiff spring diverges in long steps. So may the likeliest set, far from the base.
         most = now + DIVERGED * len(hypothesis.robot.joints)
         stable = [one for one in by_rollouts if losses[one.members] < most]
         likeliest = sorted(by_rollouts, key=lambda one: -one.gain)[:1]
-        if self.by_rollouts and not base.effects:
-            dry = [one for one in by_labels.values() if {e.name for e in one.effects} in DRY]
-            chosen = [*dry, *stable[:FINALISTS]]
-        else:
-            chosen = [*likeliest, *stable[:FINALISTS]]
+        chosen = [*likeliest, *stable[:FINALISTS]]
+        if self.by_rollouts:
+            known = bool(DRY & {effect.name for effect in base.effects})
+            drives = []
+            for one in by_labels.values():
+                laws = {effect.name for effect in one.effects}
+                bends = laws == SPRINGS and losses[one.members] < now
+                if bends or (len(laws) == 1 and laws <= DRY and not known):
+                    drives.append(one)
+            chosen = [*drives, *stable[:FINALISTS]] if drives else chosen
         return list({one.members: one for one in chosen}.values())
 
     def reduced(self, whole: Finalist) -> Finalist:
@@ -249,6 +269,13 @@ class EffectSelection:
         if other.simpler == effect.name and not self.validation.sure(best.losses, new.losses):
             return False
         return gains(best, new, self.validation)
+
+
+def scaled(effects: Sequence[Effect], share: float) -> tuple[Effect, ...]:
+    """Return effects at a share of their strengths."""
+    if share == 1.0:
+        return tuple(effects)
+    return tuple(each.with_strengths(share * each.coefficients) for each in effects)
 
 
 def labels(effects: Sequence[Effect]) -> frozenset[str]:

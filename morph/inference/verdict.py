@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from morph.arrays import Array
-from morph.inference.findings import SURE, factors, findings
+from morph.inference.findings import factors, findings
 from morph.inference.rank import Ranking
 from morph.inference.remains import Remains, remaining
 from morph.model.corrected import corrected, data, notes, provenance
@@ -24,6 +24,9 @@ from morph.model.split import Split
 
 RESIDUAL_SECONDS = 80.0
 """Seconds of motion that a residual is learned from, and states are looked at."""
+NONE = 0.65
+"""Most probability that nothing is missing: masses and gains within their uncertainty may hide what
+is. Calibrated as that of findings."""
 WITH_RESIDUAL = "corrected_plus_residual"
 """Name of the corrected model with a learned residual."""
 
@@ -142,12 +145,7 @@ def _probabilities(found: Sequence[Finding], remains: Remains, *, worse: bool) -
             label = f"{rival.effect}@{rival.where}"
             chances[label] = max(chances.get(label, 0.0), rival.probability)
     if not found:
-        chances["none"] = min(SURE, 1.0 - remains.more)
-    else:
-        chances["none"] = min(
-            max(0.0, 1.0 - finding.probability - sum(r.probability for r in finding.rivals))
-            for finding in found
-        )
+        chances["none"] = min(NONE, 1.0 - remains.more)
     if worse:
         # The training runs speak for the findings and the held-out runs against them.
         chances = {name: 0.5 * chance for name, chance in chances.items()}

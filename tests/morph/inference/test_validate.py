@@ -75,6 +75,21 @@ def test_a_gain_is_material_sure_and_at_no_folds_expense(
     assert validation.sure(before, before - losses(validation, by_fold, spread)) == sure
 
 
+def test_a_sure_gain_at_one_folds_expense_does_not_count(
+    pendulum: Robot, recorded: Callable[..., Recording]
+) -> None:
+    runs = [
+        recorded(pendulum, seconds=15.0, seed=k, name=f"run_{k}", start={"hinge": 0.5})
+        for k in range(4)
+    ]
+    long = Validation.of([episode(run, pendulum, step_for(runs, pendulum)) for run in runs])
+    before = losses(long, (3.0,) * 4, 0.0)
+    # (3 - h) / 4 nats in the mean with a standard error of 0.15 over 60 stretches: 2.4 and 2.7 of
+    # them. One run loses 0.53 or 0.47 of what three gain.
+    assert not long.sure(before, before - losses(long, (1.0, 1.0, 1.0, -1.6), 0.0))
+    assert long.sure(before, before - losses(long, (1.0, 1.0, 1.0, -1.4), 0.0))
+
+
 def test_a_loss_that_rises_in_the_mean_is_worse(validation: Validation) -> None:
     before = losses(validation, (3.0,) * 4, 0.0)
     assert validation.worse(before, before + losses(validation, (0.7, 1.0, 0.0, -0.4)))

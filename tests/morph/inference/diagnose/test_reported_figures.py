@@ -81,6 +81,7 @@ def test_traces_hold_the_readings_of_the_held_out_runs(runs: Any, found: Diagnos
         there = ~np.isnan(trace.time)
         at = np.round(trace.time[there] / PERIOD).astype(int)
         assert at[0] == 16  # The first rollout starts 0.15 s into the run.
+        assert trace.time[there] == pytest.approx(at * PERIOD, abs=1e-9)
         assert trace.measured[there] == pytest.approx(recording["hinge.position"][at], abs=1e-12)
 
 
