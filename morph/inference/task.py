@@ -220,7 +220,8 @@ class EffectSelection:
         if len(kept) == len(whole.effects) or (validation.worse(whole.losses, losses) and not idle):
             return whole
         fewer = self.refitted(*whole.about.reduced(kept), refit.runs)
-        if validation.worse(whole.losses, fewer.losses) and not idle:
+        likelier = at_noise(refit.runs) and whole.evidence - fewer.evidence > CERTAIN
+        if (likelier or validation.worse(whole.losses, fewer.losses)) and not idle:
             return whole
         # A time that the refit has shortened is no more to be claimed than one found short.
         return self.reduced(fewer) if any(map(validation.idle, fewer.effects)) else fewer
