@@ -12,9 +12,9 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
+from morph.inference.effect_selection import EffectSelection, labels
 from morph.inference.finalist import Finalist, under
 from morph.inference.search import Prior, Search
-from morph.inference.task import EffectSelection, labels
 from morph.inference.validate import Validation, at_noise
 from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis

@@ -8,19 +8,20 @@ import numpy as np
 import pytest
 
 from morph.body.load import load
+from morph.inference.effect_selection import EffectSelection
 from morph.inference.output_error import output_error
 from morph.inference.rank import ranked
 from morph.inference.search import Prior
-from morph.inference.task import EffectSelection
 from morph.inference.validate import Validation
 from morph.model.episodes import episode
 from morph.model.hypothesis import Hypothesis
 from morph.model.knobs import knobs
 from morph.physics.joint.coulomb_friction import CoulombFriction
 from morph.record.recording import Channel, Recording
+from tests.morph.inference.dry_disc import INERTIA, STEP, turned
 
-STEP, FINE, SAMPLES, NOISE = 0.004, 16, 750, 1e-3
-INERTIA, GAIN, DAMPING, COULOMB, WRONG = 0.02, 4.0, 0.2, 0.3, 1.3
+SAMPLES, NOISE = 750, 1e-3
+GAIN, DAMPING, COULOMB, WRONG = 4.0, 0.2, 0.3, 1.3
 SERVO = f"""
 <mujoco model="servo"><option gravity="0 0 0"/><worldbody><body name="disc">
   <joint name="axle" axis="0 0 1" damping="{DAMPING}"/>
@@ -38,15 +39,9 @@ def task(tmp_path_factory: pytest.TempPathFactory) -> EffectSelection:
     for number in range(4):
         time = STEP * np.arange(SAMPLES)
         goal = 0.25 * np.cos((1.0 + 0.3 * number) * time) + 0.05 * np.cos(7.0 * time)
-        angle, rate, read = 0.25, 0.0, []
-        for now in goal.tolist():
-            read.append(angle)
-            for _ in range(FINE):
-                torque = GAIN * (now - angle) - DAMPING * rate
-                moved = rate + STEP / FINE * torque / INERTIA
-                # Friction stops the disc within a step, or takes all that it can.
-                rate = np.sign(moved) * max(abs(moved) - STEP / FINE * COULOMB / INERTIA, 0.0)
-                angle += STEP / FINE * rate
+        read = turned(
+            goal.tolist(), lambda u, q, v: GAIN * (u - q) - DAMPING * v, coulomb=COULOMB, angle=0.25
+        )
         channels = {
             "axle.position": Channel(time=time, value=read + NOISE * rng.normal(size=SAMPLES)),
             "servo.command": Channel(time=time, value=goal, hold=True),
@@ -92,7 +87,7 @@ def test_a_refit_by_rollouts_is_judged_by_its_stretches(task: EffectSelection) -
 def test_where_the_missing_force_is_not_believed_rollouts_decide(
     task: EffectSelection, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("morph.inference.task.UNMODELLED", 0.0)
+    monkeypatch.setattr("morph.inference.effect_selection.UNMODELLED", 0.0)
     made = []
     real = output_error
 
@@ -100,7 +95,7 @@ def test_where_the_missing_force_is_not_believed_rollouts_decide(
         made.append(given)
         return real(*given)  # type: ignore[arg-type]
 
-    monkeypatch.setattr("morph.inference.task.output_error", counted)
+    monkeypatch.setattr("morph.inference.effect_selection.output_error", counted)
     found = ranked(task.nominal, task.episodes)
     assert made
     (effect,) = found.best.effects

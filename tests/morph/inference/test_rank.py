@@ -91,7 +91,7 @@ def test_a_search_that_stops_early_is_about_what_it_found(
     step = step_for(recordings, robot)
     nominal = Hypothesis(robot=robot, step=step, knobs=knobs(robot, {}))
     clock = iter(range(100))
-    monkeypatch.setattr("morph.inference.task.time.monotonic", lambda: next(clock))
+    monkeypatch.setattr("morph.inference.effect_selection.time.monotonic", lambda: next(clock))
     found = ranked(
         nominal, [episode(each, robot, step) for each in recordings], deadline=refits - 0.5
     )
