@@ -13,6 +13,8 @@ from morph.model.shooting import predict
 
 CYCLES, STEPS = 3, 2
 """Most estimates of the errors' sizes, and Gauss-Newton steps under each."""
+MOST_FITTED = 30
+"""Most stretches that are fitted, an even spread of those by which sets are compared."""
 SETTLED = 0.02
 """Logarithm of the factor by which errors must fall for another estimate of their sizes."""
 
@@ -32,7 +34,9 @@ def output_error(hypothesis: Hypothesis, point: Array, validation: Validation) -
         point: Where it begins, shape (entries,).
         validation: The rollouts, and which fold each belongs to.
     """
-    segments = validation.segments
+    some = min(len(validation.segments), MOST_FITTED)
+    rows = np.linspace(0, len(validation.segments) - 1, some).round().astype(int)
+    segments = validation.segments.only(rows)
     read = predict(hypothesis, segments, [point], [segments.start])[0]
     units = measure(segments, read)
     found = fit(hypothesis, segments, *units, point=point, iterations=STEPS)
@@ -53,7 +57,7 @@ def output_error(hypothesis: Hypothesis, point: Array, validation: Validation) -
             iterations=STEPS,
         )
     point = found.point
-    fold, curve = validation.fold, found.quadratic
+    fold, curve = validation.fold[rows], found.quadratic
     grams = np.zeros((validation.folds, 1 + len(point), 1 + len(point)))
     np.add.at(grams[:, 0, 0], fold, curve.loss)
     np.add.at(grams[:, 0, 1:], fold, curve.slope)

@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 from morph.inference.effect_selection import EffectSelection, labels
 from morph.inference.finalist import Finalist, under
 from morph.inference.search import Prior, Search
-from morph.inference.validate import Validation, at_noise
+from morph.inference.validate import Validation, at_noise, missing
 from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis
 from morph.physics.effect import Effect
@@ -24,6 +24,8 @@ Progress = Callable[[str, float], None]
 """Told what is being done and the share of the work that is behind, 0 to 1."""
 MOST = 4
 """Most effects, or laws at every joint, that the first search adds."""
+FAR = 10.0
+"""Missing force over the force that the motion needs from which no refit is tried under it."""
 LATER, MOST_ROUNDS, FAR_ROUNDS = 2, 3, 1
 """Most that each later search adds, and most of these searches; by the errors of rollouts, which
 take long, fewer."""
@@ -84,9 +86,12 @@ def ranked(
     none = task.refitted(nominal, nominal.start)
     search = task.search(none)
     task = replace(task, prior=search.prior)
-    task, tried, best, search = _searched(task, none, search, progress)
+    tried: list[Finalist] = []
+    best = none
+    if missing(none.refit.runs) < FAR:
+        task, tried, best, search = _searched(task, none, search, progress)
     none = functools.reduce(under, tried, none)
-    if not tried and not at_noise(best.refit.runs) and not task.late():
+    if not tried and not at_noise(none.refit.runs) and not task.late():
         # The model of the missing force is wrong: the search goes on by the errors of rollouts.
         far = replace(task, by_rollouts=True)
         start = far.refitted(nominal, none.refit.point, none.refit.runs)
@@ -123,9 +128,10 @@ def _searched(
     These are the sets that were refitted, the best of them or the first, and a search beside it.
     """
     tried: list[Finalist] = []
-    later = FAR_ROUNDS if task.by_rollouts else MOST_ROUNDS
+    later, first = (FAR_ROUNDS, 0.5) if task.by_rollouts else (MOST_ROUNDS, 0.1)
     for turn, most in enumerate((MOST, *[LATER] * later)):
-        progress(f"looking for what is missing (round {turn + 1})", 0.8 - 0.7 * 0.7**turn)
+        share = 0.8 - (0.8 - first) * 0.7**turn
+        progress(f"looking for what is missing (round {turn + 1})", share)
         new, best = task.added(base, search, most)
         tried += new
         same, base = labels(best.effects) == labels(base.effects), best

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -57,6 +57,19 @@ class Segments:
         """Return when a segment starts and ends within its episode, s."""
         start = float(self.first[index]) * self.step
         return start, start + self.steps * self.step
+
+    def only(self, rows: Integers) -> Segments:
+        """Return some of the segments."""
+        return replace(
+            self,
+            episode=self.episode[rows],
+            first=self.first[rows],
+            before=self.before[rows],
+            part=self.part[rows],
+            valid=self.valid[rows],
+            reading=self.reading[rows],
+            start=self.start[rows],
+        )
 
     def command(self, commands: Sequence[Array]) -> Array:
         """Return each segment's part of its episode's command, (segments, steps, actuators)."""

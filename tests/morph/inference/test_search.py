@@ -163,6 +163,16 @@ def test_odds_of_another_in_the_place_of_an_effect() -> None:
         assert found[EFFECTS_TRIED[each].label] == pytest.approx(due, abs=1e-6) or due < -held
 
 
+def test_a_figure_that_is_held_changes_the_errors_by_its_column() -> None:
+    rng = np.random.default_rng(5)
+    table = columns(rng, 1)
+    error = rng.normal(size=READINGS)
+    (level,) = searched(table, error, 1).levels
+    held = level.fixed(np.array([0]), np.array([0.7]))
+    whole = np.column_stack([error - 0.7 * table[:, 0], table[:, 1:]])
+    assert held.gram == pytest.approx(whole.T @ whole)
+
+
 @pytest.mark.parametrize("seed", range(8))
 def test_what_is_not_fitted_could_not_be_the_best(
     seed: int, monkeypatch: pytest.MonkeyPatch

@@ -59,3 +59,14 @@ def test_held_out_runs_do_not_choose_the_residual_whose_error_they_tell(
     assert set(ours) == set(theirs)
     for name, values in ours.items():
         assert np.array_equal(values, theirs[name]), name
+
+
+def test_a_residual_goes_with_the_model_beside_which_it_was_learned(
+    recorded: Callable[..., Any], learned_from: list[Recording]
+) -> None:
+    # The pendulum held out is as described: the heavier one that was learned is worse.
+    as_described = recorded(seeds=(4, 5)).recordings
+    found = diagnose(load("pendulum"), learned_from, held_out=as_described, seed=0)
+    assert found.held_out_rmse["corrected"] == found.held_out_rmse["nominal"]
+    assert "corrected_plus_residual" not in found.held_out_rmse
+    assert found.residual == {}
