@@ -1,0 +1,52 @@
+"""The log posterior to second order, against its closed form."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from morph.body.load import load
+from morph.inference.quadratic import LogPosterior
+from morph.model.hypothesis import Hypothesis
+from morph.model.knobs import knobs
+from morph.physics.joint.viscous_friction import ViscousFriction
+
+
+@pytest.fixture(scope="module")
+def nominal() -> Hypothesis:
+    """Return a pendulum whose mass may be off by a quarter."""
+    trust = {"mass": 0.25, "com": 0.0, "inertia": 0.0, "joint": 0.0, "gain": 0.0}
+    robot = load("pendulum")
+    return Hypothesis(robot=robot, step=0.002, knobs=knobs(robot, trust))
+
+
+def test_where_no_run_tells_anything_own_figures_go_to_the_nominal(nominal: Hypothesis) -> None:
+    own = len(nominal.knobs)
+    bare = LogPosterior(
+        hypothesis=nominal,
+        point=np.full(own, 0.1),
+        grams=np.zeros((1, 1 + own, 1 + own)),
+        readings=100,
+    )
+    step, _, gained = bare.step()
+    assert step == pytest.approx(-0.1)
+    # Half the sum of squares of the prior: 0.5 (0.1 / 0.25)^2 for each figure.
+    assert gained == pytest.approx(own * 0.5 * 0.16)
+
+
+def test_each_parameter_of_an_effect_costs_half_the_logarithm_of_the_readings(
+    nominal: Hypothesis,
+) -> None:
+    viscous = ViscousFriction(joint="hinge", b=0.1)
+    whole = replace(nominal, effects=(viscous,))
+    count = whole.size
+    # The effect's column has length 20, at right angles to the others and to the errors.
+    gram = np.zeros((1 + count, 1 + count))
+    gram[count, count] = 400.0
+    about = LogPosterior(
+        hypothesis=whole, point=whole.start, grams=gram[None], readings=round(np.exp(6.0))
+    )
+    # Without it, 0.1 of its column is left: 0.5 * 400 * 0.01 nats. It costs 3.
+    assert about.evidence([0]) - about.evidence([]) == pytest.approx(2.0 - 3.0, abs=1e-3)
