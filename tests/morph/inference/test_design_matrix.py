@@ -19,7 +19,7 @@ from morph.inference.design_matrix import (
     effect_columns,
     screened,
 )
-from morph.inference.dictionary import dictionary
+from morph.inference.dictionary import dictionary, search_beside
 from morph.inference.quadratic import quadratic
 from morph.inference.refit import Refit, refitted, seen
 from morph.inference.sticking import sensed
@@ -104,6 +104,16 @@ def test_what_acts_everywhere_is_looked_for_once(robot: Robot, base: Refit) -> N
     labels = [grid[0].label for grid in dictionary(robot, base.runs, ())]
     assert [label for label in labels if label.startswith("voltage_sag")] == ["voltage_sag@first"]
     assert sum(label.startswith("torque_scale") for label in labels) == 2
+
+
+@pytest.mark.parametrize("law", ["coulomb_friction", "series_elasticity"])
+def test_a_law_of_drives_is_one_proposal_at_all_driven_joints(base: Refit, law: str) -> None:
+    search = search_beside(base, (), None, 1)
+    both = {f"{law}@first", f"{law}@second"}
+    groups = [{search.columns[at].label for at in group} for group in search.groups]
+    assert both in groups
+    # The price of one at the same number of shapes, not of two.
+    assert search.prior.price(both) < sum(search.prior.alone[label] for label in both) - 3.0
 
 
 def test_the_shapes_that_alone_gain_most_are_searched(robot: Robot, base: Refit) -> None:

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from morph.body.load import load
-from morph.inference.effect_selection import EffectSelection
+from morph.inference.effect_selection import EffectSelection, scaled
 from morph.inference.finalist import Finalist, gains
 from morph.inference.findings import _in_units
 from morph.inference.refit import Refit, refitted
@@ -22,6 +22,7 @@ from morph.model.episodes import episode
 from morph.model.hypothesis import Hypothesis
 from morph.physics.actuator.torque_saturation import TorqueSaturation
 from morph.physics.joint.coulomb_friction import CoulombFriction
+from morph.physics.joint.series_elasticity import SeriesElasticity
 from morph.physics.joint.stribeck_friction import StribeckFriction
 from morph.physics.joint.viscous_friction import ViscousFriction
 from morph.record.recording import Channel, Recording
@@ -156,6 +157,15 @@ def test_parameters_more_than_the_simpler_law_has_must_show_in_rollouts(
     after: Any = SimpleNamespace(evidence=100.0, losses=None, refit=refit, effects=(1,))
     simple = CoulombFriction(joint="axle")
     assert replace(task, validation=judge).prefers(before, after, simple, other) == taken
+
+
+def test_a_share_of_an_effect_is_weaker_and_a_spring_stiffer() -> None:
+    given = ViscousFriction(joint="axle", b=0.2), SeriesElasticity(joint="axle", k=30.0)
+    wet, spring = scaled(given, 0.3)
+    assert isinstance(wet, ViscousFriction)
+    assert isinstance(spring, SeriesElasticity)
+    assert (wet.b, spring.k) == pytest.approx((0.06, 100.0))
+    assert scaled(given, 1.0) == given
 
 
 def test_the_interval_of_a_limit_is_that_of_one_over_it() -> None:
