@@ -81,8 +81,11 @@ def observed(
         dry = friction(effects, motion, about)
         motion = replace(motion, senses=dry.senses)
         force, shift = force_of(effects, motion), shift_of(effects, motion)
-        slope = _slope_of(effects, motion)
-        run = replace(run, force=force, slope=slope, shift=shift, sticking=dry.damping)
+        slope, shift_slope = _slope_of(effects, motion), _shift_slope_of(effects, motion)
+        run = replace(
+            run, force=force, slope=slope, shift=shift, shift_slope=shift_slope,
+            sticking=dry.damping,
+        )  # fmt: skip
         last = motion
         about = reference(model, run, guess, before=about)
         motion = moved(dry, _motion(model, robot, about, run, read.name), about)
@@ -163,6 +166,15 @@ def shift_of(effects: Sequence[Effect], motion: Motion) -> Array:
     return shift
 
 
+def _shift_slope_of(effects: Sequence[Effect], motion: Motion) -> Array:
+    """Return how changes of readings grow with positions and velocities, (channels, 2 dofs)."""
+    held, parts = shift_of(effects, motion), []
+    for name in ("reading", "reading_rate"):
+        there = replace(motion, **{name: getattr(motion, name) + NUDGE})
+        parts.append(np.diag((shift_of(effects, there) - held).mean(axis=0) / NUDGE))
+    return np.concatenate(parts, axis=1)
+
+
 def _sampled(read: Episode) -> tuple[SampledRun, Array]:
     """Return an episode on the simulation's grid, and a first guess of positions on it."""
     samples, dofs = len(read.command), read.reading.shape[1]
@@ -183,20 +195,24 @@ def _sampled(read: Episode) -> tuple[SampledRun, Array]:
         valid=valid,
         noise=read.noise,
         time_offset=offset,
-        jitter=_jitter(read),
-        unsure=read.unsure,
+        unsure=_unsure(read),
     )
     return run, np.stack(guess, axis=1)
 
 
-def _jitter(read: Episode) -> float:
-    """Return the standard deviation of the times of commands, s: the least regular channel's."""
+def _unsure(read: Episode) -> Array:
+    """Return the standard deviation of each control's integral over a step, (samples, actuators).
+
+    It is that of the commands as sent: a law that spreads a command's step over several samples
+    does not make the time of that step better known.
+    """
     times = [c.time for n, c in read.recording.channels.items() if n.endswith(".command")]
     periods = [np.diff(time) for time in times]
     # The median absolute deviation of a normal distribution is 0.6745 of its standard deviation,
-    # and a period is the difference of two times.
+    # and a period is the difference of two times; the least regular channel's counts.
     spread = [np.median(np.abs(p - np.median(p))) / 0.6745 / np.sqrt(2.0) for p in periods]
-    return float(max(spread, default=0.0))
+    changes = np.abs(np.diff(read.command, axis=0, prepend=read.command[:1]))
+    return np.asarray(np.hypot(max(spread, default=0.0) * changes, read.step * read.unsure))
 
 
 def _motion(

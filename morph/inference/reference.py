@@ -138,7 +138,12 @@ def _along(
         acceleration=acceleration,
         sticking=sticking,
         local=local,
-        tangent=Tangent(step=run.step, jacobian=jacobian, reads=run.reads, valid=run.valid),
+        tangent=Tangent(
+            step=run.step,
+            jacobian=jacobian,
+            reads=run.reads + run.shift_slope,
+            valid=run.valid,
+        ),
         disturbance=replace(known, jolt=_jolt(model, run, jacobian[:, :, 2 * dofs :])),
         error=np.where(run.valid, run.reading - _predicted(run, position, velocity), 0.0),
         sensed=run.noise,
@@ -196,7 +201,7 @@ def _moved(before: Reference, model: mujoco.MjModel, run: SampledRun) -> Referen
         before,
         acceleration=acceleration,
         sticking=sticking,
-        tangent=replace(before.tangent, jacobian=jacobian),
+        tangent=replace(before.tangent, jacobian=jacobian, reads=run.reads + run.shift_slope),
         error=np.where(run.valid, run.reading - _predicted(run, position, velocity), 0.0),
     )
 
@@ -210,13 +215,13 @@ def _predicted(run: SampledRun, position: Array, velocity: Array) -> Array:
     return np.asarray(shown + (run.shift + later))
 
 
-def _jolt(model: mujoco.MjModel, run: SampledRun, mobility: Array) -> Array:
+def _jolt(model: mujoco.MjModel, run: SampledRun, mobility: Array) -> Array | None:
     """Return the standard deviation of velocity changes by unsure commands, (samples, dofs)."""
+    if run.unsure is None:
+        return None
     data = mujoco.MjData(model)
     mujoco.mj_fwdPosition(model, data)
-    steps = np.abs(np.diff(run.command, axis=0, prepend=run.command[:1]))
-    unsure = np.hypot(run.jitter * steps, run.step * run.unsure)
-    forces = unsure @ np.abs(model.actuator_gainprm[:, :1] * actuator_moments(model, data))
+    forces = run.unsure @ np.abs(model.actuator_gainprm[:, :1] * actuator_moments(model, data))
     return times(np.abs(mobility), forces)
 
 

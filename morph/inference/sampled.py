@@ -31,10 +31,9 @@ class SampledRun:
     """Standard deviation of each channel's noise, shape (channels,)."""
     time_offset: Array | float = 0.0
     """Time of a reading less that of its sample, s, shape (samples, 1)."""
-    jitter: float = 0.0
-    """Standard deviation of the times at which commands change, s."""
-    unsure: Array | float = 0.0
-    """Standard deviation of each control, shape (samples, actuators)."""
+    unsure: Array | None = None
+    """Standard deviation of each control's integral over a step, its unit times s, shape (samples,
+    actuators). None: commands are known."""
     force: Array | float = 0.0
     """Known generalized force that the model lacks, N m or N, shape (samples, dofs)."""
     slope: Array | float = 0.0
@@ -43,6 +42,8 @@ class SampledRun:
     """Damping by dry friction near rest, N m s/rad or N s/m, shape (samples, dofs)."""
     shift: Array | float = 0.0
     """Known change of readings that the model lacks, shape (samples, channels)."""
+    shift_slope: Array | float = 0.0
+    """How that change grows with positions and velocities, shape (channels, 2 dofs)."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

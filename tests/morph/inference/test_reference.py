@@ -173,7 +173,7 @@ def test_commands_that_are_unsure_shake_the_joint(model: mujoco.MjModel) -> None
     case = swing(lambda t: 0.0)
     run = case["run"]
     unsure = np.zeros_like(run.command)
-    unsure[100] = 2.0
+    unsure[100] = 2.0 * H
     found = reference(model, replace(run, unsure=unsure), guess(case))
     jolt = found.disturbance.jolt
     assert jolt is not None
