@@ -20,6 +20,7 @@ from morph.physics.effect import Effect
 from morph.physics.joint.motor_side import MotorSideEffect
 from morph.sim.drive import received
 from morph.sim.rollout import rollout
+from morph.sim.trapezoid import trapezoidal
 
 HORIZON = 1.0
 """Seconds of a rollout: long enough for friction to show, short enough not to diverge."""
@@ -127,7 +128,7 @@ class Validation:
             runs: Smoothed runs, along which rollouts start.
         """
         segments, count, folds = self.segments, len(candidates), len(candidates[0])
-        variants = [hypothesis.at(point) for points in candidates for point in points]
+        variants = [trapezoidal(hypothesis.at(point)) for points in candidates for point in points]
         which = self.fold + folds * np.arange(count)[:, None]
         command = np.empty((count, len(segments), segments.steps, len(hypothesis.robot.actuators)))
         for at, variant in enumerate(variants):

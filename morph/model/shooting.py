@@ -14,6 +14,7 @@ from morph.model.segments import Segments
 from morph.physics.effect import Effect
 from morph.sim.drive import received, sensed, stamped, unsensed
 from morph.sim.rollout import Variant, rollout
+from morph.sim.trapezoid import trapezoidal
 
 MOST_ROWS_BYTES = 4e8
 """Memory that one batch's trajectories may take; larger ones run in turns."""
@@ -37,7 +38,7 @@ def predict(
     for point in points:
         key = point.tobytes()
         if key not in cache:
-            cache[key] = hypothesis.at(point)
+            cache[key] = trapezoidal(hypothesis.at(point))
         variants.append(cache[key])
         commands.append(_commands(hypothesis, segments, cache[key]))
     rows_bytes = (
