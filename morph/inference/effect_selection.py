@@ -28,7 +28,7 @@ from morph.sim.threads import each
 SIMULATED = 6
 """How many of the likeliest sets, and of the likeliest single effects, are simulated."""
 FINALISTS = 2
-"""How many of those with the least error are refitted, beside the likeliest."""
+"""How many of the likeliest, and of those with the least error, are refitted."""
 DRY = {"coulomb_friction", "stribeck_friction", "load_dependent_friction"}
 SPRINGS = {"series_elasticity"}
 """Laws of real drives, each of which is refitted to rollouts at all driven joints: dry friction
@@ -109,13 +109,17 @@ class EffectSelection:
             about = quadratic(hypothesis, refit.point, refit.runs, blocks=blocks)
         whole = list(range(len(refit.effects)))
         (losses,) = self.validation.losses_of(about, refit.runs, [whole])
+        fitted = losses
+        if not self.by_rollouts and at_noise(refit.runs):
+            points = [about.point] * self.validation.folds
+            (fitted,) = self.validation.losses(hypothesis, [points], refit.runs)
         if self.by_rollouts:
             # A stretch's errors are correlated: it counts as one reading of each joint.
             extra = 0.5 * max(0, refit.rank - len(hypothesis.knobs))
             evidence = -float(losses.sum()) - extra * math.log(len(losses))
             refit = replace(refit, evidence=evidence)
         price = self.prior.price({effect.label for effect in refit.effects})
-        return Finalist(refit=refit, price=price, losses=losses, about=about)
+        return Finalist(refit=refit, price=price, losses=losses, fitted=fitted, about=about)
 
     def added(self, base: Finalist, search: Search, most: int) -> tuple[list[Finalist], Finalist]:
         """Return larger sets that were refitted, and the best of them or the one before.
@@ -169,6 +173,7 @@ class EffectSelection:
         first among them, as stiction mimics lost torque; and own figures stay where they are.
         """
         some = [one for one in sets if one.effects and one.gain > 0.0]
+        some = some if self.by_rollouts else without_additions(some)
         alone = [one for one in some if len(one.members) == 1]
         groups = [one for one in search.together() if self.by_rollouts or one.gain > GROUP]
         by_labels = {labels(one.effects): one for one in groups[::-1]}
@@ -199,7 +204,7 @@ class EffectSelection:
         # A stiff spring diverges in long steps. So may the likeliest set, far from the base.
         most = now + DIVERGED * len(hypothesis.robot.joints)
         stable = [one for one in by_rollouts if losses[one.members] < most]
-        likeliest = sorted(by_rollouts, key=lambda one: -one.gain)[:1]
+        likeliest = sorted(by_rollouts, key=lambda one: -one.gain)[:FINALISTS]
         chosen = [*likeliest, *stable[:FINALISTS]]
         if self.by_rollouts:
             known = bool(DRY & {effect.name for effect in base.effects})
@@ -277,6 +282,19 @@ def scaled(effects: Sequence[Effect], share: float) -> tuple[Effect, ...]:
     if share == 1.0:
         return tuple(effects)
     return tuple(each.with_strengths(share * each.coefficients) for each in effects)
+
+
+def without_additions(sets: Sequence[Explanation]) -> list[Explanation]:
+    """Return sets, likeliest first, less those that add to a likelier one.
+
+    A law with more parameters than its simpler one is an addition too.
+    """
+    kept: list[tuple[frozenset[str], Explanation]] = []
+    for one in sets:
+        plain = frozenset(f"{each.simpler or each.name}@{each.where}" for each in one.effects)
+        if not any(fewer <= plain for fewer, _ in kept):
+            kept.append((plain, one))
+    return [one for _, one in kept]
 
 
 def labels(effects: Sequence[Effect]) -> frozenset[str]:

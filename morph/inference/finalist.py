@@ -27,6 +27,9 @@ class Finalist:
     """Negative log prior of its effects, nats."""
     losses: Array
     """Loss of each stretch in rollouts of the model fitted to the other folds, (segments,)."""
+    fitted: Array
+    """The same of the model fitted to all of them, where readings are explained to their noise:
+    parameters that few runs determine are far off without one of them. Elsewhere `losses`."""
     about: LogPosterior
     """The log posterior about the refit, by folds."""
 
@@ -56,11 +59,11 @@ def gains(before: Finalist, new: Finalist, validation: Validation) -> bool:
     needed = CERTAIN if len(new.effects) > len(before.effects) else LIKELIER
     if validation.sure(before.losses, new.losses):
         return gain > 0.0
-    refuted = validation.worse(before.losses, new.losses)
+    refuted = validation.worse(before.losses, new.fitted)
     return gain > needed and at_noise(new.refit.runs) and not refuted
 
 
 def better(one: Finalist, other: Finalist, validation: Validation) -> Finalist:
     """Return the likelier of two, unless the other is surely better in rollouts."""
     first, second = sorted((one, other), key=lambda each: -each.evidence)
-    return second if validation.sure(first.losses, second.losses) else first
+    return second if validation.sure(first.fitted, second.losses) else first

@@ -45,21 +45,25 @@ class LogPosterior:
         return pull - information(self.hypothesis) * offset(self.hypothesis, self.point)
 
     def step(
-        self, free: Mask | None = None, change: Array | None = None
+        self, free: Mask | None = None, change: Array | None = None, damping: float = 0.0
     ) -> tuple[Array, int, float]:
         """Return the likeliest step, the rank of its columns and the nats that it gains.
 
         Args:
             free: Entries that it may move, shape (entries,); by default all.
             change: Change of the others, same shape; by default none.
+            damping: Share of the second derivatives that is added to them, which shortens the
+                step most where they are least. Source: Marquardt 1963, Journal of SIAM 11(2),
+                eq. 18.
         """
         inner, pull = self.inner(), self.along()
+        damped = inner + damping * np.diag(np.diag(inner))
         free = np.ones(len(pull), dtype=bool) if free is None else free
         whole = np.zeros_like(pull) if change is None else np.where(free, 0.0, change)
         low = self.hypothesis.low - self.point - 1e-9
         high = self.hypothesis.high - self.point + 1e-9
         left = (pull - inner @ whole)[free]
-        whole[free], rank = bounded(inner[np.ix_(free, free)], left, low[free], high[free])
+        whole[free], rank = bounded(damped[np.ix_(free, free)], left, low[free], high[free])
         return whole, rank, float(pull @ whole - 0.5 * whole @ inner @ whole)
 
     def evidence(self, kept: Sequence[int]) -> float:

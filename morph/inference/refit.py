@@ -19,7 +19,9 @@ from morph.physics.effect import Effect
 from morph.sim.threads import each
 
 SHARES = (0.3, 0.1)
-"""DiagnosisRuns of a step that are tried where the whole step gains nothing."""
+"""Of the way from a smaller set's refit, from which a larger one is refitted again."""
+DAMPINGS = (0.0, 0.03, 1.0)
+"""Of Gauss-Newton steps, tried in turn until one gains: shorter ones where parameters multiply."""
 CYCLES = 4
 """Most estimates of the disturbances."""
 SETTLED = 1.0
@@ -144,17 +146,19 @@ def _descended(best: Refit, episodes: Sequence[Episode], rounds: int) -> Refit:
     """Return a refit after Gauss-Newton steps under the same disturbances."""
     hypothesis = best.hypothesis
     for _ in range(rounds):
-        step, rank, promised = quadratic(hypothesis, best.point, best.runs).step()
+        about = quadratic(hypothesis, best.point, best.runs)
+        _, rank, promised = about.step()
         last = best = _judged(hypothesis, best.point, best.runs, rank)
         if promised < SETTLED:
             break
-        for share in (1.0, *SHARES):
-            point = np.clip(best.point + share * step, hypothesis.low, hypothesis.high)
+        for damping in DAMPINGS:
+            step, _, _ = about.step(damping=damping)
+            point = np.clip(best.point + step, hypothesis.low, hypothesis.high)
             found = _judged(hypothesis, point, seen(hypothesis, point, episodes, best.runs), rank)
             if found.evidence > best.evidence:
                 best = found
                 break
-        if best is last or (share == 1.0 and best.evidence < last.evidence + SETTLED):
+        if best is last or (damping == 0.0 and best.evidence < last.evidence + SETTLED):
             break
     return best
 

@@ -66,7 +66,7 @@ def remaining(found: Finalist, validation: Validation) -> Remains:
             f"{name}.position": float(each) for name, each in zip(joints, share, strict=True)
         },
         nats=sum(_over_floor(run) for run in runs),
-        in_noise=float(np.expm1(2.0 * np.median(found.losses) / len(joints))),
+        in_noise=float(np.expm1(2.0 * np.median(found.fitted) / len(joints))),
     )
 
 

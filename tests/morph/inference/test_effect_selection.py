@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from morph.body.load import load
-from morph.inference.effect_selection import EffectSelection, scaled
-from morph.inference.finalist import Finalist, gains
+from morph.inference.effect_selection import EffectSelection, scaled, without_additions
+from morph.inference.finalist import Finalist, better, gains
 from morph.inference.findings import _in_units
 from morph.inference.refit import Refit, refitted
 from morph.inference.search import Prior
@@ -118,8 +118,43 @@ def test_another_law_in_the_place_of_one_needs_less_evidence_than_one_more(
     judge: Any = SimpleNamespace(sure=lambda a, b: False, worse=lambda a, b: False)
     refit = SimpleNamespace(runs=())
     before: Any = SimpleNamespace(evidence=0.0, losses=None, effects=(1,))
-    after: Any = SimpleNamespace(evidence=gain, losses=None, refit=refit, effects=(1,) * (1 + more))
+    effects = (1,) * (1 + more)
+    after: Any = SimpleNamespace(
+        evidence=gain, losses=None, fitted=None, refit=refit, effects=effects
+    )
     assert gains(before, after, judge) == taken
+
+
+def test_what_one_run_alone_determines_is_not_refuted_by_leaving_it_out(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("morph.inference.finalist.at_noise", lambda runs: True)
+    judge: Any = SimpleNamespace(sure=lambda a, b: b < a - 0.1, worse=lambda a, b: b > a + 0.1)
+    refit = SimpleNamespace(runs=())
+
+    def one(evidence: float, losses: float, fitted: float) -> Any:
+        return SimpleNamespace(
+            evidence=evidence, losses=losses, fitted=fitted, refit=refit, effects=(1,)
+        )
+
+    before, right, wrong = one(0.0, 2.8, 2.7), one(900.0, 3.4, 1.0), one(900.0, 3.4, 3.3)
+    assert gains(before, right, judge)
+    assert not gains(before, wrong, judge)
+    assert better(before, right, judge) is right
+    assert better(before, wrong, judge) is before
+
+
+def test_sets_that_add_to_a_likelier_one_are_no_proposals() -> None:
+    dry, stiction = CoulombFriction(joint="axle"), StribeckFriction(joint="axle")
+    wet, elsewhere = ViscousFriction(joint="axle"), CoulombFriction(joint="hinge")
+
+    def one(*effects: Any) -> Any:
+        return SimpleNamespace(effects=effects)
+
+    sets = [one(dry), one(dry, wet), one(stiction), one(wet), one(elsewhere), one(wet, elsewhere)]
+    assert without_additions(sets) == [sets[0], sets[3], sets[4]]
+    # The simpler law stays where it is the less likely one: it does not add.
+    assert without_additions([one(dry, wet), one(dry)])[1].effects == (dry,)
 
 
 def test_no_set_is_refitted_twice(task: EffectSelection, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -154,7 +189,9 @@ def test_parameters_more_than_the_simpler_law_has_must_show_in_rollouts(
     judge: Any = SimpleNamespace(sure=lambda a, b: sure, worse=lambda a, b: False)
     before: Any = SimpleNamespace(evidence=0.0, losses=None, effects=(1,))
     refit = SimpleNamespace(runs=())
-    after: Any = SimpleNamespace(evidence=100.0, losses=None, refit=refit, effects=(1,))
+    after: Any = SimpleNamespace(
+        evidence=100.0, losses=None, fitted=None, refit=refit, effects=(1,)
+    )
     simple = CoulombFriction(joint="axle")
     assert replace(task, validation=judge).prefers(before, after, simple, other) == taken
 

@@ -50,3 +50,15 @@ def test_each_parameter_of_an_effect_costs_half_the_logarithm_of_the_readings(
     )
     # Without it, 0.1 of its column is left: 0.5 * 400 * 0.01 nats. It costs 3.
     assert about.evidence([0]) - about.evidence([]) == pytest.approx(2.0 - 3.0, abs=1e-3)
+
+
+def test_damping_shortens_a_step_most_where_readings_tell_least(nominal: Hypothesis) -> None:
+    whole = replace(nominal, knobs=(), effects=(ViscousFriction(joint="hinge", b=1.0),))
+    # One entry: the second derivative is 400 and the prior's is of nothing, the first 40.
+    gram = np.array([[10.0, 40.0], [40.0, 400.0]])
+    about = LogPosterior(hypothesis=whole, point=whole.start, grams=gram[None], readings=100)
+    free, _, promised = about.step()
+    damped, _, less = about.step(damping=1.0)
+    # 40 / 400, and 40 / (400 + 400); what it gains is that of the undamped second order.
+    assert (free[0], damped[0]) == pytest.approx((0.1, 0.05), rel=1e-6)
+    assert (promised, less) == pytest.approx((2.0, 2.0 - 0.5), rel=1e-6)
