@@ -12,7 +12,7 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.inference.dictionary import search_beside
-from morph.inference.finalist import CERTAIN, LIKELIER, Finalist, better, gains, under
+from morph.inference.finalist import CERTAIN, Finalist, better, gains, under
 from morph.inference.observed import Observed, settled
 from morph.inference.output_error import output_error
 from morph.inference.quadratic import quadratic
@@ -28,7 +28,7 @@ from morph.sim.threads import each
 SIMULATED = 6
 """How many of the likeliest sets, and of the likeliest single effects, are simulated."""
 FINALISTS = 2
-"""How many of the likeliest, and of those with the least error, are refitted."""
+"""How many of those with the least error are refitted, beside the likeliest."""
 DRY = {"coulomb_friction", "stribeck_friction", "load_dependent_friction"}
 SPRINGS = {"series_elasticity"}
 """Laws of real drives, each of which is refitted to rollouts at all driven joints: dry friction
@@ -40,6 +40,9 @@ SHARES = (1.0, 0.3, 0.1)
 """Shares of linearised strengths that are simulated where the linearisation is not believed."""
 DIVERGED = 0.5
 """By how much a set may raise the mean loss before it is refitted, nats a stretch and joint."""
+RIVAL = 10.0
+"""Nats by which another law is likelier in Gram space from which it is tried in the place of one;
+twins are tried from minus `CERTAIN` on."""
 REPLACED, LOST = 3, 200.0
 """Most laws that are tried in the place of others, and nats that an effect which is left out may
 cost in Gram space: a refit of the others may make up for it."""
@@ -173,7 +176,6 @@ class EffectSelection:
         first among them, as stiction mimics lost torque; and own figures stay where they are.
         """
         some = [one for one in sets if one.effects and one.gain > 0.0]
-        some = some if self.by_rollouts else without_additions(some)
         alone = [one for one in some if len(one.members) == 1]
         groups = [one for one in search.together() if self.by_rollouts or one.gain > GROUP]
         by_labels = {labels(one.effects): one for one in groups[::-1]}
@@ -204,7 +206,7 @@ class EffectSelection:
         # A stiff spring diverges in long steps. So may the likeliest set, far from the base.
         most = now + DIVERGED * len(hypothesis.robot.joints)
         stable = [one for one in by_rollouts if losses[one.members] < most]
-        likeliest = sorted(by_rollouts, key=lambda one: -one.gain)[:FINALISTS]
+        likeliest = sorted(by_rollouts, key=lambda one: -one.gain)[:1]
         chosen = [*likeliest, *stable[:FINALISTS]]
         if self.by_rollouts:
             known = bool(DRY & {effect.name for effect in base.effects})
@@ -225,6 +227,7 @@ class EffectSelection:
         if len(kept) == len(whole.effects) or (validation.worse(whole.losses, losses) and not idle):
             return whole
         fewer = self.refitted(*whole.about.reduced(kept), refit.runs)
+        fewer = fewer if self.by_rollouts else under(fewer, whole)
         likelier = at_noise(refit.runs) and whole.evidence - fewer.evidence > CERTAIN
         if (likelier or validation.worse(whole.losses, fewer.losses)) and not idle:
             return whole
@@ -247,7 +250,10 @@ class EffectSelection:
             none, every = search.instead(effect.label, *best.refit.removal(at))
             rivals += [(none, at, None)] if none > -LOST and len(best.effects) > 1 else []
             others = [one for one in every if one[0].label not in gone]
-            rivals += [(gain, at, other) for other, gain in others[:1] if gain > LIKELIER]
+            rivals += [(gain, at, other) for other, gain in others[:1] if gain > RIVAL]
+            # A time is not small beside a step: of its twins the linearisation says little.
+            twins = [(gain, at, o) for o, gain in others if o.name in effect.twins]
+            rivals += [one for one in twins[:1] if -CERTAIN < one[0] <= RIVAL]
             simple = f"{effect.simpler}@{effect.where}"
             strength = effect.coefficients[:1]
             rivals += [(g, at, o.with_strengths(strength)) for o, g in others if o.label == simple]
@@ -282,19 +288,6 @@ def scaled(effects: Sequence[Effect], share: float) -> tuple[Effect, ...]:
     if share == 1.0:
         return tuple(effects)
     return tuple(each.with_strengths(share * each.coefficients) for each in effects)
-
-
-def without_additions(sets: Sequence[Explanation]) -> list[Explanation]:
-    """Return sets, likeliest first, less those that add to a likelier one.
-
-    A law with more parameters than its simpler one is an addition too.
-    """
-    kept: list[tuple[frozenset[str], Explanation]] = []
-    for one in sets:
-        plain = frozenset(f"{each.simpler or each.name}@{each.where}" for each in one.effects)
-        if not any(fewer <= plain for fewer, _ in kept):
-            kept.append((plain, one))
-    return [one for _, one in kept]
 
 
 def labels(effects: Sequence[Effect]) -> frozenset[str]:

@@ -13,7 +13,7 @@ from morph.physics.effect import Effect
 
 CERTAIN = 20.0
 """Gain in evidence, nats, that needs no gain in rollouts where readings are at their noise."""
-LIKELIER = 10.0
+LIKELIER = 3.0
 """The same of a set with no more effects: another law in the place of one."""
 
 

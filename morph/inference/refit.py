@@ -20,8 +20,9 @@ from morph.sim.threads import each
 
 SHARES = (0.3, 0.1)
 """Of the way from a smaller set's refit, from which a larger one is refitted again."""
-DAMPINGS = (0.0, 0.03, 1.0)
-"""Of Gauss-Newton steps, tried in turn until one gains: shorter ones where parameters multiply."""
+STEPS = ((0.0, 1.0), (0.03, 1.0), (0.0, 0.3), (1.0, 1.0), (0.0, 0.1))
+"""Damping and share of a Gauss-Newton step, tried in turn until one gains. Damping turns it where
+parameters multiply, a share shortens it where a law has an edge."""
 CYCLES = 4
 """Most estimates of the disturbances."""
 SETTLED = 1.0
@@ -151,14 +152,16 @@ def _descended(best: Refit, episodes: Sequence[Episode], rounds: int) -> Refit:
         last = best = _judged(hypothesis, best.point, best.runs, rank)
         if promised < SETTLED:
             break
-        for damping in DAMPINGS:
+        for damping, share in STEPS:
             step, _, _ = about.step(damping=damping)
-            point = np.clip(best.point + step, hypothesis.low, hypothesis.high)
+            point = np.clip(best.point + share * step, hypothesis.low, hypothesis.high)
             found = _judged(hypothesis, point, seen(hypothesis, point, episodes, best.runs), rank)
             if found.evidence > best.evidence:
                 best = found
                 break
-        if best is last or (damping == 0.0 and best.evidence < last.evidence + SETTLED):
+        if best is last or (
+            (damping, share) == STEPS[0] and best.evidence < last.evidence + SETTLED
+        ):
             break
     return best
 
