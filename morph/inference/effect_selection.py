@@ -118,7 +118,7 @@ class EffectSelection:
             (fitted,) = self.validation.losses(hypothesis, [points], refit.runs)
         if self.by_rollouts:
             # A stretch's errors are correlated: it counts as one reading of each joint.
-            extra = 0.5 * max(0, refit.rank - len(hypothesis.knobs))
+            extra = 0.5 * max(0, refit.rank - hypothesis.free_knobs)
             evidence = -float(losses.sum()) - extra * math.log(len(losses))
             refit = replace(refit, evidence=evidence)
         price = self.prior.price({effect.label for effect in refit.effects})

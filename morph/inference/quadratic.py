@@ -75,7 +75,7 @@ class LogPosterior:
             kept: Indices of the effects that stay.
         """
         _, rank, gained = self.step(*self._left(kept))
-        extra = max(0, rank - len(self.hypothesis.knobs))
+        extra = max(0, rank - self.hypothesis.free_knobs)
         return gained - 0.5 * extra * math.log(self.readings)
 
     def idle(self, kept: Sequence[int]) -> Array:

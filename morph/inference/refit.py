@@ -194,7 +194,7 @@ def _judged(hypothesis: Hypothesis, point: Array, runs: Sequence[Observed], rank
     evidence = -0.5 * float(at @ (information(hypothesis) * at))
     for level in each(_errors, runs):
         evidence -= 0.5 * (float(level.gram[0, 0]) + level.logarithm)
-    evidence -= 0.5 * max(0, rank - len(hypothesis.knobs)) * math.log(readings(runs))
+    evidence -= 0.5 * max(0, rank - hypothesis.free_knobs) * math.log(readings(runs))
     return Refit(hypothesis=hypothesis, point=point, runs=runs, evidence=evidence, rank=rank)
 
 

@@ -101,6 +101,12 @@ class Hypothesis:
         said = any(knob.part == e.where and knob.kind in e.stands_for for e in self.effects)
         return (0.0, 0.0) if said else knob.bounds
 
+    @property
+    def free_knobs(self) -> int:
+        """How many knobs may be turned: those for which no effect stands."""
+        own = len(self.knobs)
+        return int(np.sum(self.low[:own] < self.high[:own]))
+
     @cached_property
     def trust(self) -> Array:
         """One over the variance that each entry has before any data, about its nominal."""

@@ -143,8 +143,8 @@ def test_a_step_that_is_too_long_is_shortened(
     start = refitted(whole, whole.start, [run], rounds=0).evidence
     newton = LogPosterior.step
 
-    def tenfold(at: LogPosterior) -> tuple[Array, int, float]:
-        step, rank, gained = newton(at)
+    def tenfold(at: LogPosterior, damping: float = 0.0) -> tuple[Array, int, float]:
+        step, rank, gained = newton(at, damping=damping)
         return 10.0 * step, rank, gained
 
     monkeypatch.setattr(LogPosterior, "step", tenfold)
