@@ -11,6 +11,7 @@ from morph.body.load import load
 from morph.inference.quadratic import LogPosterior
 from morph.model.hypothesis import Hypothesis
 from morph.model.knobs import knobs
+from morph.physics.body.link_inertia import LinkInertia
 from morph.physics.joint.viscous_friction import ViscousFriction
 
 
@@ -50,6 +51,27 @@ def test_each_parameter_of_an_effect_costs_half_the_logarithm_of_the_readings(
     )
     # Without it, 0.1 of its column is left: 0.5 * 400 * 0.01 nats. It costs 3.
     assert about.evidence([0]) - about.evidence([]) == pytest.approx(2.0 - 3.0, abs=1e-3)
+
+
+def test_an_effect_that_stands_for_figures_pays_for_its_own(nominal: Hypothesis) -> None:
+    trust = {"mass": 0.25, "com": 0.0, "inertia": 0.25, "joint": 0.0, "gain": 0.0}
+    turned = replace(nominal, knobs=knobs(nominal.robot, trust))
+    own = len(turned.knobs)
+    link = LinkInertia(body=turned.knobs[0].part, mass=1.2, inertia=1.1)
+    whole = replace(turned, effects=(link,))
+    assert (turned.free_knobs, whole.free_knobs) == (own, own - 2)
+    # Columns of length 20 at right angles to each other and to the errors.
+    gram = 400.0 * np.eye(1 + whole.size)
+    gram[0, 0] = 0.0
+    about = LogPosterior(
+        hypothesis=whole, point=whole.start, grams=gram[None], readings=round(np.exp(6.0))
+    )
+    with_it, without = about.step()[2] - about.evidence([0]), about.evidence([])
+    # Its two parameters cost 3 nats each, though two figures are no more free.
+    # The logarithm of 403 readings is 5.999.
+    assert with_it == pytest.approx(6.0, abs=2e-3)
+    # Without it 0.2 and 0.1 of its columns are left: 0.5 * 400 * (0.04 + 0.01) nats.
+    assert without == pytest.approx(-10.0, abs=1e-6)
 
 
 def test_damping_shortens_a_step_most_where_readings_tell_least(nominal: Hypothesis) -> None:
