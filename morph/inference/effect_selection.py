@@ -191,10 +191,10 @@ class EffectSelection:
                 more = replace(hypothesis, effects=(*hypothesis.effects, *weaker[0]))
                 starts = [replace(more, effects=(*hypothesis.effects, *e)).start for e in weaker]
                 own = [0.0 if self.by_rollouts else change for change, _ in parts]
-                known = len(base.refit.point)
+                there = len(base.refit.point)
                 points.append(
                     [
-                        np.clip(np.r_[base.refit.point + c, start[known:]], more.low, more.high)
+                        np.clip(np.r_[base.refit.point + c, start[there:]], more.low, more.high)
                         for c, start in zip(own, starts, strict=True)
                     ]
                 )
@@ -209,12 +209,12 @@ class EffectSelection:
         likeliest = sorted(by_rollouts, key=lambda one: -one.gain)[:1]
         chosen = [*likeliest, *stable[:FINALISTS]]
         if self.by_rollouts:
-            known = bool(DRY & {effect.name for effect in base.effects})
+            dry = bool(DRY & {effect.name for effect in base.effects})
             drives = []
             for one in by_labels.values():
                 laws = {effect.name for effect in one.effects}
                 bends = laws == SPRINGS and losses[one.members] < now
-                if bends or (len(laws) == 1 and laws <= DRY and not known):
+                if bends or (len(laws) == 1 and laws <= DRY and not dry):
                     drives.append(one)
             chosen = [*drives, *stable[:FINALISTS]] if drives else chosen
         return list({one.members: one for one in chosen}.values())

@@ -22,6 +22,9 @@ SETTLED = 0.02
 def output_error(hypothesis: Hypothesis, point: Array, validation: Validation) -> LogPosterior:
     """Return the log posterior about the point at which rollouts err least, by multiple shooting.
 
+    Its slope is zero there, but at bounds: the fit may end before, at its last step, and folds that
+    differ by what is left would leave the point at which rollouts were scored.
+
     The whitened likelihood is efficient where the model of the disturbance is right. Where physics
     without a name remains it is not: readings of a geared joint that sticks are likeliest where
     the joint sticks for any reason, such as a weak motor. A fit of what is scored predicts better.
@@ -69,7 +72,7 @@ def output_error(hypothesis: Hypothesis, point: Array, validation: Validation) -
         grams=grams,
         readings=len(segments) * segments.reading.shape[2],
     )
-    # The fit ends where further steps gain nothing: what slope is left there is not to be followed.
+    # What slope is left is taken from the folds evenly.
     left = about.along()
     held = np.where(left > 0.0, point >= hypothesis.high, point <= hypothesis.low)
     share = np.bincount(fold, minlength=validation.folds) / len(fold)

@@ -9,6 +9,7 @@ import pytest
 
 from morph.body.load import load
 from morph.inference.effect_selection import EffectSelection
+from morph.inference.finalist import Finalist
 from morph.inference.output_error import output_error
 from morph.inference.rank import ranked
 from morph.inference.search import Prior
@@ -125,3 +126,35 @@ def test_where_a_refit_ends_short_of_the_least_error_its_slope_is_not_followed(
     found = output_error(start, start.start, task.validation)
     step, _, _ = found.step()
     assert step == pytest.approx(0.0, abs=1e-9)
+
+
+def test_an_even_spread_of_stretches_is_fitted(
+    task: EffectSelection, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("morph.inference.output_error.MOST_FITTED", 4)
+    segments = task.validation.segments
+    assert len(segments) > 4
+    found = output_error(task.nominal, task.nominal.start, task.validation)
+    assert found.readings == 4 * segments.reading.shape[2]
+    # One of each run: every fold has its part of the second derivatives.
+    assert (found.grams[:, 1, 1] > 0.0).all()
+
+
+@pytest.mark.parametrize(("force", "first"), [(9.0, False), (11.0, True)])
+def test_where_ten_times_the_force_is_missing_no_whitened_refit_is_tried(
+    task: EffectSelection, monkeypatch: pytest.MonkeyPatch, force: float, first: bool
+) -> None:
+    searched = []
+
+    def added(
+        self: EffectSelection, base: Finalist, *rest: object
+    ) -> tuple[list[Finalist], object]:
+        searched.append(self.by_rollouts)
+        return [], base
+
+    monkeypatch.setattr(EffectSelection, "added", added)
+    monkeypatch.setattr("morph.inference.rank.missing", lambda runs: force)
+    monkeypatch.setattr("morph.inference.rank.at_noise", lambda runs: False)
+    ranked(task.nominal, task.episodes)
+    assert searched[0] == first
+    assert searched[-1]
