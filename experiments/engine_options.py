@@ -11,7 +11,7 @@ from pathlib import Path
 from morph.arrays import JSON
 from morph.errors import MorphError
 from morph.study.cell import Cell
-from morph.study.code_hash import RUNNERS, code_hash
+from morph.study.code_hash import RUNNERS, code_hash, source_folder
 from morph.study.engine import ENGINES, EngineOptions
 from morph.study.live import in_words, live
 from morph.study.run import run
@@ -34,10 +34,16 @@ OF_THE_ENGINE = ("experiments.bench_study",)
 def study_hash(module: str) -> str:
     """Return the hash of the code that a study's figures depend on.
 
+    Args:
+        module: What `python -m` runs: a module, or a package by its `__main__`.
+
     Raises:
         StudyError: There is no such module, or it has no source.
     """
-    return code_hash(module, ignore=() if module in OF_THE_ENGINE else NO_PART_OF_A_ROW)
+    main = f"{module}.__main__"
+    file = source_folder(module).joinpath(*main.split(".")).with_suffix(".py")
+    run = main if file.is_file() else module
+    return code_hash(run, ignore=() if module in OF_THE_ENGINE else NO_PART_OF_A_ROW)
 
 
 def add_engine_options(parser: argparse.ArgumentParser, *, out: str) -> None:

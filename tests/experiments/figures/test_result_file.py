@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from experiments.engine_options import study_hash
+from experiments.engine_options import NO_PART_OF_A_ROW, study_hash
 from experiments.figures.result_file import (
     Start,
     is_stale,
@@ -23,6 +23,7 @@ from experiments.figures.result_file import (
 from experiments.figures.result_schema import with_digest
 from morph.arrays import JSON
 from morph.errors import OutputError, StudyError
+from morph.study.code_hash import code_hash
 
 MODULE = "experiments.interval"
 
@@ -126,6 +127,12 @@ def test_a_result_is_stale_once_its_code_has_another_hash(tmp_path: Path, start:
     assert start.code_hash == study_hash(MODULE)
     changed = replace(start, code_hash="0" * 64)
     assert is_stale(saved(tmp_path / "two.json", changed))
+
+
+def test_a_study_that_is_a_package_depends_on_what_its_main_module_imports() -> None:
+    package = "experiments.concealed"
+    due = code_hash(f"{package}.__main__", ignore=NO_PART_OF_A_ROW)
+    assert study_hash(package) == due != code_hash(package, ignore=NO_PART_OF_A_ROW)
 
 
 def test_a_result_of_a_study_that_is_gone_is_stale(tmp_path: Path, start: Start) -> None:
