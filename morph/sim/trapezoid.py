@@ -20,8 +20,9 @@ def trapezoidal(variant: Variant) -> Variant:
 
     MuJoCo's implicit step solves (M + h D) dv = h tau, D the damping of joints and servos, as
     Euler's backward rule does. With M - h D / 2 in the place of M it is (M + h D / 2) dv = h tau,
-    the trapezoidal rule. What is taken is an armature. Motors of limited force keep theirs, as
-    MuJoCo leaves out their damping at the limit; so do motors that turn a rotor on a spring.
+    the trapezoidal rule. What is taken is an armature. Nothing is taken for motors whose force is
+    limited, by themselves or by their joint, as MuJoCo leaves out their damping at the limit, nor
+    for those that turn a rotor on a spring.
 
     Source: Hairer, Norsett and Wanner 1993, Solving ordinary differential equations I, section
     II.7 (the trapezoidal rule); the MuJoCo documentation, chapter Computation, section Numerical
@@ -35,7 +36,10 @@ def trapezoidal(variant: Variant) -> Variant:
     joint = model.actuator_trntype == mujoco.mjtTrn.mjTRN_JOINT
     servo = joint & (model.actuator_biastype == mujoco.mjtBias.mjBIAS_AFFINE)
     for motor in np.flatnonzero(servo & (model.actuator_forcelimited == 0)):
-        dof = model.jnt_dofadr[model.actuator_trnid[motor, 0]]
+        turned = model.actuator_trnid[motor, 0]
+        if model.jnt_actfrclimited[turned]:
+            continue
+        dof = model.jnt_dofadr[turned]
         damping[dof] -= model.actuator_gear[motor, 0] ** 2 * model.actuator_biasprm[motor, 2]
     for effect in variant.effects:
         if isinstance(effect, SeriesElasticity):

@@ -12,7 +12,7 @@ import pytest
 
 from morph.body.load import load
 from morph.inference.effect_selection import EffectSelection, scaled
-from morph.inference.finalist import Finalist, better, gains
+from morph.inference.finalist import Finalist, better, gains, under
 from morph.inference.findings import _in_units
 from morph.inference.refit import Refit, refitted
 from morph.inference.search import Prior
@@ -20,6 +20,8 @@ from morph.inference.validate import Validation
 from morph.model.diagnosis import Estimate
 from morph.model.episodes import episode
 from morph.model.hypothesis import Hypothesis
+from morph.physics.actuator.actuator_delay import ActuatorDelay
+from morph.physics.actuator.actuator_lag import ActuatorLag
 from morph.physics.actuator.torque_saturation import TorqueSaturation
 from morph.physics.joint.coulomb_friction import CoulombFriction
 from morph.physics.joint.series_elasticity import SeriesElasticity
@@ -105,7 +107,52 @@ def test_no_effect_leaves_a_set_at_noise_against_the_evidence(
     )
     monkeypatch.setattr("morph.inference.effect_selection.at_noise", lambda runs: noise)
     monkeypatch.setattr(Validation, "worse", lambda *given: False)
+    shared = []
+
+    def together(one: Finalist, other: Finalist) -> Finalist:
+        shared.append(other)
+        return under(one, other)
+
+    monkeypatch.setattr("morph.inference.effect_selection.under", together)
     assert len(task.reduced(whole).effects) == left
+    # Both were compared under the disturbance of the larger.
+    assert shared[0] is whole
+
+
+def test_rollouts_of_the_whole_refit_are_kept_where_it_reaches_the_noise(
+    task: EffectSelection,
+) -> None:
+    none = found(task, task.nominal)
+    assert none.fitted is none.losses
+    dry = found(task, replace(task.nominal, effects=(CoulombFriction(joint="axle", c=COULOMB),)))
+    points = [dry.refit.point] * task.validation.folds
+    (due,) = task.validation.losses(dry.refit.hypothesis, [points], dry.refit.runs)
+    assert dry.fitted == pytest.approx(due, abs=1e-12)
+    assert not np.allclose(dry.fitted, dry.losses, atol=1e-9)
+
+
+@pytest.mark.parametrize(("gain", "tried"), [(-5.0, True), (-25.0, False)])
+def test_a_twin_is_refitted_in_the_place_of_a_finding(
+    task: EffectSelection, monkeypatch: pytest.MonkeyPatch, gain: float, tried: bool
+) -> None:
+    late = ActuatorDelay(actuator="motor", T=0.01)
+    lag, wet = ActuatorLag(actuator="motor", T=0.01), ViscousFriction(joint="axle", b=0.1)
+    start = replace(task.nominal, effects=(late,))
+    refit = SimpleNamespace(
+        hypothesis=start, point=start.start, runs=(), removal=lambda at: (np.zeros(0, int), 0.0)
+    )
+    best: Any = SimpleNamespace(effects=(late,), refit=refit, evidence=0.0, losses=None)
+    # Viscous friction is no twin of a delay, and not likelier than it.
+    search: Any = SimpleNamespace(instead=lambda *given: (-1e3, [(wet, 0.0), (lag, gain)]))
+
+    def likelier(self: EffectSelection, hypothesis: Hypothesis, *rest: Any) -> Any:
+        return hypothesis.effects
+
+    monkeypatch.setattr(EffectSelection, "refitted", likelier)
+    monkeypatch.setattr(EffectSelection, "prefers", lambda *given: True)
+    monkeypatch.setattr(EffectSelection, "reduced", lambda self, new: new)
+    other = task.replaced(best, search, set())
+    assert other == ((lag,) if tried else None)
 
 
 @pytest.mark.parametrize(("more", "gain", "taken"), [

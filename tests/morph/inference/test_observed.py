@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ import pytest
 from morph.body.robot import Robot
 from morph.inference.observed import observed
 from morph.inference.refit import _errors
-from morph.model.episodes import episode, step_for
+from morph.model.episodes import Episode, episode, step_for
 from morph.model.hypothesis import Hypothesis
 from morph.physics.actuator.actuator_delay import ActuatorDelay
 from morph.physics.joint.end_stop import EndStop
@@ -20,14 +21,18 @@ from morph.physics.sensor.timestamp_offset import TimestampOffset
 from morph.record.recording import Recording
 
 
+def laid(run: Recording, robot: Robot) -> tuple[Episode, Any]:
+    """Return a recording on the grid of a simulation, and the description's model."""
+    step = step_for([run], robot)
+    nominal = Hypothesis(robot=robot, step=step, knobs=())
+    return episode(run, robot, step), nominal.at(nominal.start).model
+
+
 def test_a_stop_is_as_stiff_in_the_linearised_model(
     pendulum: Robot, recorded: Callable[..., Recording]
 ) -> None:
     run = recorded(pendulum, seconds=4.0, seed=0, name="run", start={"hinge": 0.5})
-    step = step_for([run], pendulum)
-    read = episode(run, pendulum, step)
-    nominal = Hypothesis(robot=pendulum, step=step, knobs=())
-    model = nominal.at(nominal.start).model
+    read, model = laid(run, pendulum)
     k, d, edge = 5.0, 0.3, 0.1
     stop = EndStop(joint="hinge", q_stop=edge, k=k, d=d)
     first = observed(model, pendulum, read)
@@ -39,7 +44,7 @@ def test_a_stop_is_as_stiff_in_the_linearised_model(
     assert min(inside.sum(), outside.sum()) > 100
     mobility, local = about.mobility[:, 0, 0], about.local[:, 0]
     # By the trapezoidal rule damping divides all by 1 - h / 2 times the slope of the acceleration.
-    bare, stopped = (1.0 - 0.5 * step * (local[:, 1] - each * mobility) for each in (0.0, d))
+    bare, stopped = (1.0 - 0.5 * read.step * (local[:, 1] - each * mobility) for each in (0.0, d))
     found = about.tangent.jacobian[:, 0, 0]
     # Central differences of a force that is linear err by rounding, 1e-16 / 1e-7.
     due = (local[:, 0] - k * mobility) / stopped
@@ -52,10 +57,7 @@ def test_a_sensor_that_reads_half_loses_no_evidence(
     pendulum: Robot, recorded: Callable[..., Recording]
 ) -> None:
     run = recorded(pendulum, seconds=4.0, seed=0, name="run", start={"hinge": 0.5})
-    step = step_for([run], pendulum)
-    read = episode(run, pendulum, step)
-    nominal = Hypothesis(robot=pendulum, step=step, knobs=())
-    model = nominal.at(nominal.start).model
+    read, model = laid(run, pendulum)
     # The smoothed motion is settled: one more round moves it by less than rounding matters.
     first = observed(model, pendulum, read)
     first = observed(model, pendulum, read, before=first)
@@ -79,10 +81,7 @@ def test_a_late_reading_sees_the_velocity(
     pendulum: Robot, recorded: Callable[..., Recording]
 ) -> None:
     run = recorded(pendulum, seconds=4.0, seed=0, name="run", start={"hinge": 0.5})
-    step = step_for([run], pendulum)
-    read = episode(run, pendulum, step)
-    nominal = Hypothesis(robot=pendulum, step=step, knobs=())
-    model = nominal.at(nominal.start).model
+    read, model = laid(run, pendulum)
     first = observed(model, pendulum, read)
     late = TimestampOffset(channel="hinge.position", T=0.003)
     about = observed(model, pendulum, read, effects=[late], before=first).about
@@ -98,14 +97,11 @@ def test_a_delay_makes_the_times_of_commands_no_better_known(
     clock = run.channels[f"{motor}.command"]
     jitter = replace(clock, time=clock.time + rng.uniform(0.0, 0.001, len(clock.time)))
     run = replace(run, channels={**run.channels, f"{motor}.command": jitter})
-    step = step_for([run], pendulum)
-    read = episode(run, pendulum, step)
+    read, model = laid(run, pendulum)
     read = replace(read, command=np.repeat(rng.normal(size=(len(read.command) // 4, 1)), 4, axis=0))
-    nominal = Hypothesis(robot=pendulum, step=step, knobs=())
-    model = nominal.at(nominal.start).model
     first = observed(model, pendulum, read)
     # Half a step late: each change of the command is spread over two samples.
-    delay = ActuatorDelay(actuator=motor, T=0.5 * step)
+    delay = ActuatorDelay(actuator=motor, T=0.5 * read.step)
     same, later = (
         observed(model, pendulum, read, effects=each, before=first).about.disturbance.jolt
         for each in ([], [delay])

@@ -153,6 +153,22 @@ def test_a_step_that_is_too_long_is_shortened(
     assert refitted(whole, whole.start, [run], rounds=1).evidence > start + 12.0
 
 
+def test_a_damped_step_is_tried_where_the_whole_one_leads_away(
+    nominal: Hypothesis, run: Episode, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole = replace(nominal, effects=MISSING)
+    start = refitted(whole, whole.start, [run], rounds=0).evidence
+    newton = LogPosterior.step
+
+    def astray(at: LogPosterior, damping: float = 0.0) -> tuple[Array, int, float]:
+        step, rank, gained = newton(at, damping=damping)
+        return step if damping > 0.0 else -step, rank, gained
+
+    monkeypatch.setattr(LogPosterior, "step", astray)
+    # As above: figures that start five standard deviations off are worth 12 nats each.
+    assert refitted(whole, whole.start, [run], rounds=1).evidence > start + 12.0
+
+
 def test_the_model_includes_smooth_effects_only(nominal: Hypothesis) -> None:
     effects = (
         effect("ViscousFriction", "hinge", b=0.7),

@@ -21,14 +21,16 @@ SECONDS = 0.4
 
 
 def turntable(
-    step: float, *, kv: float = KV, limited: bool = False, effects: tuple[Effect, ...] = ()
+    step: float, *, kv: float = KV, limited: str = "", effects: tuple[Effect, ...] = ()
 ) -> Variant:
-    force = 'forcerange="-99 99"' if limited else ""
+    """Return a turntable on a servo; `limited` says whether the motor or the joint limits it."""
+    force = 'forcerange="-99 99"' if limited == "motor" else ""
+    effort = 'actuatorfrcrange="-99 99"' if limited == "joint" else ""
     model: Any = mujoco.MjModel.from_xml_string(
         f"""<mujoco>
           <option timestep="{step}" integrator="implicitfast" gravity="0 0 0"/>
           <worldbody><body>
-            <joint name="hinge" axis="0 0 1" damping="{B}" armature="0.05"/>
+            <joint name="hinge" axis="0 0 1" damping="{B}" armature="0.05" {effort}/>
             <inertial pos="0 0 0" mass="1" diaginertia="{J - 0.05} {J - 0.05} {J - 0.05}"/>
           </body></worldbody>
           <actuator>
@@ -80,8 +82,12 @@ def test_little_is_taken_of_a_light_joint() -> None:
     assert found.model.dof_armature == pytest.approx([0.05 - MOST * J], rel=1e-9)
 
 
-def test_limited_motors_and_motors_on_springs_keep_their_inertia() -> None:
-    limited = trapezoidal(turntable(0.004, limited=True))
-    assert limited.model.dof_armature == pytest.approx([0.05 - 0.002 * B], rel=1e-12)
+@pytest.mark.parametrize("limited", ["motor", "joint"])
+def test_limited_motors_keep_their_inertia(limited: str) -> None:
+    found = trapezoidal(turntable(0.004, limited=limited))
+    assert found.model.dof_armature == pytest.approx([0.05 - 0.002 * B], rel=1e-12)
+
+
+def test_motors_on_springs_keep_their_inertia() -> None:
     sprung = trapezoidal(turntable(0.004, effects=(SeriesElasticity(joint="hinge", k=1e3),)))
     assert sprung.model.dof_armature == pytest.approx([0.05], rel=1e-12)
