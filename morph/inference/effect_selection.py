@@ -251,9 +251,11 @@ class EffectSelection:
             rivals += [(none, at, None)] if none > -LOST and len(best.effects) > 1 else []
             others = [one for one in every if one[0].label not in gone]
             rivals += [(gain, at, other) for other, gain in others[:1] if gain > RIVAL]
-            # A time is not small beside a step: of its twins the linearisation says little.
+            # A time is not small beside a step: of its twins the linearisation says little, and
+            # nothing of a law with an edge, or of a force that acts once.
+            least = -math.inf if effect.of_a_run else -CERTAIN
             twins = [(gain, at, o) for o, gain in others if o.name in effect.twins]
-            rivals += [one for one in twins[:1] if -CERTAIN < one[0] <= RIVAL]
+            rivals += [one for one in twins[:1] if least < one[0] <= RIVAL]
             simple = f"{effect.simpler}@{effect.where}"
             strength = effect.coefficients[:1]
             rivals += [(g, at, o.with_strengths(strength)) for o, g in others if o.label == simple]

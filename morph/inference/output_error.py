@@ -9,9 +9,9 @@ from morph.inference.quadratic import LogPosterior
 from morph.inference.validate import Validation
 from morph.model.fit import fit, measure
 from morph.model.hypothesis import Hypothesis
-from morph.model.shooting import predict
+from morph.model.shooting import predict, quadratic, sensitivity
 
-CYCLES, STEPS = 3, 2
+CYCLES, STEPS = 3, 4
 """Most estimates of the errors' sizes, and Gauss-Newton steps under each."""
 MOST_FITTED = 30
 """Most stretches that are fitted, an even spread of those by which sets are compared."""
@@ -59,8 +59,10 @@ def output_error(hypothesis: Hypothesis, point: Array, validation: Validation) -
             around=found.around.in_units(found.scale / scale),
             iterations=STEPS,
         )
-    point = found.point
-    fold, curve = validation.fold[rows], found.quadratic
+    point, around = found.point, found.around
+    if not around.exact:
+        around = sensitivity(hypothesis, segments, point, found.start, found.scale)
+    fold, curve = validation.fold[rows], quadratic(segments, around, found.weight)
     grams = np.zeros((validation.folds, 1 + len(point), 1 + len(point)))
     np.add.at(grams[:, 0, 0], fold, curve.loss)
     np.add.at(grams[:, 0, 1:], fold, curve.slope)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,11 +10,11 @@ from morph.arrays import Array
 from morph.model.hypothesis import Hypothesis
 from morph.model.segments import Segments
 from morph.model.shooting import (
-    Quadratic,
     Sensitivity,
     loss,
     predict,
     quadratic,
+    residual,
     sensitivity,
 )
 
@@ -24,9 +23,6 @@ SHARES = (1.0, 0.3)
 DAMPED = (1e-3, 3e-2, 1.0)
 """Levenberg-Marquardt dampings that are tried beside them: they turn the step out of a
 narrow valley, where shares of it only shorten it."""
-
-FAR_BEHIND = 1.4
-"""Times a cost that is already reached: further behind, a fit is not worth finishing."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -99,34 +95,6 @@ class Fit:
     """Of each segment's loss, shape (segments,)."""
     around: Sensitivity
     """The error and its derivatives at the point."""
-    quadratic: Quadratic
-    """The loss about the point."""
-
-    @property
-    def cost(self) -> float:
-        """The sum of the losses and of the price of straying from the description."""
-        price = room(self.hypothesis, self.point).price(self.point)
-        return float(self.quadratic.loss.sum()) + price
-
-    def intervals(self) -> tuple[Array, Array]:
-        """Return 90 % bounds of each entry of the point, from segment to segment.
-
-        The sandwich estimate (White 1980, Econometrica 48(4), eq. 3) holds also where
-        errors within a segment are correlated and the model is not exactly right.
-        """
-        low, high = self.hypothesis.low, self.hypothesis.high
-        free = low < high
-        whole = self.quadratic.hessian.sum(axis=0) + np.diag(self.hypothesis.trust)
-        bread = np.zeros_like(whole)
-        bread[np.ix_(free, free)] = np.linalg.pinv(whole[np.ix_(free, free)])
-        pull = self.quadratic.slope - self.quadratic.slope.mean(axis=0)
-        meat = pull.T @ pull * len(pull) / max(len(pull) - 1, 1)
-        # Where no segment says anything, what was known of an effect beforehand is all there is.
-        known = len(self.hypothesis.knobs)
-        told = ~np.isnan(self.hypothesis.likely) & (np.arange(len(self.point)) >= known)
-        meat += np.diag(np.where(told, self.hypothesis.trust, 0.0))
-        width = 1.645 * np.sqrt(np.clip(np.diag(bread @ meat @ bread), 0.0, None))
-        return np.clip(self.point - width, low, high), np.clip(self.point + width, low, high)
 
 
 def fit(
@@ -140,7 +108,6 @@ def fit(
     around: Sensitivity | None = None,
     iterations: int = 6,
     tolerance: float = 2e-3,
-    beaten_by: float = math.inf,
 ) -> Fit:
     """Fit a hypothesis to segments by Gauss-Newton steps with batched line searches.
 
@@ -154,8 +121,6 @@ def fit(
         around: Error and derivatives at `point` and `start`, where they are known.
         iterations: Most Gauss-Newton steps.
         tolerance: Relative gain in cost below which it stops.
-        beaten_by: A cost already reached elsewhere; a fit that is far from it after two
-            steps is left where it is.
     """
     point = hypothesis.start if point is None else point
     point = np.clip(point, hypothesis.low, hypothesis.high)
@@ -163,8 +128,8 @@ def fit(
     space = room(hypothesis, point)
     if around is None:
         around = sensitivity(hypothesis, segments, point, start, scale)
-    for step in range(iterations):
-        curve = quadratic(segments, around, weight)
+    for _ in range(iterations):
+        exact, curve = around.exact, quadratic(segments, around, weight)
         total = curve.hessian.sum(axis=0), curve.slope.sum(axis=0)
         change = space.best_change(*total, point)
         tried = [(share * change, share) for share in SHARES]
@@ -179,19 +144,20 @@ def fit(
         best = int(np.argmin(costs))
         cost = (weight * around.loss(segments)).sum() + space.price(point)
         gained = cost - costs[best]
-        if gained <= 0.0:
-            break
-        point, start = points[best], starts[best]
-        around = sensitivity(hypothesis, segments, point, start, scale)
-        if gained < tolerance * cost or (step >= 1 and costs[best] > FAR_BEHIND * beaten_by):
-            break
+        if gained > 0.0:
+            error = residual(segments, read[best], scale).reshape(len(segments), -1)
+            around = around.after(points[best] - point, error, starts[best])
+            point, start = points[best], starts[best]
+        if gained < tolerance * cost:
+            if exact:
+                break
+            around = sensitivity(hypothesis, segments, point, start, scale)
     return Fit(
         hypothesis=hypothesis.moved_to(point),
         point=point,
         start=start,
         scale=scale,
         around=around,
-        quadratic=quadratic(segments, around, weight),
         weight=weight,
     )
 

@@ -192,6 +192,32 @@ class Sensitivity:
     """Change of the prediction with each start, (segments, readings x joints, 2 joints)."""
     start: Array
     """The starts, shape (segments, 2 joints)."""
+    exact: bool = True
+    """Whether the derivatives are those at this point, and not carried over from another."""
+
+    def after(self, change: Array, error: Array, start: Array) -> Sensitivity:
+        """Return the error after a step, and derivatives that tell what it changed.
+
+        Of all such derivatives these are the nearest to the ones before, each in units of its size.
+        Source: Broyden 1965, Mathematics of Computation 19(92), eq. 4.5; Dennis and Schnabel 1996,
+        section 8.3 (units).
+
+        Args:
+            change: Of the point, shape (parameters,).
+            error: After the step, shape (segments, readings x joints).
+            start: After the step, shape (segments, 2 joints).
+        """
+        whole = np.concatenate([self.by_point, self.by_start], axis=2)
+        moved = np.concatenate([np.tile(change, (len(start), 1)), start - self.start], axis=1)
+        missed = self.error - error - (whole @ moved[..., None])[..., 0]
+        along = moved * (whole**2).sum(axis=1)
+        square = (along * moved).sum(axis=1)[:, None]
+        along = np.divide(along, square, out=np.zeros_like(along), where=square > 0.0)
+        whole += missed[:, :, None] * along[:, None, :]
+        by_point, by_start = np.split(whole, [len(change)], axis=2)
+        return Sensitivity(
+            error=error, by_point=by_point, by_start=by_start, start=start, exact=False
+        )
 
     def in_units(self, factor: Array) -> Sensitivity:
         """Return errors and derivatives times a factor for each joint, shape (joints,)."""

@@ -36,11 +36,18 @@ class ExternalPush(BodyEffect):
     strengths: ClassVar[tuple[str, ...]] = ("x", "y", "z")
     suspected: ClassVar[bool] = False
     of_a_run: ClassVar[bool] = True
-    twins: ClassVar[tuple[str, ...]] = ("end_stop", "ground")
+    twins: ClassVar[tuple[str, ...]] = (
+        "end_stop",
+        "ground",
+        "speed_torque_limit",
+        "torque_saturation",
+    )
     excited_by: ClassVar[str] = "The same run twice: a push is in one of them."
     separate_by: ClassVar[dict[str, str]] = {
         "end_stop": "Come to the same position twice: a stop is there every time.",
         "ground": "Come down twice: a floor is there every time.",
+        "speed_torque_limit": "Command the same torque at the same speed twice.",
+        "torque_saturation": "Command the same torque twice: a limit is there every time.",
     }
 
     body: str
