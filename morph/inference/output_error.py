@@ -11,8 +11,8 @@ from morph.model.fit import fit, measure
 from morph.model.hypothesis import Hypothesis
 from morph.model.shooting import predict, quadratic, sensitivity
 
-CYCLES, STEPS = 3, 4
-"""Most estimates of the errors' sizes, and Gauss-Newton steps under each."""
+CYCLES, STEPS = 3, 6
+"""Most estimates of the errors' sizes, and steps under each."""
 MOST_FITTED = 30
 """Most stretches that are fitted, an even spread of those by which sets are compared."""
 SETTLED = 0.02

@@ -111,6 +111,9 @@ def fit(
 ) -> Fit:
     """Fit a hypothesis to segments by Gauss-Newton steps with batched line searches.
 
+    Derivatives are differences of rollouts where the fit begins and where secants gain no more.
+    In between each step's errors update them.
+
     Args:
         hypothesis: What to fit.
         segments: What to fit it to.
@@ -119,7 +122,7 @@ def fit(
         point: Where to begin; default the hypothesis' own start.
         start: The segments' starts to begin with; default as smoothed.
         around: Error and derivatives at `point` and `start`, where they are known.
-        iterations: Most Gauss-Newton steps.
+        iterations: Most steps.
         tolerance: Relative gain in cost below which it stops.
     """
     point = hypothesis.start if point is None else point

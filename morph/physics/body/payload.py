@@ -78,6 +78,10 @@ class Payload(WeighedEffect):
         """m, m x, m y and m z."""
         return self.m * np.array([1.0, self.x, self.y, self.z])
 
+    def coefficient_bounds(self) -> tuple[Array, Array]:
+        """Return bounds of the first, which is never negative; the others' depend on it."""
+        return np.array([0.0, *[-np.inf] * 3]), np.array([1e4, *[np.inf] * 3])
+
     def with_strengths(self, coefficients: Array) -> Payload:
         """Return the weight whose mass and first moment these are."""
         m = float(np.clip(coefficients[0], 1e-6, 1e4))

@@ -89,6 +89,10 @@ class Tether(PointEffect):
         """k, k x, k y and k z."""
         return self.k * np.array([1.0, self.x, self.y, self.z])
 
+    def coefficient_bounds(self) -> tuple[Array, Array]:
+        """Return bounds of the first, which is never negative; the others' depend on it."""
+        return np.array([0.0, *[-np.inf] * 3]), np.array([1e6, *[np.inf] * 3])
+
     def with_strengths(self, coefficients: Array) -> Tether:
         """Return the cable whose stiffness and pull these are."""
         k = float(np.clip(coefficients[0], 1e-6, 1e6))

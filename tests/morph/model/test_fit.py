@@ -56,16 +56,6 @@ def test_a_pole_that_weighs_more_is_found(heavy: Fit) -> None:
     assert factors == pytest.approx({"mass:cart": 1.0, "mass:pole": 1.07}, abs=0.01)
 
 
-def test_intervals_hold_the_best_value_and_stay_in_bounds(heavy: Fit) -> None:
-    low, high = heavy.intervals()
-    assert (low < heavy.point).all()
-    assert (heavy.point < high).all()
-    assert (low >= heavy.hypothesis.low).all()
-    assert (high <= heavy.hypothesis.high).all()
-    # A mass known to 1 %: its interval is not wider than its bounds of 10 % either way.
-    assert (high - low < 0.05).all()
-
-
 def test_a_change_is_the_least_of_its_quadratic_within_its_bounds() -> None:
     rng = np.random.default_rng(0)
     root = rng.normal(size=(3, 3))

@@ -68,3 +68,29 @@ def test_padded_readings_and_trusted_starts_count_as_they_should() -> None:
     # Each reading is 2 off, in units of 4: 0.25. Starts: 3 * 1^2 + 0.5 * 2^2 = 5.
     due = 0.25 * np.array([12, 12, 12, 12, 7]) + 5.0
     assert loss(segments, predicted, moved, np.array([4.0])) == pytest.approx(due, rel=1e-12)
+
+
+def test_derivatives_after_a_step_tell_what_it_changed_and_no_more() -> None:
+    rng = np.random.default_rng(9)
+    _, around = made_up(rng)
+    error, moved = rng.normal(size=(5, 12)), rng.normal(size=(5, 2))
+    change = rng.normal(size=3)
+    found = around.after(change, error, around.start + moved)
+    whole = np.concatenate([around.by_point, around.by_start], axis=2)
+    new = np.concatenate([found.by_point, found.by_start], axis=2)
+    step = np.concatenate([np.tile(change, (5, 1)), moved], axis=1)
+    assert (found.exact, found.error is error) == (False, True)
+    assert np.einsum("smp,sp->sm", new, step) == pytest.approx(around.error - error, abs=1e-12)
+    # In units of the columns' sizes, steps at right angles to this one are told as before.
+    for s in range(5):
+        square = (whole[s] ** 2).sum(axis=0)
+        across = rng.normal(size=5)
+        across -= step[s] * (square * step[s] @ across) / (square * step[s] @ step[s])
+        assert new[s] @ across == pytest.approx(whole[s] @ across, abs=1e-12)
+
+
+def test_what_did_not_move_keeps_its_derivatives() -> None:
+    _, around = made_up(np.random.default_rng(10))
+    found = around.after(np.zeros(3), around.error, around.start)
+    assert (found.by_point == around.by_point).all()
+    assert (found.by_start == around.by_start).all()
