@@ -14,6 +14,8 @@ from experiments.concealed.seal import Sealed
 JSON = dict[str, Any]
 SURE = 0.5
 """Probability of `unknown` above which it is part of the answer."""
+LOAD = "payload"
+"""The law of a load that is carried."""
 
 
 def score(answer: JSON, sealed: Sealed) -> JSON:
@@ -59,9 +61,20 @@ def score(answer: JSON, sealed: Sealed) -> JSON:
         "seconds": answer["seconds"],
         "claims": _claims(answer, matched, truth),
         "intervals": _intervals(answer, matched, truth),
+        "load": _load(answer, matched, truth),
         "E": _share(answer, sealed),
     }
     return row
+
+
+def _load(answer: JSON, matched: list[int | None], truth: Mapping[str, Any]) -> float | None:
+    """Return the relative error of a load's mass, None where none was left out or named."""
+    for finding, at in zip(answer["findings"], matched, strict=True):
+        if at is not None and finding["effect"] == truth["effects"][at]["effect"] == LOAD:
+            stated = finding.get("parameters", {}).get("m")
+            true = truth["effects"][at]["figures"]["m"]
+            return abs(stated["value"] / true - 1.0) if stated else None
+    return None
 
 
 def _right_names(effect: JSON) -> set[str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -12,6 +12,16 @@ Figure = Callable[[Sequence[JSON]], float | None]
 RESAMPLES = 500
 SHOWN = 2.0
 """Least effect-to-noise, after refits of own figures, of every effect of a case that shows it."""
+FRICTION = {
+    "coulomb_friction",
+    "stribeck_friction",
+    "load_dependent_friction",
+    "position_dependent_friction",
+    "hysteresis",
+}
+"""Laws of dry friction: any of them at a joint says that there is some."""
+LOAD, GAIN, WITHIN = "payload", "torque_scale", 0.1
+"""Laws of a load and of a drive's gain, and up to which relative error a load is found."""
 
 
 def _share(rows: Sequence[JSON], key: str, of: Callable[[JSON], bool]) -> float | None:
@@ -44,6 +54,31 @@ def _clean_accused(rows: Sequence[JSON]) -> float | None:
 def _extra(rows: Sequence[JSON]) -> float | None:
     chosen = [row["extra"] for row in rows if row["answer"] != "unknown"]
     return float(np.mean(chosen)) if chosen else None
+
+
+def _places(labels: Sequence[str], laws: Collection[str]) -> set[str]:
+    """Return where some laws act, of labels such as `coulomb_friction@elbow`."""
+    parted = (label.split("@", 1) for label in labels)
+    return {where for law, where in parted if law in laws}
+
+
+def _friction_named(rows: Sequence[JSON]) -> float | None:
+    """Return the share of joints with dry friction at which some law of it is found."""
+    there = [_places(row["truth"], FRICTION) for row in rows]
+    named = [_places(row["found"], FRICTION) for row in rows]
+    count = sum(len(each) for each in there)
+    return sum(len(a & b) for a, b in zip(there, named, strict=True)) / count if count else None
+
+
+def _load_found(rows: Sequence[JSON]) -> float | None:
+    loaded = [row["load"] for row in rows if _places(row["truth"], {LOAD})]
+    return float(np.mean([e is not None and e <= WITHIN for e in loaded])) if loaded else None
+
+
+def _gain_accused(rows: Sequence[JSON]) -> float | None:
+    right = [row for row in rows if _effects(row)]
+    wrong = [_places(r["found"], {GAIN}) - _places(r["truth"], {GAIN}) for r in right]
+    return float(np.mean([bool(each) for each in wrong])) if right else None
 
 
 def calibration_error(claims: Sequence[tuple[float, bool]], bins: int = 10) -> float | None:
@@ -113,6 +148,9 @@ FIGURES: Mapping[str, Figure] = {
     "place_shown": lambda rows: _share(rows, "place", _shown(_effects)),
     "exact_set_shown": lambda rows: _share(rows, "exact", _shown(_effects)),
     "extra_per_case": _extra,
+    "friction_named": _friction_named,
+    "load_found": _load_found,
+    "gain_accused": _gain_accused,
     "clean_accused": _clean_accused,
     "unknown_right": lambda rows: _share(rows, "unknown", _outside),
     "unknown_right_shown": lambda rows: _share(rows, "unknown", _shown(_outside)),

@@ -132,6 +132,29 @@ def test_clean_and_unknown_cases_are_counted_apart() -> None:
     assert figures["first"] is None
 
 
+def test_friction_loads_and_gains_of_arms_are_counted_apart() -> None:
+    load = effect("payload", "shank", m=2.0)
+
+    def carried(m: float, *others: tuple[str, str, float]) -> dict[str, Any]:
+        answer = said(("payload", "shank", 0.9), *others)
+        answer["findings"][0]["parameters"] = {"m": {"value": m}}
+        return answer
+
+    arm = sealed(DRY, effect("stribeck_friction", "knee", c=0.1), load)
+    friction, gain = ("hysteresis", "hip", 0.8), ("torque_scale", "hip_drive", 0.7)
+    rows = [
+        score(carried(2.1, friction, gain), arm), score(carried(2.3), arm),
+        score(said(("payload", "thigh", 0.9)), arm),
+        score(said(gain), sealed(effect("torque_scale", "hip_drive", gain=0.8))),
+    ]  # fmt: skip
+    assert [row["load"] for row in rows] == [pytest.approx(0.05), pytest.approx(0.15), None, None]
+    figures = summarise(rows)
+    # Of six joints with friction one is named, of three loads one within a tenth, and of four
+    # cases one has a gain that is right.
+    found = [figures[name]["value"] for name in ("friction_named", "load_found", "gain_accused")]
+    assert found == pytest.approx([1 / 6, 1 / 3, 1 / 4])
+
+
 def test_calibration_error_and_brier_score_are_as_by_hand() -> None:
     # Bin of .9: three of four right, gap .15 of 4; bin of .2: none of two, gap .2 of 2.
     claims = [(0.9, True)] * 3 + [(0.9, False)] + [(0.2, False)] * 2
