@@ -77,7 +77,7 @@ def diagnose(
         stretches(train, MOST_SECONDS),
         known,
         progress=say,
-        deadline=math.inf if budget is None else started + 0.8 * budget,
+        deadline=math.inf if budget is None else started + 0.9 * budget,
     )
     say("opening the held-out runs", 0.9)
     return conclude(

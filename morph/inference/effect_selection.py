@@ -97,7 +97,7 @@ class EffectSelection:
             origin: A refit of the same hypothesis less its last effects.
         """
         if self.by_rollouts:
-            about = output_error(hypothesis, point, self.validation)
+            about = output_error(hypothesis, point, self.validation, self.deadline)
             smoothed = each(settled, seen(hypothesis, about.point, self.episodes, runs))
             refit = Refit(
                 hypothesis=hypothesis, point=about.point, runs=smoothed,
@@ -105,8 +105,9 @@ class EffectSelection:
             )  # fmt: skip
         else:
             refit = refitted(
-                hypothesis, point, self.episodes, origin=origin, before=runs, rounds=STEPS
-            )
+                hypothesis, point, self.episodes, origin=origin, before=runs, rounds=STEPS,
+                deadline=self.deadline,
+            )  # fmt: skip
             refit = refit_under(refit, origin) if origin else refit
             blocks = self.validation.blocks
             about = quadratic(hypothesis, refit.point, refit.runs, blocks=blocks)
@@ -184,6 +185,8 @@ class EffectSelection:
         }
         hypothesis, now, losses = base.refit.hypothesis, float(base.losses.mean()), {}
         for members, found in listed.items():
+            if self.late():
+                return []
             parts = [search.without_fold(found, fold) for fold in range(self.validation.folds)]
             points = []
             for share in SHARES if self.by_rollouts else SHARES[:1]:
@@ -222,6 +225,8 @@ class EffectSelection:
     def reduced(self, whole: Finalist) -> Finalist:
         """Return a set without the effects that rollouts do not need, if that is not worse."""
         refit, validation = whole.refit, self.validation
+        if self.late():
+            return whole
         kept, losses = needed(whole.about, validation, refit.runs, certain=CERTAIN)
         idle = any(validation.idle(effect) for effect in whole.effects)
         if len(kept) == len(whole.effects) or (validation.worse(whole.losses, losses) and not idle):
@@ -251,8 +256,7 @@ class EffectSelection:
             rivals += [(none, at, None)] if none > -LOST and len(best.effects) > 1 else []
             others = [one for one in every if one[0].label not in gone]
             rivals += [(gain, at, other) for other, gain in others[:1] if gain > RIVAL]
-            # A time is not small beside a step: of its twins the linearisation says little, and
-            # nothing of a law with an edge, or of a force that acts once.
+            # The linearisation says little of a time's twins, and nothing of a push's.
             least = -math.inf if effect.of_a_run else -CERTAIN
             twins = [(gain, at, o) for o, gain in others if o.name in effect.twins]
             rivals += [one for one in twins[:1] if least < one[0] <= RIVAL]

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+import time
+
 import numpy as np
 
 from morph.arrays import Array
@@ -11,7 +14,7 @@ from morph.model.fit import fit, measure
 from morph.model.hypothesis import Hypothesis
 from morph.model.shooting import predict, quadratic, sensitivity
 
-CYCLES, STEPS = 3, 6
+CYCLES, STEPS = 3, 4
 """Most estimates of the errors' sizes, and steps under each."""
 MOST_FITTED = 30
 """Most stretches that are fitted, an even spread of those by which sets are compared."""
@@ -19,7 +22,12 @@ SETTLED = 0.02
 """Logarithm of the factor by which errors must fall for another estimate of their sizes."""
 
 
-def output_error(hypothesis: Hypothesis, point: Array, validation: Validation) -> LogPosterior:
+def output_error(
+    hypothesis: Hypothesis,
+    point: Array,
+    validation: Validation,
+    deadline: float = math.inf,
+) -> LogPosterior:
     """Return the log posterior about the point at which rollouts err least, by multiple shooting.
 
     Its slope is zero there, but at bounds: the fit may end before, at its last step, and folds that
@@ -36,13 +44,14 @@ def output_error(hypothesis: Hypothesis, point: Array, validation: Validation) -
         hypothesis: Own figures and effects.
         point: Where it begins, shape (entries,).
         validation: The rollouts, and which fold each belongs to.
+        deadline: Time of the monotonic clock after which no step begins.
     """
     some = min(len(validation.segments), MOST_FITTED)
     rows = np.linspace(0, len(validation.segments) - 1, some).round().astype(int)
     segments = validation.segments.only(rows)
     read = predict(hypothesis, segments, [point], [segments.start])[0]
     units = measure(segments, read)
-    found = fit(hypothesis, segments, *units, point=point, iterations=STEPS)
+    found = fit(hypothesis, segments, *units, point=point, iterations=STEPS, deadline=deadline)
     for _ in range(CYCLES - 1):
         read = segments.reading - found.around.error.reshape(read.shape) * found.scale
         scale, weight = measure(segments, read)
@@ -58,9 +67,10 @@ def output_error(hypothesis: Hypothesis, point: Array, validation: Validation) -
             start=found.start,
             around=found.around.in_units(found.scale / scale),
             iterations=STEPS,
+            deadline=deadline,
         )
     point, around = found.point, found.around
-    if not around.exact:
+    if not around.exact and time.monotonic() < deadline:
         around = sensitivity(hypothesis, segments, point, found.start, found.scale)
     fold, curve = validation.fold[rows], quadratic(segments, around, found.weight)
     grams = np.zeros((validation.folds, 1 + len(point), 1 + len(point)))

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import functools
 import math
+import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
@@ -26,6 +27,8 @@ MOST = 4
 """Most effects, or laws at every joint, that the first search adds."""
 FAR = 10.0
 """Missing force over the force that the motion needs from which no refit is tried under it."""
+NEAR = 0.3
+"""The same up to which a set found by rollouts is refitted under it, to be at the noise."""
 LATER, MOST_ROUNDS, FAR_ROUNDS = 2, 3, 1
 """Most that each later search adds, and most of these searches; by the errors of rollouts, which
 take long, fewer."""
@@ -73,7 +76,8 @@ def ranked(
         known: Effects whose fixed parameters are known, such as a paddle's edge. They are looked
             for instead of those at the same places with defaults.
         progress: Told what is being done, and the share of the work that is behind.
-        deadline: Time of the monotonic clock after which no refit begins.
+        deadline: Time of the monotonic clock, about that of the answer. No step of a refit begins
+            after it, less what a last search and held-out scores take.
     """
     task = EffectSelection(
         nominal=nominal,
@@ -84,8 +88,11 @@ def ranked(
         deadline=deadline,
     )
     none = task.refitted(nominal, nominal.start)
+    begun = time.monotonic()
     search = task.search(none)
-    task = replace(task, prior=search.prior)
+    # Another search, beside the answer, and the scores of held-out runs take as long each.
+    deadline -= 2.0 * (time.monotonic() - begun)
+    task = replace(task, prior=search.prior, deadline=deadline)
     tried: list[Finalist] = []
     best = none
     if missing(none.refit.runs) < FAR:
@@ -96,10 +103,10 @@ def ranked(
         far = replace(task, by_rollouts=True)
         start = far.refitted(nominal, none.refit.point, none.refit.runs)
         far, tried, best, search = _searched(far, start, far.search(start), progress)
-        best = far.refitted_to_rollouts(best)
-        found = best.refit
-        again = task.refitted(found.hypothesis, found.point, found.runs)
-        if at_noise(again.refit.runs):
+        found, again = best.refit, best
+        if missing(found.runs) < NEAR and not far.late():
+            again = task.refitted(found.hypothesis, found.point, found.runs)
+        if again is not best and at_noise(again.refit.runs):
             task, more, best, search = _searched(task, again, task.search(again), progress)
             tried = [again, *more]
         else:

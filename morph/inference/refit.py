@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -95,6 +96,7 @@ def refitted(
     origin: Refit | None = None,
     before: Sequence[Observed] | None = None,
     rounds: int = 2,
+    deadline: float = math.inf,
 ) -> Refit:
     """Return a hypothesis refitted to runs by Gauss-Newton steps, shortened if they gain nothing.
 
@@ -108,6 +110,7 @@ def refitted(
             less than it, the search starts again from nearer to it.
         before: The runs smoothed by a similar hypothesis, where there is no such refit.
         rounds: Most steps before the disturbances are estimated anew.
+        deadline: Time of the monotonic clock after which no step begins.
     """
     # Effects act along a motion: without one it is that of the model alone.
     bare = replace(hypothesis, effects=())
@@ -117,23 +120,27 @@ def refitted(
         runs = seen(hypothesis, point, episodes, runs) if hypothesis.effects else runs
     else:
         runs = seen(hypothesis, point, episodes, runs)
-    best = _converged(_judged(hypothesis, point, runs, len(point)), episodes, rounds)
+    best = _converged(_judged(hypothesis, point, runs, len(point)), episodes, rounds, deadline)
     if origin is None:
         return best
     idle, price = _idle(hypothesis, origin), 0.5 * (len(point) - len(origin.point))
     for share in SHARES:
-        if best.evidence >= origin.evidence - price * math.log(readings(runs)):
+        enough = origin.evidence - price * math.log(readings(runs))
+        if best.evidence >= enough or time.monotonic() > deadline:
             break
         near = idle + share * (point - idle)
         first = _judged(hypothesis, near, seen(hypothesis, near, episodes, origin.runs), len(near))
-        best = max(best, _converged(first, episodes, rounds), key=lambda each: each.evidence)
+        again = _converged(first, episodes, rounds, deadline)
+        best = max(best, again, key=lambda each: each.evidence)
     return best
 
 
-def _converged(best: Refit, episodes: Sequence[Episode], rounds: int) -> Refit:
+def _converged(best: Refit, episodes: Sequence[Episode], rounds: int, deadline: float) -> Refit:
     """Return a refit after Gauss-Newton steps and estimates of the disturbances in turn."""
     for _ in range(CYCLES):
-        best = _descended(best, episodes, rounds)
+        if time.monotonic() > deadline:
+            break
+        best = _descended(best, episodes, rounds, deadline)
         # Explained errors leave less force missing, which weighs all readings anew.
         runs = each(settled, best.runs)
         anew = _judged(best.hypothesis, best.point, runs, best.rank)
@@ -143,14 +150,14 @@ def _converged(best: Refit, episodes: Sequence[Episode], rounds: int) -> Refit:
     return best
 
 
-def _descended(best: Refit, episodes: Sequence[Episode], rounds: int) -> Refit:
+def _descended(best: Refit, episodes: Sequence[Episode], rounds: int, deadline: float) -> Refit:
     """Return a refit after Gauss-Newton steps under the same disturbances."""
     hypothesis = best.hypothesis
     for _ in range(rounds):
         about = quadratic(hypothesis, best.point, best.runs)
         _, rank, promised = about.step()
         last = best = _judged(hypothesis, best.point, best.runs, rank)
-        if promised < SETTLED:
+        if promised < SETTLED or time.monotonic() > deadline:
             break
         for damping, share in STEPS:
             step, _, _ = about.step(damping=damping)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import time
 from dataclasses import dataclass
 
 import numpy as np
@@ -108,6 +110,7 @@ def fit(
     around: Sensitivity | None = None,
     iterations: int = 6,
     tolerance: float = 2e-3,
+    deadline: float = math.inf,
 ) -> Fit:
     """Fit a hypothesis to segments by Gauss-Newton steps with batched line searches.
 
@@ -124,6 +127,7 @@ def fit(
         around: Error and derivatives at `point` and `start`, where they are known.
         iterations: Most steps.
         tolerance: Relative gain in cost below which it stops.
+        deadline: Time of the monotonic clock after which no step begins.
     """
     point = hypothesis.start if point is None else point
     point = np.clip(point, hypothesis.low, hypothesis.high)
@@ -132,6 +136,8 @@ def fit(
     if around is None:
         around = sensitivity(hypothesis, segments, point, start, scale)
     for _ in range(iterations):
+        if time.monotonic() > deadline:
+            break
         exact, curve = around.exact, quadratic(segments, around, weight)
         total = curve.hessian.sum(axis=0), curve.slope.sum(axis=0)
         change = space.best_change(*total, point)

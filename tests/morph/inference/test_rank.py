@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import mujoco
 import pytest
@@ -15,6 +16,8 @@ from experiments.concealed.solvers import paddle, solve_by_ranking
 from morph.body.load import load as load_robot
 from morph.body.spec import spec_of
 from morph.inference.dictionary import dictionary
+from morph.inference.effect_selection import EffectSelection
+from morph.inference.finalist import Finalist
 from morph.inference.observed import observed
 from morph.inference.rank import ranked
 from morph.model.episodes import episode, step_for
@@ -90,11 +93,15 @@ def test_a_search_that_stops_early_is_about_what_it_found(
     recordings = load_recordings(case / "recordings", robot=robot)
     step = step_for(recordings, robot)
     nominal = Hypothesis(robot=robot, step=step, knobs=knobs(robot, {}))
-    clock = iter(range(100))
-    monkeypatch.setattr("morph.inference.effect_selection.time.monotonic", lambda: next(clock))
-    found = ranked(
-        nominal, [episode(each, robot, step) for each in recordings], deadline=refits - 0.5
-    )
+    made, real = [], EffectSelection.refitted
+
+    def counted(task: EffectSelection, *given: Any, **named: Any) -> Finalist:
+        made.append(given)
+        return real(task, *given, **named)
+
+    monkeypatch.setattr(EffectSelection, "refitted", counted)
+    monkeypatch.setattr(EffectSelection, "late", lambda task: len(made) > refits)
+    found = ranked(nominal, [episode(each, robot, step) for each in recordings])
     assert found.stopped
     # The whole dictionary but what was found, and nothing that was not.
     labels = {effect.label for effect in found.best.effects}
