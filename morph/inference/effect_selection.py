@@ -111,8 +111,7 @@ class EffectSelection:
             refit = refit_under(refit, origin) if origin else refit
             blocks = self.validation.blocks
             about = quadratic(hypothesis, refit.point, refit.runs, blocks=blocks)
-        whole = list(range(len(refit.effects)))
-        (losses,) = self.validation.losses_of(about, refit.runs, [whole])
+        (losses,) = self.validation.losses_of(about, refit.runs, [range(len(refit.effects))])
         fitted = losses
         if not self.by_rollouts and at_noise(refit.runs):
             points = [about.point] * self.validation.folds

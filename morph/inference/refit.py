@@ -140,7 +140,7 @@ def _converged(best: Refit, episodes: Sequence[Episode], rounds: int, deadline: 
     for _ in range(CYCLES):
         if time.monotonic() > deadline:
             break
-        best = _descended(best, episodes, rounds, deadline)
+        best = _descended(best, episodes, rounds)
         # Explained errors leave less force missing, which weighs all readings anew.
         runs = each(settled, best.runs)
         anew = _judged(best.hypothesis, best.point, runs, best.rank)
@@ -150,14 +150,14 @@ def _converged(best: Refit, episodes: Sequence[Episode], rounds: int, deadline: 
     return best
 
 
-def _descended(best: Refit, episodes: Sequence[Episode], rounds: int, deadline: float) -> Refit:
+def _descended(best: Refit, episodes: Sequence[Episode], rounds: int) -> Refit:
     """Return a refit after Gauss-Newton steps under the same disturbances."""
     hypothesis = best.hypothesis
     for _ in range(rounds):
         about = quadratic(hypothesis, best.point, best.runs)
         _, rank, promised = about.step()
         last = best = _judged(hypothesis, best.point, best.runs, rank)
-        if promised < SETTLED or time.monotonic() > deadline:
+        if promised < SETTLED:
             break
         for damping, share in STEPS:
             step, _, _ = about.step(damping=damping)

@@ -199,8 +199,7 @@ class Sensitivity:
         """Return the error after a step, and derivatives that tell what it changed.
 
         Of all such derivatives these are the nearest to the ones before, each in units of its size.
-        Source: Broyden 1965, Mathematics of Computation 19(92), eq. 4.5; Dennis and Schnabel 1996,
-        section 8.3 (units).
+        Source: Broyden 1965, Mathematics of Computation 19(92), eq. 4.5.
 
         Args:
             change: Of the point, shape (parameters,).
@@ -211,8 +210,7 @@ class Sensitivity:
         moved = np.concatenate([np.tile(change, (len(start), 1)), start - self.start], axis=1)
         missed = self.error - error - (whole @ moved[..., None])[..., 0]
         along = moved * (whole**2).sum(axis=1)
-        square = (along * moved).sum(axis=1)[:, None]
-        along = np.divide(along, square, out=np.zeros_like(along), where=square > 0.0)
+        along /= np.maximum((along * moved).sum(axis=1), 1e-300)[:, None]
         whole += missed[:, :, None] * along[:, None, :]
         by_point, by_start = np.split(whole, [len(change)], axis=2)
         return Sensitivity(

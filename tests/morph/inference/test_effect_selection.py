@@ -23,6 +23,8 @@ from morph.model.hypothesis import Hypothesis
 from morph.physics.actuator.actuator_delay import ActuatorDelay
 from morph.physics.actuator.actuator_lag import ActuatorLag
 from morph.physics.actuator.torque_saturation import TorqueSaturation
+from morph.physics.body.external_push import ExternalPush
+from morph.physics.effect import Effect
 from morph.physics.joint.coulomb_friction import CoulombFriction
 from morph.physics.joint.series_elasticity import SeriesElasticity
 from morph.physics.joint.stribeck_friction import StribeckFriction
@@ -131,18 +133,23 @@ def test_rollouts_of_the_whole_refit_are_kept_where_it_reaches_the_noise(
     assert not np.allclose(dry.fitted, dry.losses, atol=1e-9)
 
 
-@pytest.mark.parametrize(("gain", "tried"), [(-5.0, True), (-25.0, False)])
+@pytest.mark.parametrize(("late", "lag", "gain", "tried"), [
+    (ActuatorDelay(actuator="motor", T=0.01), ActuatorLag(actuator="motor", T=0.01), -5.0, True),
+    (ActuatorDelay(actuator="motor", T=0.01), ActuatorLag(actuator="motor", T=0.01), -25.0, False),
+    # Beside a push the slope of a limit that no other run reaches is nothing.
+    (ExternalPush(body="disc", z=1.0), TorqueSaturation(actuator="motor", limit=1.0), -1e3, True),
+])  # fmt: skip
 def test_a_twin_is_refitted_in_the_place_of_a_finding(
-    task: EffectSelection, monkeypatch: pytest.MonkeyPatch, gain: float, tried: bool
-) -> None:
-    late = ActuatorDelay(actuator="motor", T=0.01)
-    lag, wet = ActuatorLag(actuator="motor", T=0.01), ViscousFriction(joint="axle", b=0.1)
+    task: EffectSelection, monkeypatch: pytest.MonkeyPatch,
+    late: Effect, lag: Effect, gain: float, tried: bool,
+) -> None:  # fmt: skip
+    wet = ViscousFriction(joint="axle", b=0.1)
     start = replace(task.nominal, effects=(late,))
     refit = SimpleNamespace(
         hypothesis=start, point=start.start, runs=(), removal=lambda at: (np.zeros(0, int), 0.0)
     )
     best: Any = SimpleNamespace(effects=(late,), refit=refit, evidence=0.0, losses=None)
-    # Viscous friction is no twin of a delay, and not likelier than it.
+    # Viscous friction is no twin of either, and not likelier.
     search: Any = SimpleNamespace(instead=lambda *given: (-1e3, [(wet, 0.0), (lag, gain)]))
 
     def likelier(self: EffectSelection, hypothesis: Hypothesis, *rest: Any) -> Any:

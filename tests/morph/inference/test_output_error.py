@@ -73,6 +73,12 @@ def test_rollouts_err_least_at_the_true_gain_and_friction(task: EffectSelection)
     assert whole == pytest.approx(whole.T)
 
 
+def test_no_step_begins_after_the_deadline(task: EffectSelection) -> None:
+    start = replace(task.nominal, effects=(CoulombFriction(joint="axle", c=0.05),))
+    found = output_error(start, start.start, task.validation, -1.0)
+    assert found.point.tolist() == start.start.tolist()
+
+
 def test_a_refit_by_rollouts_is_judged_by_its_stretches(task: EffectSelection) -> None:
     none = task.refitted(task.nominal, task.nominal.start)
     assert none.refit.evidence == pytest.approx(-none.losses.sum())
@@ -108,7 +114,7 @@ def test_a_fold_that_is_left_out_moves_the_point_as_a_refit_without_it(
     task: EffectSelection, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # Both refits go on to their ends.
-    monkeypatch.setattr("morph.inference.output_error.STEPS", 8)
+    monkeypatch.setattr("morph.inference.output_error.STEPS", 6)
     start = replace(task.nominal, effects=(CoulombFriction(joint="axle", c=0.05),))
     found = output_error(start, start.start, task.validation)
     assert task.validation.blocks == 1

@@ -291,3 +291,8 @@ def test_without_an_elastic_drive_its_motor_turns_with_the_joint(
     # A refit brings the spring near to none: as it stands it shows.
     soft = validation.losses(whole, [[whole.start] * 4], runs)[0]
     assert np.abs(soft - alone).max() > 0.1
+
+
+def test_no_step_begins_after_the_deadline(nominal: Hypothesis, run: Episode) -> None:
+    found = refitted(nominal, nominal.start, [run], deadline=-1.0)
+    assert found.point.tolist() == nominal.start.tolist()

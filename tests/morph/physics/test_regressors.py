@@ -217,6 +217,27 @@ def test_a_law_is_read_back_from_its_own_coefficients(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", FELT)
+def test_a_linear_fit_within_the_bounds_of_coefficients_is_a_law(name: str) -> None:
+    law = replace(placed(name), **FELT[name])  # type: ignore[type-var]
+    low, high = law.coefficient_bounds()
+    assert ((low <= law.coefficients) & (law.coefficients <= high)).all()
+    # A strength at its least: a law, and the others stay as they are where bounds are their own.
+    for at in np.flatnonzero(np.isfinite(low)):
+        least = law.coefficients.copy()
+        least[at] = low[at]
+        assert law.with_strengths(least).coefficients[at] == pytest.approx(low[at], abs=1e-5)
+        # Less than nothing of a law that only takes away, as of a mass, is none.
+        beyond = np.where(np.arange(len(low)) == at, low[at] - 1.0, least)
+        assert law.with_strengths(beyond).coefficients[at] >= low[at] - 1e-9
+
+
+@pytest.mark.parametrize("name", ["payload", "tether"])
+def test_a_load_and_a_cable_have_a_least_coefficient(name: str) -> None:
+    low, _ = placed(name).coefficient_bounds()
+    assert low.tolist() == [0.0, -np.inf, -np.inf, -np.inf]
+
+
+@pytest.mark.parametrize("name", FELT)
 def test_every_shape_to_try_is_one_that_the_recording_could_show(name: str, swing: Motion) -> None:
     # A push is looked for where a missing force stands out: one of 0.08 s here.
     late = np.abs(swing.time - 0.5 * swing.time[-1]) < 0.04
