@@ -80,7 +80,7 @@ def solve_by_morph(folder: Path, seed: int) -> JSON:
 
 
 def solve_by_ranking(folder: Path, seed: int) -> JSON:
-    """Return what `morph.inference` ranks first by linear algebra alone, without intervals."""
+    """Return what `morph.inference` ranks first, without intervals and held-out check."""
     begin = time.process_time()
     known = json.loads((folder / "case.json").read_text())
     robot = load_robot(str(folder / known["description"]))

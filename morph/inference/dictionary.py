@@ -23,7 +23,7 @@ from morph.inference.design_matrix import (
 from morph.inference.level import EffectColumn, WhitenedLevel
 from morph.inference.observed import Observed
 from morph.inference.quadratic import information, offset
-from morph.inference.refit import Refit
+from morph.inference.refit import Refit, readings
 from morph.inference.search import Prior, Search
 from morph.physics import EFFECTS
 from morph.physics.body.tether import Tether
@@ -84,7 +84,7 @@ def search_beside(base: Refit, known: Sequence[Effect], prior: Prior | None, blo
             )
             for folds in whitened_levels(own, grids, runs, blocks)
         ),
-        readings=sum(int(run.about.tangent.valid.sum()) for run in runs),
+        readings=readings(runs),
     )
 
 

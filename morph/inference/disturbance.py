@@ -47,7 +47,7 @@ def likeliest_disturbance(about: Reference, *, steps: int) -> Disturbance:
     def at(point: Array) -> Disturbance:
         return replace(
             first,
-            scale=about.effort * np.exp(point[:dofs]),
+            scale=about.inertial * np.exp(point[:dofs]),
             vibration=about.sensed * np.exp(point[dofs:-2]),
             correlation_time=float(np.exp(point[-2])),
             noise=about.sensed * np.exp(point[-1]),
@@ -69,7 +69,7 @@ def likeliest_disturbance(about: Reference, *, steps: int) -> Disturbance:
     vibration = about.sensed if first.vibration is None else first.vibration
     start = np.log(
         [
-            *(first.scale / about.effort),
+            *(first.scale / about.inertial),
             *(vibration / about.sensed),
             first.correlation_time,
             first.noise[0] / about.sensed[0],

@@ -47,9 +47,9 @@ REPLACED, LOST = 3, 200.0
 """Most laws that are tried in the place of others, and nats that an effect which is left out may
 cost in Gram space: a refit of the others may make up for it."""
 UNMODELLED = 1.0
-"""Missing force over the force that the motion needs from which its model is not believed."""
+"""Missing force over the inertial force from which its model is not believed."""
 STEPS = 2
-"""Most Gauss-Newton steps of a refit, of own figures alone and of a finalist."""
+"""Most Gauss-Newton steps of a refit under one estimate of the disturbances."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -117,7 +117,7 @@ class EffectSelection:
             points = [about.point] * self.validation.folds
             (fitted,) = self.validation.losses(hypothesis, [points], refit.runs)
         if self.by_rollouts:
-            # A stretch's errors are correlated: it counts as one reading of each joint.
+            # A stretch's errors are correlated: it counts as one reading.
             extra = 0.5 * max(0, refit.rank - hypothesis.free_knobs)
             evidence = -float(losses.sum()) - extra * math.log(len(losses))
             refit = replace(refit, evidence=evidence)
@@ -125,7 +125,7 @@ class EffectSelection:
         return Finalist(refit=refit, price=price, losses=losses, fitted=fitted, about=about)
 
     def added(self, base: Finalist, search: Search, most: int) -> tuple[list[Finalist], Finalist]:
-        """Return larger sets that were refitted, and the best of them or the one before.
+        """Return larger sets, refitted, and the best; none where all leave too much force.
 
         Args:
             base: A set.

@@ -22,8 +22,7 @@ MOST_RIVALS = 3
 """Rivals of a finding that are listed."""
 SURE, DOUBTED = 0.85, 0.75
 """Most probability of a finding, as laws that are not compared may do as well; and with a parameter
-at a bound or known beforehand alone. Calibrated on seeds 13 and 16 of `experiments.concealed`, that
-judge no more."""
+at a bound or known beforehand alone. Set by hand on opened cases of `experiments.concealed`."""
 NORMAL90 = 1.645
 """Standard deviations from the middle of a normal distribution to an end of its 90 % interval."""
 

@@ -30,8 +30,8 @@ def output_error(
 ) -> LogPosterior:
     """Return the log posterior about the point at which rollouts err least, by multiple shooting.
 
-    Its slope is zero there, but at bounds: the fit may end before, at its last step, and folds that
-    differ by what is left would leave the point at which rollouts were scored.
+    The slope that the last step leaves is taken from all folds evenly, so that points without one
+    fold scatter about the point. At bounds it stays.
 
     The whitened likelihood is efficient where the model of the disturbance is right. Where physics
     without a name remains it is not: readings of a geared joint that sticks are likeliest where

@@ -1,4 +1,4 @@
-"""Ranking of sets of effects by how well they explain a robot's runs; nothing is simulated.
+"""Ranking of sets of effects by how well they explain a robot's runs.
 
 The description is refitted to the runs and linearised along them. Every effect at every place and
 shape gives columns; their Gram matrix in the metric of the readings scores each set beside the
@@ -26,12 +26,15 @@ Progress = Callable[[str, float], None]
 MOST = 4
 """Most effects, or laws at every joint, that the first search adds."""
 FAR = 10.0
-"""Missing force over the force that the motion needs from which no refit is tried under it."""
+"""Missing force over the inertial force, of the description refitted alone, from which on the
+whitened search is left out."""
 NEAR = 0.3
-"""The same up to which a set found by rollouts is refitted under it, to be at the noise."""
-LATER, MOST_ROUNDS, FAR_ROUNDS = 2, 3, 1
-"""Most that each later search adds, and most of these searches; by the errors of rollouts, which
-take long, fewer."""
+"""The same of a set found by output error, below which the whitened likelihood refits it, to see
+whether readings are then explained to their noise."""
+LATER = 2
+"""Most that each later search adds."""
+MOST_ROUNDS, FAR_ROUNDS = 3, 1
+"""Most of these searches, and most by output error, which takes long."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -41,7 +44,8 @@ class Ranking:
     best: Finalist
     """The one that explains the runs best and of which every effect is needed."""
     tried: tuple[Finalist, ...]
-    """All of them, the best by evidence first; the empty set is among them."""
+    """Those that were compared under one criterion, the best by evidence first; the empty set is
+    among them."""
     validation: Validation
     """The stretches on which they were compared."""
     search: Search

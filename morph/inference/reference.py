@@ -119,13 +119,13 @@ def _along(
     # Nothing follows the last sample that its acceleration could be compared with.
     acceleration[-1] = 0.0
     inertia = np.asarray(np.linalg.inv(mobility), np.float64)
-    inertial = times(inertia, np.gradient(velocity, run.step, axis=0))
-    effort = np.sqrt(np.mean(inertial**2, axis=0)) + 1e-12
+    needed = times(inertia, np.gradient(velocity, run.step, axis=0))
+    inertial = np.sqrt(np.mean(needed**2, axis=0)) + 1e-12
     if known is None:
         initial = np.concatenate([_initial_std(run, position), _initial_std(run, velocity)])
         known = Disturbance(
             noise=run.noise,
-            scale=0.05 * effort,
+            scale=0.05 * inertial,
             correlation_time=0.2,
             initial=initial,
             vibration=run.noise,
@@ -147,7 +147,7 @@ def _along(
         disturbance=replace(known, jolt=_jolt(model, run, jacobian[:, :, 2 * dofs :])),
         error=np.where(run.valid, run.reading - _predicted(run, position, velocity), 0.0),
         sensed=run.noise,
-        effort=effort,
+        inertial=inertial,
     )
 
 

@@ -29,13 +29,13 @@ class Remains:
     """What a model leaves of some runs."""
 
     share: float
-    """Missing force over the force that the motion needs, RMS over runs, of the worst joint."""
+    """Missing force over the inertial force, RMS over runs, of the worst joint."""
     channels: Mapping[str, float]
     """The same by each joint's position channel."""
     nats: float
     """By how much readings are likelier with missing force and vibration than at their floor."""
     in_noise: float
-    """Mean squared error of rollouts, in units of the noise, of a typical stretch."""
+    """Mean squared error of the rollouts of a typical stretch over the noise's variance."""
 
     @property
     def probability(self) -> float:
@@ -56,7 +56,7 @@ def remaining(found: Finalist, validation: Validation) -> Remains:
     """Return what a refit leaves unexplained of the runs it was fitted to."""
     runs, robot = found.refit.runs, found.refit.hypothesis.robot
     squared = np.mean(
-        [(run.about.disturbance.scale / run.about.effort) ** 2 for run in runs], axis=0
+        [(run.about.disturbance.scale / run.about.inertial) ** 2 for run in runs], axis=0
     )
     share = np.sqrt(squared)
     joints = [joint.name for joint in robot.joints]

@@ -76,7 +76,7 @@ class Reference:
     """Readings less those of the motion, zero where there is none, shape (samples, channels)."""
     sensed: Array
     """Standard deviation of each channel's noise as known beforehand, shape (channels,)."""
-    effort: Array
+    inertial: Array
     """RMS inertial force of the motion on each degree of freedom, N m or N, shape (dofs,)."""
 
     @property
@@ -85,8 +85,8 @@ class Reference:
         return self.local[:, :, 2 * self.position.shape[1] :]
 
     def leaving(self, share: float) -> Disturbance:
-        """Return the disturbance with its force scaled, to at least `FLOOR` of the effort."""
-        scale = np.maximum(share * self.disturbance.scale, FLOOR * self.effort)
+        """Return the disturbance with its force scaled, at least `FLOOR` of the inertial one."""
+        scale = np.maximum(share * self.disturbance.scale, FLOOR * self.inertial)
         return replace(self.disturbance, scale=scale)
 
 

@@ -51,7 +51,7 @@ class Explanation:
     members: tuple[int, ...]
     """Its entries of the dictionary."""
     level: int
-    """The scale of the missing force at which it is likeliest."""
+    """Index of the scale of the missing force at which it is likeliest, in `Search.levels`."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -72,7 +72,7 @@ class Search:
     """Entries that may be added in one step."""
 
     def sets(self, most: int) -> list[Explanation]:
-        """Return sets of effects, the best first; no effect is among them.
+        """Return sets of effects, the best first; the empty set is among them.
 
         Source: Hastie, Tibshirani and Friedman 2009, section 3.3.2 (forward selection, here of the
         best few of each size; the best of all is then reduced backwards).

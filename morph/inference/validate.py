@@ -29,7 +29,7 @@ MOST_ROLLOUTS = 60
 FOLDS = 4
 """Least number of folds: whole runs, or stretches of them where there are fewer runs."""
 MATERIAL = 0.02
-"""Least mean gain of an effect, nats a stretch: two per cent of the error's size."""
+"""Least mean gain of an effect, nats a stretch: two per cent of the size of one joint's error."""
 SURE = 2.0
 """Least mean gain in standard errors. Prices of the evidence correct for how much was looked at."""
 LITTLE_FORCE, LITTLE_VIBRATION = 0.03, 1.0
@@ -77,11 +77,11 @@ class Validation:
         candidates: Sequence[Sequence[Array]],
         runs: Sequence[Observed],
     ) -> Array:
-        """Return each stretch's error in rollouts, by its point of those fitted to other folds.
+        """Return each stretch's error in rollouts, at the point fitted to the other folds.
 
-        Half the logarithm of the mean squared error, in units of the noise, summed over joints:
-        the negative log likelihood of errors whose size is not known, so that bad stretches and
-        joints count no more than good ones. Shape (candidates, segments).
+        Half the logarithm of one plus the mean squared error over the noise's variance, summed
+        over joints: the negative log likelihood of errors whose size is not known, so that bad
+        stretches and joints count no more than good ones. Shape (candidates, segments).
 
         Args:
             hypothesis: What is simulated.
@@ -165,7 +165,7 @@ class Validation:
         return np.stack(columns, axis=1) if columns else episode.command
 
     def sure(self, before: Array, after: Array) -> bool:
-        """Return whether losses fall materially, surely, and in no fold at the cost of another.
+        """Return whether losses fall materially, surely, and not in some folds alone.
 
         Stretches of one run err together: what helps in one fold and harms in the next is an
         accident of a run.
@@ -212,8 +212,8 @@ def at_noise(runs: Sequence[Observed]) -> bool:
 
 
 def missing(runs: Sequence[Observed]) -> float:
-    """Return the missing force over the force that the motion needs, RMS, of the worst joint."""
-    squared = [(run.about.disturbance.scale / run.about.effort) ** 2 for run in runs]
+    """Return the missing force over the inertial force, RMS, of the worst joint."""
+    squared = [(run.about.disturbance.scale / run.about.inertial) ** 2 for run in runs]
     return float(np.sqrt(np.mean(squared, axis=0).max()))
 
 

@@ -26,7 +26,7 @@ RESIDUAL_SECONDS = 80.0
 """Seconds of motion that a residual is learned from, and states are looked at."""
 NONE = 0.65
 """Most probability that nothing is missing: masses and gains within their uncertainty may hide what
-is. Calibrated as that of findings."""
+is. Set by hand on opened cases of `experiments.concealed`."""
 WITH_RESIDUAL = "corrected_plus_residual"
 """Name of the corrected model with a learned residual."""
 

@@ -27,14 +27,6 @@ class Whitened:
     readings: int
     """How many readings there are."""
 
-    def __add__(self, other: Whitened) -> Whitened:
-        """Return the sums over two independent runs."""
-        return Whitened(
-            gram=self.gram + other.gram,
-            logarithm=self.logarithm + other.logarithm,
-            readings=self.readings + other.readings,
-        )
-
     def likelihood(self, column: int = 0) -> float:
         """Return the log likelihood of the readings that one column holds, normalised."""
         square = float(self.gram[column, column])

@@ -105,11 +105,11 @@ class Unexplained:
     probability: float = 0.0
     """That physics is left which has no name here."""
     share: float = 0.0
-    """Missing force over the force that the motion needs, of the worst joint."""
+    """Missing force over the inertial force of the motion, RMS, of the worst joint."""
     channels: Mapping[str, float] = field(default_factory=dict)
     """The same by each joint's position channel."""
     in_noise: float = 1.0
-    """Mean squared error of rollouts, in units of the noise, of a typical stretch."""
+    """Mean squared error of the rollouts of a typical stretch over the noise's variance."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -191,14 +191,14 @@ class Diagnosis:
             return ("The budget ended before anything could be said surely.",)
         if not self.findings:
             return (
-                "The simulation does not explain these recordings, and no known effect does so "
-                "surely: what is missing has no name here yet.",
+                "The simulation does not explain these recordings, and no effect that was tried "
+                "does so surely: a known law may have been missed, or what is missing has no name.",
             )
         said = [finding.statement for finding in self.findings]
         if self.unexplained.probability > 0.5:
             said.append(
-                f"A force of {100.0 * self.unexplained.share:.2g} % of what the motion needs "
-                "remains, and no known effect explains it: something else is missing."
+                f"A force of {100.0 * self.unexplained.share:.2g} % of the inertial force "
+                "remains, and no effect that was tried explains it: something else is missing."
             )
         elif self.verdict == "unknown":
             said.append(

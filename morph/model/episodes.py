@@ -74,11 +74,14 @@ class Episode:
     """Their second derivative; same shape."""
     cutoff: float
     """Frequency, Hz, above which motion is taken for noise in the three above."""
+    begin: float | None = None
+    """Seconds of the recording at which it begins, of a part of one; None of a whole."""
 
     @property
     def name(self) -> str:
         """How reports call it."""
-        return self.recording.name
+        name = self.recording.name
+        return name if self.begin is None else f"{name} from {self.begin:.3g} s"
 
     @property
     def session(self) -> str:
@@ -97,7 +100,7 @@ def moving_joints(robot: Robot) -> tuple[str, ...]:
             raise DiagnosisError(
                 f"joint {joint.name} is {joint.kind}; diagnosis reads hinges and slides",
                 where=f"robot {robot.name}",
-                fix="bolt the base, or wait for tracked bodies to be supported",
+                fix="weld that joint in the description if the link does not move by it",
             )
     if not robot.joints:
         raise DiagnosisError(
@@ -141,7 +144,7 @@ def episode(recording: Recording, robot: Robot, step: float) -> Episode:
         raise DiagnosisError(
             f"it lasts {end - start:.3g} s; friction shows only over half a second or more",
             where=f"recording {recording.name}",
-            fix="record at least a few seconds in which every joint moves",
+            fix="record for longer; without --held-out a quarter of a recording is set aside",
         )
     clock = channels[0].time
     clock = clock[(clock >= start) & (clock <= end)]
@@ -229,6 +232,7 @@ def stretches(episodes: Sequence[Episode], seconds: float) -> list[Episode]:
         chosen.append(
             replace(
                 e,
+                begin=first * e.step,
                 command=e.command[first : first + round(STRETCH / e.step) + 1],
                 unsure=e.unsure[first : first + round(STRETCH / e.step) + 1],
                 time=e.time[inside] - first * e.step,

@@ -27,6 +27,10 @@ DAMPED = (1e-3, 3e-2, 1.0)
 narrow valley, where shares of it only shorten it."""
 
 
+SETTLED = 2e-3
+"""Relative gain in cost below which a fit stops."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Room:
     """Where a point may lie and what it costs to stray."""
@@ -109,7 +113,6 @@ def fit(
     start: Array | None = None,
     around: Sensitivity | None = None,
     iterations: int = 6,
-    tolerance: float = 2e-3,
     deadline: float = math.inf,
 ) -> Fit:
     """Fit a hypothesis to segments by Gauss-Newton steps with batched line searches.
@@ -126,7 +129,6 @@ def fit(
         start: The segments' starts to begin with; default as smoothed.
         around: Error and derivatives at `point` and `start`, where they are known.
         iterations: Most steps.
-        tolerance: Relative gain in cost below which it stops.
         deadline: Time of the monotonic clock after which no step begins.
     """
     point = hypothesis.start if point is None else point
@@ -157,7 +159,7 @@ def fit(
             error = residual(segments, read[best], scale).reshape(len(segments), -1)
             around = around.after(points[best] - point, error, starts[best])
             point, start = points[best], starts[best]
-        if gained < tolerance * cost:
+        if gained < SETTLED * cost:
             if exact:
                 break
             around = sensitivity(hypothesis, segments, point, start, scale)

@@ -168,14 +168,6 @@ class Hypothesis:
         """Return the hypothesis whose effects start at a point."""
         return replace(self, effects=self.effects_at(point))
 
-    def free(self) -> int:
-        """Return how many parameters of effects are free."""
-        return len(self._slots)
-
-    def describe(self) -> str:
-        """Return the effects' labels, or `refitted` when there are none."""
-        return " + ".join(effect.label for effect in self.effects) or "refitted"
-
 
 def entry(known: Parameter, value: float) -> float:
     """Return the entry of a point for a parameter's value, and the value for an entry."""

@@ -110,10 +110,12 @@ def cut(
     if horizon is None:
         where = [(index, 0) for index in range(len(episodes))]
     if not where:
+        longest = max(float(e.time[-1]) for e in episodes)
         raise DiagnosisError(
-            f"no episode lasts {steps * step:g} s",
+            f"rollouts of {steps * step:g} s are longer than the {longest:.3g} s to predict",
             where=", ".join(e.name for e in episodes),
-            fix="ask for a shorter --horizon, or record for longer",
+            fix="ask for a shorter --horizon, or record for longer: without --held-out a quarter "
+            "is set aside to be predicted",
         )
     if most is not None and len(where) > most:
         where = [where[i] for i in np.linspace(0, len(where) - 1, most).round().astype(int)]

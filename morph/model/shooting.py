@@ -154,11 +154,6 @@ class Quadratic:
     start_slope: Array
     """How that changes with d, shape (segments, 2 joints, parameters)."""
 
-    def at(self, change: Array) -> Array:
-        """Return every segment's loss after a change of the point, shape (segments,)."""
-        quadratic = np.einsum("p,spq,q->s", change, self.hessian, change)
-        return np.asarray(self.loss - 2.0 * self.slope @ change + quadratic)
-
     def starts_after(self, start: Array, change: Array, share: float = 1.0) -> Array:
         """Return the best starts after a change of the point, shape (segments, 2 joints).
 

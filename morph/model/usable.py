@@ -33,7 +33,7 @@ def check_settings(horizon: float | None, budget: float | None, seed: int) -> No
         )
     if budget is not None and not budget > 0.0:
         raise DiagnosisError(
-            f"a budget of {budget} s is none", where="--budget", fix="give seconds above zero"
+            f"the budget is {budget:g} s", where="--budget", fix="give seconds above zero"
         )
     if seed < 0:
         raise DiagnosisError(f"a seed of {seed} is below 0", where="--seed", fix="give 0 or more")

@@ -110,7 +110,7 @@ class Effect(ABC):
     separate_by: ClassVar[Mapping[str, str]] = {}
     """The experiment that tells it from a twin, by the twin's name."""
     suspected: ClassVar[bool] = True
-    """Whether a diagnosis looks for it at all."""
+    """Whether a search for a latent force (`morph.model.latent`) looks for it."""
     everywhere: ClassVar[bool] = False
     """Whether it is the same at all of its places: it is told at one of them."""
     of_a_run: ClassVar[bool] = False
@@ -137,7 +137,7 @@ class Effect(ABC):
 
     @classmethod
     def suspects(cls, robot: Robot) -> tuple[str, ...]:
-        """Return the places at which a diagnosis looks for it, by default all of them."""
+        """Return the places at which a search for a latent force looks for it."""
         return cls.places(robot) if cls.suspected else ()
 
     def __post_init__(self) -> None:

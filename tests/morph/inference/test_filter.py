@@ -192,13 +192,6 @@ def test_a_run_in_stretches_is_the_whole_run(monkeypatch: pytest.MonkeyPatch) ->
     assert parts.logarithm == pytest.approx(whole.logarithm, rel=1e-13)
 
 
-def test_runs_add_up() -> None:
-    one, two = (whitened(**case(seed)) for seed in (1, 2))
-    both = one + two
-    assert np.allclose(both.gram, one.gram + two.gram)
-    assert both.likelihood() == pytest.approx(one.likelihood() + two.likelihood())
-
-
 @pytest.mark.parametrize("vibrates", [False, True])
 @pytest.mark.parametrize("seed", range(2))
 def test_the_score_is_the_derivative_of_the_likelihood(seed: int, vibrates: bool) -> None:

@@ -100,8 +100,8 @@ def test_the_missing_force_has_a_floor_relative_to_the_effort(
     found = reference(model, case["run"], guess(case))
     needed = INERTIA * np.gradient(case["velocity"], H)
     # The slope of smoothed velocities; at the ends of the run it is a line's.
-    assert found.effort[0] == pytest.approx(np.sqrt(np.mean(needed**2)), rel=0.03)
-    assert found.leaving(0.0).scale == pytest.approx(FLOOR * found.effort)
+    assert found.inertial[0] == pytest.approx(np.sqrt(np.mean(needed**2)), rel=0.03)
+    assert found.leaving(0.0).scale == pytest.approx(FLOOR * found.inertial)
     assert found.leaving(1.0).scale == pytest.approx(found.disturbance.scale)
 
 
@@ -127,7 +127,7 @@ def test_readings_between_samples_are_compared_with_the_motion_there(
     assert np.sqrt(np.mean(found.error[at] ** 2)) < 1.5e-4
     without = reference(model, replace(told, time_offset=0.0), case["position"][:, None])
     # Without the offsets, errors of time look like noise and vibration that the readings lack.
-    assert found.disturbance.scale[0] == pytest.approx(FLOOR * found.effort[0])
+    assert found.disturbance.scale[0] == pytest.approx(FLOOR * found.inertial[0])
     given, needed = found.disturbance, without.disturbance
     assert given.vibration is not None
     assert needed.vibration is not None

@@ -7,7 +7,7 @@ import pytest
 
 from morph.body.robot import Robot
 from morph.errors import DiagnosisError, RecordingError
-from morph.model.episodes import Episode, episode, step_for
+from morph.model.episodes import Episode, episode, step_for, stretches
 from morph.model.segments import cut
 from morph.record.recording import Channel, Recording
 
@@ -121,7 +121,7 @@ def test_whole_episodes_are_cut_to_the_shortest(episodes: list[Episode]) -> None
 
 
 def test_a_horizon_longer_than_every_episode_is_refused(episodes: list[Episode]) -> None:
-    with pytest.raises(DiagnosisError, match="no episode lasts 6 s") as caught:
+    with pytest.raises(DiagnosisError, match="rollouts of 6 s are longer") as caught:
         cut(episodes, 6.0)
     assert caught.value.where == "long, short"
     assert "--horizon" in caught.value.fix
@@ -147,3 +147,22 @@ def test_an_episode_of_less_than_half_a_second_is_refused(pendulum: Robot) -> No
     with pytest.raises(DiagnosisError, match=r"it lasts 0\.39 s") as caught:
         episode(run, pendulum, 0.005)
     assert caught.value.where == "recording short"
+
+
+def test_pieces_of_long_recordings_say_where_they_begin(
+    pendulum: Robot, recorded: Recorded
+) -> None:
+    run = recorded(pendulum, seconds=31.0, start={"hinge": 1.0}, noise=0.0)
+    whole = episode(run, pendulum, step_for([run], pendulum))
+    # Two pieces of 5 s stand for 31 s: the first and the last.
+    pieces = stretches([whole], 10.0)
+    assert [piece.begin for piece in pieces] == pytest.approx([0.0, whole.time[-1] - 5.0], abs=0.01)
+    assert [piece.name for piece in pieces] == [f"{run.name} from 0 s", f"{run.name} from 26 s"]
+    for piece in pieces:
+        assert piece.begin is not None
+        # The readings and commands of a piece are those of the whole at that time.
+        at = np.searchsorted(whole.time, piece.begin + piece.time - 1e-9)
+        assert (piece.reading == whole.reading[at]).all()
+        first = round(piece.begin / whole.step)
+        assert (piece.command == whole.command[first : first + len(piece.command)]).all()
+    assert stretches([whole], 40.0) == [whole]

@@ -40,7 +40,9 @@ def test_the_loss_with_starts_eliminated_is_the_least_over_all_starts(seed: int)
     curve = quadratic(segments, around, weight)
     root = np.sqrt(segments.start_trust)
     for change in (np.zeros(3), rng.normal(size=3)):
-        losses, moved = curve.at(change), curve.starts_after(around.start, change)
+        losses = curve.loss - 2.0 * curve.slope @ change
+        losses += np.einsum("p,spq,q->s", change, curve.hessian, change)
+        moved = curve.starts_after(around.start, change)
         for s in range(5):
             # Readings and the trust in the measured start, as one least-squares problem.
             matrix = np.concatenate([around.by_start[s], np.diag(root)])

@@ -102,7 +102,7 @@ def test_an_unknown_verdict_says_that_it_has_no_name_and_that_time_ran_out(
     unknown: Diagnosis,
 ) -> None:
     told = words(Page(report_page(unknown)))
-    assert "what is missing has no name here yet" in told
+    assert "what is missing has no name" in told
     assert "Stopped short." in told
     assert "simulated over whole episodes" in told
 

@@ -68,7 +68,7 @@ def test_what_no_effect_explains_is_unknown(windy: Diagnosis) -> None:
     # The rest is for a law of the library that the search missed.
     assert windy.probabilities["unknown"] == pytest.approx(0.55)
     assert windy.probabilities["none"] < 0.01
-    assert "has no name here yet" in windy.summary()[0]
+    assert "has no name" in windy.summary()[0]
     # 0.3 N m of RMS at rates about 1 Hz on 0.25 kg m2 move it by about 0.3 / 0.25 / 40 = 0.03 rad,
     # a hundred times the noise.
     errors = {model: row["hinge.position"] for model, row in windy.held_out_rmse.items()}
