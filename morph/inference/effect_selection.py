@@ -19,7 +19,7 @@ from morph.inference.quadratic import quadratic
 from morph.inference.refit import Refit, refitted, seen
 from morph.inference.refit import under as refit_under
 from morph.inference.search import Explanation, Prior, Search
-from morph.inference.validate import Validation, at_noise, missing, needed
+from morph.inference.validate import Validation, evidence_decides, missing, needed
 from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis
 from morph.physics.effect import Effect
@@ -113,7 +113,7 @@ class EffectSelection:
             about = quadratic(hypothesis, refit.point, refit.runs, blocks=blocks)
         (losses,) = self.validation.losses_of(about, refit.runs, [range(len(refit.effects))])
         fitted = losses
-        if not self.by_rollouts and at_noise(refit.runs):
+        if not self.by_rollouts and evidence_decides(refit.runs):
             points = [about.point] * self.validation.folds
             (fitted,) = self.validation.losses(hypothesis, [points], refit.runs)
         if self.by_rollouts:
@@ -232,7 +232,7 @@ class EffectSelection:
             return whole
         fewer = self.refitted(*whole.about.reduced(kept), refit.runs)
         fewer = fewer if self.by_rollouts else under(fewer, whole)
-        likelier = at_noise(refit.runs) and whole.evidence - fewer.evidence > CERTAIN
+        likelier = evidence_decides(refit.runs) and whole.evidence - fewer.evidence > CERTAIN
         if (likelier or validation.worse(whole.losses, fewer.losses)) and not idle:
             return whole
         # A time that the refit has shortened is no more to be claimed than one found short.
@@ -279,7 +279,7 @@ class EffectSelection:
         """
         if other is None:
             shown = self.validation.sure(new.losses, best.losses)
-            certain = at_noise(best.refit.runs) and best.evidence - new.evidence > CERTAIN
+            certain = evidence_decides(best.refit.runs) and best.evidence - new.evidence > CERTAIN
             return not (shown or certain)
         if other.name == effect.simpler:
             return not self.validation.worse(best.losses, new.losses)

@@ -8,7 +8,7 @@ from morph.arrays import Array
 from morph.inference.quadratic import LogPosterior
 from morph.inference.refit import Refit
 from morph.inference.refit import under as refit_under
-from morph.inference.validate import Validation, at_noise
+from morph.inference.validate import Validation, evidence_decides
 from morph.physics.effect import Effect
 
 CERTAIN = 20.0
@@ -60,7 +60,7 @@ def gains(before: Finalist, new: Finalist, validation: Validation) -> bool:
     if validation.sure(before.losses, new.losses):
         return gain > 0.0
     refuted = validation.worse(before.losses, new.fitted)
-    return gain > needed and at_noise(new.refit.runs) and not refuted
+    return gain > needed and evidence_decides(new.refit.runs) and not refuted
 
 
 def better(one: Finalist, other: Finalist, validation: Validation) -> Finalist:

@@ -33,8 +33,10 @@ MATERIAL = 0.02
 SURE = 2.0
 """Least mean gain in standard errors. Prices of the evidence correct for how much was looked at."""
 LITTLE_FORCE, LITTLE_VIBRATION = 0.03, 1.0
-"""Missing force as a share of the joints', and vibration in units of the noise, up to which runs
-are explained to their noise."""
+"""Missing force over the inertial force, and vibration in units of the noise, up to which runs are
+explained to their noise."""
+SOME_FORCE = 0.1
+"""The same force, up to which its model holds, and evidence decides that rollouts do not refute."""
 BRIEF = 0.2
 """Least time that may be claimed, as a share of the period of readings: simulations step, loggers
 stamp and controllers hold at moments that differ by as much."""
@@ -201,14 +203,19 @@ class Validation:
         return float((after - before).mean()) > MATERIAL and _sureness(after, before) > SURE
 
 
-def at_noise(runs: Sequence[Observed]) -> bool:
+def evidence_decides(runs: Sequence[Observed]) -> bool:
+    """Return whether the model of what remains holds: there is little beside the noise."""
+    return at_noise(runs, SOME_FORCE)
+
+
+def at_noise(runs: Sequence[Observed], force: float = LITTLE_FORCE) -> bool:
     """Return whether runs are explained to their noise, but for a little missing force."""
     vibrations = [
         (run.about.disturbance.vibration / run.about.sensed) ** 2
         for run in runs
         if run.about.disturbance.vibration is not None
     ]
-    return missing(runs) < LITTLE_FORCE and float(np.sqrt(np.mean(vibrations))) < LITTLE_VIBRATION
+    return missing(runs) < force and float(np.sqrt(np.mean(vibrations))) < LITTLE_VIBRATION
 
 
 def missing(runs: Sequence[Observed]) -> float:
@@ -231,7 +238,7 @@ def needed(
         runs: Smoothed by the refit.
         certain: Evidence, nats, by which an effect stays.
     """
-    trusted = at_noise(runs)
+    trusted = evidence_decides(runs)
     effects = about.hypothesis.effects_at(about.point)
     kept = [at for at, each in enumerate(effects) if not validation.idle(each)]
     (whole,) = validation.losses_of(about, runs, [kept])

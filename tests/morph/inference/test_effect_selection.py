@@ -107,7 +107,7 @@ def test_no_effect_leaves_a_set_at_noise_against_the_evidence(
     monkeypatch.setattr(
         "morph.inference.effect_selection.needed", lambda *given, **more: ([0], whole.losses)
     )
-    monkeypatch.setattr("morph.inference.effect_selection.at_noise", lambda runs: noise)
+    monkeypatch.setattr("morph.inference.effect_selection.evidence_decides", lambda runs: noise)
     monkeypatch.setattr(Validation, "worse", lambda *given: False)
     shared = []
 
@@ -168,7 +168,7 @@ def test_a_twin_is_refitted_in_the_place_of_a_finding(
 def test_another_law_in_the_place_of_one_needs_less_evidence_than_one_more(
     monkeypatch: pytest.MonkeyPatch, more: int, gain: float, taken: bool
 ) -> None:
-    monkeypatch.setattr("morph.inference.finalist.at_noise", lambda runs: True)
+    monkeypatch.setattr("morph.inference.finalist.evidence_decides", lambda runs: True)
     judge: Any = SimpleNamespace(sure=lambda a, b: False, worse=lambda a, b: False)
     refit = SimpleNamespace(runs=())
     before: Any = SimpleNamespace(evidence=0.0, losses=None, effects=(1,))
@@ -182,7 +182,7 @@ def test_another_law_in_the_place_of_one_needs_less_evidence_than_one_more(
 def test_what_one_run_alone_determines_is_not_refuted_by_leaving_it_out(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("morph.inference.finalist.at_noise", lambda runs: True)
+    monkeypatch.setattr("morph.inference.finalist.evidence_decides", lambda runs: True)
     judge: Any = SimpleNamespace(sure=lambda a, b: b < a - 0.1, worse=lambda a, b: b > a + 0.1)
     refit = SimpleNamespace(runs=())
 
@@ -226,7 +226,7 @@ def test_no_set_is_refitted_twice(task: EffectSelection, monkeypatch: pytest.Mon
 def test_parameters_more_than_the_simpler_law_has_must_show_in_rollouts(
     task: EffectSelection, monkeypatch: pytest.MonkeyPatch, sure: bool, other: Any, taken: bool
 ) -> None:
-    monkeypatch.setattr("morph.inference.finalist.at_noise", lambda runs: True)
+    monkeypatch.setattr("morph.inference.finalist.evidence_decides", lambda runs: True)
     judge: Any = SimpleNamespace(sure=lambda a, b: sure, worse=lambda a, b: False)
     before: Any = SimpleNamespace(evidence=0.0, losses=None, effects=(1,))
     refit = SimpleNamespace(runs=())

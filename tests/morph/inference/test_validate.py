@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from morph.arrays import Array
 from morph.body.robot import Robot
-from morph.inference.validate import Validation
+from morph.inference.validate import Validation, at_noise, evidence_decides
 from morph.model.episodes import Episode, episode, step_for
 from morph.model.hypothesis import Hypothesis
 from morph.model.segments import cut
@@ -122,3 +124,15 @@ def test_a_reading_that_is_late_is_predicted_late(pendulum: Robot, episodes: lis
         due = np.interp(at[row] - 0.05, at[row], same[row, :, 0])
         # Lines between readings 10 ms apart: (0.01)^2 / 8 of an acceleration of at most 20.
         assert np.abs(read[row, inside, 0] - due[inside]).max() < 3e-4
+
+
+@pytest.mark.parametrize(("force", "decides", "explained"), [
+    (0.02, True, True), (0.05, True, False), (0.2, False, False),
+])  # fmt: skip
+def test_evidence_decides_a_little_above_the_noise(
+    force: float, decides: bool, explained: bool
+) -> None:
+    disturbance = SimpleNamespace(scale=np.array([force]), vibration=np.zeros(1))
+    about = SimpleNamespace(disturbance=disturbance, inertial=np.ones(1), sensed=np.ones(1))
+    runs: Any = [SimpleNamespace(about=about)]
+    assert (evidence_decides(runs), at_noise(runs)) == (decides, explained)
