@@ -73,7 +73,7 @@ def search_beside(base: Refit, known: Sequence[Effect], prior: Prior | None, blo
         columns=columns,
         prior=whole,
         known=frozenset(taken),
-        groups=tuple(_frictions(columns, joints)),
+        groups=tuple(_drive_laws(columns, joints)),
         levels=tuple(
             WhitenedLevel(
                 gram=believed(np.sum([fold.gram for fold in folds], axis=0), trust, at),
@@ -160,8 +160,8 @@ def _prior(grids: Sequence[tuple[Effect, ...]], joints: Set[str], *, wet: bool) 
     return Prior(alone=alone, together=tuple(ordered))
 
 
-def _frictions(columns: Sequence[EffectColumn], joints: Set[str]) -> Iterator[tuple[int, ...]]:
-    """Yield each law of friction at all driven joints, alone and beside viscous friction."""
+def _drive_laws(columns: Sequence[EffectColumn], joints: Set[str]) -> Iterator[tuple[int, ...]]:
+    """Yield each law of drives at all driven joints, alone and beside viscous friction."""
     laws: dict[tuple[str, int], list[int]] = {}
     shapes = Counter[str]()
     for at, effect in enumerate(column.effect for column in columns):

@@ -36,7 +36,7 @@ until one is found, springs where they lower the error."""
 GROUP = -5.0
 """Least gain of a law of friction at all driven joints that is simulated, nats: it is tried even
 where it gains a little less than it costs."""
-SHARES = (1.0, 0.3, 0.1)
+STRENGTHS = (1.0, 0.3, 0.1)
 """Shares of linearised strengths that are simulated where the linearisation is not believed."""
 DIVERGED = 0.5
 """By how much a set may raise the mean loss before it is refitted, nats a stretch and joint."""
@@ -48,7 +48,7 @@ REPLACED, LOST = 3, 200.0
 cost in Gram space: a refit of the others may make up for it."""
 UNMODELLED = 1.0
 """Missing force over the inertial force from which its model is not believed."""
-STEPS = 2
+ROUNDS = 2
 """Most Gauss-Newton steps of a refit under one estimate of the disturbances."""
 
 
@@ -105,7 +105,7 @@ class EffectSelection:
             )  # fmt: skip
         else:
             refit = refitted(
-                hypothesis, point, self.episodes, origin=origin, before=runs, rounds=STEPS,
+                hypothesis, point, self.episodes, origin=origin, before=runs, rounds=ROUNDS,
                 deadline=self.deadline,
             )  # fmt: skip
             refit = refit_under(refit, origin) if origin else refit
@@ -188,7 +188,7 @@ class EffectSelection:
                 return []
             parts = [search.without_fold(found, fold) for fold in range(self.validation.folds)]
             points = []
-            for share in SHARES if self.by_rollouts else SHARES[:1]:
+            for share in STRENGTHS if self.by_rollouts else STRENGTHS[:1]:
                 weaker = [scaled(effects, share) for _, effects in parts]
                 more = replace(hypothesis, effects=(*hypothesis.effects, *weaker[0]))
                 starts = [replace(more, effects=(*hypothesis.effects, *e)).start for e in weaker]
@@ -203,7 +203,7 @@ class EffectSelection:
             by_share = self.validation.losses(more, points, base.refit.runs).mean(axis=1)
             best = int(np.argmin(by_share))
             losses[members] = float(by_share[best])
-            listed[members] = replace(found, effects=scaled(found.effects, SHARES[best]))
+            listed[members] = replace(found, effects=scaled(found.effects, STRENGTHS[best]))
         by_rollouts = sorted(listed.values(), key=lambda one: losses[one.members])
         # A stiff spring diverges in long steps. So may the likeliest set, far from the base.
         most = now + DIVERGED * len(hypothesis.robot.joints)

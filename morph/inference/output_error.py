@@ -14,11 +14,11 @@ from morph.model.fit import fit, measure
 from morph.model.hypothesis import Hypothesis
 from morph.model.shooting import predict, quadratic, sensitivity
 
-CYCLES, STEPS = 3, 4
+SCALINGS, STEPS = 3, 4
 """Most estimates of the errors' sizes, and steps under each."""
 MOST_FITTED = 30
 """Most stretches that are fitted, an even spread of those by which sets are compared."""
-SETTLED = 0.02
+FALLEN = 0.02
 """Logarithm of the factor by which errors must fall for another estimate of their sizes."""
 
 
@@ -52,10 +52,10 @@ def output_error(
     read = predict(hypothesis, segments, [point], [segments.start])[0]
     units = measure(segments, read)
     found = fit(hypothesis, segments, *units, point=point, iterations=STEPS, deadline=deadline)
-    for _ in range(CYCLES - 1):
+    for _ in range(SCALINGS - 1):
         read = segments.reading - found.around.error.reshape(read.shape) * found.scale
         scale, weight = measure(segments, read)
-        if float(np.log(scale / found.scale).mean()) > -SETTLED:
+        if float(np.log(scale / found.scale).mean()) > -FALLEN:
             break
         # Errors that have fallen weigh more beside the prior.
         found = fit(

@@ -23,7 +23,7 @@ from morph.physics.effect import Effect
 
 Progress = Callable[[str, float], None]
 """Told what is being done and the share of the work that is behind, 0 to 1."""
-MOST = 4
+MOST_FIRST = 4
 """Most effects, or laws at every joint, that the first search adds."""
 FAR = 10.0
 """Missing force over the inertial force, of the description refitted alone, from which on the
@@ -140,7 +140,7 @@ def _searched(
     """
     tried: list[Finalist] = []
     later, first = (FAR_ROUNDS, 0.5) if task.by_rollouts else (MOST_ROUNDS, 0.1)
-    for turn, most in enumerate((MOST, *[LATER] * later)):
+    for turn, most in enumerate((MOST_FIRST, *[LATER] * later)):
         share = 0.8 - (0.8 - first) * 0.7**turn
         progress(f"looking for what is missing (round {turn + 1})", share)
         new, best = task.added(base, search, most)

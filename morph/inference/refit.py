@@ -19,12 +19,12 @@ from morph.model.hypothesis import Hypothesis
 from morph.physics.effect import Effect
 from morph.sim.threads import each
 
-SHARES = (0.3, 0.1)
+NEARER = (0.3, 0.1)
 """Of the way from a smaller set's refit, from which a larger one is refitted again."""
-STEPS = ((0.0, 1.0), (0.03, 1.0), (0.0, 0.3), (1.0, 1.0), (0.0, 0.1))
+TRIALS = ((0.0, 1.0), (0.03, 1.0), (0.0, 0.3), (1.0, 1.0), (0.0, 0.1))
 """Damping and share of a Gauss-Newton step, tried in turn until one gains. Damping turns it where
 parameters multiply, a share shortens it where a law has an edge."""
-CYCLES = 4
+ESTIMATES = 4
 """Most estimates of the disturbances."""
 SETTLED = 1.0
 """Nats: a refit ends with a step that gains less evidence."""
@@ -124,7 +124,7 @@ def refitted(
     if origin is None:
         return best
     idle, price = _idle(hypothesis, origin), 0.5 * (len(point) - len(origin.point))
-    for share in SHARES:
+    for share in NEARER:
         enough = origin.evidence - price * math.log(readings(runs))
         if best.evidence >= enough or time.monotonic() > deadline:
             break
@@ -137,7 +137,7 @@ def refitted(
 
 def _converged(best: Refit, episodes: Sequence[Episode], rounds: int, deadline: float) -> Refit:
     """Return a refit after Gauss-Newton steps and estimates of the disturbances in turn."""
-    for _ in range(CYCLES):
+    for _ in range(ESTIMATES):
         if time.monotonic() > deadline:
             break
         best = _descended(best, episodes, rounds)
@@ -159,7 +159,7 @@ def _descended(best: Refit, episodes: Sequence[Episode], rounds: int) -> Refit:
         last = best = _judged(hypothesis, best.point, best.runs, rank)
         if promised < SETTLED:
             break
-        for damping, share in STEPS:
+        for damping, share in TRIALS:
             step, _, _ = about.step(damping=damping)
             point = np.clip(best.point + share * step, hypothesis.low, hypothesis.high)
             found = _judged(hypothesis, point, seen(hypothesis, point, episodes, best.runs), rank)
@@ -167,7 +167,7 @@ def _descended(best: Refit, episodes: Sequence[Episode], rounds: int) -> Refit:
                 best = found
                 break
         if best is last or (
-            (damping, share) == STEPS[0] and best.evidence < last.evidence + SETTLED
+            (damping, share) == TRIALS[0] and best.evidence < last.evidence + SETTLED
         ):
             break
     return best

@@ -19,7 +19,7 @@ SHARE, NATS = 0.003, 400.0
 """Where what remains is as probably physics as not: share of the joints' force, and evidence."""
 STEEP = 2.0
 """How steeply probability rises with the logarithm of each."""
-MOST = 0.55
+MOST_UNKNOWN = 0.55
 """Greatest probability: laws of the library that a search has missed leave as much. All are set by
 hand on cases of `experiments.concealed` that had been opened, before others judged."""
 
@@ -40,10 +40,10 @@ class Remains:
     @property
     def probability(self) -> float:
         """How probable it is that physics is left which has no name here."""
-        return min(MOST, self.more)
+        return min(MOST_UNKNOWN, self.any_physics)
 
     @property
-    def more(self) -> float:
+    def any_physics(self) -> float:
         """How probable it is that any physics is left, without a name or missed."""
         tiny = 1e-12
         steep = STEEP * min(

@@ -30,7 +30,7 @@ FOLDS = 4
 """Least number of folds: whole runs, or stretches of them where there are fewer runs."""
 MATERIAL = 0.02
 """Least mean gain of an effect, nats a stretch: two per cent of the size of one joint's error."""
-SURE = 2.0
+STANDARD_ERRORS = 2.0
 """Least mean gain in standard errors. Prices of the evidence correct for how much was looked at."""
 LITTLE_FORCE, LITTLE_VIBRATION = 0.03, 1.0
 """Missing force over the inertial force, and vibration in units of the noise, up to which runs are
@@ -180,7 +180,7 @@ class Validation:
         by_fold = np.array([gain[self.fold == fold].mean() for fold in np.unique(self.fold)])
         harm = float(-np.minimum(by_fold, 0.0).sum())
         consistent = harm < HARM * float(np.maximum(by_fold, 0.0).sum())
-        return gain.mean() > MATERIAL and consistent and _sureness(before, after) > SURE
+        return gain.mean() > MATERIAL and consistent and _sureness(before, after) > STANDARD_ERRORS
 
     def idle(self, effect: Effect) -> bool:
         """Return whether an effect does nothing, or is a time far below the period of readings."""
@@ -200,7 +200,9 @@ class Validation:
 
     def worse(self, before: Array, after: Array) -> bool:
         """Return whether losses rise materially and surely, whatever single folds say."""
-        return float((after - before).mean()) > MATERIAL and _sureness(after, before) > SURE
+        return (
+            float((after - before).mean()) > MATERIAL and _sureness(after, before) > STANDARD_ERRORS
+        )
 
 
 def evidence_decides(runs: Sequence[Observed]) -> bool:

@@ -145,7 +145,7 @@ def _probabilities(found: Sequence[Finding], remains: Remains, *, worse: bool) -
             label = f"{rival.effect}@{rival.where}"
             chances[label] = max(chances.get(label, 0.0), rival.probability)
     if not found:
-        chances["none"] = min(NONE, 1.0 - remains.more)
+        chances["none"] = min(NONE, 1.0 - remains.any_physics)
     if worse:
         # The training runs speak for the findings and the held-out runs against them.
         chances = {name: 0.5 * chance for name, chance in chances.items()}

@@ -27,7 +27,7 @@ DAMPED = (1e-3, 3e-2, 1.0)
 narrow valley, where shares of it only shorten it."""
 
 
-SETTLED = 2e-3
+TOLERANCE = 2e-3
 """Relative gain in cost below which a fit stops."""
 
 
@@ -159,7 +159,7 @@ def fit(
             error = residual(segments, read[best], scale).reshape(len(segments), -1)
             around = around.after(points[best] - point, error, starts[best])
             point, start = points[best], starts[best]
-        if gained < SETTLED * cost:
+        if gained < TOLERANCE * cost:
             if exact:
                 break
             around = sensitivity(hypothesis, segments, point, start, scale)

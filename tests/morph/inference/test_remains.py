@@ -4,20 +4,20 @@ from __future__ import annotations
 
 import pytest
 
-from morph.inference.remains import MOST, NATS, SHARE, STEEP, Remains
+from morph.inference.remains import MOST_UNKNOWN, NATS, SHARE, STEEP, Remains
 
 
 def chance(*, share: float, nats: float) -> float:
     """Return the probability that physics is left."""
-    return Remains(share=share, channels={}, nats=nats, in_noise=1.0).more
+    return Remains(share=share, channels={}, nats=nats, in_noise=1.0).any_physics
 
 
 def test_what_is_left_may_be_a_law_that_was_missed() -> None:
     left = Remains(share=1.0, channels={}, nats=1e6, in_noise=1.0)
-    assert left.more == pytest.approx(1.0, abs=1e-4)
-    assert left.probability == MOST
+    assert left.any_physics == pytest.approx(1.0, abs=1e-4)
+    assert left.probability == MOST_UNKNOWN
     little = Remains(share=SHARE, channels={}, nats=NATS, in_noise=1.0)
-    assert little.probability == little.more
+    assert little.probability == little.any_physics
 
 
 def test_at_the_thresholds_it_is_as_probable_as_not() -> None:
