@@ -33,7 +33,7 @@ def bounded(inner: Array, along: Array, low: Array, high: Array) -> tuple[Array,
         bounds aside.
     """
     size = np.sqrt(np.maximum(np.diag(inner), 0.0))
-    felt = size * np.minimum(high - low, 1e300)
+    felt = size * np.minimum(high - low, 1e100)
     seen = (size > NEGLIGIBLE * size.max(initial=1e-300)) & (felt > FELT)
     found = np.clip(np.zeros_like(along), low, high)
     if not seen.any():

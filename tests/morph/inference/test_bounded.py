@@ -46,3 +46,10 @@ def test_what_shows_nowhere_between_its_bounds_stays_at_zero() -> None:
     for width, rank, best in ((1.2, 1, 0.0), (120.0, 2, 100.0)):
         found, counted = bounded(inner, along, np.full(2, -width), np.full(2, width))
         assert (counted, found) == (rank, pytest.approx([0.5, best]))
+
+
+def test_an_unbounded_column_however_large_counts() -> None:
+    found, rank = bounded(
+        np.diag([1e60]), np.array([1e60]), np.full(1, -np.inf), np.full(1, np.inf)
+    )
+    assert (rank, found.tolist()) == (1, [1.0])
