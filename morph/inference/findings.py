@@ -13,6 +13,7 @@ from morph.inference.rank import Ranking
 from morph.inference.remains import Remains
 from morph.model.diagnosis import Estimate, Finding, Rival
 from morph.physics import EFFECTS
+from morph.physics.body.external_push import ExternalPush
 from morph.physics.effect import SLIDING, Effect, Parameter
 
 TEMPERATURE = 2.0
@@ -57,18 +58,25 @@ def findings(ranking: Ranking, remains: Remains) -> tuple[Finding, ...]:
             if odd > 0.01
         ]
         nearest = rivals[0].effect if rivals else (effect.twins[0] if effect.twins else "")
+        there = [
+            episode
+            for number, episode in enumerate(ranking.validation.segments.episodes)
+            if (getattr(effect, "run", "") in ("", episode.name))
+            and (gains[fold == number].sum() > 0.0 or effect.passing)
+        ]
+        told = effect
+        if isinstance(effect, ExternalPush) and there[0].begin is not None:
+            told = effect.within(there[0].recording.name, there[0].begin)
         listed.append(
             Finding(
-                effect=effect,
+                effect=told,
                 probability=min(chance, SURE if sure[entries].all() else DOUBTED),
-                episodes=tuple(
-                    episode.name
-                    for number, episode in enumerate(ranking.validation.segments.episodes)
-                    if gains[fold == number].sum() > 0.0 or effect.passing
-                ),
+                episodes=tuple(dict.fromkeys(episode.name for episode in there)),
                 parameters={
-                    known.name: _in_units(estimated[at_entry], known, slide)
-                    for known, at_entry in zip(effect.free(), entries, strict=True)
+                    known.name: _in_units(
+                        _shifted(estimated[entry], told, effect, known.name), known, slide
+                    )
+                    for known, entry in zip(effect.free(), entries, strict=True)
                 },
                 rivals=tuple(rivals),
                 separate_by=experiment(effect, nearest),
@@ -153,6 +161,15 @@ def experiment(effect: Effect, rival: str) -> str:
 def _on_slide(robot: Robot, effect: Effect) -> bool:
     name = effect.where.removesuffix(".position")
     return any(joint.name == name and joint.kind == "slide" for joint in robot.joints)
+
+
+def _shifted(estimate: Estimate, told: Effect, effect: Effect, name: str) -> Estimate:
+    """Return an estimate of a part of a run as one of the whole: times count from its start."""
+    if told is effect:
+        return estimate
+    by = getattr(told, name) - getattr(effect, name)
+    value, low, high = estimate.value + by, estimate.low90 + by, estimate.high90 + by
+    return replace(estimate, value=value, low90=low, high90=high)
 
 
 def _in_units(estimate: Estimate, known: Parameter, slide: bool) -> Estimate:

@@ -86,10 +86,12 @@ def _predict(
         true, time = start.copy(), segments.step * segments.first.astype(float)
         for index, joint in enumerate(joints):
             channel = f"{joint}.position"
-            true[:, index] = unsensed(variant.effects, channel, start[:, index])
+            rate, place = start[:, size + index], start[:, index]
+            before, after = (unsensed(variant.effects, channel, p) for p in (place, place + rate))
             # What is stamped late was read before.
             late = stamped(variant.effects, channel, time) - time
-            true[:, index] += late * start[:, size + index]
+            true[:, size + index] = after - before
+            true[:, index] = before + late * (after - before)
         begin.append(true)
     start = np.concatenate(begin)
     which = np.repeat(np.arange(len(variants)), count)

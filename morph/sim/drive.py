@@ -100,5 +100,6 @@ def stamped(effects: Sequence[Effect], channel: str, time: Array) -> Array:
 
 
 def unsensed(effects: Sequence[Effect], channel: str, reading: Array) -> Array:
-    """Return the truth behind a reading, to first order: exact for an offset."""
-    return 2.0 * reading - sensed(effects, channel, reading)
+    """Return the truth behind a reading, of sensors with an offset and a scale."""
+    zero, one = (sensed(effects, channel, np.full(1, each)) for each in (0.0, 1.0))
+    return (reading - zero) / (one - zero)

@@ -120,6 +120,10 @@ class ExternalPush(BodyEffect):
         """Whether it is an event of one run."""
         return bool(self.run)
 
+    def within(self, run: str, begin: float) -> ExternalPush:
+        """Return a push of a part of a run, which begins at a time of it, as one of the run."""
+        return replace(self, run=run, start=self.start + begin, end=self.end + begin)
+
     def _share(self, time: Array, step: Any) -> Array:
         """Return the mean force over steps for one N s, 1/s."""
         end = np.maximum(self.end, self.start + step)

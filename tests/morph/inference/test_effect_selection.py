@@ -13,7 +13,7 @@ import pytest
 from morph.body.load import load
 from morph.inference.effect_selection import EffectSelection, scaled
 from morph.inference.finalist import Finalist, better, gains, under
-from morph.inference.findings import _in_units
+from morph.inference.findings import _in_units, _shifted
 from morph.inference.refit import Refit, refitted
 from morph.inference.search import Prior
 from morph.inference.validate import Validation
@@ -254,3 +254,11 @@ def test_the_interval_of_a_limit_is_that_of_one_over_it() -> None:
     # An entry of nothing is no limit.
     none = _in_units(replace(entry, low90=0.0), known, False)
     assert none.high90 == known.high
+
+
+def test_intervals_of_an_event_shift_with_its_times() -> None:
+    push = ExternalPush(body="disc", run="a from 30 s", start=1.0, end=1.2)
+    entry = Estimate(value=1.0, low90=0.9, high90=1.1, unit="s")
+    told = _shifted(entry, push.within("a", 30.0), push, "start")
+    assert (told.low90, told.value, told.high90) == pytest.approx((30.9, 31.0, 31.1))
+    assert _shifted(entry, push, push, "start") is entry

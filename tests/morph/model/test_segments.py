@@ -8,7 +8,10 @@ import pytest
 from morph.body.robot import Robot
 from morph.errors import DiagnosisError, RecordingError
 from morph.model.episodes import Episode, episode, step_for, stretches
+from morph.model.hypothesis import Hypothesis
 from morph.model.segments import cut
+from morph.model.shooting import predict
+from morph.physics.sensor.sensor_scale import SensorScale
 from morph.record.recording import Channel, Recording
 
 Recorded = Callable[..., Recording]
@@ -166,3 +169,21 @@ def test_pieces_of_long_recordings_say_where_they_begin(
         first = round(piece.begin / whole.step)
         assert (piece.command == whole.command[first : first + len(piece.command)]).all()
     assert stretches([whole], 40.0) == [whole]
+
+
+def test_rollouts_of_a_scaled_sensor_start_at_the_truth(
+    pendulum: Robot, recorded: Recorded
+) -> None:
+    scale = SensorScale(channel="hinge.position", gain=1.2)
+    errors = []
+    for effects in ((), (scale,)):
+        run = recorded(pendulum, *effects, seconds=4.0, start={"hinge": 1.0}, noise=0.0)
+        step = step_for([run], pendulum)
+        segments = cut([episode(run, pendulum, step)], 1.0, skip=0.2)
+        model = Hypothesis(robot=pendulum, step=step, knobs=(), effects=effects)
+        (read,) = predict(model, segments, [model.start], [segments.start])
+        errors.append(float(np.sqrt(np.mean((segments.reading - read)[segments.valid] ** 2))))
+    # Smoothing errs alike in both, in proportion to what is read; a rate that is 1.2 times the true
+    # one would turn the hinge by 0.2 rad in a second.
+    assert errors[1] < 1.5 * 1.2 * errors[0]
+    assert errors[0] < 0.01

@@ -6,6 +6,7 @@ import pytest
 from morph.physics.actuator.actuator_delay import ActuatorDelay
 from morph.physics.actuator.actuator_lag import ActuatorLag
 from morph.physics.sensor.sensor_bias import SensorBias
+from morph.physics.sensor.sensor_scale import SensorScale
 from morph.record.recording import Channel
 from morph.sim.drive import completed, held, received, sensed, unsensed
 
@@ -58,6 +59,18 @@ def test_effects_act_on_a_command_one_after_the_other() -> None:
     both = received((delay, lag), "a", told, 0.002)
     assert np.array_equal(both, lag.command("a", delay.command("a", told, 0.002), 0.002))
     assert np.array_equal(received((delay, lag), "b", told, 0.002), told)
+
+
+def test_the_truth_behind_a_scaled_and_biased_reading_is_found() -> None:
+    bad = (
+        SensorScale(channel="hinge.position", gain=1.3),
+        SensorBias(channel="hinge.position", bias=0.3),
+    )
+    truth = np.linspace(-1.0, 1.0, 11)
+    reading = sensed(bad, "hinge.position", truth)
+    assert reading == pytest.approx(1.3 * truth + 0.3, abs=1e-15)
+    # Two roundings of numbers up to 1.6.
+    assert unsensed(bad, "hinge.position", reading) == pytest.approx(truth, abs=1e-15)
 
 
 def test_the_truth_behind_a_biased_reading_is_found() -> None:

@@ -105,3 +105,10 @@ def test_a_push_of_one_run_is_no_part_of_a_robot(brick: Robot) -> None:
     assert np.abs(run["brick.linear_velocity.x"]).max() == 0.0
     beside, _ = split(spec_of(brick), [push, ExternalPush(body="brick", end=0.1, x=0.2)])
     assert [effect.run for effect in beside if isinstance(effect, ExternalPush)] == [""]
+
+
+def test_a_push_of_a_part_of_a_run_is_told_in_times_of_the_whole() -> None:
+    push = ExternalPush(body="arm", run="r1 from 30 s", start=1.0, end=1.2, y=0.3)
+    assert push.within("r1", 30.0) == ExternalPush(
+        body="arm", run="r1", start=31.0, end=31.2, y=0.3
+    )
