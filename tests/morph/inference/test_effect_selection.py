@@ -13,7 +13,7 @@ import pytest
 from morph.body.load import load
 from morph.inference.effect_selection import EffectSelection, scaled
 from morph.inference.finalist import Finalist, better, gains, under
-from morph.inference.findings import _in_units, _shifted
+from morph.inference.findings import _idle_within, _in_units, _shifted
 from morph.inference.refit import Refit, refitted
 from morph.inference.search import Prior
 from morph.inference.validate import Validation
@@ -262,3 +262,17 @@ def test_intervals_of_an_event_shift_with_its_times() -> None:
     told = _shifted(entry, push.within("a", 30.0), push, "start")
     assert (told.low90, told.value, told.high90) == pytest.approx((30.9, 31.0, 31.1))
     assert _shifted(entry, push, push, "start") is entry
+
+
+def test_a_finding_may_be_nothing_where_all_its_strengths_may_be_none() -> None:
+    def entry(low: float, high: float) -> Estimate:
+        return Estimate(value=0.5 * (low + high), low90=low, high90=high, unit="")
+
+    push = ExternalPush(body="disc", x=1.0)
+    sides = {name: entry(-1.0, 2.0) for name in "xyz"} | {"start": entry(1, 2), "end": entry(2, 3)}
+    assert _idle_within(push, sides)
+    # One strength that is surely there is enough.
+    assert not _idle_within(push, sides | {"x": entry(0.5, 2.0)})
+    limit = TorqueSaturation(actuator="motor", limit=1.0)
+    assert not _idle_within(limit, {"limit": entry(0.9, 1.1)})
+    assert _idle_within(limit, {"limit": entry(0.9, 1e9)})
