@@ -62,27 +62,27 @@ def findings(ranking: Ranking, remains: Remains) -> tuple[Finding, ...]:
             if odd > 0.01
         ]
         nearest = rivals[0].effect if rivals else (effect.twins[0] if effect.twins else "")
-        there = [
+        acting = [
             episode
             for number, episode in enumerate(ranking.validation.segments.episodes)
             if (getattr(effect, "run", "") in ("", episode.name))
             and (gains[fold == number].sum() > 0.0 or effect.passing)
         ]
-        told = effect
-        if isinstance(effect, ExternalPush) and there[0].begin is not None:
-            told = effect.within(there[0].recording.name, there[0].begin)
+        reported = effect
+        if isinstance(effect, ExternalPush) and acting and acting[0].begin is not None:
+            reported = effect.within(acting[0].recording.name, acting[0].begin)
         parameters = {
             known.name: _in_units(
-                _shifted(estimated[entry], told, effect, known.name), known, slide
+                _shifted(estimated[entry], reported, effect, known.name), known, slide
             )
             for known, entry in zip(effect.free(), entries, strict=True)
         }
         most = SURE if sure[entries].all() else DOUBTED
         listed.append(
             Finding(
-                effect=told,
+                effect=reported,
                 probability=min(chance, UNSURE if _idle_within(effect, parameters) else most),
-                episodes=tuple(dict.fromkeys(episode.name for episode in there)),
+                episodes=tuple(dict.fromkeys(episode.name for episode in acting)),
                 parameters=parameters,
                 rivals=tuple(rivals),
                 separate_by=experiment(effect, nearest),
@@ -182,11 +182,11 @@ def _idle_within(effect: Effect, parameters: Mapping[str, Estimate]) -> bool:
     return bool(idle) and all(idle)
 
 
-def _shifted(estimate: Estimate, told: Effect, effect: Effect, name: str) -> Estimate:
+def _shifted(estimate: Estimate, reported: Effect, effect: Effect, name: str) -> Estimate:
     """Return an estimate of a part of a run as one of the whole: times count from its start."""
-    if told is effect:
+    if reported is effect:
         return estimate
-    by = getattr(told, name) - getattr(effect, name)
+    by = getattr(reported, name) - getattr(effect, name)
     value, low, high = estimate.value + by, estimate.low90 + by, estimate.high90 + by
     return replace(estimate, value=value, low90=low, high90=high)
 

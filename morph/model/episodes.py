@@ -81,7 +81,7 @@ class Episode:
     def name(self) -> str:
         """How reports call it."""
         name = self.recording.name
-        return name if self.begin is None else f"{name} from {self.begin:.3g} s"
+        return name if self.begin is None else f"{name} from {self.begin:.1f} s"
 
     @property
     def session(self) -> str:

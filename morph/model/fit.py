@@ -25,8 +25,6 @@ SHARES = (1.0, 0.3)
 DAMPED = (1e-3, 3e-2, 1.0)
 """Levenberg-Marquardt dampings that are tried beside them: they turn the step out of a
 narrow valley, where shares of it only shorten it."""
-
-
 TOLERANCE = 2e-3
 """Relative gain in cost below which a fit stops."""
 

@@ -160,7 +160,7 @@ def test_pieces_of_long_recordings_say_where_they_begin(
     # Two pieces of 5 s stand for 31 s: the first and the last.
     pieces = stretches([whole], 10.0)
     assert [piece.begin for piece in pieces] == pytest.approx([0.0, whole.time[-1] - 5.0], abs=0.01)
-    assert [piece.name for piece in pieces] == [f"{run.name} from 0 s", f"{run.name} from 26 s"]
+    assert [piece.name for piece in pieces] == [f"{run.name} from 0.0 s", f"{run.name} from 26.0 s"]
     for piece in pieces:
         assert piece.begin is not None
         # The readings and commands of a piece are those of the whole at that time.
