@@ -12,6 +12,7 @@ import numpy as np
 
 from experiments.concealed.baselines import (
     refit_own_figures,
+    solve_by_inverse_dynamics,
     solve_by_lasso,
     solve_by_residual,
     solve_by_sindy,
@@ -200,6 +201,7 @@ SOLVERS: Mapping[str, Solver] = {
     "sindy": solve_by_sindy,
     "gp": solve_by_residual,
     "sysid": solve_by_sysid,
+    "idim": solve_by_inverse_dynamics,
     "random": solve_by_chance,
     "none": solve_by_trust,
     "oracle": solve_by_oracle,

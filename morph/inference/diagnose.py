@@ -10,7 +10,7 @@ from morph.body.robot import Robot
 from morph.inference.rank import Progress, ranked
 from morph.inference.verdict import DiagnosisRuns, conclude
 from morph.model.diagnosis import Diagnosis
-from morph.model.episodes import episode, moving_joints, step_for, stretches
+from morph.model.episodes import Episode, episode, moving_joints, pieces, step_for, stretches
 from morph.model.hypothesis import Hypothesis
 from morph.model.knobs import knobs
 from morph.model.segments import scored_segments
@@ -67,8 +67,7 @@ def diagnose(
     parts = split(recordings, held_out)
     still = check_motion(parts.train, joints)
     step = step_for(parts.train, robot)
-    train = [episode(recording, robot, step) for recording in parts.train]
-    aside = [episode(recording, robot, step) for recording in parts.held_out]
+    train, aside = (_laid(part, robot, step) for part in (parts.train, parts.held_out))
     scored = scored_segments(aside, horizon)
     nominal = Hypothesis(robot=robot, step=step, knobs=knobs(robot, vary))
     say("refitting the description's own figures", 0.05)
@@ -94,3 +93,13 @@ def diagnose(
             started=started,
         ),
     )
+
+
+def _laid(recordings: Sequence[Recording], robot: Robot, step: float) -> list[Episode]:
+    """Return the pieces of recordings that are long enough.
+
+    Raises:
+        DiagnosisError: None is.
+    """
+    laid = [piece for recording in recordings for piece in pieces(recording, robot, step)]
+    return laid or [episode(recording, robot, step) for recording in recordings]

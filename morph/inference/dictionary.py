@@ -95,8 +95,13 @@ def dictionary(
     motions = [run.motion for run in runs]
     longest = max(motions, key=lambda motion: len(motion.time))
     measured, told = set(longest.channels), {effect.label: effect for effect in known}
+    # Dry friction alone says anything of a joint that never moves.
+    still = {
+        joint.name for joint in robot.joints if not any(_moves(joint.name, run) for run in runs)
+    }
     for kind in EFFECTS:
         places = kind.places(robot) if kind.strengths else ()
+        places = tuple(place for place in places if kind.holds or place not in still)
         for place in places[:1] if kind.everywhere else places:
             if kind.kind != "sensor" or place in measured:
                 with suppress(EffectError):  # It needs what the description does not tell.
@@ -108,6 +113,13 @@ def dictionary(
                     seen = motions if kind.of_a_run else [max(full, key=lambda m: len(m.time))]
                     if shapes := [shape for each in seen for shape in _shapes(effect, each)]:
                         yield tuple(shapes)
+
+
+def _moves(joint: str, seen: Observed) -> bool:
+    """Return whether the readings of a joint change."""
+    at = seen.motion.channels[f"{joint}.position"]
+    readings = seen.run.reading[seen.run.valid[:, at], at]
+    return len(readings) > 0 and float(np.ptp(readings)) > 0.0
 
 
 def _shapes(effect: Effect, motion: Motion) -> tuple[Effect, ...]:

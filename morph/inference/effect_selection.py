@@ -34,18 +34,17 @@ SPRINGS = {"series_elasticity"}
 """Laws of real drives, each of which is refitted to rollouts at all driven joints: dry friction
 until one is found, springs where they lower the error."""
 GROUP = -5.0
-"""Least gain of a law of friction at all driven joints that is simulated, nats: it is tried even
-where it gains a little less than it costs."""
+"""Least gain of a law of friction at all driven joints that is simulated, nats."""
 STRENGTHS = (1.0, 0.3, 0.1)
 """Shares of linearised strengths that are simulated where the linearisation is not believed."""
 DIVERGED = 0.5
 """By how much a set may raise the mean loss before it is refitted, nats a stretch and joint."""
 RIVAL = 10.0
-"""Nats by which another law is likelier in Gram space from which it is tried in the place of one;
-twins are tried from minus `CERTAIN` on."""
-REPLACED, LOST = 3, 200.0
-"""Most laws that are tried in the place of others, and nats that an effect which is left out may
-cost in Gram space: a refit of the others may make up for it."""
+"""Least nats that another law in the place of one gains in Gram space to be tried there; of twins
+it is minus `CERTAIN`."""
+REPLACED, LOST, TWIN_LOST = 3, 200.0, 1000.0
+"""Most laws that are tried in the place of others; and nats that an effect which is left out, also
+beside a twin, may cost in Gram space: a refit of the others may make up for it."""
 UNMODELLED = 1.0
 """Missing force over the inertial force from which its model is not believed."""
 ROUNDS = 2
@@ -252,7 +251,8 @@ class EffectSelection:
         rivals: list[tuple[float, int, Effect | None]] = []
         for at, effect in enumerate(best.effects):
             none, every = search.instead(effect.label, *best.refit.removal(at))
-            rivals += [(none, at, None)] if none > -LOST and len(best.effects) > 1 else []
+            lost = TWIN_LOST if any(o.name in effect.twins for o in best.effects) else LOST
+            rivals += [(none, at, None)] if none > -lost and len(best.effects) > 1 else []
             others = [one for one in every if one[0].label not in gone]
             rivals += [(gain, at, other) for other, gain in others[:1] if gain > RIVAL]
             # The linearisation says little of a time's twins, and nothing of a push's.
@@ -260,8 +260,8 @@ class EffectSelection:
             twins = [(gain, at, o) for o, gain in others if o.name in effect.twins]
             rivals += [one for one in twins[:1] if least < one[0] <= RIVAL]
             simple = f"{effect.simpler}@{effect.where}"
-            strength = effect.coefficients[:1]
-            rivals += [(g, at, o.with_strengths(strength)) for o, g in others if o.label == simple]
+            c = effect.coefficients[:1]
+            rivals += [(gain, at, o.with_strengths(c)) for o, gain in others if o.label == simple]
         for _, at, other in sorted(rivals, key=lambda one: -one[0])[:REPLACED]:
             effects = (*best.effects[:at], *([other] if other else []), *best.effects[at + 1 :])
             start = replace(best.refit.hypothesis, effects=effects)

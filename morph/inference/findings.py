@@ -170,15 +170,18 @@ def _on_slide(robot: Robot, effect: Effect) -> bool:
 
 
 def _idle_within(effect: Effect, parameters: Mapping[str, Estimate]) -> bool:
-    """Return whether the interval of every strength holds the value that does nothing."""
-    strengths = [each for each in effect.free() if each.name in effect.strengths]
-    idle = [
+    """Return whether the interval of every strength holds the value that does nothing.
+
+    Strengths without such a value, as a wave's phase or where a weight is, do not count.
+    """
+    free = [each for each in effect.free() if each.name in effect.strengths]
+    strengths = [each for each in free if each.neutral is not None]
+    idle = []
+    for each in strengths:
+        found, neutral = parameters[each.name], each.neutral or 0.0
         # Of a limit or a stiffness without end, that is its greatest.
-        parameters[each.name].high90 >= 0.99 * each.high
-        if each.reciprocal
-        else parameters[each.name].low90 <= (each.neutral or 0.0) <= parameters[each.name].high90
-        for each in strengths
-    ]
+        held = found.low90 <= neutral <= found.high90
+        idle.append(found.high90 >= 0.99 * each.high if each.reciprocal else held)
     return bool(idle) and all(idle)
 
 

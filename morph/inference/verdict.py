@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -11,6 +12,7 @@ import numpy as np
 from morph.arrays import Array
 from morph.inference.findings import factors, findings
 from morph.inference.rank import Ranking
+from morph.inference.refit import Refit
 from morph.inference.remains import Remains, remaining
 from morph.model.corrected import corrected, data, notes, provenance
 from morph.model.diagnosis import Diagnosis, Finding, Unexplained
@@ -86,6 +88,7 @@ def conclude(nominal: Hypothesis, ranking: Ranking, parts: DiagnosisRuns) -> Dia
     if worse:
         beside = ()
     episodes = (*parts.train, *parts.aside)
+    recordings = (*parts.split.train, *parts.split.held_out)
     return Diagnosis(
         robot=robot.name,
         verdict=_verdict(found, remains, worse=worse),
@@ -105,8 +108,8 @@ def conclude(nominal: Hypothesis, ranking: Ranking, parts: DiagnosisRuns) -> Dia
             in_noise=remains.in_noise,
         ),
         horizon=parts.horizon,
-        train=tuple(episode.name for episode in parts.train),
-        held_out=tuple(episode.name for episode in parts.aside),
+        train=_names(parts.train),
+        held_out=_names(parts.aside),
         split=parts.split.how,
         held_out_rmse=_table(nominal, errors, parts.scored.noise),
         improvement_low90=improvement_low90(before, after, parts.seed),
@@ -116,9 +119,10 @@ def conclude(nominal: Hypothesis, ranking: Ranking, parts: DiagnosisRuns) -> Dia
             {model: predicted[model] for model in ("nominal", "refitted", "corrected")},
             [(joint.name, joint.unit) for joint in robot.joints],
         ),
-        data=data(episodes, fitted=len(ranking.validation.segments), scored=len(parts.scored)),
-        notes=notes(episodes, parts.still),
-        provenance=provenance(robot, episodes),
+        data=data(recordings, fitted=len(ranking.validation.segments), scored=len(parts.scored)),
+        overstated=() if worse else _overstated(best),
+        notes=notes(recordings, episodes, parts.still),
+        provenance=provenance(robot, recordings),
         seconds=time.monotonic() - parts.started,
         seed=parts.seed,
         candidates_tried=len(ranking.search.prior.alone),
@@ -127,6 +131,22 @@ def conclude(nominal: Hypothesis, ranking: Ranking, parts: DiagnosisRuns) -> Dia
         corrected_effects=beside,
         residual=residual.content() if residual is not None and WITH_RESIDUAL in errors else {},
     )
+
+
+def _overstated(best: Refit) -> tuple[str, ...]:
+    """Return the figures of joints that are refitted to less than `--vary` lets them be."""
+    own = zip(best.hypothesis.knobs, best.point, strict=False)
+    return tuple(
+        f"The description's {knob.what} of joint {knob.part} is too great: the recordings show "
+        f"{math.exp(value):.2g} of it."
+        for knob, value in own
+        if knob.kind == "joint" and value < -1.05 * math.log1p(knob.fraction)
+    )
+
+
+def _names(episodes: Sequence[Episode]) -> tuple[str, ...]:
+    """Return the names of the recordings, each once."""
+    return tuple(dict.fromkeys(episode.recording.name for episode in episodes))
 
 
 def _verdict(found: Sequence[Finding], remains: Remains, *, worse: bool) -> str:

@@ -9,10 +9,11 @@ from typing import Any
 from morph.arrays import JSON, Array
 from morph.body.fulltext import fulltext
 from morph.body.robot import Robot
-from morph.model.episodes import Episode, fills, gaps
+from morph.model.episodes import SHORTEST, Episode, fills
 from morph.model.hypothesis import Hypothesis
 from morph.physics.apply import apply
 from morph.physics.effect import Effect
+from morph.record.recording import Recording
 
 
 def corrected(hypothesis: Hypothesis, point: Array) -> tuple[tuple[Effect, ...], str]:
@@ -33,15 +34,14 @@ def split(spec: Any, effects: Sequence[Effect]) -> tuple[tuple[Effect, ...], str
     return beside, fulltext(spec)
 
 
-def data(episodes: Sequence[Episode], *, fitted: int, scored: int) -> JSON:
+def data(recordings: Sequence[Recording], *, fitted: int, scored: int) -> JSON:
     """Return what was read and what was dropped or repaired, counted.
 
     Args:
-        episodes: All that were read.
+        recordings: All that were read.
         fitted: Rollouts by which models were chosen.
         scored: Held-out rollouts.
     """
-    recordings = [episode.recording for episode in episodes]
     notes = [note for recording in recordings for note in recording.notes]
     return {
         "samples": sum(recording.samples for recording in recordings),
@@ -54,26 +54,36 @@ def data(episodes: Sequence[Episode], *, fitted: int, scored: int) -> JSON:
     }
 
 
-def notes(episodes: Sequence[Episode], still: Sequence[str]) -> tuple[str, ...]:
+def notes(
+    recordings: Sequence[Recording], episodes: Sequence[Episode], still: Sequence[str]
+) -> tuple[str, ...]:
     """Return what was dropped, repaired or looks odd, in words.
 
     Args:
-        episodes: All that were read.
+        recordings: All that were read.
+        episodes: Their pieces between gaps, those that are long enough.
         still: Joints that no training run moves.
     """
-    said = [
-        f"{note.where}: {note.what}" for episode in episodes for note in episode.recording.notes
-    ]
+    said = [f"{note.where}: {note.what}" for each in recordings for note in each.notes]
     said += [f"Joint {joint} does not move in any run that was fitted." for joint in still]
-    said += [f"{e.name}: {what}" for e in episodes for what in (*gaps(e), *fills(e))]
-    return tuple(said)
+    for recording in recordings:
+        laid = [episode for episode in episodes if episode.recording is recording]
+        if not laid:
+            said.append(f"{recording.name}: too short, left out; an episode takes {SHORTEST} s")
+        ends = [(one.begin or 0.0) + float(one.time[-1]) for one in laid]
+        begins = [episode.begin or 0.0 for episode in laid]
+        said += [
+            f"{recording.name}: no reading for {begin - end:.3g} s after {end:.3g} s"
+            for end, begin in zip(ends, begins[1:], strict=False)
+        ]
+    return (*said, *(f"{e.name}: {what}" for e in episodes for what in fills(e)))
 
 
-def provenance(robot: Robot, episodes: Sequence[Episode]) -> dict[str, Any]:
+def provenance(robot: Robot, recordings: Sequence[Recording]) -> dict[str, Any]:
     """Return versions and hashes."""
     return {
         "morph": version("morph"),
         "mujoco": version("mujoco"),
         "robot_sha256": robot.sha256,
-        "recordings_sha256": {episode.name: episode.recording.sha256 for episode in episodes},
+        "recordings_sha256": {recording.name: recording.sha256 for recording in recordings},
     }

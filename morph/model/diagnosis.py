@@ -130,6 +130,14 @@ class Trace:
     """Predictions by model: nominal, refitted, corrected; same shape each."""
 
 
+EXPLAINED = "The simulation explains these recordings: nothing was left out that shows."
+OUT_OF_TIME = "The budget ended before anything could be said surely."
+UNNAMED = (
+    "The simulation does not explain these recordings, and no effect that was tried does so "
+    "surely: a known law may have been missed, or what is missing has no name."
+)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Diagnosis:
     """The answer to: where do simulation and recordings part, and what was left out?"""
@@ -164,6 +172,8 @@ class Diagnosis:
     """Held-out rollouts, for plots."""
     data: JSON
     """Samples, dropped, repaired, duplicates."""
+    overstated: tuple[str, ...] = ()
+    """Figures of joints that are less than `--vary` lets them be, in words."""
     notes: tuple[str, ...]
     """What was dropped, repaired or looks odd, in words."""
     provenance: JSON
@@ -186,14 +196,9 @@ class Diagnosis:
     def summary(self) -> tuple[str, ...]:
         """Return the answer in words, a sentence each."""
         if self.verdict == "consistent":
-            return ("The simulation explains these recordings: nothing was left out that shows.",)
-        if not self.findings and self.stopped_short:
-            return ("The budget ended before anything could be said surely.",)
+            return (EXPLAINED, *self.overstated)
         if not self.findings:
-            return (
-                "The simulation does not explain these recordings, and no effect that was tried "
-                "does so surely: a known law may have been missed, or what is missing has no name.",
-            )
+            return (OUT_OF_TIME if self.stopped_short else UNNAMED,)
         said = [finding.statement for finding in self.findings]
         if self.unexplained.probability > 0.5:
             said.append(
@@ -201,10 +206,8 @@ class Diagnosis:
                 "remains, and no effect that was tried explains it: something else is missing."
             )
         elif self.verdict == "unknown":
-            said.append(
-                "The corrected model is no better on held-out runs, so nothing was changed."
-            )
-        return tuple(said)
+            said.append("The corrected model is no better on held-out runs: nothing was changed.")
+        return (*said, *self.overstated)
 
     def as_json(self) -> JSON:
         """Return the content of `diagnosis.json`."""

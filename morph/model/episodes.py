@@ -10,6 +10,7 @@ import numpy as np
 from morph.arrays import Array
 from morph.body.robot import Robot
 from morph.errors import DiagnosisError
+from morph.model.split import between
 from morph.record.noise import noise
 from morph.record.recording import Channel, Recording
 from morph.record.slopes import slopes
@@ -21,6 +22,8 @@ QUIETEST = 1e-5
 """rad or m: least noise that a sensor is credited with."""
 STRETCH = 5.0
 """Seconds of the stretches that stand for recordings too long to look at whole."""
+SHORTEST = 0.5
+"""Least seconds of an episode: in less friction does not show."""
 STATE_HERTZ = 15.0
 """Band of the motion that a rollout's start is read from."""
 
@@ -140,7 +143,7 @@ def episode(recording: Recording, robot: Robot, step: float) -> Episode:
     commands = [recording.channel(f"{actuator.name}.command") for actuator in robot.actuators]
     start = max(float(channel.time[0]) for channel in channels)
     end = min(float(channel.time[-1]) for channel in channels)
-    if end - start < 0.5:
+    if end - start < SHORTEST:
         raise DiagnosisError(
             f"it lasts {end - start:.3g} s; friction shows only over half a second or more",
             where=f"recording {recording.name}",
@@ -192,13 +195,41 @@ def _floored(noises: list[float]) -> Array:
     return np.maximum(noises, max(QUIETEST, 0.01 * max(noises)))
 
 
-def gaps(episode: Episode) -> list[str]:
-    """Return the stretches without readings in words; no rollout is scored across them."""
-    step = np.diff(episode.time)
-    longest = 20.0 * float(np.median(step))
+def gaps(time: Array) -> list[tuple[float, float]]:
+    """Return where readings are missing: the times of the last before and the first after, s."""
+    step = np.diff(time)
+    long = step > max(20.0 * float(np.median(step)), 0.2)
+    return list(zip(time[:-1][long].tolist(), time[1:][long].tolist(), strict=True))
+
+
+def pieces(recording: Recording, robot: Robot, step: float) -> list[Episode]:
+    """Return what lies between a recording's gaps, each piece as an episode.
+
+    What a robot does without readings for long tells little, and is told badly by a linearised
+    model. Pieces of less than half a second are left out: there may be none.
+
+    Raises:
+        RecordingError: A joint's position or an actuator's command is missing.
+    """
+    channels = [_measured(recording, joint) for joint in moving_joints(robot)]
+    start = max(float(channel.time[0]) for channel in channels)
+    end = min(float(channel.time[-1]) for channel in channels)
+    missing = sorted(gap for channel in channels for gap in gaps(channel.time))
+    begins, ends = [start], []
+    for last, first in missing:
+        ends.append(last)
+        begins.append(max(first, begins[-1]))
+    found = [
+        (begin, until)
+        for begin, until in zip(begins, [*ends, end], strict=True)
+        if until - begin >= SHORTEST
+    ]
+    if not missing:
+        return [episode(recording, robot, step)] if found else []
+    laid = (episode(between(recording, *each), robot, step) for each in found)
     return [
-        f"no reading for {step[i]:.3g} s after {episode.time[i]:.3g} s"
-        for i in np.flatnonzero(step > max(longest, 0.2))
+        replace(piece, recording=recording, begin=begin - start)
+        for piece, (begin, _) in zip(laid, found, strict=True)
     ]
 
 
@@ -232,7 +263,7 @@ def stretches(episodes: Sequence[Episode], seconds: float) -> list[Episode]:
         chosen.append(
             replace(
                 e,
-                begin=first * e.step,
+                begin=(e.begin or 0.0) + first * e.step,
                 command=e.command[first : first + round(STRETCH / e.step) + 1],
                 unsure=e.unsure[first : first + round(STRETCH / e.step) + 1],
                 time=e.time[inside] - first * e.step,

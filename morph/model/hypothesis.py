@@ -110,7 +110,7 @@ class Hypothesis:
     @cached_property
     def trust(self) -> Array:
         """One over the variance that each entry has before any data, about its nominal."""
-        of_knobs = [1.0 / knob.fraction**2 for knob in self.knobs]
+        of_knobs = [1.0 / knob.spread**2 for knob in self.knobs]
         # The effects' own bounds are wide: as good as no prior, yet never singular.
         widths = (self.high - self.low)[len(self.knobs) :]
         spreads = [k.spread or width for (_, k), width in zip(self._slots, widths, strict=True)]

@@ -25,6 +25,12 @@ TRUST: Mapping[str, float] = {
 """The fraction by which each kind of figure may be wrong when nothing is said."""
 
 
+LEAST_OF_JOINT, SPREAD_OF_JOINT = 0.05, 0.5
+"""Least factor on a joint's damping, armature, dry friction and stiffness, and standard deviation
+of its logarithm beforehand: descriptions state them to keep a simulation stable, far too great at
+times. What is too small an effect adds to."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Knob:
     """One figure of the description, as the logarithm of a factor on it."""
@@ -49,7 +55,14 @@ class Knob:
     def bounds(self) -> tuple[float, float]:
         """The least and greatest logarithm of the factor."""
         f = self.fraction
+        if self.kind == "joint" and f > 0.0:
+            return math.log(min(LEAST_OF_JOINT, 1.0 / (1.0 + f))), math.log1p(f)
         return (math.log1p(-f) if f < 0.5 else -math.log1p(f)), math.log1p(f)
+
+    @property
+    def spread(self) -> float:
+        """Standard deviation of the logarithm of the factor before any data."""
+        return max(self.fraction, SPREAD_OF_JOINT) if self.kind == "joint" else self.fraction
 
     def edit(self, spec: Any, logarithm: float) -> None:
         """Multiply the figure in a `mujoco.MjSpec`."""

@@ -19,6 +19,9 @@ from morph.sim.trapezoid import trapezoidal
 MOST_ROWS_BYTES = 4e8
 """Memory that one batch's trajectories may take; larger ones run in turns."""
 
+BEYOND = 0.05
+"""Seconds by which motion goes on, at constant acceleration, outside a rollout for late stamps."""
+
 
 def predict(
     hypothesis: Hypothesis,
@@ -131,13 +134,13 @@ def shown(
     begin = (segments.first[chosen] * segments.step)[:, None]
     read, rows = np.empty((*stamp.shape, len(joints))), np.arange(len(position))[:, None]
     for joint, name in enumerate(joints):
-        # To first order, a clock that stamps s(t) at t read at 2 t - s(t) what it stamps t.
         late = stamped(effects, f"{name}.position", begin + stamp) - (begin + stamp)
-        time = (stamp - late) / segments.step
-        before = np.clip(time.astype(int), 0, segments.steps - 1)
-        part = np.clip(time - before, -1.0, 2.0)
-        one, other = (position[rows, before + k, joint] for k in (0, 1))
-        read[..., joint] = sensed(effects, f"{name}.position", one + part * (other - one))
+        time = (stamp - late) / segments.step  # To first order, of a clock that drifts.
+        before = np.clip(time.astype(int), 0, segments.steps - 2)
+        part = np.clip(time - before, -BEYOND / segments.step, 2.0 + BEYOND / segments.step)
+        one, two, three = (position[rows, before + k, joint] for k in (0, 1, 2))
+        there = one + part * (two - one) + 0.5 * part * (part - 1.0) * (three - 2.0 * two + one)
+        read[..., joint] = sensed(effects, f"{name}.position", there)
     return read
 
 

@@ -15,6 +15,8 @@ FARTHEST = 1e4
 """rad or m: positions beyond this are no robot's."""
 STRONGEST = 1e6
 """Commands beyond this are no actuator's."""
+SLOWEST = 0.2
+"""Seconds between readings, of which one in a few tells of friction."""
 LONGEST_GAP = 60.0
 """Seconds without a reading after which a clock has jumped."""
 
@@ -73,6 +75,13 @@ def check_channels(recording: Recording, robot: Robot, joints: Sequence[str]) ->
         channel = recording.channel(f"{joint}.position")
         _within(recording, f"{joint}.position", channel, FARTHEST)
         gap = np.diff(channel.time)
+        if len(gap) and np.median(gap) > SLOWEST:
+            raise RecordingError(
+                f"readings come {np.median(gap):.3g} s apart",
+                where=f"recording {recording.name}, {joint}.position",
+                fix='say the unit of times in recording.toml, as time = { column = "time", unit = '
+                f'"ms" }}, or record every {SLOWEST} s or faster',
+            )
         if len(gap) and gap.max() > LONGEST_GAP:
             raise RecordingError(
                 f"the clock jumps by {gap.max():.3g} s after sample {int(gap.argmax())}",

@@ -84,7 +84,8 @@ def parse_channel(name: str, *, where: str, whole: bool = False) -> ChannelName:
     raise RecordingError(
         f"{name!r} names no known quantity; a channel is <part>. followed by {', '.join(known)}",
         where=where,
-        fix=f"the nearest are {nearest(tail, _endings())}",
+        fix=f"the nearest are {nearest(tail, _endings())}; columns that are not needed are left "
+        "out where a recording.toml binds the others",
     )
 
 

@@ -18,6 +18,9 @@ from morph.model.diagnosis import Diagnosis
 from morph.record.load import load as load_recordings
 from morph.record.recording import Recording
 
+MOST_NOTES = 5
+"""Notes on recordings that are printed."""
+
 
 def run_diagnose(asked: Diagnose) -> int:
     """Diagnose as asked and return the exit status.
@@ -83,6 +86,9 @@ def in_words(found: Diagnosis, out: Path) -> str:
             f"    {channel}: {nominal:.3g} as described, {refitted:.3g} refitted, "
             f"{corrected:.3g} corrected"
         )
+    lines += [f"  note: {note}" for note in found.notes[:MOST_NOTES]]
+    if len(found.notes) > MOST_NOTES:
+        lines.append(f"  note: {len(found.notes) - MOST_NOTES} more in the report")
     if found.stopped_short:
         lines.append("  The budget ended first: this is the best answer so far.")
     lines.append(f"  report: {out / 'report.html'} ({found.seconds:.0f} s)")

@@ -60,6 +60,8 @@ def answer(name: str) -> str:
 
 def headline(diagnosis: Diagnosis) -> str:
     """Return the verdict as a headline."""
+    if diagnosis.verdict == "consistent" and diagnosis.overstated:
+        return "The simulation and the robot agree once a joint's figures are corrected"
     if diagnosis.verdict == "consistent":
         return "The simulation and the robot agree"
     if diagnosis.verdict == "mismatch" and diagnosis.findings:

@@ -29,9 +29,9 @@ class TorqueScale(ActuatorEffect):
     actuator: str
     """Actuator it acts on."""
     gain: float = parameter(
-        1.0, unit="-", low=0.02, high=10.0, neutral=1.0, scan=(0.55, 0.8, 1.25, 1.6)
+        1.0, unit="-", low=-10.0, high=10.0, neutral=1.0, scan=(0.55, 0.8, 1.25, 1.6)
     )
-    """Produced over commanded."""
+    """Produced over commanded; below 0 it acts the other way."""
 
     def edit(self, spec: Any) -> None:
         """Scale the actuator's gain and bias."""
@@ -45,7 +45,10 @@ class TorqueScale(ActuatorEffect):
 
     def statement(self, *, slide: bool = False) -> str:
         """Return the finding in one plain sentence."""
-        return (
-            f"Actuator {self.actuator} produces {100 * self.gain:.3g} % of what is commanded: its "
-            "torque constant or gear is off."
-        )
+        produced = f"{100 * abs(self.gain):.3g} % of what is commanded"
+        if self.gain < 0.0:
+            return (
+                f"Actuator {self.actuator} produces {produced}, the other way: the sign of its "
+                "command or of its joint's sensor is wrong."
+            )
+        return f"Actuator {self.actuator} produces {produced}: its torque constant or gear is off."

@@ -12,7 +12,7 @@ from morph.physics.effect import Simulations, parameter
 from morph.physics.kinds import JointEffect
 from morph.physics.motion import Motion
 
-WAVES = (1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0, 36.0, 50.0)
+WAVES = tuple(map(float, (*range(1, 25), *range(26, 51, 2))))
 """Wave numbers to try: one in a turn, teeth of a gear, poles times slots of a motor."""
 
 

@@ -52,8 +52,16 @@ class TimestampOffset(SensorEffect):
         return np.zeros((*motion.velocity.shape, 1))
 
     def reading_regressor(self, motion: Motion) -> Array:
-        """Return minus how fast the reading changes."""
-        rate = motion.reading_rate[:, motion.channels[self.channel]]
+        """Return minus how fast the reading changes, in the mean over the offset."""
+        rate, time = motion.reading_rate[:, motion.channels[self.channel]], motion.time
+        if self.T != 0.0:
+            # The rate between two samples, and beyond the ends, changes at one pace.
+            step, read = np.diff(time), time - self.T
+            total = np.cumsum(np.r_[0.0, 0.5 * step * (rate[1:] + rate[:-1])])
+            before = np.clip(np.searchsorted(time, read, side="right") - 1, 0, len(step) - 1)
+            since, pace = read - time[before], (np.diff(rate) / step)[before]
+            at = total[before] + since * (rate[before] + 0.5 * pace * since)
+            rate = (total - at) / self.T
         return motion.noticed(self.channel, -rate)
 
     def statement(self, *, slide: bool = False) -> str:

@@ -10,7 +10,7 @@ from morph.body.load import load
 from morph.body.robot import Robot
 from morph.errors import DiagnosisError, RecordingError
 from morph.inference.diagnose import diagnose
-from morph.model.episodes import episode, fills, gaps
+from morph.model.episodes import episode, fills, gaps, pieces
 from morph.model.segments import cut
 from morph.model.usable import check_channels, check_motion, check_recordings, check_settings
 from morph.record.recording import Channel, Recording
@@ -75,10 +75,40 @@ def test_rollouts_across_a_gap_are_left_out_and_the_gap_is_told(
     kept = (channel.time < 1.2) | (channel.time > 3.1)
     holed = with_position(swing, channel.time[kept], channel.value[kept])
     laid = episode(holed, pendulum, 0.004)
-    assert len(gaps(laid)) == 1
-    assert gaps(laid)[0].startswith("no reading for 1.9")
+    ((last, first),) = gaps(laid.time)
+    # Episodes keep every other reading of 200 Hz.
+    assert 1.189 < last < 1.2
+    assert 3.1 < first < 3.111
     # Of the seconds 0-1, 1-2, 2-3, 3-4 the third holds nothing and the second a fifth.
     assert cut([laid], 1.0).first.tolist() == [0, 750]
+
+
+def test_a_recording_is_cut_at_a_gap(pendulum: Robot, swing: Recording) -> None:
+    channel = swing.channel("hinge.position")
+    kept = (channel.time < 1.2) | (channel.time > 3.1)
+    holed = with_position(swing, channel.time[kept], channel.value[kept])
+    one, other = pieces(holed, pendulum, 0.004)
+    assert (one.begin, other.begin) == (0.0, pytest.approx(3.11, abs=0.011))
+    assert one.recording is holed
+    # Each piece as if it had been recorded alone: readings by their times in the whole.
+    np.testing.assert_array_equal(one.reading[:, 0], channel.value[channel.time < 1.2][::2])
+    np.testing.assert_array_equal(other.reading[:, 0], channel.value[channel.time > 3.1][::2])
+    assert other.time[-1] + other.begin == pytest.approx(channel.time[-1], abs=0.011)
+    # What is left of a run between gaps may be too short, and then says nothing.
+    late = channel.time > 3.7
+    assert (
+        pieces(with_position(swing, channel.time[late], channel.value[late]), pendulum, 0.004) == []
+    )
+    (whole,) = pieces(swing, pendulum, 0.004)
+    assert whole.begin is None
+
+
+def test_a_clock_in_milliseconds_is_told(pendulum: Robot, swing: Recording) -> None:
+    channel = swing.channel("hinge.position")
+    slow = with_position(swing, 1e3 * channel.time, channel.value)
+    with pytest.raises(RecordingError, match="readings come 5 s apart") as caught:
+        check_channels(slow, pendulum, ("hinge",))
+    assert 'unit = "ms"' in caught.value.fix
 
 
 def test_commands_that_the_logger_lost_are_told(pendulum: Robot, swing: Recording) -> None:

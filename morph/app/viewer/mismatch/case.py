@@ -198,7 +198,7 @@ class Case:
             traces=rollouts.traced(self.robot, segments, predicted),
             missing=self._missing(laid),
             worst=self._stretches(take) or worst_stretches(self.models[0], laid, stretch),
-            notes=(*take.notes, *(f"There is {gap}." for gap in gaps(laid))),
+            notes=(*take.notes, *_gaps(laid)),
         )
 
     def _missing(self, laid: Episode) -> dict[str, Missing]:
@@ -269,4 +269,11 @@ def _horizon(asked: float | None, seconds: float) -> tuple[float | None, tuple[s
     return None, (
         f"The recording lasts {seconds:.3g} s, less than {asked:g} s: the simulation is not "
         "restarted.",
+    )
+
+
+def _gaps(laid: Episode) -> tuple[str, ...]:
+    return tuple(
+        f"There is no reading for {end - begin:.3g} s after {begin:.3g} s."
+        for begin, end in gaps(laid.time)
     )
