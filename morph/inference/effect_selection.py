@@ -19,6 +19,7 @@ from morph.inference.quadratic import quadratic
 from morph.inference.refit import Refit, refitted, seen
 from morph.inference.refit import under as refit_under
 from morph.inference.search import Explanation, Prior, Search
+from morph.inference.simulated import likeliest_limit, simulated
 from morph.inference.validate import Validation, evidence_decides, missing, needed
 from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis
@@ -35,8 +36,6 @@ SPRINGS = {"series_elasticity"}
 until one is found, springs where they lower the error."""
 GROUP = -5.0
 """Least gain of a law of friction at all driven joints that is simulated, nats."""
-STRENGTHS = (1.0, 0.3, 0.1)
-"""Shares of linearised strengths that are simulated where the linearisation is not believed."""
 DIVERGED = 0.5
 """By how much a set may raise the mean loss before it is refitted, nats a stretch and joint."""
 RIVAL = 10.0
@@ -163,7 +162,10 @@ class EffectSelection:
         again = task.refitted(refit.hypothesis, refit.point, refit.runs)
         if self.validation.worse(found.losses, again.losses):
             return found
-        again = task.reduced(again)
+        fewer = task.reduced(again)
+        # Evidence alone speaks for what acts once: rollouts in which it acts are few.
+        if not {e.label for e in again.effects if e.passing} - labels(fewer.effects):
+            again = fewer
         return replace(again, refit=replace(again.refit, evidence=refit.evidence))
 
     def proposals(
@@ -182,27 +184,13 @@ class EffectSelection:
             one.members: one for one in [*some[:SIMULATED], *alone[:SIMULATED], *by_labels.values()]
         }
         hypothesis, now, losses = base.refit.hypothesis, float(base.losses.mean()), {}
+        believed = not self.by_rollouts
         for members, found in listed.items():
             if self.late():
                 return []
-            parts = [search.without_fold(found, fold) for fold in range(self.validation.folds)]
-            points = []
-            for share in STRENGTHS if self.by_rollouts else STRENGTHS[:1]:
-                weaker = [scaled(effects, share) for _, effects in parts]
-                more = replace(hypothesis, effects=(*hypothesis.effects, *weaker[0]))
-                starts = [replace(more, effects=(*hypothesis.effects, *e)).start for e in weaker]
-                own = [0.0 if self.by_rollouts else change for change, _ in parts]
-                there = len(base.refit.point)
-                points.append(
-                    [
-                        np.clip(np.r_[base.refit.point + c, start[there:]], more.low, more.high)
-                        for c, start in zip(own, starts, strict=True)
-                    ]
-                )
-            by_share = self.validation.losses(more, points, base.refit.runs).mean(axis=1)
-            best = int(np.argmin(by_share))
-            losses[members] = float(by_share[best])
-            listed[members] = replace(found, effects=scaled(found.effects, STRENGTHS[best]))
+            losses[members], listed[members] = simulated(
+                found, search, base, self.validation, believed=believed
+            )
         by_rollouts = sorted(listed.values(), key=lambda one: losses[one.members])
         # A stiff spring diverges in long steps. So may the likeliest set, far from the base.
         most = now + DIVERGED * len(hypothesis.robot.joints)
@@ -218,6 +206,8 @@ class EffectSelection:
                 if bends or (len(laws) == 1 and laws <= DRY and not dry):
                     drives.append(one)
             chosen = [*drives, *stable[:FINALISTS]] if drives else chosen
+            limit = likeliest_limit(base, self.validation, self.known)
+            chosen += [limit] if limit else []
         return list({one.members: one for one in chosen}.values())
 
     def reduced(self, whole: Finalist) -> Finalist:
@@ -286,13 +276,6 @@ class EffectSelection:
         if other.simpler == effect.name and not self.validation.sure(best.losses, new.losses):
             return False
         return gains(best, new, self.validation)
-
-
-def scaled(effects: Sequence[Effect], share: float) -> tuple[Effect, ...]:
-    """Return effects at a share of their strengths."""
-    if share == 1.0:
-        return tuple(effects)
-    return tuple(each.with_strengths(share * each.coefficients) for each in effects)
 
 
 def labels(effects: Sequence[Effect]) -> frozenset[str]:

@@ -111,7 +111,7 @@ def ranked(
         found, again = best.refit, best
         if missing(found.runs) < NEAR and not far.late():
             again = task.refitted(found.hypothesis, found.point, found.runs)
-        if again is not best and at_noise(again.refit.runs):
+        if again is not best and missing(again.refit.runs) < NEAR:
             task, more, best, search = _searched(task, again, task.search(again), progress)
             tried = [again, *more]
         else:

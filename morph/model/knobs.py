@@ -45,6 +45,8 @@ class Knob:
     mass and inertia together, length the size of a link whose mass stays."""
     fraction: float
     """By how much it may be wrong."""
+    guessed: bool = False
+    """Whether it is a joint's of which nothing was said: it may be far less."""
 
     @property
     def name(self) -> str:
@@ -55,14 +57,14 @@ class Knob:
     def bounds(self) -> tuple[float, float]:
         """The least and greatest logarithm of the factor."""
         f = self.fraction
-        if self.kind == "joint" and f > 0.0:
-            return math.log(min(LEAST_OF_JOINT, 1.0 / (1.0 + f))), math.log1p(f)
+        if self.guessed:
+            return math.log(LEAST_OF_JOINT), math.log1p(f)
         return (math.log1p(-f) if f < 0.5 else -math.log1p(f)), math.log1p(f)
 
     @property
     def spread(self) -> float:
         """Standard deviation of the logarithm of the factor before any data."""
-        return max(self.fraction, SPREAD_OF_JOINT) if self.kind == "joint" else self.fraction
+        return SPREAD_OF_JOINT if self.guessed else self.fraction
 
     def edit(self, spec: Any, logarithm: float) -> None:
         """Multiply the figure in a `mujoco.MjSpec`."""
@@ -148,17 +150,17 @@ def _candidates(robot: Robot, vary: Mapping[str, float]) -> list[Knob]:
             for figure in ("damping", "armature", "frictionloss", "stiffness"):
                 if np.any(getattr(spec.joint(joint.name), figure)):
                     listed.append(("joint", joint.name, figure))
-    return [
-        Knob(kind=kind, part=part, what=what, fraction=_fraction(kind, part, what, vary))
-        for kind, part, what in listed
-    ]
+    return [_knob(*each, vary) for each in listed]
 
 
-def _fraction(kind: str, part: str, what: str, vary: Mapping[str, float]) -> float:
-    for name in (f"{what}:{part}", part, kind):
-        if name in vary:
-            return vary[name]
-    return TRUST[kind]
+def _knob(kind: str, part: str, what: str, vary: Mapping[str, float]) -> Knob:
+    said = (vary[name] for name in (f"{what}:{part}", part, kind) if name in vary)
+    fraction = next(said, None)
+    return Knob(
+        kind=kind, part=part, what=what,
+        fraction=TRUST[kind] if fraction is None else fraction,
+        guessed=fraction is None and kind == "joint",
+    )  # fmt: skip
 
 
 def that_matter(robot: Robot, found: list[Knob]) -> list[Knob]:

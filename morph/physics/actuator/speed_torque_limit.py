@@ -12,9 +12,9 @@ from morph.physics.actuator.limit import LimitEffect
 from morph.physics.effect import UNLIMITED, Simulations, parameter
 from morph.physics.motion import Motion
 
-STALLS = (0.5, 0.8, 1.2, 2.0)
+STALLS = (0.02, 0.05, 0.1, 0.2, 0.5, 0.8, 1.2, 2.0)
 """Stall torques to try, as shares of the greatest torque along a recording."""
-RACES = (1.05, 1.4, 2.5)
+RACES = (0.4, 0.7, 1.05, 1.4, 2.5)
 """No-load speeds to try, as shares of the greatest speed along a recording."""
 
 

@@ -12,7 +12,7 @@ from morph.physics.actuator.limit import LimitEffect
 from morph.physics.effect import UNLIMITED, parameter
 from morph.physics.motion import Motion
 
-SHARES = tuple(0.05 * twentieth for twentieth in range(1, 20))
+SHARES = (0.01, 0.02, 0.03, *(0.05 * twentieth for twentieth in range(1, 20)))
 """Limits to try, as shares of the greatest torque along a recording."""
 
 

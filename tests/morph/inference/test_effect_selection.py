@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from morph.body.load import load
-from morph.inference.effect_selection import EffectSelection, scaled
+from morph.inference.effect_selection import EffectSelection
 from morph.inference.finalist import Finalist, better, gains, under
 from morph.inference.findings import _idle_within, _in_units, _shifted
 from morph.inference.refit import Refit, refitted
@@ -26,7 +26,6 @@ from morph.physics.actuator.torque_saturation import TorqueSaturation
 from morph.physics.body.external_push import ExternalPush
 from morph.physics.effect import Effect
 from morph.physics.joint.coulomb_friction import CoulombFriction
-from morph.physics.joint.series_elasticity import SeriesElasticity
 from morph.physics.joint.stribeck_friction import StribeckFriction
 from morph.physics.joint.viscous_friction import ViscousFriction
 from morph.record.recording import Channel, Recording
@@ -235,15 +234,6 @@ def test_parameters_more_than_the_simpler_law_has_must_show_in_rollouts(
     )
     simple = CoulombFriction(joint="axle")
     assert replace(task, validation=judge).prefers(before, after, simple, other) == taken
-
-
-def test_a_share_of_an_effect_is_weaker_and_a_spring_stiffer() -> None:
-    given = ViscousFriction(joint="axle", b=0.2), SeriesElasticity(joint="axle", k=30.0)
-    wet, spring = scaled(given, 0.3)
-    assert isinstance(wet, ViscousFriction)
-    assert isinstance(spring, SeriesElasticity)
-    assert (wet.b, spring.k) == pytest.approx((0.06, 100.0))
-    assert scaled(given, 1.0) == given
 
 
 def test_the_interval_of_a_limit_is_that_of_one_over_it() -> None:

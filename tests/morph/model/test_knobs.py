@@ -73,6 +73,15 @@ def test_a_figure_stays_within_its_fraction(cartpole: Robot) -> None:
         assert low == pytest.approx(due, rel=1e-12)
 
 
+def test_a_joints_figure_of_which_nothing_is_said_may_be_far_less(cartpole: Robot) -> None:
+    (guess,) = (knob for knob in knobs(cartpole) if knob.what == "damping")
+    assert [math.exp(bound) for bound in guess.bounds] == pytest.approx([0.05, 1.1])
+    # What is said of it holds.
+    (told,) = (knob for knob in knobs(cartpole, {"joint": 0.2}) if knob.what == "damping")
+    assert [math.exp(bound) for bound in told.bounds] == pytest.approx([0.8, 1.2])
+    assert (told.spread, guess.spread) == (0.2, 0.5)
+
+
 @pytest.mark.parametrize(
     ("name", "figure", "nominal"),
     [

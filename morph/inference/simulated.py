@@ -1,0 +1,87 @@
+"""Sets of effects simulated over the stretches before any is refitted."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from morph.inference.dictionary import dictionary
+from morph.inference.finalist import Finalist
+from morph.inference.search import Explanation, Search
+from morph.inference.validate import MATERIAL, Validation
+from morph.physics.actuator.limit import LimitEffect
+from morph.physics.effect import Effect
+
+STRENGTHS = (1.0, 0.3, 0.1)
+"""Shares of linearised strengths that are simulated where the linearisation is not believed."""
+
+
+def simulated(
+    found: Explanation, search: Search, base: Finalist, validation: Validation, *, believed: bool
+) -> tuple[float, Explanation]:
+    """Return the mean loss of a set that is added to another, and the set as it is simulated.
+
+    Each stretch is simulated with the figures fitted to the other folds.
+
+    Args:
+        found: The effects to add.
+        search: What they come from.
+        base: The other set.
+        validation: The stretches.
+        believed: Whether the linearisation is. If not, own figures stay where they are, and the
+            best of a few shares of the strengths is taken.
+    """
+    hypothesis, there = base.refit.hypothesis, len(base.refit.point)
+    parts = [search.without_fold(found, fold) for fold in range(validation.folds)]
+    points, more = [], hypothesis
+    for share in STRENGTHS[:1] if believed else STRENGTHS:
+        weaker = [(*hypothesis.effects, *scaled(effects, share)) for _, effects in parts]
+        more = replace(hypothesis, effects=weaker[0])
+        starts = [replace(more, effects=effects).start[there:] for effects in weaker]
+        own = [base.refit.point + (change if believed else 0.0) for change, _ in parts]
+        points.append(
+            [np.clip(np.r_[o, s], more.low, more.high) for o, s in zip(own, starts, strict=True)]
+        )
+    losses = validation.losses(more, points, base.refit.runs).mean(axis=1)
+    best = int(np.argmin(losses))
+    return float(losses[best]), replace(found, effects=scaled(found.effects, STRENGTHS[best]))
+
+
+def likeliest_limit(
+    base: Finalist, validation: Validation, known: Sequence[Effect]
+) -> Explanation | None:
+    """Return the limit beside a set with which rollouts err least, None if they gain nothing.
+
+    Where a servo cannot follow, the torque that it seems to lack is its gain times an error that
+    its limit lets grow: no column in proportion to a strength tells of it. All shapes of all limits
+    are simulated.
+
+    Args:
+        base: A set of effects.
+        validation: The stretches that are simulated.
+        known: Effects whose fixed parameters are known.
+    """
+    hypothesis, runs, own = base.refit.hypothesis, base.refit.runs, base.refit.point
+    taken = {effect.label for effect in base.effects}
+    least, best = float(base.losses.mean()) - MATERIAL, None
+    for grid in dictionary(hypothesis.robot, runs, known):
+        limits = [e for e in grid if isinstance(e, LimitEffect) and e.label not in taken]
+        if limits:
+            sets = [replace(hypothesis, effects=(*hypothesis.effects, limit)) for limit in limits]
+            points = [np.r_[own, each.start[len(own) :]] for each in sets]
+            candidates = [[point] * validation.folds for point in points]
+            losses = validation.losses(sets[0], candidates, runs).mean(axis=1)
+            if losses.min() < least:
+                least, best = float(losses.min()), limits[int(losses.argmin())]
+    if best is None:
+        return None
+    return Explanation(effects=(best,), gain=0.0, own=np.zeros(len(own)), members=(), level=0)
+
+
+def scaled(effects: Sequence[Effect], share: float) -> tuple[Effect, ...]:
+    """Return effects at a share of their strengths."""
+    if share == 1.0:
+        return tuple(effects)
+    return tuple(each.with_strengths(share * each.coefficients) for each in effects)
