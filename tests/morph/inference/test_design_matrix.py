@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -27,6 +28,7 @@ from morph.inference.whitened import whitened
 from morph.model.episodes import Episode, episode
 from morph.model.hypothesis import Hypothesis
 from morph.model.knobs import knobs
+from morph.physics import effect_class
 from morph.physics.actuator.torque_saturation import TorqueSaturation
 from morph.physics.effect import Effect
 from morph.record.recording import Channel, Recording
@@ -97,7 +99,8 @@ def test_limits_are_tried_up_to_the_greatest_torque_of_any_run(robot: Robot, bas
     grid = shapes(robot, base, "torque_saturation@first")
     limits = [shape.limit for shape in grid if isinstance(shape, TorqueSaturation)]
     # The calm run is longer, but its torque is 0.1 N m.
-    assert limits == pytest.approx([0.5 * 0.05 * twentieth for twentieth in range(1, 20)], rel=1e-3)
+    shares = [0.01, 0.02, 0.03, *(0.05 * twentieth for twentieth in range(1, 20))]
+    assert limits == pytest.approx([0.5 * share for share in shares], rel=1e-3)
 
 
 def test_what_acts_everywhere_is_looked_for_once(robot: Robot, base: Refit) -> None:
@@ -176,3 +179,17 @@ def test_a_prior_is_as_good_as_readings_of_the_figures() -> None:
     along, square = _without(believed(gram[:4], trust, point), np.diag(exact), 3)
     assert along == pytest.approx((rest.T @ rest)[0, 4:], abs=1e-12)
     assert square == pytest.approx(np.diag(rest.T @ rest)[4:], abs=1e-12)
+
+
+def test_of_a_joint_that_never_moves_dry_friction_alone_is_looked_for(
+    robot: Robot, episodes: list[Episode]
+) -> None:
+    held = [replace(run, reading=run.reading * np.array([1.0, 0.0])) for run in episodes]
+    nominal = Hypothesis(robot=robot, step=STEP, knobs=())
+    base = refitted(nominal, nominal.start, held)
+    names = {"first": set(), "second": set()}
+    for grid in dictionary(robot, base.runs, ()):
+        if grid[0].where in names and grid[0].kind == "joint":
+            names[grid[0].where].add(grid[0].name)
+    assert {"armature", "viscous_friction", "coulomb_friction"} < names["first"]
+    assert names["second"] == {name for name in names["first"] if effect_class(name).holds}

@@ -13,11 +13,9 @@ import pytest
 from morph.body.load import load
 from morph.inference.effect_selection import EffectSelection
 from morph.inference.finalist import Finalist, better, gains, under
-from morph.inference.findings import _idle_within, _in_units, _shifted
 from morph.inference.refit import Refit, refitted
 from morph.inference.search import Prior
 from morph.inference.validate import Validation
-from morph.model.diagnosis import Estimate
 from morph.model.episodes import episode
 from morph.model.hypothesis import Hypothesis
 from morph.physics.actuator.actuator_delay import ActuatorDelay
@@ -161,6 +159,48 @@ def test_a_twin_is_refitted_in_the_place_of_a_finding(
     assert other == ((lag,) if tried else None)
 
 
+@pytest.mark.parametrize(("beside", "tried"), [
+    (ActuatorLag(actuator="motor", T=0.005), True), (CoulombFriction(joint="axle", c=0.1), False),
+])  # fmt: skip
+def test_a_set_is_refitted_without_an_effect_that_its_twin_may_make_up_for(
+    task: EffectSelection, monkeypatch: pytest.MonkeyPatch, beside: Effect, tried: bool
+) -> None:
+    late = ActuatorDelay(actuator="motor", T=0.02)
+    start = replace(task.nominal, effects=(late, beside))
+    refit = SimpleNamespace(
+        hypothesis=start, point=start.start, runs=(), removal=lambda at: (np.zeros(0, int), 0.0)
+    )
+    best: Any = SimpleNamespace(effects=(late, beside), refit=refit, evidence=0.0, losses=None)
+    # 284 nats were lost in Gram space where a delay of 20 ms and a lag of 5 ms stood for 25 ms.
+    search: Any = SimpleNamespace(instead=lambda *given: (-284.0, []))
+    monkeypatch.setattr(EffectSelection, "refitted", lambda self, given, *rest: given.effects)
+    monkeypatch.setattr(EffectSelection, "prefers", lambda self, best, new, *rest: new == (late,))
+    monkeypatch.setattr(EffectSelection, "reduced", lambda self, new: new)
+    assert task.replaced(best, search, set()) == ((late,) if tried else None)
+
+
+def test_a_refit_to_rollouts_keeps_what_acts_once(
+    task: EffectSelection, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    dry, push = CoulombFriction(joint="axle", c=COULOMB), ExternalPush(body="disc", run="a", z=1.0)
+
+    def one(*effects: Effect) -> Any:
+        refit = Refit(
+            hypothesis=task.nominal, point=task.nominal.start, runs=[], evidence=0.0, rank=0
+        )
+        return Finalist(
+            refit=replace(refit, hypothesis=replace(task.nominal, effects=effects)),
+            price=0.0, losses=np.zeros(1), fitted=np.zeros(1), about=SimpleNamespace(),
+        )  # fmt: skip
+
+    monkeypatch.setattr(EffectSelection, "refitted", lambda self, given, *rest: one(*given.effects))
+    monkeypatch.setattr(EffectSelection, "reduced", lambda self, new: one(dry))
+    monkeypatch.setattr(Finalist, "effects", property(lambda self: self.refit.hypothesis.effects))
+    wet = ViscousFriction(joint="axle", b=0.1)
+    assert task.refitted_to_rollouts(one(dry, push)).effects == (dry, push)
+    assert task.refitted_to_rollouts(one(dry, wet)).effects == (dry,)
+
+
 @pytest.mark.parametrize(("more", "gain", "taken"), [
     (0, 4.0, True), (0, 2.0, False), (1, 12.0, False), (1, 25.0, True),
 ])  # fmt: skip
@@ -234,35 +274,3 @@ def test_parameters_more_than_the_simpler_law_has_must_show_in_rollouts(
     )
     simple = CoulombFriction(joint="axle")
     assert replace(task, validation=judge).prefers(before, after, simple, other) == taken
-
-
-def test_the_interval_of_a_limit_is_that_of_one_over_it() -> None:
-    known = next(each for each in TorqueSaturation.free() if each.name == "limit")
-    entry = Estimate(value=0.2, low90=0.16, high90=0.25, unit="-", bounded=False, prior_only=False)
-    stated = _in_units(entry, known, False)
-    assert (stated.low90, stated.value, stated.high90) == pytest.approx((4.0, 5.0, 6.25))
-    # An entry of nothing is no limit.
-    none = _in_units(replace(entry, low90=0.0), known, False)
-    assert none.high90 == known.high
-
-
-def test_intervals_of_an_event_shift_with_its_times() -> None:
-    push = ExternalPush(body="disc", run="a from 30 s", start=1.0, end=1.2)
-    entry = Estimate(value=1.0, low90=0.9, high90=1.1, unit="s")
-    told = _shifted(entry, push.within("a", 30.0), push, "start")
-    assert (told.low90, told.value, told.high90) == pytest.approx((30.9, 31.0, 31.1))
-    assert _shifted(entry, push, push, "start") is entry
-
-
-def test_a_finding_may_be_nothing_where_all_its_strengths_may_be_none() -> None:
-    def entry(low: float, high: float) -> Estimate:
-        return Estimate(value=0.5 * (low + high), low90=low, high90=high, unit="")
-
-    push = ExternalPush(body="disc", x=1.0)
-    sides = {name: entry(-1.0, 2.0) for name in "xyz"} | {"start": entry(1, 2), "end": entry(2, 3)}
-    assert _idle_within(push, sides)
-    # One strength that is surely there is enough.
-    assert not _idle_within(push, sides | {"x": entry(0.5, 2.0)})
-    limit = TorqueSaturation(actuator="motor", limit=1.0)
-    assert not _idle_within(limit, {"limit": entry(0.9, 1.1)})
-    assert _idle_within(limit, {"limit": entry(0.9, 1e9)})

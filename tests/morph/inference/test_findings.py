@@ -1,0 +1,50 @@
+"""Parameters of findings: in their units, of whole runs, and where they may be nothing."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from morph.inference.findings import _idle_within, _in_units, _shifted
+from morph.model.diagnosis import Estimate
+from morph.physics.actuator.torque_saturation import TorqueSaturation
+from morph.physics.body.external_push import ExternalPush
+from morph.physics.body.payload import Payload
+
+
+def test_the_interval_of_a_limit_is_that_of_one_over_it() -> None:
+    known = next(each for each in TorqueSaturation.free() if each.name == "limit")
+    entry = Estimate(value=0.2, low90=0.16, high90=0.25, unit="-", bounded=False, prior_only=False)
+    stated = _in_units(entry, known, False)
+    assert (stated.low90, stated.value, stated.high90) == pytest.approx((4.0, 5.0, 6.25))
+    # An entry of nothing is no limit.
+    none = _in_units(replace(entry, low90=0.0), known, False)
+    assert none.high90 == known.high
+
+
+def test_intervals_of_an_event_shift_with_its_times() -> None:
+    push = ExternalPush(body="disc", run="a from 30 s", start=1.0, end=1.2)
+    entry = Estimate(value=1.0, low90=0.9, high90=1.1, unit="s")
+    told = _shifted(entry, push.within("a", 30.0), push, "start")
+    assert (told.low90, told.value, told.high90) == pytest.approx((30.9, 31.0, 31.1))
+    assert _shifted(entry, push, push, "start") is entry
+
+
+def test_a_finding_may_be_nothing_where_all_its_strengths_may_be_none() -> None:
+    def entry(low: float, high: float) -> Estimate:
+        return Estimate(value=0.5 * (low + high), low90=low, high90=high, unit="")
+
+    push = ExternalPush(body="disc", x=1.0)
+    sides = {name: entry(-1.0, 2.0) for name in "xyz"} | {"start": entry(1, 2), "end": entry(2, 3)}
+    assert _idle_within(push, sides)
+    # One strength that is surely there is enough.
+    assert not _idle_within(push, sides | {"x": entry(0.5, 2.0)})
+    limit = TorqueSaturation(actuator="motor", limit=1.0)
+    assert not _idle_within(limit, {"limit": entry(0.9, 1.1)})
+    assert _idle_within(limit, {"limit": entry(0.9, 1e9)})
+    # Where a weight is says nothing of whether there is one.
+    place = {name: entry(0.1, 0.2) for name in "xyz"}
+    weight = Payload(body="disc", m=1.0)
+    assert _idle_within(weight, {"m": entry(0.0, 9.0), **place})
+    assert not _idle_within(weight, {"m": entry(0.5, 1.5), **place})
