@@ -52,11 +52,11 @@ def simulated(
 def likeliest_limit(
     base: Finalist, validation: Validation, known: Sequence[Effect]
 ) -> Explanation | None:
-    """Return the limit beside a set with which rollouts err least, None if they gain nothing.
+    """Return the limit of a servo beside a set with which rollouts err least, None if none gains.
 
     Where a servo cannot follow, the torque that it seems to lack is its gain times an error that
     its limit lets grow: no column in proportion to a strength tells of it. All shapes of all limits
-    are simulated.
+    are simulated. What a motor driven by torque lacks, columns tell.
 
     Args:
         base: A set of effects.
@@ -65,10 +65,11 @@ def likeliest_limit(
     """
     hypothesis, runs, own = base.refit.hypothesis, base.refit.runs, base.refit.point
     taken = {effect.label for effect in base.effects}
+    servos = {each.name for each in hypothesis.robot.actuators if each.kind == "position"}
     least, best = float(base.losses.mean()) - MATERIAL, None
     for grid in dictionary(hypothesis.robot, runs, known):
-        limits = [e for e in grid if isinstance(e, LimitEffect) and e.label not in taken]
-        if limits:
+        limits = [each for each in grid if isinstance(each, LimitEffect)]
+        if limits and limits[0].actuator in servos and limits[0].label not in taken:
             sets = [replace(hypothesis, effects=(*hypothesis.effects, limit)) for limit in limits]
             points = [np.r_[own, each.start[len(own) :]] for each in sets]
             candidates = [[point] * validation.folds for point in points]

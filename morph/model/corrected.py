@@ -66,6 +66,8 @@ def notes(
     """
     said = [f"{note.where}: {note.what}" for each in recordings for note in each.notes]
     said += [f"Joint {joint} does not move in any run that was fitted." for joint in still]
+    if any(name.endswith(".velocity") for each in recordings for name in each.channels):
+        said.append("Velocities were recorded; a diagnosis reads positions alone.")
     for recording in recordings:
         laid = [episode for episode in episodes if episode.recording is recording]
         if not laid:

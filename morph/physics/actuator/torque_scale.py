@@ -45,7 +45,7 @@ class TorqueScale(ActuatorEffect):
 
     def statement(self, *, slide: bool = False) -> str:
         """Return the finding in one plain sentence."""
-        produced = f"{100 * abs(self.gain):.3g} % of what is commanded"
+        produced = f"{100 * abs(self.gain):.4g} % of what is commanded"
         if self.gain < 0.0:
             return (
                 f"Actuator {self.actuator} produces {produced}, the other way: the sign of its "

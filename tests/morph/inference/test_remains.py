@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from morph.inference.remains import MOST_UNKNOWN, NATS, SHARE, STEEP, Remains
+from morph.inference.remains import MOST_UNKNOWN, NATS, SHARE, SMALL, STEEP, Remains
 
 
 def chance(*, share: float, nats: float) -> float:
@@ -18,6 +18,17 @@ def test_what_is_left_may_be_a_law_that_was_missed() -> None:
     assert left.probability == MOST_UNKNOWN
     little = Remains(share=SHARE, channels={}, nats=NATS, in_noise=1.0)
     assert little.probability == little.any_physics
+
+
+@pytest.mark.parametrize(
+    ("named", "in_noise", "most"),
+    [(True, 1.2, SMALL), (True, 2.0, MOST_UNKNOWN), (False, 1.2, MOST_UNKNOWN)],
+)
+def test_effects_that_predict_to_the_noise_leave_little(
+    named: bool, in_noise: float, most: float
+) -> None:
+    left = Remains(share=1.0, channels={}, nats=1e6, in_noise=in_noise, named=named)
+    assert left.probability == most
 
 
 def test_at_the_thresholds_it_is_as_probable_as_not() -> None:
