@@ -140,7 +140,7 @@ def _overstated(best: Refit) -> tuple[str, ...]:
         f"The description's {knob.what} of joint {knob.part} is too great: the recordings show "
         f"{math.exp(value):.2g} of it."
         for knob, value in own
-        if knob.guessed and value < -1.05 * math.log1p(knob.fraction)
+        if knob.freed and value < -1.05 * math.log1p(knob.fraction)
     )
 
 

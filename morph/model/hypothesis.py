@@ -160,6 +160,11 @@ class Hypothesis:
             knob.edit(spec, float(value))
         return spec
 
+    def freed(self) -> Hypothesis:
+        """Return the description alone, whose guessed figures of joints may be far less."""
+        knobs = tuple(replace(knob, freed=knob.guessed) for knob in self.knobs)
+        return replace(self, knobs=knobs, effects=())
+
     def adding(self, effect: Effect) -> Hypothesis:
         """Return the hypothesis with one more effect, which starts as it stands."""
         return replace(self, effects=(*self.effects, effect))

@@ -46,7 +46,9 @@ class Knob:
     fraction: float
     """By how much it may be wrong."""
     guessed: bool = False
-    """Whether it is a joint's of which nothing was said: it may be far less."""
+    """Whether it is a joint's, of which `--vary` says nothing."""
+    freed: bool = False
+    """Whether it may be far less than that fraction allows."""
 
     @property
     def name(self) -> str:
@@ -57,14 +59,14 @@ class Knob:
     def bounds(self) -> tuple[float, float]:
         """The least and greatest logarithm of the factor."""
         f = self.fraction
-        if self.guessed:
+        if self.freed:
             return math.log(LEAST_OF_JOINT), math.log1p(f)
         return (math.log1p(-f) if f < 0.5 else -math.log1p(f)), math.log1p(f)
 
     @property
     def spread(self) -> float:
         """Standard deviation of the logarithm of the factor before any data."""
-        return SPREAD_OF_JOINT if self.guessed else self.fraction
+        return SPREAD_OF_JOINT if self.freed else self.fraction
 
     def edit(self, spec: Any, logarithm: float) -> None:
         """Multiply the figure in a `mujoco.MjSpec`."""
