@@ -20,7 +20,7 @@ from morph.inference.refit import Refit, refitted, seen
 from morph.inference.refit import under as refit_under
 from morph.inference.search import Explanation, Prior, Search
 from morph.inference.simulated import likeliest_limit, simulated
-from morph.inference.validate import Validation, evidence_decides, missing, needed
+from morph.inference.validate import FAR, Validation, evidence_decides, missing, needed
 from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis
 from morph.physics.effect import Effect
@@ -206,8 +206,10 @@ class EffectSelection:
                 if bends or (len(laws) == 1 and laws <= DRY and not dry):
                     drives.append(one)
             chosen = [*drives, *stable[:FINALISTS]] if drives else chosen
-            limit = likeliest_limit(base, self.validation, self.known)
-            chosen += [limit] if limit else []
+            far = missing(base.refit.runs) > FAR
+            limit = likeliest_limit(base, self.validation, self.known) if far else None
+            if limit and limit[0] < min(losses.values()):
+                chosen.append(limit[1])
         return list({one.members: one for one in chosen}.values())
 
     def reduced(self, whole: Finalist) -> Finalist:

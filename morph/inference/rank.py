@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 from morph.inference.effect_selection import EffectSelection, labels
 from morph.inference.finalist import Finalist, under
 from morph.inference.search import Prior, Search
-from morph.inference.validate import Validation, at_noise, missing
+from morph.inference.validate import FAR, Validation, at_noise, missing
 from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis
 from morph.physics.effect import Effect
@@ -25,9 +25,6 @@ Progress = Callable[[str, float], None]
 """Told what is being done and the share of the work that is behind, 0 to 1."""
 MOST_FIRST = 4
 """Most effects, or laws at every joint, that the first search adds."""
-FAR = 10.0
-"""Missing force over the inertial force, of the description refitted alone, from which on the
-whitened search is left out."""
 NEAR = 0.3
 """The same of a set found by output error, below which the whitened likelihood refits it, to see
 whether readings are then explained to their noise."""

@@ -51,25 +51,38 @@ def simulated(
 
 def likeliest_limit(
     base: Finalist, validation: Validation, known: Sequence[Effect]
-) -> Explanation | None:
-    """Return the limit of a servo beside a set with which rollouts err least, None if none gains.
+) -> tuple[float, Explanation] | None:
+    """Return the limit of a servo beside a set with which rollouts err least, and their mean loss.
 
     Where a servo cannot follow, the torque that it seems to lack is its gain times an error that
-    its limit lets grow: no column in proportion to a strength tells of it. All shapes of all limits
-    are simulated. What a motor driven by torque lacks, columns tell.
+    its limit lets grow: no column in proportion to a strength tells of it. Constant limits of all
+    servos are simulated at all shapes; lines over speed, of the servo of which one of them gains
+    most. What a motor driven by torque lacks, columns tell.
 
     Args:
         base: A set of effects.
         validation: The stretches that are simulated.
         known: Effects whose fixed parameters are known.
+
+    Returns:
+        None if no limit gains anything.
     """
     hypothesis, runs, own = base.refit.hypothesis, base.refit.runs, base.refit.point
     taken = {effect.label for effect in base.effects}
     servos = {each.name for each in hypothesis.robot.actuators if each.kind == "position"}
+    grids = [
+        [each for each in grid if isinstance(each, LimitEffect)]
+        for grid in dictionary(hypothesis.robot, runs, known)
+        if isinstance(grid[0], LimitEffect) and grid[0].where in servos
+    ]
     least, best = float(base.losses.mean()) - MATERIAL, None
-    for grid in dictionary(hypothesis.robot, runs, known):
-        limits = [each for each in grid if isinstance(each, LimitEffect)]
-        if limits and limits[0].actuator in servos and limits[0].label not in taken:
+    for curved in (False, True):
+        for limits in grids:
+            first = limits[0]
+            if bool(first.simpler) != curved or first.label in taken:
+                continue
+            if curved and (best is None or best.where != first.where):
+                continue
             sets = [replace(hypothesis, effects=(*hypothesis.effects, limit)) for limit in limits]
             points = [np.r_[own, each.start[len(own) :]] for each in sets]
             candidates = [[point] * validation.folds for point in points]
@@ -78,7 +91,8 @@ def likeliest_limit(
                 least, best = float(losses.min()), limits[int(losses.argmin())]
     if best is None:
         return None
-    return Explanation(effects=(best,), gain=0.0, own=np.zeros(len(own)), members=(), level=0)
+    change = np.zeros(len(own))
+    return least, Explanation(effects=(best,), gain=0.0, own=change, members=(), level=0)
 
 
 def scaled(effects: Sequence[Effect], share: float) -> tuple[Effect, ...]:
