@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,8 @@ import pytest
 from morph.body.load import load
 from morph.body.robot import Robot
 from morph.inference.effect_selection import EffectSelection
-from morph.inference.search import Prior
+from morph.inference.finalist import Finalist
+from morph.inference.search import Explanation, Prior
 from morph.inference.simulated import likeliest_limit, scaled
 from morph.inference.validate import MATERIAL, Validation
 from morph.model.episodes import Episode, episode
@@ -65,19 +67,28 @@ def runs(servo: Robot) -> list[Episode]:
     return [episode(weak(seed), servo, 0.0025) for seed in range(4)]
 
 
-def test_the_limit_of_a_servo_that_cannot_follow_is_found_by_rollouts(
-    servo: Robot, runs: list[Episode]
-) -> None:
-    task = EffectSelection(
+@pytest.fixture(scope="module")
+def task(servo: Robot, runs: list[Episode]) -> EffectSelection:
+    bare = EffectSelection(
         nominal=Hypothesis(robot=servo, step=0.0025, knobs=()),
         episodes=runs,
         known=(),
         validation=Validation.of(runs),
-        prior=Prior(alone={"torque_saturation@servo": 0.0}),
+        prior=Prior(alone={}),
         deadline=math.inf,
         by_rollouts=True,
     )
-    none = task.refitted(task.nominal, task.nominal.start)
+    return replace(bare, prior=bare.search(bare.refitted(bare.nominal, bare.nominal.start)).prior)
+
+
+@pytest.fixture(scope="module")
+def none(task: EffectSelection) -> Finalist:
+    return task.refitted(task.nominal, task.nominal.start)
+
+
+def test_the_limit_of_a_servo_that_cannot_follow_is_found_by_rollouts(
+    task: EffectSelection, none: Finalist
+) -> None:
     found = likeliest_limit(none, task.validation, ())
     assert found is not None
     assert found[0] < none.losses.mean() - MATERIAL
@@ -93,6 +104,29 @@ def test_the_limit_of_a_servo_that_cannot_follow_is_found_by_rollouts(
     assert told.losses.mean() < 0.3 * none.losses.mean()
     beside = likeliest_limit(told, task.validation, ())
     assert beside is None
+
+
+@pytest.mark.parametrize(("force", "gain", "proposed"), [
+    (20.0, 0.5, True), (5.0, 0.5, False), (20.0, -10.0, False),
+])  # fmt: skip
+def test_a_limit_is_proposed_where_much_force_is_missing_and_no_set_errs_less(
+    task: EffectSelection, none: Finalist, monkeypatch: pytest.MonkeyPatch,
+    force: float, gain: float, proposed: bool,
+) -> None:  # fmt: skip
+    limit = Explanation(
+        effects=(TorqueSaturation(actuator="servo", limit=LIMIT),),
+        gain=0.0, own=np.zeros(0), members=(), level=0,
+    )  # fmt: skip
+    search = task.search(none)
+    sets = search.sets(1)
+    monkeypatch.setattr("morph.inference.effect_selection.missing", lambda runs: force)
+    monkeypatch.setattr(
+        "morph.inference.effect_selection.simulated", lambda found, *given, **more: (1.0, found)
+    )
+    monkeypatch.setattr(
+        "morph.inference.effect_selection.likeliest_limit", lambda *given: (1.0 - gain, limit)
+    )
+    assert (limit in task.proposals(search, sets, none)) == proposed
 
 
 def test_a_share_of_an_effect_is_weaker_and_a_spring_stiffer() -> None:
