@@ -31,13 +31,14 @@ class TorqueScale(ActuatorEffect):
     gain: float = parameter(
         1.0, unit="-", low=-10.0, high=10.0, neutral=1.0, scan=(0.55, 0.8, 1.25, 1.6)
     )
-    """Produced over commanded; below 0 it acts the other way."""
+    """Produced over commanded; below 0 the command has the wrong sign."""
 
     def edit(self, spec: Any) -> None:
-        """Scale the actuator's gain and bias."""
+        """Scale the actuator's gain and bias; a command of the wrong sign turns no servo's bias."""
         actuator = spec.actuator(self.actuator)
         actuator.gainprm = actuator.gainprm * self.gain
-        actuator.biasprm = actuator.biasprm * self.gain
+        # MuJoCo reads a rate gain above 0 as a damping ratio.
+        actuator.biasprm = actuator.biasprm * abs(self.gain)
 
     def regressor(self, motion: Motion) -> Array:
         """Return the actuator's nominal force."""

@@ -224,6 +224,18 @@ def test_torque_scale_scales_the_torque(wheel: Robot) -> None:
     assert run["axle.velocity"] == pytest.approx(0.6 * 0.5 * time / INERTIA, abs=1e-12)
 
 
+def test_a_servo_whose_command_has_the_wrong_sign_settles_on_the_other_side(
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / "servo.xml"
+    servo = '<position name="axle" joint="axle" kp="8" kv="2"/>'
+    path.write_text(WHEEL.replace('<motor name="axle" joint="axle"/>', servo))
+    effect = TorqueScale(actuator="axle", gain=-0.5)
+    run = Simulator(load(path), effects=(effect,)).run(seconds=8.0, command={"axle": 0.5})
+    # It is damped at 0.5 2 / (2 0.25) = 2 per s, so that e^-16 of 0.5 rad is left.
+    assert run["axle.position"][-1] == pytest.approx(-0.5, abs=1e-6)
+
+
 def test_a_bias_shows_on_its_channel_only() -> None:
     robot = load("double_pendulum")
     start = {"shoulder": 0.5, "elbow": -0.2}
