@@ -53,4 +53,5 @@ def the_canvas_is_drawn_by_webgl(person: Any) -> None:
     sys.stdout.write(f"WebGL renderer: {renderer}\n")
     assert renderer.strip()
     assert "WebGL support: true" in said
-    assert person.colours() > 200
+    # A busy machine draws late.
+    person.until(lambda: person.colours() > 200, "a canvas of more than 200 colours")
