@@ -26,6 +26,7 @@ from morph.body.robot import Robot
 from morph.inference.bounded import bounded
 from morph.inference.columns import NUDGE, Columns
 from morph.inference.dictionary import dictionary
+from morph.inference.effect_selection import DRY
 from morph.inference.figures import forces_between
 from morph.inference.observed import observed
 from morph.inference.refit import Refit, refitted
@@ -44,7 +45,6 @@ FELT = 0.1
 """Least share of the explained torque's RMS that an effect of LASSO must have to be named."""
 SYSID_STEPS, SYSID_PIECE = 15, 1.0
 """Most iterations of `mujoco.sysid`, and seconds of the rollouts that it fits."""
-DRY = {"coulomb_friction", "stribeck_friction", "load_dependent_friction"}
 SLOW, REWEIGHTED = 1.5, 12
 """Band, Hz, of the forces that least squares of inverse dynamics fits, and its rounds."""
 TOLD = {
@@ -205,12 +205,12 @@ def solve_by_inverse_dynamics(folder: Path, seed: int) -> JSON:
     found, size = np.zeros(len(least)), y.std(axis=0)
     for _ in range(REWEIGHTED):
         inner = np.einsum("sjc,sjd,j->cd", x, x, size**-2) + np.diag(trust)
-        found, _rank = bounded(inner, np.einsum("sjc,sj,j->c", x, y, size**-2), least, most)
+        found, _ = bounded(inner, np.einsum("sjc,sj,j->c", x, y, size**-2), least, most)
         size = np.sqrt(np.mean((y - x @ found) ** 2, axis=0))
     ends = np.cumsum([len(task.nominal.low), *(len(e.strengths) for e in effects)])
     point, *strengths = np.split(found, ends[:-1])
     effects = [e.with_strengths(c) for e, c in zip(effects, strengths, strict=True)]
-    deviation = np.sqrt(np.diag(np.linalg.pinv(inner)))
+    deviation = np.sqrt(np.maximum(np.diag(np.linalg.pinv(inner, hermitian=True)), 0.0))
     hypothesis = replace(task.nominal, effects=tuple(effects))
     whole_point = np.concatenate([point, hypothesis.start[len(point) :]])
     answer = task.answer(folder, "idim", _by_model(folder, hypothesis, whole_point), effects)

@@ -73,22 +73,21 @@ def likeliest_limit(
     grids = [
         [each for each in grid if isinstance(each, LimitEffect)]
         for grid in dictionary(hypothesis.robot, runs, known)
-        if isinstance(grid[0], LimitEffect) and grid[0].where in servos
     ]
+    grids = [grid for grid in grids if grid and grid[0].where in servos]
     least, best = float(base.losses.mean()) - MATERIAL, None
-    for curved in (False, True):
-        for limits in grids:
-            first = limits[0]
-            if bool(first.simpler) != curved or first.label in taken:
-                continue
-            if curved and (best is None or best.where != first.where):
-                continue
-            sets = [replace(hypothesis, effects=(*hypothesis.effects, limit)) for limit in limits]
-            points = [np.r_[own, each.start[len(own) :]] for each in sets]
-            candidates = [[point] * validation.folds for point in points]
-            losses = validation.losses(sets[0], candidates, runs).mean(axis=1)
-            if losses.min() < least:
-                least, best = float(losses.min()), limits[int(losses.argmin())]
+    # A line over speed is a constant limit's richer law.
+    for limits in sorted(grids, key=lambda grid: bool(grid[0].simpler)):
+        first = limits[0]
+        promising = not first.simpler or (best is not None and best.where == first.where)
+        if first.label in taken or not promising:
+            continue
+        sets = [replace(hypothesis, effects=(*hypothesis.effects, limit)) for limit in limits]
+        points = [np.r_[own, each.start[len(own) :]] for each in sets]
+        candidates = [[point] * validation.folds for point in points]
+        losses = validation.losses(sets[0], candidates, runs).mean(axis=1)
+        if losses.min() < least:
+            least, best = float(losses.min()), limits[int(losses.argmin())]
     if best is None:
         return None
     change = np.zeros(len(own))

@@ -9,7 +9,7 @@ from typing import Any
 from morph.arrays import JSON, Array
 from morph.body.fulltext import fulltext
 from morph.body.robot import Robot
-from morph.model.episodes import SHORTEST, Episode, fills
+from morph.model.episodes import SHORTEST, SHORTEST_PIECE, Episode, fills, gaps
 from morph.model.hypothesis import Hypothesis
 from morph.physics.apply import apply
 from morph.physics.effect import Effect
@@ -69,14 +69,18 @@ def notes(
     if any(name.endswith(".velocity") for each in recordings for name in each.channels):
         said.append("Velocities were recorded; a diagnosis reads positions alone.")
     for recording in recordings:
-        laid = [episode for episode in episodes if episode.recording is recording]
-        if not laid:
-            said.append(f"{recording.name}: too short, left out; an episode takes {SHORTEST} s")
-        ends = [(one.begin or 0.0) + float(one.time[-1]) for one in laid]
-        begins = [episode.begin or 0.0 for episode in laid]
+        if not any(episode.recording is recording for episode in episodes):
+            said.append(
+                f"{recording.name}: left out; an episode takes {SHORTEST:g} s, and a piece between "
+                f"gaps {SHORTEST_PIECE:g} s"
+            )
+        positions = [
+            each for name, each in recording.channels.items() if name.endswith(".position")
+        ]
+        holes = {gap for channel in positions for gap in gaps(channel.time - recording.start)}
         said += [
-            f"{recording.name}: no reading for {begin - end:.3g} s after {end:.3g} s"
-            for end, begin in zip(ends, begins[1:], strict=False)
+            f"{recording.name}: no reading for {end - begin:.3g} s after {begin:.3g} s"
+            for begin, end in sorted(holes)
         ]
     return (*said, *(f"{e.name}: {what}" for e in episodes for what in fills(e)))
 

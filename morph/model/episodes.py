@@ -22,8 +22,9 @@ QUIETEST = 1e-5
 """rad or m: least noise that a sensor is credited with."""
 STRETCH = 5.0
 """Seconds of the stretches that stand for recordings too long to look at whole."""
-SHORTEST = 0.5
-"""Least seconds of an episode: in less friction does not show."""
+SHORTEST, SHORTEST_PIECE = 0.5, 2.0
+"""Least seconds of an episode, as in less friction does not show, and of a piece between gaps: the
+rollouts by which models are compared are no longer than half of the shortest."""
 STATE_HERTZ = 15.0
 """Band of the motion that a rollout's start is read from."""
 
@@ -206,7 +207,8 @@ def pieces(recording: Recording, robot: Robot, step: float) -> list[Episode]:
     """Return what lies between a recording's gaps, each piece as an episode.
 
     What a robot does without readings for long tells little, and is told badly by a linearised
-    model. Pieces of less than half a second are left out: there may be none.
+    model. Pieces of less than `SHORTEST_PIECE` seconds, and whole recordings of less than
+    `SHORTEST`, are left out: there may be none.
 
     Raises:
         RecordingError: A joint's position or an actuator's command is missing.
@@ -222,7 +224,7 @@ def pieces(recording: Recording, robot: Robot, step: float) -> list[Episode]:
     found = [
         (begin, until)
         for begin, until in zip(begins, [*ends, end], strict=True)
-        if until - begin >= SHORTEST
+        if until - begin >= (SHORTEST_PIECE if missing else SHORTEST)
     ]
     if not missing:
         return [episode(recording, robot, step)] if found else []

@@ -135,7 +135,7 @@ def shown(
     read, rows = np.empty((*stamp.shape, len(joints))), np.arange(len(position))[:, None]
     for joint, name in enumerate(joints):
         late = stamped(effects, f"{name}.position", begin + stamp) - (begin + stamp)
-        time = (stamp - late) / segments.step  # To first order, of a clock that drifts.
+        time = (stamp - late) / segments.step  # At 2 t - s(t), of a clock that says s(t).
         before = np.clip(time.astype(int), 0, segments.steps - 2)
         part = np.clip(time - before, -BEYOND / segments.step, 2.0 + BEYOND / segments.step)
         one, two, three = (position[rows, before + k, joint] for k in (0, 1, 2))

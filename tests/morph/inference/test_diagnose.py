@@ -159,7 +159,7 @@ def test_a_recording_too_short_to_show_anything_is_refused(pendulum: Robot, run:
     whole = replace(between(run, 0.0, 1.0), name="whole")
     found = diagnose(pendulum, [short, rest], held_out=[whole])
     assert found.train == ("rest",)
-    assert [note for note in found.notes if note.startswith("run: too short, left out")]
+    assert [note for note in found.notes if note.startswith("run: left out")]
 
 
 @pytest.mark.parametrize("missing", ["hinge.command", "hinge.position"])

@@ -10,6 +10,7 @@ from morph.body.load import load
 from morph.body.robot import Robot
 from morph.errors import DiagnosisError, RecordingError
 from morph.inference.diagnose import diagnose
+from morph.model.corrected import notes
 from morph.model.episodes import episode, fills, gaps, pieces
 from morph.model.segments import cut
 from morph.model.usable import check_channels, check_motion, check_recordings, check_settings
@@ -83,24 +84,31 @@ def test_rollouts_across_a_gap_are_left_out_and_the_gap_is_told(
     assert cut([laid], 1.0).first.tolist() == [0, 750]
 
 
-def test_a_recording_is_cut_at_a_gap(pendulum: Robot, swing: Recording) -> None:
+def test_a_recording_is_cut_at_a_gap(pendulum: Robot, recorded: Recorded) -> None:
+    swing = recorded(pendulum, start={"hinge": 0.8}, seconds=6.0)
     channel = swing.channel("hinge.position")
     # The log begins at 0.5 s, and times of pieces count from there.
-    early, late = (channel.time > 0.5) & (channel.time < 1.2), channel.time > 3.1
-    kept = early | late
-    holed = with_position(swing, channel.time[kept], channel.value[kept])
+    early, late = (channel.time > 0.5) & (channel.time < 3.2), channel.time > 3.7
+    brief = early & (channel.time < 1.2)
+    holed = with_position(swing, channel.time[early | late], channel.value[early | late])
     one, other = pieces(holed, pendulum, 0.004)
-    assert (one.begin, other.begin) == (0.0, pytest.approx(2.61, abs=0.011))
+    assert (one.begin, other.begin) == (0.0, pytest.approx(3.2, abs=0.011))
     assert one.recording is holed
     # Each piece as if it had been recorded alone: readings by their times in the whole.
     np.testing.assert_array_equal(one.reading[:, 0], channel.value[early][::2])
     np.testing.assert_array_equal(other.reading[:, 0], channel.value[late][::2])
     assert other.time[-1] + other.begin == pytest.approx(channel.time[-1] - 0.5, abs=0.016)
-    # What is left of a run between gaps may be too short, and then says nothing.
-    late = channel.time > 3.7
-    assert (
-        pieces(with_position(swing, channel.time[late], channel.value[late]), pendulum, 0.004) == []
-    )
+    # A piece of 0.7 s would make the rollouts of all runs shorter than the second they take.
+    torn = with_position(swing, channel.time[brief | late], channel.value[brief | late])
+    (left,) = pieces(torn, pendulum, 0.004)
+    assert left.begin == pytest.approx(3.2, abs=0.011)
+    (said,) = notes([torn], [left], [])
+    assert said.startswith("run: no reading for 2.51 s after 0.69")
+    # Where nothing is left long enough, that is told too.
+    last = channel.time > 5.7
+    short = with_position(swing, channel.time[last], channel.value[last])
+    assert pieces(short, pendulum, 0.004) == []
+    assert notes([short], [], [])[0].startswith("run: left out; an episode takes 0.5 s")
     (whole,) = pieces(swing, pendulum, 0.004)
     assert whole.begin is None
 
