@@ -16,7 +16,13 @@ from morph.model.knobs import knobs
 from morph.model.measurement import Measurement
 from morph.model.segments import scored_segments
 from morph.model.split import split
-from morph.model.usable import check_channels, check_motion, check_recordings, check_settings
+from morph.model.usable import (
+    check_channels,
+    check_falls,
+    check_motion,
+    check_recordings,
+    check_settings,
+)
 from morph.physics.effect import Effect
 from morph.record.distinct import check_distinct
 from morph.record.recording import Recording
@@ -70,6 +76,7 @@ def diagnose(
     still = check_motion(parts.train, measured)
     step = step_for(parts.train, robot)
     train, aside = (_laid(part, robot, step) for part in (parts.train, parts.held_out))
+    check_falls((*train, *aside), robot)
     scored = scored_segments(aside, horizon)
     nominal = Hypothesis(robot=robot, step=step, knobs=knobs(robot, vary))
     say("refitting the description's own figures", 0.05)

@@ -8,7 +8,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from morph.body.robot import Robot
+from morph.body.spec import spec_of
 from morph.errors import DiagnosisError, RecordingError
+from morph.model.episodes import Episode
 from morph.record.recording import Channel, Recording
 
 FARTHEST = 1e4
@@ -17,6 +19,8 @@ STRONGEST = 1e6
 """Commands beyond this are no actuator's."""
 SLOWEST = 0.2
 """Seconds between readings, of which one in a few tells of friction."""
+HELD = 0.5
+"""Mean acceleration of a free link less gravity, over gravity, from which something holds it."""
 LONGEST_GAP = 60.0
 """Seconds without a reading after which a clock has jumped."""
 
@@ -119,6 +123,29 @@ def check_motion(recordings: Sequence[Recording], measured: Sequence[str]) -> tu
         )
     joint = ".position"
     return tuple(name.removesuffix(joint) for name in still if name.endswith(joint))
+
+
+def check_falls(episodes: Sequence[Episode], robot: Robot) -> None:
+    """Refuse runs of a link that moves freely and is held by what no model here has.
+
+    Raises:
+        DiagnosisError: It does not fall, on average, as nothing but gravity would let it.
+    """
+    gravity = np.asarray(spec_of(robot).option.gravity, dtype=float)
+    in_water = robot.card is not None and robot.card.water is not None
+    if in_water or not gravity.any():
+        return
+    for _, turn in episodes[0].measurement.coordinates.balls:
+        place = slice(turn - 3, turn)
+        falls = np.mean(np.concatenate([each.acceleration[:, place] for each in episodes]), axis=0)
+        if np.linalg.norm(falls - gravity) > HELD * np.linalg.norm(gravity):
+            link = episodes[0].measurement.channels[turn].removesuffix(".rotation.x")
+            raise DiagnosisError(
+                f"link {link} does not fall as it would alone: contact is not diagnosed",
+                where=", ".join(dict.fromkeys(each.name for each in episodes)),
+                fix="give runs of free flight; or describe a base that does not move as fixed, and "
+                "a robot in water with its `[water]` in the card",
+            )
 
 
 def _within(recording: Recording, name: str, channel: Channel, most: float) -> None:

@@ -12,8 +12,15 @@ from morph.errors import DiagnosisError, RecordingError
 from morph.inference.diagnose import diagnose
 from morph.model.corrected import notes
 from morph.model.episodes import episode, fills, gaps, pieces
+from morph.model.measurement import Measurement
 from morph.model.segments import cut
-from morph.model.usable import check_channels, check_motion, check_recordings, check_settings
+from morph.model.usable import (
+    check_channels,
+    check_falls,
+    check_motion,
+    check_recordings,
+    check_settings,
+)
 from morph.record.recording import Channel, Recording
 
 Recorded = Callable[..., Recording]
@@ -170,3 +177,20 @@ def test_clean_runs_are_clean_at_every_horizon(
     ]
     found = diagnose(pendulum, runs, horizon=horizon)
     assert (found.verdict, found.findings) == ("consistent", ())
+
+
+def test_a_link_that_something_holds_up_is_refused_and_one_that_falls_is_not() -> None:
+    robot, time = load("humanoid"), np.linspace(0.0, 1.0, 201)
+    measurement = Measurement.of(robot)
+    channels = {f"{a.name}.command": 0.0 * time for a in robot.actuators}
+    channels |= {name: 0.01 * np.sin(6.0 * time) for name in measurement.needed}
+    (names,) = measurement.quaternions
+    channels[names[0]] = 1.0 + 0.0 * time
+    fallen = {**channels, measurement.recorded[2]: 2.0 - 4.905 * time**2}
+    stands, falls = (
+        Recording(name=name, channels={k: Channel(time=time, value=v) for k, v in values.items()})
+        for name, values in (("stands", channels), ("falls", fallen))
+    )
+    check_falls([episode(falls, robot, 0.005)], robot)
+    with pytest.raises(DiagnosisError, match="does not fall as it would alone"):
+        check_falls([episode(stands, robot, 0.005)], robot)
