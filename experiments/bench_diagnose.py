@@ -1,4 +1,7 @@
-"""The incumbent, mujoco.sysid, beside morph.diagnose on the same recordings of one rig."""
+"""The incumbent, mujoco.sysid, beside morph.diagnose on the same recordings of one rig.
+
+`morph.diagnose` runs twice: without a budget, and with the seconds that sysid takes as its budget.
+"""
 
 from __future__ import annotations
 
@@ -35,6 +38,7 @@ DESIGN = "C.0"
 TRAIN = ("run_00", "run_01", "run_02", "run_04")
 HELD_OUT = ("run_03", "run_05", "run_06")
 HORIZONS: tuple[float | None, ...] = (None, 1.0)
+BUDGETED = "budgeted"
 QUICK_SECONDS = 4.0
 """Of one training run: enough to see that both work, too little to compare them."""
 
@@ -52,11 +56,15 @@ class Entry:
 
 
 def by_morph(
-    robot: Robot, train: Sequence[Recording], aside: Sequence[Recording], horizon: float | None
+    robot: Robot,
+    train: Sequence[Recording],
+    aside: Sequence[Recording],
+    horizon: float | None,
+    budget: float | None = None,
 ) -> Entry:
-    """Return what `morph.diagnose` with default settings finds."""
+    """Return what `morph.diagnose` finds, with default settings but for a budget in seconds."""
     began = time.monotonic()
-    found = diagnose(robot, train, held_out=aside, horizon=horizon)
+    found = diagnose(robot, train, held_out=aside, horizon=horizon, budget=budget)
     seconds = time.monotonic() - began
     effects = [finding.effect for finding in found.findings]
     return Entry(
@@ -103,6 +111,7 @@ def compared(
                 "horizon_s": horizon,
                 "rmse": rmse,
                 "error_ratio": ratio(rmse[ours], rmse[theirs]),
+                "error_ratio_budgeted": ratio(rmse[BUDGETED], rmse[theirs]),
             }
         )
     return {
@@ -125,7 +134,10 @@ def report(result: JSON) -> None:
         print(f"  {'':34} " + "  ".join(f"{joint:>8}" for joint in joints))
         for name, by_joint in row["rmse"].items():
             print(in_row(name, by_joint))
-        print(f"  error, morph / sysid: {row['error_ratio']:.3f}")
+        print(
+            f"  error, morph / sysid: {row['error_ratio']:.3f}; in the same seconds: "
+            f"{row['error_ratio_budgeted']:.3f}"
+        )
 
 
 def headline(result: JSON) -> JSON:
@@ -160,6 +172,9 @@ def run(*, quick: bool, piece: float | None, iterations: int) -> JSON:
     entries = {"morph": by_morph(robot, train, aside, None)}
     sys.stderr.write("mujoco.sysid ...\n")
     entries["sysid"] = by_incumbent(robot, train, piece=piece, iterations=iterations)
+    sys.stderr.write("morph.diagnose with the seconds of sysid as its budget ...\n")
+    budget = entries["sysid"].seconds
+    entries[BUDGETED] = by_morph(robot, train, aside, None, budget)
     result = compared(robot, entries, aside, "morph", "sysid")
     settings = {"quick": quick, "sysid_rollout_s": piece, "sysid_iterations": iterations}
     return {"train": [recording.name for recording in train], "settings": settings, **result}

@@ -31,6 +31,7 @@ from morph.record.recording import Recording
 EXAMPLE = """example:
   python -m experiments.so101
   python -m experiments.so101 --joints Rotation Wrist_Pitch --json
+  python -m experiments.so101 --beside 60
 """
 VARY = {"mass": 0.0, "com": 0.0, "inertia": 0.0, "gain": 3.0, "joint": 3.0}
 """Gains and armatures within a factor of four; masses as described."""
@@ -53,11 +54,17 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument(
         "--budget", type=float, help="seconds after which it answers (default: none)"
     )
+    parser.add_argument(
+        "--beside", type=float, metavar="S", help="diagnose again with this budget, as a control"
+    )
     parser.add_argument("--out", type=Path, help="folder for the diagnosis and its report")
     parser.add_argument("--json", action="store_true", help="print rows as JSON")
     asked, save = parse_and_save(parser, arguments, module="experiments.so101")
     try:
         found, moved = studied(asked.root, asked.every, asked.only, asked.budget)
+        early = None
+        if asked.beside is not None:
+            early, _ = studied(asked.root, asked.every, asked.only, asked.beside)
         if asked.out:
             from morph.app.report.files import write_diagnosis
 
@@ -66,12 +73,19 @@ def main(arguments: list[str] | None = None) -> int:
         sys.stderr.write(f"error: {error}\n")
         return 2
     rows = compared(found, moved)
+    result = headline(found, rows)
+    if early is not None:
+        figures = headline(early, compared(early, moved))["figures"]
+        result["controls"][f"budget of {asked.beside:g} s"] = figures
     if save:
-        save(**headline(found, rows))
+        save(**result)
     if asked.json:
         print(json.dumps({"diagnosis": found.as_json(), "rows": rows}, indent=1))
     else:
         report(found, rows, asked.joints)
+        if early is not None:
+            print(f"with a budget of {asked.beside:g} s:")
+            report(early, compared(early, moved), [])
     return 0
 
 
@@ -128,6 +142,7 @@ def _rmse(trace: Trace, model: str) -> float:
 def headline(found: Diagnosis, rows: list[JSON]) -> JSON:
     """Return what a result file holds: errors on slow motions, rad, joint by joint."""
     figures: JSON = {"motions": len({row["motion"] for row in rows}), "verdict": found.verdict}
+    figures["seconds"] = found.seconds
     figures["found"] = ", ".join(finding.effect.label for finding in found.findings)
     figures["worse"] = sum(row["corrected"] > row["linear"] + 0.1 * row["noise"] for row in rows)
     controls: JSON = {"linear servo, refitted": {}, "as described": {}}

@@ -92,7 +92,7 @@ class Columns:
         Shapes (samples, dofs, 1 + entries) and (samples, channels, 1 + entries).
         """
         motion, about = seen.motion, seen.about
-        samples, dofs = about.position.shape
+        samples, dofs = about.velocity.shape
         own = forces_between(self.model, self.turned, motion) / NUDGE
         forces = []
         shown = [about.error, *([np.zeros_like(about.error)] * len(self.turned))]
@@ -154,4 +154,4 @@ class _Nudged:
 
 
 def _supplied(model: mujoco.MjModel, motion: Motion) -> Array:
-    return supplied(model, motion.position, motion.velocity, motion.acceleration, motion.command)
+    return supplied(model, motion.qpos, motion.velocity, motion.acceleration, motion.command)

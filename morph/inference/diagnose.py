@@ -10,12 +10,19 @@ from morph.body.robot import Robot
 from morph.inference.rank import Progress, ranked
 from morph.inference.verdict import DiagnosisRuns, conclude
 from morph.model.diagnosis import Diagnosis
-from morph.model.episodes import Episode, episode, moving_joints, pieces, step_for, stretches
+from morph.model.episodes import Episode, episode, pieces, step_for, stretches
 from morph.model.hypothesis import Hypothesis
 from morph.model.knobs import knobs
+from morph.model.measurement import Measurement
 from morph.model.segments import scored_segments
 from morph.model.split import split
-from morph.model.usable import check_channels, check_motion, check_recordings, check_settings
+from morph.model.usable import (
+    check_channels,
+    check_falls,
+    check_motion,
+    check_recordings,
+    check_settings,
+)
 from morph.physics.effect import Effect
 from morph.record.distinct import check_distinct
 from morph.record.recording import Recording
@@ -40,7 +47,8 @@ def diagnose(
 
     Args:
         robot: The nominal description.
-        recordings: What the robot did: every joint's position, every actuator's command.
+        recordings: What the robot did: every joint's position, the pose of each link that moves
+            freely, every actuator's command.
         held_out: Recordings to open only after the choice; empty sets a quarter aside.
         horizon: Seconds of the open-loop rollouts that are scored, at least 0.1; None
             for whole episodes.
@@ -58,16 +66,17 @@ def diagnose(
     started = time.monotonic()
     check_settings(horizon, budget, seed)
     check_recordings(recordings, held_out)
-    joints = moving_joints(robot)
+    measured = Measurement.of(robot).needed
     for recording in (*recordings, *held_out):
-        check_channels(recording, robot, joints)
+        check_channels(recording, robot, measured)
     check_distinct((*recordings, *held_out))
     say: Progress = progress or (lambda what, share: None)
     say("reading motion and noise", 0.02)
     parts = split(recordings, held_out)
-    still = check_motion(parts.train, joints)
+    still = check_motion(parts.train, measured)
     step = step_for(parts.train, robot)
     train, aside = (_laid(part, robot, step) for part in (parts.train, parts.held_out))
+    check_falls((*train, *aside), robot)
     scored = scored_segments(aside, horizon)
     nominal = Hypothesis(robot=robot, step=step, knobs=knobs(robot, vary))
     say("refitting the description's own figures", 0.05)

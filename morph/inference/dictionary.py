@@ -96,9 +96,8 @@ def dictionary(
     longest = max(motions, key=lambda motion: len(motion.time))
     measured, told = set(longest.channels), {effect.label: effect for effect in known}
     # Dry friction alone says anything of a joint that never moves.
-    still = {
-        joint.name for joint in robot.joints if not any(_moves(joint.name, run) for run in runs)
-    }
+    joints = [joint.name for joint in robot.joints if joint.kind in {"hinge", "slide"}]
+    still = {name for name in joints if not any(_moves(name, run) for run in runs)}
     for kind in EFFECTS:
         places = kind.places(robot) if kind.strengths else ()
         places = tuple(place for place in places if kind.holds or place not in still)

@@ -96,7 +96,7 @@ def likeliest_disturbance(about: Reference, *, steps: int) -> Disturbance:
 
 def _middle(about: Reference, samples: int) -> Reference:
     """Return the middle samples of a run."""
-    first = max(0, (len(about.position) - samples) // 2)
+    first = max(0, (len(about.velocity) - samples) // 2)
     part, known = slice(first, first + samples), about.disturbance
     tangent = about.tangent
     return replace(

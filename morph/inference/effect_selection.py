@@ -37,7 +37,7 @@ until one is found, springs where they lower the error."""
 GROUP = -5.0
 """Least gain of a law of friction at all driven joints that is simulated, nats."""
 DIVERGED = 0.5
-"""By how much a set may raise the mean loss before it is refitted, nats a stretch and joint."""
+"""By how much a set may raise the mean loss before it is refitted, nats a stretch and channel."""
 RIVAL = 10.0
 """Least nats that another law in the place of one gains in Gram space to be tried there; of twins
 it is minus `CERTAIN`."""
@@ -183,7 +183,7 @@ class EffectSelection:
         listed = {
             one.members: one for one in [*some[:SIMULATED], *alone[:SIMULATED], *by_labels.values()]
         }
-        hypothesis, now, losses = base.refit.hypothesis, float(base.losses.mean()), {}
+        now, losses = float(base.losses.mean()), {}
         believed = not self.by_rollouts
         for members, found in listed.items():
             if self.late():
@@ -193,7 +193,7 @@ class EffectSelection:
             )
         by_rollouts = sorted(listed.values(), key=lambda one: losses[one.members])
         # A stiff spring diverges in long steps. So may the likeliest set, far from the base.
-        most = now + DIVERGED * len(hypothesis.robot.joints)
+        most = now + DIVERGED * len(base.refit.runs[0].motion.channels)
         stable = [one for one in by_rollouts if losses[one.members] < most]
         likeliest = sorted(by_rollouts, key=lambda one: -one.gain)[:1]
         chosen = [*likeliest, *stable[:FINALISTS]]

@@ -11,6 +11,7 @@ from morph.arrays import Array
 from morph.physics.body.inertial import pull, spatial, steiner
 from morph.physics.drives import actuator_forces, clamped, constant_moments
 from morph.physics.motion import Motion
+from morph.sim.tangent import HINGE, SLIDE
 
 DRIVES = (
     "actuator_gear", "actuator_gainprm", "actuator_biasprm", "actuator_forcerange",
@@ -68,9 +69,14 @@ def driven(model: mujoco.MjModel, motion: Motion) -> Array:
     """Return the actuators' generalized forces within their limits, N m or N, (samples, dofs)."""
     force = actuator_forces(model, motion.position, motion.velocity, motion.command)
     force = force @ constant_moments(model)
-    return clamped(force, model.jnt_actfrclimited, model.jnt_actfrcrange)
+    joint = model.dof_jntid
+    return clamped(force, model.jnt_actfrclimited[joint], model.jnt_actfrcrange[joint])
 
 
 def _spring(model: mujoco.MjModel, motion: Motion) -> Array:
-    stiffness = model.jnt_stiffness.reshape(model.njnt, -1)[:, 0]
-    return np.asarray(-stiffness * (motion.position - model.qpos_spring))
+    joints = np.flatnonzero(np.isin(model.jnt_type, (HINGE, SLIDE)))
+    stiffness = model.jnt_stiffness.reshape(model.njnt, -1)[joints, 0]
+    dofs, rest = model.jnt_dofadr[joints], model.qpos_spring[model.jnt_qposadr[joints]]
+    force = np.zeros_like(motion.position)
+    force[:, dofs] = -stiffness * (motion.position[:, dofs] - rest)
+    return force

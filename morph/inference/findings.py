@@ -42,7 +42,7 @@ def findings(ranking: Ranking, remains: Remains) -> tuple[Finding, ...]:
         ranking: Sets of effects, refitted.
         remains: What the best of them leaves.
     """
-    best = ranking.best
+    best, channels = ranking.best, len(ranking.validation.segments.measurement.channels)
     robot = best.refit.hypothesis.robot
     estimated, sure = estimates(best.about)
     listed = []
@@ -86,7 +86,7 @@ def findings(ranking: Ranking, remains: Remains) -> tuple[Finding, ...]:
                 parameters=parameters,
                 rivals=tuple(rivals),
                 separate_by=experiment(effect, nearest),
-                gain=float(-np.expm1(-2.0 * gains.mean() / len(robot.joints))),
+                gain=float(-np.expm1(-2.0 * gains.mean() / channels)),
                 slide=slide,
             )
         )

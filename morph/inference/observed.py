@@ -11,11 +11,13 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.body.robot import Robot
+from morph.inference.axes import along_body
 from morph.inference.disturbance import likeliest_disturbance
 from morph.inference.reference import FEWER_STEPS, reference
 from morph.inference.sampled import Reference, SampledRun
 from morph.inference.sticking import ending, friction, moved
-from morph.model.episodes import Episode, moving_joints
+from morph.model.episodes import Episode
+from morph.model.measurement import unit
 from morph.physics.body_motion import BodyMotion, body_motions, times
 from morph.physics.drives import actuator_forces, constant_moments
 from morph.physics.effect import Effect
@@ -50,7 +52,7 @@ def observed(
     effects: Sequence[Effect] = (),
     before: Observed | None = None,
 ) -> Observed:
-    """Return a run smoothed and linearised by a model of hinges and slides.
+    """Return a run smoothed and linearised by a model.
 
     The disturbance is the one of `before`, or the likeliest without it.
 
@@ -63,7 +65,6 @@ def observed(
         before: The same run by a similar model, to start from.
 
     Raises:
-        DiagnosisError: The robot has a joint that is neither a hinge nor a slide, or has none.
         KernelError: There is no C compiler for the filter, or it fails.
     """
     run, guess = _sampled(read)
@@ -92,7 +93,7 @@ def observed(
         if effects:
             # The motion has changed, and under a stiff servo the effects' forces with it: evaluate
             # them along the new one.
-            mobility = about.tangent.jacobian[:, :, 2 * guess.shape[1] :]
+            mobility = about.tangent.jacobian[:, :, 2 * motion.velocity.shape[1] :]
             linear = force - dry.damping * ending(about)
             linear += slope[:, 0] * (motion.position - last.position)
             linear += slope[:, 1] * (motion.velocity - last.velocity)
@@ -181,23 +182,28 @@ def _sampled(read: Episode) -> tuple[SampledRun, Array]:
     at = np.rint(read.time / read.step).astype(int)
     there = at < samples
     reading, valid = np.zeros((samples, dofs)), np.zeros((samples, dofs), dtype=bool)
+    attitude = np.tile(np.eye(4)[0], (samples, read.attitude.shape[1], 1))
+    attitude[at[there]] = read.attitude[there]
     # A reading between two samples belongs to the nearer one.
     offset = np.zeros((samples, 1))
     offset[at[there], 0] = (read.time - at * read.step)[there]
     reading[at[there]], valid[at[there]] = read.reading[there], True
     grid = read.step * np.arange(samples)
-    guess = [np.interp(grid, read.time, read.position[:, dof]) for dof in range(dofs)]
+    guess = np.stack([np.interp(grid, read.time, track) for track in read.position.T], axis=1)
+    for place, _ in read.measurement.coordinates.balls:
+        guess[:, place : place + 4] = unit(guess[:, place : place + 4])
     run = SampledRun(
+        measurement=read.measurement,
         step=read.step,
         command=read.command,
-        reads=np.eye(dofs, 2 * dofs),
         reading=reading,
+        attitude=attitude,
         valid=valid,
         noise=read.noise,
         time_offset=offset,
         unsure=_unsure(read),
     )
-    return run, np.stack(guess, axis=1)
+    return run, guess
 
 
 def _unsure(read: Episode) -> Array:
@@ -223,20 +229,21 @@ def _motion(
     Velocities and accelerations are those at the positions' times, and the acceleration is the
     model's: the missing force is not in it.
     """
-    samples, dofs = about.position.shape
+    samples, dofs = about.velocity.shape
+    space, position = run.measurement.coordinates, run.measurement.scalars(about.position)
     acceleration = np.zeros_like(about.velocity)
     acceleration[:-1] = np.diff(about.velocity, axis=0) / run.step
     acceleration[-1] = acceleration[-2]
     velocity = about.velocity + 0.5 * run.step * acceleration
-    acceleration += about.acceleration
+    acceleration += along_body(space, about.axes, about.acceleration)
     moments = constant_moments(model)
-    force = actuator_forces(model, about.position, velocity, run.command)
+    force = actuator_forces(model, position, velocity, run.command)
     rate = np.gradient(run.command, run.step, axis=0) * model.actuator_gainprm[:, 0]
     jacobian = about.tangent.jacobian
     links = [link.name for link in robot.links]
-    channels = [f"{name}.position" for name in moving_joints(robot)]
     return Motion(
-        position=about.position,
+        position=position,
+        pose=about.position,
         velocity=velocity,
         acceleration=acceleration,
         drive=moments * force[:, :, None],
@@ -250,8 +257,8 @@ def _motion(
         driven={actuator.name: actuator.joint for actuator in robot.actuators},
         servo=-(model.actuator_gear[:, :1] ** 2) * model.actuator_biasprm[:, 1:3],
         armature=model.dof_armature.copy(),
-        channels={name: at for at, name in enumerate(channels)},
-        reading=about.position,
+        channels={name: at for at, name in enumerate(run.measurement.channels)},
+        reading=position,
         reading_rate=velocity,
         run=name,
         missing=about.force,

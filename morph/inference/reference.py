@@ -8,6 +8,7 @@ import mujoco
 import numpy as np
 
 from morph.arrays import Array, Mask
+from morph.inference.axes import Axes, along_body, along_parent, axes_of, jacobian_along_parent
 from morph.inference.disturbance import likeliest_disturbance
 from morph.inference.filter import Disturbance, Tangent, smoothed
 from morph.inference.sampled import Reference, SampledRun, later
@@ -44,17 +45,18 @@ def reference(
     Source: Bell 1994, SIAM Journal on Optimization 4(3), 626-636 (the iterated smoother).
 
     Args:
-        model: The model; hinges and slides only.
+        model: The model.
         run: What was commanded and read.
-        guess: Positions to begin with, shape (samples, dofs).
+        guess: Positions to begin with, shape (samples, nq).
         before: The result of a similar model, to begin with instead of `guess`. Readings that it
             left out stay out.
     """
+    space = run.measurement.coordinates
     if before is None:
         position = np.array(guess)
-        rate = np.diff(position, axis=0) / run.step
+        rate = space.apart(position[1:], position[:-1]) / run.step
         velocity = np.concatenate([rate[:1], rate])
-        found = _along(model, run, position, velocity, np.zeros_like(position), None)
+        found = _along(model, run, position, velocity, np.zeros_like(velocity), None)
     else:
         position, velocity, known = before.position, before.velocity, before.disturbance
         run = replace(run, valid=before.tangent.valid)
@@ -63,8 +65,12 @@ def reference(
         known = likeliest_disturbance(found, steps=STEPS)
     for _ in range(ROUNDS if before is None else 1):
         state, spread = smoothed(found.tangent, known, found.error, found.acceleration)
-        change, rate, force, _ = np.split(state, [n * position.shape[1] for n in (1, 2, 3)], axis=1)
-        position, velocity = position + change, velocity + rate
+        change, rate, force, _ = np.split(state, [n * space.dofs for n in (1, 2, 3)], axis=1)
+        position = space.moved_by(position, along_body(space, found.axes, change))
+        velocity = velocity + along_body(space, found.axes, rate)
+        if space.balls:
+            # Rotations add up to the first order in the error alone.
+            velocity[1:] = space.apart(position[1:], position[:-1]) / run.step
         run = replace(run, valid=run.valid & ~outliers(found.error / run.noise, run.valid))
         found = replace(_along(model, run, position, velocity, force, known), spread=spread)
     if before is not None:
@@ -106,23 +112,27 @@ def _along(
     known: Disturbance | None,
 ) -> Reference:
     """Return a model linearised along a motion, with a known disturbance or a first guess of it."""
-    dofs = position.shape[1]
+    space = run.measurement.coordinates
+    dofs, axes = space.dofs, axes_of(space, position)
     local = _interpolated(model, position, velocity, run)
     mobility = local[:, :, 2 * dofs :]
-    sticking = np.broadcast_to(run.sticking, position.shape)
+    sticking = np.broadcast_to(run.sticking, velocity.shape)
     modelled = accelerations(model, position, velocity, run.command)
     modelled += times(mobility, run.force - sticking * velocity)
-    slope = np.zeros_like(position)
+    slope = np.zeros_like(velocity)
     slope[:-1] = np.diff(velocity, axis=0) / run.step
     jacobian, acceleration = _stepped(local, modelled, sticking, run)
     acceleration -= slope
     # Nothing follows the last sample that its acceleration could be compared with.
     acceleration[-1] = 0.0
+    acceleration = along_parent(space, axes, acceleration)
+    jacobian = jacobian_along_parent(space, axes, velocity, jacobian)
     inertia = np.asarray(np.linalg.inv(mobility), np.float64)
     needed = times(inertia, np.gradient(velocity, run.step, axis=0))
     inertial = np.sqrt(np.mean(needed**2, axis=0)) + 1e-12
     if known is None:
-        initial = np.concatenate([_initial_std(run, position), _initial_std(run, velocity)])
+        path = space.apart(position, position[:1])
+        initial = np.concatenate([_initial_std(run, path), _initial_std(run, velocity)])
         known = Disturbance(
             noise=run.noise,
             scale=0.05 * inertial,
@@ -137,15 +147,16 @@ def _along(
         force=force,
         acceleration=acceleration,
         sticking=sticking,
+        axes=axes,
         local=local,
         tangent=Tangent(
             step=run.step,
             jacobian=jacobian,
-            reads=run.reads + run.shift_slope,
+            reads=run.reads,
             valid=run.valid,
         ),
         disturbance=replace(known, jolt=_jolt(model, run, jacobian[:, :, 2 * dofs :])),
-        error=np.where(run.valid, run.reading - _predicted(run, position, velocity), 0.0),
+        error=np.where(run.valid, run.reading - _predicted(run, position, velocity, axes), 0.0),
         sensed=run.noise,
         inertial=inertial,
     )
@@ -190,26 +201,34 @@ def _moved(before: Reference, model: mujoco.MjModel, run: SampledRun) -> Referen
 
     A smoother that is iterated once more needs them only roughly.
     """
-    position, velocity = before.position, before.velocity
-    sticking = np.broadcast_to(run.sticking, position.shape)
+    position, velocity, axes = before.position, before.velocity, before.axes
+    space = run.measurement.coordinates
+    sticking = np.broadcast_to(run.sticking, velocity.shape)
     modelled = accelerations(model, position, velocity, run.command)
     modelled += times(before.mobility, run.force - sticking * velocity)
     jacobian, acceleration = _stepped(before.local, modelled, sticking, run)
     acceleration[:-1] -= np.diff(velocity, axis=0) / run.step
     acceleration[-1] = 0.0
+    acceleration = along_parent(space, axes, acceleration)
+    jacobian = jacobian_along_parent(space, axes, velocity, jacobian)
     return replace(
         before,
         acceleration=acceleration,
         sticking=sticking,
-        tangent=replace(before.tangent, jacobian=jacobian, reads=run.reads + run.shift_slope),
-        error=np.where(run.valid, run.reading - _predicted(run, position, velocity), 0.0),
+        tangent=replace(before.tangent, jacobian=jacobian, reads=run.reads),
+        error=np.where(run.valid, run.reading - _predicted(run, position, velocity, axes), 0.0),
     )
 
 
-def _predicted(run: SampledRun, position: Array, velocity: Array) -> Array:
+def _predicted(run: SampledRun, position: Array, velocity: Array, axes: Axes) -> Array:
     """Return the readings of a motion at the times they were taken, shape (samples, channels)."""
-    shown = np.concatenate([position, velocity], axis=1) @ run.reads.T
+    space = run.measurement.coordinates
+    shown = run.measurement.read(position, run.attitude)
     rate = np.gradient(shown, run.step, axis=0)
+    for _, dof in space.balls:
+        # What is read of an orientation is the difference from one reading, not from the last.
+        part = slice(dof, dof + 3)
+        rate[:, part] = along_parent(space, axes, velocity)[:, part]
     offset = run.time_offset
     later = offset * (rate + 0.5 * offset * np.gradient(rate, run.step, axis=0))
     return np.asarray(shown + (run.shift + later))

@@ -35,7 +35,7 @@ class Remains:
     share: float
     """Missing force over the inertial force, RMS over runs, of the worst joint."""
     channels: Mapping[str, float]
-    """The same by each joint's position channel."""
+    """The same by the channel of each degree of freedom."""
     nats: float
     """By how much readings are likelier with missing force and vibration than at their floor."""
     in_noise: float
@@ -61,19 +61,16 @@ class Remains:
 
 def remaining(found: Finalist, validation: Validation) -> Remains:
     """Return what a refit leaves unexplained of the runs it was fitted to."""
-    runs, robot = found.refit.runs, found.refit.hypothesis.robot
+    runs, channels = found.refit.runs, validation.segments.measurement.channels
     squared = np.mean(
         [(run.about.disturbance.scale / run.about.inertial) ** 2 for run in runs], axis=0
     )
     share = np.sqrt(squared)
-    joints = [joint.name for joint in robot.joints]
     return Remains(
         share=float(share.max()),
-        channels={
-            f"{name}.position": float(each) for name, each in zip(joints, share, strict=True)
-        },
+        channels=dict(zip(channels, share.tolist(), strict=True)),
         nats=sum(_over_floor(run) for run in runs),
-        in_noise=float(np.expm1(2.0 * np.median(found.fitted) / len(joints))),
+        in_noise=float(np.expm1(2.0 * np.median(found.fitted) / len(channels))),
         named=bool(found.effects),
     )
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from morph.arrays import Array, Mask
 from morph.inference.filter import Disturbance, Tangent
+from morph.model.measurement import Measurement
 
 FLOOR = 5e-4
 """Least scale of the missing force, as a share of the RMS force that a joint's motion needs."""
@@ -17,14 +18,16 @@ FLOOR = 5e-4
 class SampledRun:
     """One run on a grid of equal steps."""
 
+    measurement: Measurement
+    """What its channels read."""
     step: float
     """Seconds from one sample to the next."""
     command: Array
     """Controls held from each sample to the next, shape (samples, actuators)."""
-    reads: Array
-    """Observation matrix: each channel by position and velocity, shape (channels, 2 dofs)."""
     reading: Array
     """Shape (samples, channels); ignored where not `valid`."""
+    attitude: Array
+    """Measured orientations, shape (samples, balls, 4)."""
     valid: Mask
     """Which readings there are, shape (samples, channels)."""
     noise: Array
@@ -45,19 +48,27 @@ class SampledRun:
     shift_slope: Array | float = 0.0
     """How that change grows with positions and velocities, shape (channels, 2 dofs)."""
 
+    @property
+    def reads(self) -> Array:
+        """Observation matrix: each channel by position and velocity, shape (channels, 2 dofs)."""
+        dofs = self.measurement.coordinates.dofs
+        return np.eye(dofs, 2 * dofs) + self.shift_slope
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Reference:
     """A motion and the model linearised along it.
 
     It is that of a semi-implicit integrator: position[t + 1] = position[t] + step velocity[t + 1],
-    so velocities are those of half a step before.
+    so velocities are those of half a step before. Orientations add up as rotations do. Where they
+    err the error is a rotation along the axes of the parent, not those of the body as in `qvel`:
+    along these its rate is the velocity's error alone. `acceleration` and `tangent` are along them.
     """
 
     position: Array
-    """rad or m, shape (samples, dofs)."""
+    """`qpos`, rad or m, shape (samples, nq)."""
     velocity: Array
-    """Per s, same shape."""
+    """`qvel`, per s, shape (samples, dofs)."""
     spread: Array
     """Standard deviation of that velocity, given the readings, same shape."""
     force: Array
@@ -66,6 +77,8 @@ class Reference:
     """The model's acceleration less that of the motion, per s2, same shape."""
     sticking: Array
     """Damping by dry friction that `tangent` includes, N m s/rad or N s/m, same shape."""
+    axes: tuple[Array, ...]
+    """The body's axes as columns, by the parent's, of each orientation, shape (samples, 3, 3)."""
     local: Array
     """[dqacc/dq, dqacc/dv, M^-1] of the model alone, shape (samples, dofs, 3 dofs)."""
     tangent: Tangent
@@ -82,7 +95,7 @@ class Reference:
     @property
     def mobility(self) -> Array:
         """Acceleration by each force without the damping of a step, (samples, dofs, dofs)."""
-        return self.local[:, :, 2 * self.position.shape[1] :]
+        return self.local[:, :, 2 * self.velocity.shape[1] :]
 
     def leaving(self, share: float) -> Disturbance:
         """Return the disturbance with its force scaled, at least `FLOOR` of the inertial one."""

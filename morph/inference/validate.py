@@ -14,9 +14,9 @@ from morph.inference.observed import Observed
 from morph.inference.quadratic import LogPosterior
 from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis
+from morph.model.readings import shown
 from morph.model.recalled import recalled
 from morph.model.segments import Segments, cut
-from morph.model.shooting import shown
 from morph.physics.effect import Effect
 from morph.physics.joint.motor_side import MotorSideEffect
 from morph.sim.drive import received
@@ -30,7 +30,7 @@ MOST_ROLLOUTS = 60
 FOLDS = 4
 """Least number of folds: whole runs, or stretches of them where there are fewer runs."""
 MATERIAL = 0.02
-"""Least mean gain of an effect, nats a stretch: two per cent of the size of one joint's error."""
+"""Least mean gain of an effect, nats a stretch: two per cent of the size of one channel's error."""
 STANDARD_ERRORS = 2.0
 """Least mean gain in standard errors. Prices of the evidence correct for how much was looked at."""
 LITTLE_FORCE, LITTLE_VIBRATION = 0.03, 1.0
@@ -86,8 +86,8 @@ class Validation:
         """Return each stretch's error in rollouts, at the point fitted to the other folds.
 
         Half the logarithm of one plus the mean squared error over the noise's variance, summed
-        over joints: the negative log likelihood of errors whose size is not known, so that bad
-        stretches and joints count no more than good ones. Shape (candidates, segments).
+        over channels: the negative log likelihood of errors whose size is not known, so that bad
+        stretches and channels count no more than good ones. Shape (candidates, segments).
 
         Args:
             hypothesis: What is simulated.
@@ -126,7 +126,7 @@ class Validation:
         candidates: Sequence[Sequence[Array]],
         runs: Sequence[Observed],
     ) -> Array:
-        """Return predicted readings, shape (candidates, segments, readings, joints).
+        """Return predicted readings, shape (candidates, segments, readings, channels).
 
         Args:
             hypothesis: What is simulated.
@@ -155,11 +155,10 @@ class Validation:
         )
         found = found.reshape(*which.shape, *found.shape[1:])
         read = np.empty((count, *segments.reading.shape))
-        joints = [joint.name for joint in hypothesis.robot.joints]
         for at, variant in enumerate(variants):
             candidate, inside = at // folds, which[at // folds] == at
             moved = found[candidate, inside]
-            read[candidate, inside] = shown(variant.effects, joints, segments, moved, inside)
+            read[candidate, inside] = shown(variant.effects, segments, moved, inside)
         return np.nan_to_num(read, nan=1e3, posinf=1e3, neginf=-1e3)
 
     def _received(
@@ -196,7 +195,7 @@ class Validation:
             float(np.median(np.diff(channel.time)))
             for episode in self.segments.episodes
             for name, channel in episode.recording.channels.items()
-            if name.endswith(".position")
+            if name in self.segments.measurement.needed
         ]
         least = BRIEF * float(np.median(periods))
         return bool(times) and all(

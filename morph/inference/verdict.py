@@ -111,13 +111,12 @@ def conclude(nominal: Hypothesis, ranking: Ranking, parts: DiagnosisRuns) -> Dia
         train=_names(parts.train),
         held_out=_names(parts.aside),
         split=parts.split.how,
-        held_out_rmse=_table(nominal, errors, parts.scored.noise),
+        held_out_rmse=_table(errors, parts.scored),
         improvement_low90=improvement_low90(before, after, parts.seed),
         refit={} if worse else factors(ranking.best.about),
         traces=traces(
             parts.scored,
             {model: predicted[model] for model in ("nominal", "refitted", "corrected")},
-            [(joint.name, joint.unit) for joint in robot.joints],
         ),
         data=data(recordings, fitted=len(ranking.validation.segments), scored=len(parts.scored)),
         overstated=() if worse else _overstated(best),
@@ -173,11 +172,8 @@ def _probabilities(found: Sequence[Finding], remains: Remains, *, worse: bool) -
     return chances
 
 
-def _table(
-    nominal: Hypothesis, errors: Mapping[str, Array], noise: Array
-) -> dict[str, dict[str, float]]:
-    names = [f"{joint.name}.position" for joint in nominal.robot.joints]
-    rows = {**errors, "noise_floor": noise}
+def _table(errors: Mapping[str, Array], scored: Segments) -> dict[str, dict[str, float]]:
+    names, rows = scored.measurement.channels, {**errors, "noise_floor": scored.noise}
     return {model: dict(zip(names, map(float, row), strict=True)) for model, row in rows.items()}
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from morph.arrays import Array
 from morph.body.robot import Robot
 from morph.errors import DiagnosisError
+from morph.model.measurement import Measurement
 from morph.model.split import between
 from morph.record.noise import noise
 from morph.record.recording import Channel, Recording
@@ -51,6 +52,8 @@ def band(channel: Channel) -> float:
 class Episode:
     """One recording of a robot whose joints are all measured."""
 
+    measurement: Measurement
+    """What its readings are of."""
     recording: Recording
     """Where it came from."""
     step: float
@@ -63,19 +66,21 @@ class Episode:
     time: Array
     """When readings were taken, s from the start, shape (readings,)."""
     reading: Array
-    """Measured positions, shape (readings, joints)."""
+    """What each channel reads, shape (readings, channels)."""
+    attitude: Array
+    """Measured orientations of what moves freely, shape (readings, balls, 4)."""
     noise: Array
-    """Standard deviation of each reading's noise, shape (joints,)."""
+    """Standard deviation of each reading's noise, shape (channels,)."""
     state: Array
-    """Positions, then velocities, lightly smoothed, shape (readings, 2 joints)."""
+    """Positions, then velocities, lightly smoothed, shape (readings, nq + nv)."""
     state_cutoff: float
     """Frequency, Hz, above which motion is taken for noise in `state`."""
     position: Array
-    """Positions smoothed to the band of the motion, shape (readings, joints)."""
+    """Positions smoothed to the band of the motion, shape (readings, nq)."""
     velocity: Array
-    """Their first derivative; same shape."""
+    """How they change, per s, shape (readings, nv)."""
     acceleration: Array
-    """Their second derivative; same shape."""
+    """How that changes, per s2, same shape."""
     cutoff: float
     """Frequency, Hz, above which motion is taken for noise in the three above."""
     begin: float | None = None
@@ -93,28 +98,6 @@ class Episode:
         return self.recording.session
 
 
-def moving_joints(robot: Robot) -> tuple[str, ...]:
-    """Return the hinges and slides in order.
-
-    Raises:
-        DiagnosisError: The robot has a ball or a free joint.
-    """
-    for joint in robot.joints:
-        if joint.kind not in {"hinge", "slide"}:
-            raise DiagnosisError(
-                f"joint {joint.name} is {joint.kind}; diagnosis reads hinges and slides",
-                where=f"robot {robot.name}",
-                fix="weld that joint in the description if the link does not move by it",
-            )
-    if not robot.joints:
-        raise DiagnosisError(
-            "it has no joint that moves",
-            where=f"robot {robot.name}",
-            fix="give a description with at least one hinge or slide",
-        )
-    return tuple(joint.name for joint in robot.joints)
-
-
 def step_for(recordings: Sequence[Recording], robot: Robot) -> float:
     """Return the seconds a step: whole parts or multiples of the clock's median period.
 
@@ -122,10 +105,8 @@ def step_for(recordings: Sequence[Recording], robot: Robot) -> float:
     error of a semi-implicit step is of second order, (w h)^2 / 24 of the period of a
     motion at w rad/s, below 1e-4 at 10 rad/s.
     """
-    joints = moving_joints(robot)
-    period = float(
-        np.median([np.median(np.diff(_measured(r, joints[0]).time)) for r in recordings])
-    )
+    first = Measurement.of(robot).needed[0]
+    period = float(np.median([np.median(np.diff(r.channel(first).time)) for r in recordings]))
     wanted = 0.0025 if any(a.kind == "position" for a in robot.actuators) else 0.004
     if period > wanted:
         return period / float(np.ceil(period / wanted - 0.1))
@@ -139,30 +120,25 @@ def episode(recording: Recording, robot: Robot, step: float) -> Episode:
         RecordingError: A joint's position or an actuator's command is missing.
         DiagnosisError: The recording is shorter than half a second.
     """
-    joints = moving_joints(robot)
-    channels = [_measured(recording, joint) for joint in joints]
+    measurement = Measurement.of(robot)
+    tracks = measurement.tracks(recording)
     commands = [recording.channel(f"{actuator.name}.command") for actuator in robot.actuators]
-    start = max(float(channel.time[0]) for channel in channels)
-    end = min(float(channel.time[-1]) for channel in channels)
+    start = max(float(track.time[0]) for track in tracks)
+    end = min(float(track.time[-1]) for track in tracks)
     if end - start < SHORTEST:
         raise DiagnosisError(
             f"it lasts {end - start:.3g} s; friction shows only over half a second or more",
             where=f"recording {recording.name}",
             fix="record for longer; without --held-out a quarter of a recording is set aside",
         )
-    clock = channels[0].time
+    clock = tracks[0].time
     clock = clock[(clock >= start) & (clock <= end)]
     period = float(np.median(np.diff(clock)))
     light = min(0.2 / period, STATE_HERTZ)
-    cutoff = min(light, max(band(channel) for channel in channels))
-    quick = [slopes(channel.time, channel.value, light) for channel in channels]
-    smooth = [slopes(channel.time, channel.value, cutoff) for channel in channels]
+    cutoff = min(light, max(band(track) for track in tracks))
     kept = clock[:: max(1, int(1.0 / period / MOST_HERTZ + 0.01))]
-
-    def on_clock(values: list[Array]) -> Array:
-        pairs = zip(channels, values, strict=True)
-        return np.stack([np.interp(kept, c.time, value) for c, value in pairs], axis=1)
-
+    quick, smooth = (_moving(measurement, tracks, kept, hertz) for hertz in (light, cutoff))
+    raw = np.stack([np.interp(kept, track.time, track.value) for track in tracks], axis=1)
     steps = int((end - start) / step + 1e-6)
     # A semi-implicit step is a leapfrog: the force of step n carries the velocity from
     # half a step before it to half a step after, so its command is centred on it.
@@ -180,20 +156,36 @@ def episode(recording: Recording, robot: Robot, step: float) -> Episode:
         command=np.concatenate(drive, axis=1),
         unsure=np.concatenate(unsure, axis=1),
         time=kept - start,
-        reading=on_clock([channel.value for channel in channels]),
-        noise=_floored([noise(channel.time, channel.value) for channel in channels]),
-        state=np.concatenate([on_clock([part[k] for part in quick]) for k in (0, 1)], axis=1),
+        measurement=measurement,
+        reading=measurement.spread(raw),
+        attitude=measurement.attitude(raw),
+        noise=_floored(measurement.noise(np.array([noise(t.time, t.value) for t in tracks]))),
+        state=np.concatenate(quick[:2], axis=1),
         state_cutoff=light,
-        position=on_clock([part[0] for part in smooth]),
-        velocity=on_clock([part[1] for part in smooth]),
-        acceleration=on_clock([part[2] for part in smooth]),
+        position=smooth[0],
+        velocity=smooth[1],
+        acceleration=smooth[2],
         cutoff=cutoff,
     )
 
 
-def _floored(noises: list[float]) -> Array:
+def _moving(
+    measurement: Measurement, tracks: Sequence[Channel], times: Array, cutoff: float
+) -> tuple[Array, Array, Array]:
+    """Return smoothed positions, velocities and accelerations at some times."""
+    parts = [slopes(track.time, track.value, cutoff) for track in tracks]
+    columns = [
+        np.stack(
+            [np.interp(times, t.time, p[k]) for t, p in zip(tracks, parts, strict=True)], axis=1
+        )
+        for k in range(3)
+    ]
+    return measurement.motion(*columns)
+
+
+def _floored(noises: Array) -> Array:
     """Return noises, none so small that one still or simulated joint outvotes the others."""
-    return np.maximum(noises, max(QUIETEST, 0.01 * max(noises)))
+    return np.maximum(noises, max(QUIETEST, 0.01 * float(noises.max())))
 
 
 def gaps(time: Array) -> list[tuple[float, float]]:
@@ -213,7 +205,7 @@ def pieces(recording: Recording, robot: Robot, step: float) -> list[Episode]:
     Raises:
         RecordingError: A joint's position or an actuator's command is missing.
     """
-    channels = [_measured(recording, joint) for joint in moving_joints(robot)]
+    channels = [recording.channel(name) for name in Measurement.of(robot).needed]
     start = max(float(channel.time[0]) for channel in channels)
     end = min(float(channel.time[-1]) for channel in channels)
     missing = sorted(gap for channel in channels for gap in gaps(channel.time))
@@ -270,6 +262,7 @@ def stretches(episodes: Sequence[Episode], seconds: float) -> list[Episode]:
                 unsure=e.unsure[first : first + round(STRETCH / e.step) + 1],
                 time=e.time[inside] - first * e.step,
                 reading=e.reading[inside],
+                attitude=e.attitude[inside],
                 state=e.state[inside],
                 position=e.position[inside],
                 velocity=e.velocity[inside],
@@ -277,7 +270,3 @@ def stretches(episodes: Sequence[Episode], seconds: float) -> list[Episode]:
             )
         )
     return chosen
-
-
-def _measured(recording: Recording, joint: str) -> Channel:
-    return recording.channel(f"{joint}.position")

@@ -92,9 +92,9 @@ class Fit:
     point: Array
     """Where it ended, shape (parameters,)."""
     start: Array
-    """The segments' starts as measured, shape (segments, 2 joints)."""
+    """The segments' starts as measured, shape (segments, nq + nv)."""
     scale: Array
-    """Unit of each joint's error, shape (joints,)."""
+    """Unit of each channel's error, shape (channels,)."""
     weight: Array
     """Of each segment's loss, shape (segments,)."""
     around: Sensitivity
@@ -121,7 +121,7 @@ def fit(
     Args:
         hypothesis: What to fit.
         segments: What to fit it to.
-        scale: Unit of each joint's error, shape (joints,).
+        scale: Unit of each channel's error, shape (channels,).
         weight: Of each segment's loss, shape (segments,).
         point: Where to begin; default the hypothesis' own start.
         start: The segments' starts to begin with; default as smoothed.
@@ -144,7 +144,8 @@ def fit(
         tried = [(share * change, share) for share in SHARES]
         tried += [(space.best_change(*total, point, damping), 1.0) for damping in DAMPED]
         points = [point + moved for moved, _ in tried]
-        starts = [curve.starts_after(start, moved, share) for moved, share in tried]
+        steps = [curve.start_change(moved, share) for moved, share in tried]
+        starts = [segments.moved(start, step) for step in steps]
         read = predict(hypothesis, segments, points, starts)
         costs = [
             (weight * loss(segments, r, s, scale)).sum() + space.price(p)
@@ -155,7 +156,7 @@ def fit(
         gained = cost - costs[best]
         if gained > 0.0:
             error = residual(segments, read[best], scale).reshape(len(segments), -1)
-            around = around.after(points[best] - point, error, starts[best])
+            around = around.after(points[best] - point, error, starts[best], steps[best])
             point, start = points[best], starts[best]
         if gained < TOLERANCE * cost:
             if exact:

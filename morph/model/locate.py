@@ -35,12 +35,12 @@ def locate(
         point: Where it was fitted.
         episodes: Held-out episodes.
         segments: Their rollouts.
-        predicted: What the model predicts there, (segments, readings, joints).
+        predicted: What the model predicts there, (segments, readings, channels).
     """
     error = np.where(segments.valid[..., None], segments.reading - predicted, 0.0)
     squared = (error / segments.noise) ** 2
     total = float(squared.sum()) + 1e-30
-    names = [f"{joint.name}.position" for joint in hypothesis.robot.joints]
+    names = segments.measurement.channels
     of_channel = squared.sum(axis=(0, 1)) / total
     of_segment = squared.sum(axis=(1, 2)) / total
     worst = np.argsort(-of_segment)[:WORST]
@@ -66,7 +66,9 @@ def _states(hypothesis: Hypothesis, point: Array, episodes: Sequence[Episode]) -
     velocity = np.concatenate([part.motion.velocity for part in parts])
     in_units = (missing / (np.sqrt(np.mean(missing**2, axis=0)) + 1e-18)) ** 2
     best, words = MARKED, "spread over all states that were visited"
-    for index, joint in enumerate(hypothesis.robot.joints):
+    places = parts[0].motion.joints
+    for joint in (each for each in hypothesis.robot.joints if each.kind in {"hinge", "slide"}):
+        index = places[joint.name]
         speed, unit = velocity[:, index], joint.unit
         for text, inside in _conditions(joint.name, unit, position[:, index], speed):
             if inside.mean() < FEWEST:

@@ -12,6 +12,7 @@ from scipy.signal import butter, sosfiltfilt
 from morph.arrays import Array
 from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis
+from morph.model.measurement import Measurement
 from morph.physics import EFFECTS
 from morph.physics.body_motion import body_motions
 from morph.physics.fluid.kernel import flowing
@@ -22,6 +23,8 @@ from morph.sim.simulator import compiled
 
 FEWEST = 20
 """Samples below which nothing is cut off an episode's ends."""
+NUDGE = 1e-5
+"""Step of a difference by a position, rad or m."""
 HERTZ = 40.0
 """Rate at which motion is looked at; smoothed motion holds nothing faster."""
 
@@ -71,14 +74,10 @@ def needed(
     variant = compiled(hypothesis.spec_at(point), held_by_model, hypothesis.robot)
     stride = max(1, int(1.0 / HERTZ / float(np.median(np.diff(episode.time)))))
     time = episode.time[::stride]
-    names = [joint.name for joint in hypothesis.robot.joints]
-    position = np.stack(
-        [
-            unsensed(variant.effects, f"{name}.position", episode.position[::stride, j])
-            for j, name in enumerate(names)
-        ],
-        axis=1,
-    )
+    measurement, pose = episode.measurement, episode.position[::stride].copy()
+    space = measurement.coordinates
+    for at, dof in zip(space.straight, space.dof, strict=True):
+        pose[:, at] = unsensed(variant.effects, measurement.channels[dof], pose[:, at])
     command = (
         np.stack(
             [
@@ -98,7 +97,7 @@ def needed(
     acceleration = episode.acceleration[::stride]
     links = _links(hypothesis, suspects)
     motion, missing = _forces(
-        hypothesis, variant, time, position, velocity, acceleration, command, links
+        hypothesis, variant, time, measurement, pose, velocity, acceleration, command, links
     )
     found = Needed(episode=episode, time=time, motion=motion, missing=missing)
     smooth_drive = found.smooth(motion.drive)
@@ -124,6 +123,7 @@ def _within(found: Needed) -> Needed:
     motion = replace(
         whole,
         position=whole.position[inside],
+        pose=whole.qpos[inside],
         velocity=whole.velocity[inside],
         acceleration=whole.acceleration[inside],
         drive=whole.drive[inside],
@@ -144,7 +144,8 @@ def _forces(
     hypothesis: Hypothesis,
     variant: Variant,
     time: Array,
-    position: Array,
+    measurement: Measurement,
+    pose: Array,
     velocity: Array,
     acceleration: Array,
     command: Array,
@@ -166,17 +167,17 @@ def _forces(
 
     with flowing(model):
         for k in range(samples):
-            data.qpos[:], data.qvel[:], data.qacc[:] = position[k], velocity[k], acceleration[k]
+            data.qpos[:], data.qvel[:], data.qacc[:] = pose[k], velocity[k], acceleration[k]
             data.ctrl[:] = command[k]
             need[k] = inverse()
             moment = actuator_moments(model, data)
             drive[k] = moment * data.actuator_force[:, None]
             gain = model.actuator_gainprm[:, 0]
             drive_rate[k] = moment * (gain * rate[k])[:, None]
-            for dof in range(dofs):
-                data.qpos[dof] += 1e-5
-                stiff[k, :, dof] = (inverse() - need[k]) / 1e-5
-                data.qpos[dof] -= 1e-5
+            for dof, axis in enumerate(np.eye(dofs)):
+                mujoco.mj_integratePos(model, data.qpos, axis, NUDGE)
+                stiff[k, :, dof] = (inverse() - need[k]) / NUDGE
+                data.qpos[:] = pose[k]
     model.opt.disableflags = flags
     joints = {joint.name: model.joint(joint.name).dofadr[0] for joint in hypothesis.robot.joints}
     # Friction loss is a constraint, left out of the inverse dynamics above.
@@ -187,7 +188,8 @@ def _forces(
             slow = 0.02 * float(np.sqrt(np.mean(speed**2))) + 1e-9
             need[:, effect_dof] += level * np.clip(speed / slow, -1.0, 1.0)
     motion = Motion(
-        position=position,
+        position=measurement.scalars(pose),
+        pose=pose,
         velocity=velocity,
         acceleration=acceleration,
         drive=drive,
@@ -195,7 +197,7 @@ def _forces(
         stiffness=stiff,
         joints=joints,
         actuators={a.name: i for i, a in enumerate(hypothesis.robot.actuators)},
-        bodies=body_motions(model, links, position, velocity, acceleration) if links else {},
+        bodies=body_motions(model, links, pose, velocity, acceleration) if links else {},
         time=time,
         command=command,
         driven={a.name: a.joint for a in hypothesis.robot.actuators},

@@ -55,7 +55,9 @@ def _motion(hypothesis: Hypothesis, variant: Variant, episode: Episode) -> Motio
     robot, model = hypothesis.robot, variant.model
     time = episode.step * np.arange(len(episode.command), dtype=float)
     state = np.stack([np.interp(time, episode.time, each) for each in episode.state.T], axis=1)
-    position, velocity = np.split(state, 2, axis=1)
+    measurement = episode.measurement
+    pose, velocity = np.split(state, [measurement.coordinates.positions], axis=1)
+    position = measurement.scalars(pose)
     sent = [
         received(variant.effects, actuator.name, episode.command[:, at], episode.step)
         for at, actuator in enumerate(robot.actuators)
@@ -64,6 +66,7 @@ def _motion(hypothesis: Hypothesis, variant: Variant, episode: Episode) -> Motio
     drive = constant_moments(model) * actuator_forces(model, position, velocity, command)[..., None]
     none = np.zeros_like(velocity)
     return Motion(
+        pose=pose,
         position=position,
         velocity=velocity,
         acceleration=none,

@@ -17,7 +17,7 @@ Models = Mapping[str, tuple[Hypothesis, Array]]
 
 
 def rollouts(models: Models, segments: Segments) -> dict[str, Array]:
-    """Return what each model predicts, (segments, readings, joints), started as measured."""
+    """Return what each model predicts, (segments, readings, channels), started as measured."""
     return {
         name: predict(hypothesis, segments, [point], [segments.start])[0]
         for name, (hypothesis, point) in models.items()
@@ -25,7 +25,7 @@ def rollouts(models: Models, segments: Segments) -> dict[str, Array]:
 
 
 def rmse(segments: Segments, predicted: Array) -> Array:
-    """Return the root mean square error of each joint, shape (joints,)."""
+    """Return the root mean square error of each channel, shape (channels,)."""
     squared = np.where(segments.valid[..., None], (segments.reading - predicted) ** 2, 0.0)
     return np.asarray(np.sqrt(squared.sum(axis=(0, 1)) / segments.valid.sum()))
 
@@ -47,22 +47,19 @@ def improvement_low90(before: Array, after: Array, seed: int) -> float:
     return float(np.quantile(share, 0.05))
 
 
-def traces(
-    segments: Segments, predicted: Mapping[str, Array], joints: list[tuple[str, str]]
-) -> tuple[Trace, ...]:
+def traces(segments: Segments, predicted: Mapping[str, Array]) -> tuple[Trace, ...]:
     """Return every channel of every episode with NaN between one rollout and the next.
 
     Args:
         segments: Held-out rollouts.
-        predicted: What each model predicts, (segments, readings, joints).
-        joints: Name and unit of each.
+        predicted: What each model predicts, (segments, readings, channels).
     """
-    found = []
+    measurement, found = segments.measurement, []
     for number, episode in enumerate(segments.episodes):
         rows = np.flatnonzero(segments.episode == number)
         if not len(rows):
             continue
-        for column, (joint, unit) in enumerate(joints):
+        for column, channel in enumerate(measurement.channels):
 
             def joined(values: Array, rows: Integers = rows, column: int = column) -> Array:
                 parts = []
@@ -76,8 +73,8 @@ def traces(
             found.append(
                 Trace(
                     episode=episode.name,
-                    channel=f"{joint}.position",
-                    unit=unit,
+                    channel=channel,
+                    unit=measurement.units[column],
                     time=joined(offset * segments.step),
                     measured=joined(segments.reading),
                     models={name: joined(values) for name, values in predicted.items()},

@@ -10,6 +10,8 @@ import numpy as np
 from morph.arrays import Array, Integers, Mask
 from morph.errors import DiagnosisError
 from morph.model.episodes import Episode
+from morph.model.measurement import Measurement, unit
+from morph.sim.tangent import Coordinates
 
 EDGE = 0.15
 """Seconds at the start of a held-out run in which no scored rollout starts."""
@@ -21,6 +23,8 @@ MOST_SCORED = 240
 class Segments:
     """Rollouts of one length, each with the readings that fall into it."""
 
+    measurement: Measurement
+    """What the readings are of."""
     episodes: tuple[Episode, ...]
     """Where they were cut from."""
     episode: Integers
@@ -36,13 +40,15 @@ class Segments:
     valid: Mask
     """Which readings exist; rows are padded; same shape."""
     reading: Array
-    """Measured positions, shape (segments, readings, joints)."""
+    """What each channel reads, shape (segments, readings, channels)."""
+    attitude: Array
+    """Measured orientations, shape (segments, readings, balls, 4)."""
     start: Array
-    """Estimated start, positions then velocities as measured, shape (segments, 2 joints)."""
+    """Estimated start, positions then velocities as measured, shape (segments, nq + nv)."""
     start_trust: Array
-    """One over the variance of each start's entry, shape (2 joints,)."""
+    """One over the variance of each start's entry, shape (2 nv,)."""
     noise: Array
-    """Standard deviation of the readings' noise, shape (joints,)."""
+    """Standard deviation of the readings' noise, shape (channels,)."""
 
     def __len__(self) -> int:
         """Return the number of segments."""
@@ -52,6 +58,25 @@ class Segments:
     def step(self) -> float:
         """Seconds a step."""
         return self.episodes[0].step
+
+    def moved(self, start: Array, change: Array) -> Array:
+        """Return starts after a change of positions and velocities, shape (segments, nq + nv).
+
+        Args:
+            start: Shape (segments, nq + nv).
+            change: Shape (segments, 2 nv).
+        """
+        space = self.measurement.coordinates
+        position, velocity = start[:, : space.positions], start[:, space.positions :]
+        moved = space.moved_by(position, change[:, : space.dofs])
+        return np.concatenate([moved, velocity + change[:, space.dofs :]], axis=1)
+
+    def change(self, start: Array, origin: Array) -> Array:
+        """Return what leads from some starts to others, shape (segments, 2 nv)."""
+        space = self.measurement.coordinates
+        places = space.apart(start[:, : space.positions], origin[:, : space.positions])
+        rates = start[:, space.positions :] - origin[:, space.positions :]
+        return np.concatenate([places, rates], axis=1)
 
     def seconds(self, index: int) -> tuple[float, float]:
         """Return when a segment starts and ends within its episode, s."""
@@ -68,6 +93,7 @@ class Segments:
             part=self.part[rows],
             valid=self.valid[rows],
             reading=self.reading[rows],
+            attitude=self.attitude[rows],
             start=self.start[rows],
         )
 
@@ -130,16 +156,16 @@ def scored_segments(episodes: Sequence[Episode], horizon: float | None) -> Segme
 
 
 def _segments(episodes: Sequence[Episode], where: list[tuple[int, int]], steps: int) -> Segments:
-    step, joints = episodes[0].step, episodes[0].reading.shape[1]
-    rows = []
+    step, measurement = episodes[0].step, episodes[0].measurement
+    space, rows = measurement.coordinates, []
     for index, first in where:
         e = episodes[index]
         begin = first * step
         inside = np.flatnonzero((e.time > begin + 1e-9) & (e.time <= begin + steps * step + 1e-9))
         # In a leapfrog the velocity belongs half a step before the position.
-        when = [begin] * joints + [begin - 0.5 * step] * joints
+        when = [begin] * space.positions + [begin - 0.5 * step] * space.dofs
         start = [np.interp(t, e.time, column) for t, column in zip(when, e.state.T, strict=True)]
-        rows.append((inside, (e.time[inside] - begin) / step, e.reading[inside], start))
+        rows.append((inside, (e.time[inside] - begin) / step, e, start))
     # A gap in the log leaves rollouts with few readings or none: they tell nothing.
     typical = float(np.median([len(row[0]) for row in rows]))
     kept = [i for i, row in enumerate(rows) if len(row[0]) >= max(2.0, 0.5 * typical)]
@@ -152,14 +178,18 @@ def _segments(episodes: Sequence[Episode], where: list[tuple[int, int]], steps: 
     where, rows = [where[i] for i in kept], [rows[i] for i in kept]
     most = max(len(inside) for inside, _, _, _ in rows)
     valid = np.zeros((len(rows), most), dtype=bool)
-    offset, reading = np.zeros((len(rows), most)), np.zeros((len(rows), most, joints))
-    for row, (inside, where_in, values, _) in enumerate(rows):
+    offset, reading = np.zeros((len(rows), most)), np.zeros((len(rows), most, space.dofs))
+    attitude = np.zeros((len(rows), most, len(space.balls), 4))
+    attitude[..., 0] = 1.0
+    for row, (inside, where_in, e, _) in enumerate(rows):
         valid[row, : len(inside)] = True
         offset[row, : len(inside)] = where_in
-        reading[row, : len(inside)] = values
+        reading[row, : len(inside)] = e.reading[inside]
+        attitude[row, : len(inside)] = e.attitude[inside]
     before = np.clip(offset.astype(np.int64), 0, steps - 1)
     noise = np.sqrt(np.mean([e.noise**2 for e in episodes], axis=0))
     return Segments(
+        measurement=measurement,
         episodes=tuple(episodes),
         episode=np.array([index for index, _ in where]),
         first=np.array([first for _, first in where]),
@@ -168,18 +198,26 @@ def _segments(episodes: Sequence[Episode], where: list[tuple[int, int]], steps: 
         part=offset - before,
         valid=valid,
         reading=reading,
-        start=np.array([start for _, _, _, start in rows]),
+        attitude=attitude,
+        start=_normal(np.array([start for _, _, _, start in rows]), space),
         start_trust=_start_trust(episodes, noise),
         noise=noise,
     )
+
+
+def _normal(start: Array, space: Coordinates) -> Array:
+    """Return starts of which quaternions were interpolated, with these of length 1."""
+    for at, _ in space.balls:
+        start[:, at : at + 4] = unit(start[:, at : at + 4])
+    return start
 
 
 def _start_trust(episodes: Sequence[Episode], noise: Array) -> Array:
     """Return how far smoothed starts may be trusted: noise let through, and motion cut off."""
     period = float(np.median(np.diff(episodes[0].time)))
     cutoff = episodes[0].state_cutoff
-    joints = len(noise)
-    speed = np.sqrt(np.mean(np.concatenate([e.state[:, joints:] ** 2 for e in episodes]), axis=0))
+    rates = [e.state[:, e.measurement.coordinates.positions :] for e in episodes]
+    speed = np.sqrt(np.mean(np.concatenate([rate**2 for rate in rates]), axis=0))
     passed = noise * np.sqrt(2.0 * cutoff * period)
     of_position = np.maximum(noise, passed)
     of_velocity = 2.0 * np.pi * cutoff * passed + 0.02 * speed + 1e-6

@@ -7,20 +7,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from morph.arrays import Array, Mask
+from morph.arrays import Array
 from morph.model.hypothesis import Hypothesis
+from morph.model.readings import shown
 from morph.model.recalled import recalled
 from morph.model.segments import Segments
-from morph.physics.effect import Effect
-from morph.sim.drive import received, sensed, stamped, unsensed
+from morph.sim.drive import received, stamped, unsensed
 from morph.sim.rollout import Variant, rollout
 from morph.sim.trapezoid import trapezoidal
 
 MOST_ROWS_BYTES = 4e8
 """Memory that one batch's trajectories may take; larger ones run in turns."""
-
-BEYOND = 0.05
-"""Seconds by which motion goes on, at constant acceleration, outside a rollout for late stamps."""
 
 
 def predict(
@@ -29,13 +26,13 @@ def predict(
     points: Sequence[Array],
     starts: Sequence[Array],
 ) -> Array:
-    """Return predicted readings for several points, shape (points, segments, readings, joints).
+    """Return predicted readings for several points, shape (points, segments, readings, channels).
 
     Args:
         hypothesis: The robot and effects.
         segments: Where rollouts start and what drives them.
         points: Where in the hypothesis to simulate.
-        starts: As measured, for each point, shape (segments, 2 joints).
+        starts: As measured, for each point, shape (segments, nq + nv).
     """
     variants, commands, cache = [], [], {}
     for point in points:
@@ -48,7 +45,7 @@ def predict(
         len(segments)
         * (segments.steps + 1)
         * 8.0
-        * (2 * segments.reading.shape[2] + segments.episodes[0].command.shape[1])
+        * (segments.start.shape[1] + segments.episodes[0].command.shape[1])
     )
     chunk = max(1, int(MOST_ROWS_BYTES / (2 * rows_bytes)))
     parts = [
@@ -82,18 +79,18 @@ def _predict(
     commands: Sequence[Array],
     starts: Sequence[Array],
 ) -> Array:
-    joints = [joint.name for joint in hypothesis.robot.joints]
-    count, size = len(segments), len(joints)
+    space, channels = segments.measurement.coordinates, segments.measurement.channels
+    count, size = len(segments), space.positions
     begin = []
     for variant, start in zip(variants, starts, strict=True):
         true, time = start.copy(), segments.step * segments.first.astype(float)
-        for index, joint in enumerate(joints):
-            channel = f"{joint}.position"
-            rate, place = start[:, size + index], start[:, index]
+        for index, dof in zip(space.straight, space.dof, strict=True):
+            channel = channels[dof]
+            rate, place = start[:, size + dof], start[:, index]
             before, after = (unsensed(variant.effects, channel, p) for p in (place, place + rate))
             # What is stamped late was read before.
             late = stamped(variant.effects, channel, time) - time
-            true[:, size + index] = after - before
+            true[:, size + dof] = after - before
             true[:, index] = before + late * (after - before)
         begin.append(true)
     start = np.concatenate(begin)
@@ -108,40 +105,10 @@ def _predict(
     )
     q = q.reshape(len(variants), count, segments.steps + 1, size)
     read = [
-        shown(variant.effects, joints, segments, position)
+        shown(variant.effects, segments, position)
         for variant, position in zip(variants, q, strict=True)
     ]
     return np.nan_to_num(np.stack(read), nan=1e3, posinf=1e3, neginf=-1e3)
-
-
-def shown(
-    effects: Sequence[Effect],
-    joints: Sequence[str],
-    segments: Segments,
-    position: Array,
-    chosen: Mask | slice = slice(None),
-) -> Array:
-    """Return what sensors report of simulated positions, shape (segments, readings, joints).
-
-    Args:
-        effects: What acts on sensors and their clocks, among others.
-        joints: Their names.
-        segments: When readings were taken.
-        position: Shape (segments, steps + 1, joints).
-        chosen: Which of the segments, by default all.
-    """
-    stamp = (segments.before + segments.part)[chosen] * segments.step
-    begin = (segments.first[chosen] * segments.step)[:, None]
-    read, rows = np.empty((*stamp.shape, len(joints))), np.arange(len(position))[:, None]
-    for joint, name in enumerate(joints):
-        late = stamped(effects, f"{name}.position", begin + stamp) - (begin + stamp)
-        time = (stamp - late) / segments.step  # At 2 t - s(t), of a clock that says s(t).
-        before = np.clip(time.astype(int), 0, segments.steps - 2)
-        part = np.clip(time - before, -BEYOND / segments.step, 2.0 + BEYOND / segments.step)
-        one, two, three = (position[rows, before + k, joint] for k in (0, 1, 2))
-        there = one + part * (two - one) + 0.5 * part * (part - 1.0) * (three - 2.0 * two + one)
-        read[..., joint] = sensed(effects, f"{name}.position", there)
-    return read
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -155,16 +122,16 @@ class Quadratic:
     loss: Array
     """c, shape (segments,)."""
     start_step: Array
-    """Best change of the start at d = 0, shape (segments, 2 joints)."""
+    """Best change of the start at d = 0, shape (segments, 2 nv)."""
     start_slope: Array
-    """How that changes with d, shape (segments, 2 joints, parameters)."""
+    """How that changes with d, shape (segments, 2 nv, parameters)."""
 
-    def starts_after(self, start: Array, change: Array, share: float = 1.0) -> Array:
-        """Return the best starts after a change of the point, shape (segments, 2 joints).
+    def start_change(self, change: Array, share: float = 1.0) -> Array:
+        """Return the best change of starts with one of the point, shape (segments, 2 nv).
 
         Of their own best change only a share is taken, as of the point's.
         """
-        return start + share * self.start_step + self.start_slope @ change
+        return share * self.start_step + self.start_slope @ change
 
 
 def residual(segments: Segments, predicted: Array, scale: Array) -> Array:
@@ -176,7 +143,7 @@ def residual(segments: Segments, predicted: Array, scale: Array) -> Array:
 def loss(segments: Segments, predicted: Array, start: Array, scale: Array) -> Array:
     """Return each segment's squared error in units of `scale`, with its start's own cost."""
     error = residual(segments, predicted, scale)
-    moved = segments.start - start
+    moved = segments.change(segments.start, start)
     return np.asarray((error**2).sum(axis=(1, 2)) + (moved**2 * segments.start_trust).sum(axis=1))
 
 
@@ -185,17 +152,17 @@ class Sensitivity:
     """The error about a point and how each entry and each start changes the prediction."""
 
     error: Array
-    """Readings minus predictions in units of the scale, (segments, readings x joints)."""
+    """Readings minus predictions in units of the scale, (segments, readings x channels)."""
     by_point: Array
-    """Change of the prediction with each entry, (segments, readings x joints, parameters)."""
+    """Change of the prediction with each entry, (segments, readings x channels, parameters)."""
     by_start: Array
-    """Change of the prediction with each start, (segments, readings x joints, 2 joints)."""
+    """Change of the prediction with each start, (segments, readings x channels, 2 nv)."""
     start: Array
-    """The starts, shape (segments, 2 joints)."""
+    """The starts, shape (segments, nq + nv)."""
     exact: bool = True
     """Whether the derivatives are those at this point, and not carried over from another."""
 
-    def after(self, change: Array, error: Array, start: Array) -> Sensitivity:
+    def after(self, change: Array, error: Array, start: Array, moved: Array) -> Sensitivity:
         """Return the error after a step, and derivatives that tell what it changed.
 
         Of all such derivatives these are the nearest to the ones before, each in units of its size.
@@ -203,11 +170,12 @@ class Sensitivity:
 
         Args:
             change: Of the point, shape (parameters,).
-            error: After the step, shape (segments, readings x joints).
-            start: After the step, shape (segments, 2 joints).
+            error: After the step, shape (segments, readings x channels).
+            start: After the step, shape (segments, nq + nv).
+            moved: What led to it, shape (segments, 2 nv).
         """
         whole = np.concatenate([self.by_point, self.by_start], axis=2)
-        moved = np.concatenate([np.tile(change, (len(start), 1)), start - self.start], axis=1)
+        moved = np.concatenate([np.tile(change, (len(start), 1)), moved], axis=1)
         missed = self.error - error - (whole @ moved[..., None])[..., 0]
         along = moved * (whole**2).sum(axis=1)
         along /= np.maximum((along * moved).sum(axis=1), 1e-300)[:, None]
@@ -218,7 +186,7 @@ class Sensitivity:
         )
 
     def in_units(self, factor: Array) -> Sensitivity:
-        """Return errors and derivatives times a factor for each joint, shape (joints,)."""
+        """Return errors and derivatives times a factor for each channel, shape (channels,)."""
         each = np.tile(factor, self.error.shape[1] // len(factor))
         return replace(
             self,
@@ -229,7 +197,7 @@ class Sensitivity:
 
     def loss(self, segments: Segments) -> Array:
         """Return each segment's squared error with its start's own cost, (segments,)."""
-        moved = segments.start - self.start
+        moved = segments.change(segments.start, self.start)
         cost = (moved**2 * segments.start_trust).sum(axis=1)
         return np.asarray((self.error**2).sum(axis=1) + cost)
 
@@ -243,8 +211,8 @@ def sensitivity(
         hypothesis: The robot and effects.
         segments: The rollouts.
         point: Where.
-        start: Starts as measured, shape (segments, 2 joints).
-        scale: Unit of each joint's error, shape (joints,).
+        start: Starts as measured, shape (segments, nq + nv).
+        scale: Unit of each channel's error, shape (channels,).
     """
     nudge, shift = hypothesis.nudge(point), 1e-4
     points, starts = [point], [start]
@@ -253,11 +221,9 @@ def sensitivity(
         moved[entry] += nudge[entry]
         points.append(moved)
         starts.append(start)
-    for entry in range(start.shape[1]):
-        moved = start.copy()
-        moved[:, entry] += shift
+    for axis in np.eye(2 * segments.measurement.coordinates.dofs):
         points.append(point)
-        starts.append(moved)
+        starts.append(segments.moved(start, shift * axis[None]))
     read = predict(hypothesis, segments, points, starts)
     flat = residual(segments, read, scale).reshape(len(points), len(segments), -1)
     # The error falls by what the prediction gains.
@@ -277,7 +243,7 @@ def quadratic(segments: Segments, around: Sensitivity, weight: Array) -> Quadrat
     """
     by_start, by_point, error = around.by_start, around.by_point, around.error
     trust = np.diag(segments.start_trust)
-    moved = segments.start - around.start
+    moved = segments.change(segments.start, around.start)
     transposed = by_start.transpose(0, 2, 1)
     inner = transposed @ by_start + trust
     cross = transposed @ by_point

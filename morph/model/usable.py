@@ -8,7 +8,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from morph.body.robot import Robot
+from morph.body.spec import spec_of
 from morph.errors import DiagnosisError, RecordingError
+from morph.model.episodes import Episode
 from morph.record.recording import Channel, Recording
 
 FARTHEST = 1e4
@@ -17,6 +19,8 @@ STRONGEST = 1e6
 """Commands beyond this are no actuator's."""
 SLOWEST = 0.2
 """Seconds between readings, of which one in a few tells of friction."""
+HELD = 0.5
+"""Mean acceleration of a free link less gravity, over gravity, from which something holds it."""
 LONGEST_GAP = 60.0
 """Seconds without a reading after which a clock has jumped."""
 
@@ -65,27 +69,27 @@ def check_recordings(train: Sequence[Recording], held_out: Sequence[Recording]) 
         )
 
 
-def check_channels(recording: Recording, robot: Robot, joints: Sequence[str]) -> None:
+def check_channels(recording: Recording, robot: Robot, measured: Sequence[str]) -> None:
     """Refuse readings and commands that no robot gives, and clocks that jump.
 
     Raises:
         RecordingError: A channel is missing, or holds what cannot be.
     """
-    for joint in joints:
-        channel = recording.channel(f"{joint}.position")
-        _within(recording, f"{joint}.position", channel, FARTHEST)
+    for name in measured:
+        channel = recording.channel(name)
+        _within(recording, name, channel, FARTHEST)
         gap = np.diff(channel.time)
         if len(gap) and np.median(gap) > SLOWEST:
             raise RecordingError(
                 f"readings come {np.median(gap):.3g} s apart",
-                where=f"recording {recording.name}, {joint}.position",
+                where=f"recording {recording.name}, {name}",
                 fix='say the unit of times in recording.toml, as time = { column = "time", unit = '
                 f'"ms" }}, or record every {SLOWEST} s or faster',
             )
         if len(gap) and gap.max() > LONGEST_GAP:
             raise RecordingError(
                 f"the clock jumps by {gap.max():.3g} s after sample {int(gap.argmax())}",
-                where=f"recording {recording.name}, {joint}.position",
+                where=f"recording {recording.name}, {name}",
                 fix="cut the recording there and give the pieces as episodes",
             )
     for actuator in robot.actuators:
@@ -100,24 +104,48 @@ def check_channels(recording: Recording, robot: Robot, joints: Sequence[str]) ->
         _within(recording, name, recording.channel(name), STRONGEST)
 
 
-def check_motion(recordings: Sequence[Recording], joints: Sequence[str]) -> tuple[str, ...]:
+def check_motion(recordings: Sequence[Recording], measured: Sequence[str]) -> tuple[str, ...]:
     """Return the joints that no recording moves.
+
+    Args:
+        recordings: Those to be fitted.
+        measured: Channels of positions and orientations.
 
     Raises:
         DiagnosisError: Nothing moves at all.
     """
-    still = tuple(
-        joint
-        for joint in joints
-        if not any(np.ptp(recording[f"{joint}.position"]) > 0.0 for recording in recordings)
-    )
-    if len(still) == len(joints):
+    still = [name for name in measured if not any(np.ptp(each[name]) > 0.0 for each in recordings)]
+    if len(still) == len(measured):
         raise DiagnosisError(
-            "no joint moves in any recording that is to be fitted",
+            "nothing moves in any recording that is to be fitted",
             where=", ".join(recording.name for recording in recordings),
             fix="record the robot in motion, every joint at least some of the time",
         )
-    return still
+    joint = ".position"
+    return tuple(name.removesuffix(joint) for name in still if name.endswith(joint))
+
+
+def check_falls(episodes: Sequence[Episode], robot: Robot) -> None:
+    """Refuse runs of a link that moves freely and is held by what no model here has.
+
+    Raises:
+        DiagnosisError: It does not fall, on average, as nothing but gravity would let it.
+    """
+    gravity = np.asarray(spec_of(robot).option.gravity, dtype=float)
+    in_water = robot.card is not None and robot.card.water is not None
+    if in_water or not gravity.any():
+        return
+    for _, turn in episodes[0].measurement.coordinates.balls:
+        place = slice(turn - 3, turn)
+        falls = np.mean(np.concatenate([each.acceleration[:, place] for each in episodes]), axis=0)
+        if np.linalg.norm(falls - gravity) > HELD * np.linalg.norm(gravity):
+            link = episodes[0].measurement.channels[turn].removesuffix(".rotation.x")
+            raise DiagnosisError(
+                f"link {link} does not fall as it would alone: contact is not diagnosed",
+                where=", ".join(dict.fromkeys(each.name for each in episodes)),
+                fix="give runs of free flight; or describe a base that does not move as fixed, and "
+                "a robot in water with its `[water]` in the card",
+            )
 
 
 def _within(recording: Recording, name: str, channel: Channel, most: float) -> None:

@@ -10,11 +10,13 @@
 static void (*forward)(const mjModel*, mjData*, int, int), (*inverse)(const mjModel*, mjData*);
 static void (*actuation)(const mjModel*, mjData*), (*solve)(const mjModel*, mjData*, mjtNum*, const mjtNum*, int);
 static void (*positions)(const mjModel*, mjData*), (*velocities)(const mjModel*, mjData*);
+static void (*integrate)(const mjModel*, mjtNum*, const mjtNum*, mjtNum);
 
 /* MuJoCo's own functions come as pointers, so that nothing is linked. */
-void morph_dynamics_bind(void *a, void *b, void *c, void *d, void *e, void *f)
+void morph_dynamics_bind(void *a, void *b, void *c, void *d, void *e, void *f, void *g)
 {
 	forward = a, inverse = b, actuation = c, solve = d, positions = e, velocities = f;
+	integrate = g;
 }
 
 static void set(const mjModel *m, mjData *d, int64_t t, const double *q, const double *v,
@@ -51,7 +53,7 @@ void morph_supplied(const mjModel *m, mjData *d, int64_t states, const double *q
 	}
 }
 
-/* [dqacc/dq, dqacc/dv, M^-1] (states, n, 3n) of hinges and slides, by central differences. */
+/* [dqacc/dq, dqacc/dv, M^-1] (states, n, 3n) by central differences, dq a move as of qvel. */
 void morph_jacobians(const mjModel *m, mjData *d, int64_t states, double nudge, const double *q,
 		     const double *v, const double *u, double *found)
 {
@@ -70,14 +72,20 @@ void morph_jacobians(const mjModel *m, mjData *d, int64_t states, double nudge, 
 		}
 		/* Velocities first: what depends on positions alone is still that of the state. */
 		for (int k = 2 * n - 1; k >= 0; k--) {
-			double *value = k < n ? d->qpos + k : d->qvel + k - n, kept = *value;
 			int skipped = k < n ? mjSTAGE_NONE : mjSTAGE_POS;
-			*value = kept + nudge;
-			forward(m, d, skipped, 1);
-			memcpy(above, d->qacc, sizeof above);
-			*value = kept - nudge;
-			forward(m, d, skipped, 1);
-			*value = kept;
+			for (int side = 1; side >= -1; side -= 2) {
+				if (k < n) {
+					memset(axis, 0, sizeof axis);
+					axis[k] = 1.0;
+					integrate(m, d->qpos, axis, side * nudge);
+				} else
+					d->qvel[k - n] += side * nudge;
+				forward(m, d, skipped, 1);
+				if (side > 0)
+					memcpy(above, d->qacc, sizeof above);
+				memcpy(d->qpos, q + t * m->nq, sizeof(double) * m->nq);
+				memcpy(d->qvel, v + t * n, sizeof(double) * n);
+			}
 			for (int i = 0; i < n; i++)
 				to[i * 3 * n + k] = (above[i] - d->qacc[i]) / (2.0 * nudge);
 		}

@@ -24,7 +24,7 @@ NUDGE = 1e-5
 1e-14, an error of 1e-9 in a derivative; truncation adds 1e-10 / 6 of the third derivative."""
 BOUND = (
     "mj_forwardSkip", "mj_inverse", "mj_fwdActuation", "mj_solveM", "mj_fwdPosition",
-    "mj_fwdVelocity",
+    "mj_fwdVelocity", "mj_integratePos",
 )  # fmt: skip
 """MuJoCo's functions that the loops call, in the order of `morph_dynamics_bind`."""
 
@@ -76,12 +76,13 @@ def supplied(
 def jacobians(model: mujoco.MjModel, position: Array, velocity: Array, command: Array) -> Array:
     """Return [dqacc/dq, dqacc/dv, M^-1] along a motion, shape (samples, dofs, 3 dofs).
 
-    Constraints are left out. Derivatives are central differences.
+    Constraints are left out. Derivatives are central differences; dq is a move in the coordinates
+    of the velocity, as `mj_integratePos` takes.
 
     Args:
-        model: The model; hinges and slides only.
-        position: rad or m, shape (samples, dofs).
-        velocity: Per s, same shape.
+        model: The model.
+        position: Shape (samples, nq).
+        velocity: Per s, shape (samples, dofs).
         command: Controls, shape (samples, actuators).
 
     Raises:

@@ -23,7 +23,7 @@ class Motion:
     velocity: Array
     """Generalized velocities, shape (samples, degrees of freedom)."""
     position: Array
-    """Joint positions, shape (samples, degrees of freedom)."""
+    """Positions by degree of freedom, zero of rotations in space, same shape."""
     acceleration: Array
     """Generalized accelerations, shape (samples, degrees of freedom)."""
     drive: Array
@@ -58,10 +58,17 @@ class Motion:
     """Name of the run."""
     missing: Array = field(default_factory=_none)
     """Generalized force that the model lacks, N m or N, shape (samples, dofs)."""
+    pose: Array | None = None
+    """MuJoCo's `qpos`, shape (samples, nq); None where that is `position`."""
     senses: Mapping[str, Array] = field(default_factory=dict)
     """What `sign` returns of joints of which that is known, shape (samples,) each."""
     _signs: dict[str, Array] = field(default_factory=dict, init=False, repr=False, compare=False)
     """What `sign` has returned: many effects ask."""
+
+    @property
+    def qpos(self) -> Array:
+        """Positions as MuJoCo has them, shape (samples, nq)."""
+        return self.position if self.pose is None else self.pose
 
     def along(self, joint: str, *columns: Array) -> Array:
         """Return columns (samples,) as forces on one joint, (samples, dofs, columns)."""

@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import mujoco
 import numpy as np
 
-from morph.arrays import Array, Mask
+from morph.arrays import Array, Integers, Mask
 
 # To compare with a member of the enumeration takes as long as all else of a move.
-FREE, BALL, HINGE = (
+FREE, BALL, HINGE, SLIDE = (
     int(kind)
     for kind in (
         mujoco.mjtJoint.mjJNT_FREE,
         mujoco.mjtJoint.mjJNT_BALL,
         mujoco.mjtJoint.mjJNT_HINGE,
+        mujoco.mjtJoint.mjJNT_SLIDE,
     )
 )
 
@@ -23,29 +26,88 @@ SMALL = 1e-9
 """Angle below which a rotation is told by its axis times its angle, rad."""
 
 
-def moved_by(model: Any, position: Array, step: Array) -> Array:
-    """Return positions after a small move, as `mj_integratePos` does for one; shape (..., nq).
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Coordinates:
+    """Where joints stand in `qpos` and in `qvel`."""
 
-    Args:
-        model: The compiled `mujoco.MjModel`.
-        position: MuJoCo's `qpos`, shape (..., nq).
-        step: The move in the coordinates of `qvel`, shape (..., nv).
-    """
-    shape = np.broadcast_shapes(position.shape[:-1], step.shape[:-1])
-    moved = np.broadcast_to(position, (*shape, model.nq)).copy()
-    straight, dof, balls = _addresses(model)
-    moved[..., straight] += step[..., dof]
-    for at, turn in balls:
-        moved[..., at : at + 4] = _times(
-            moved[..., at : at + 4], _turned(step[..., turn : turn + 3])
+    positions: int
+    """Length of `qpos`."""
+    dofs: int
+    """Length of `qvel`."""
+    straight: Integers
+    """Index in `qpos` of each coordinate that is a number: of hinges, slides and free joints."""
+    dof: Integers
+    """Index in `qvel` of each of these."""
+    balls: tuple[tuple[int, int], ...]
+    """Where a quaternion begins in `qpos`, and its rotation in `qvel`."""
+
+    @classmethod
+    def of(cls, kinds: Sequence[int]) -> Coordinates:
+        """Return the coordinates of joints of some of MuJoCo's kinds, in their order."""
+        straight: list[int] = []
+        dof: list[int] = []
+        balls: list[tuple[int, int]] = []
+        at = turn = 0
+        for kind in kinds:
+            count = 3 if kind == FREE else 0 if kind == BALL else 1
+            straight += range(at, at + count)
+            dof += range(turn, turn + count)
+            at, turn = at + count, turn + count
+            if kind in (FREE, BALL):
+                balls.append((at, turn))
+                at, turn = at + 4, turn + 3
+        return cls(
+            positions=at,
+            dofs=turn,
+            straight=np.array(straight, dtype=int),
+            dof=np.array(dof, dtype=int),
+            balls=tuple(balls),
         )
-    return moved
+
+    def moved_by(self, position: Array, step: Array) -> Array:
+        """Return positions after a small move, as `mj_integratePos` does for one; shape (..., nq).
+
+        Args:
+            position: MuJoCo's `qpos`, shape (..., nq).
+            step: The move in the coordinates of `qvel`, shape (..., nv).
+        """
+        if not self.balls:
+            return np.asarray(position + step)
+        shape = np.broadcast_shapes(position.shape[:-1], step.shape[:-1])
+        moved = np.broadcast_to(position, (*shape, self.positions)).copy()
+        moved[..., self.straight] += step[..., self.dof]
+        for at, turn in self.balls:
+            quaternion, by = moved[..., at : at + 4], step[..., turn : turn + 3]
+            moved[..., at : at + 4] = product(quaternion, turned(by))
+        return moved
+
+    def apart(self, position: Array, origin: Array) -> Array:
+        """Return the move that leads from an origin to a position, shape (..., nv).
+
+        It is `mj_differentiatePos` for many: what `moved_by` undoes.
+
+        Args:
+            position: MuJoCo's `qpos`, shape (..., nq).
+            origin: Likewise.
+        """
+        if not self.balls:
+            return np.asarray(position - origin)
+        shape = np.broadcast_shapes(position.shape[:-1], origin.shape[:-1])
+        move = np.empty((*shape, self.dofs))
+        move[..., self.dof] = position[..., self.straight] - origin[..., self.straight]
+        for at, turn in self.balls:
+            back = conjugate(origin[..., at : at + 4])
+            move[..., turn : turn + 3] = rotation(product(back, position[..., at : at + 4]))
+        return move
+
+
+def moved_by(model: Any, position: Array, step: Array) -> Array:
+    """Return positions of a compiled `mujoco.MjModel` after a small move; see `Coordinates`."""
+    return Coordinates.of(model.jnt_type.tolist()).moved_by(position, step)
 
 
 def apart(model: Any, position: Array, origin: Array, *, wrapped: bool = False) -> Array:
-    """Return the move that leads from an origin to a position, shape (..., nv).
-
-    It is `mj_differentiatePos` for many: what `moved_by` undoes.
+    """Return the move that leads from an origin to a position; see `Coordinates`.
 
     Args:
         model: The compiled `mujoco.MjModel`.
@@ -53,18 +115,11 @@ def apart(model: Any, position: Array, origin: Array, *, wrapped: bool = False) 
         origin: Likewise.
         wrapped: Whether a hinge without limits is taken the shorter way round.
     """
-    shape = np.broadcast_shapes(position.shape[:-1], origin.shape[:-1])
-    move = np.empty((*shape, model.nv))
-    straight, dof, balls = _addresses(model)
-    move[..., dof] = position[..., straight] - origin[..., straight]
+    move = Coordinates.of(model.jnt_type.tolist()).apart(position, origin)
     if wrapped:
         round_about = turning(model)
         angle = move[..., round_about]
         move[..., round_about] = angle - 2.0 * np.pi * np.round(angle / (2.0 * np.pi))
-    for at, turn in balls:
-        back = origin[..., at : at + 4] * np.array([1.0, -1.0, -1.0, -1.0])
-        between = _times(back, position[..., at : at + 4])
-        move[..., turn : turn + 3] = _turn(between)
     return move
 
 
@@ -76,26 +131,7 @@ def turning(model: Any) -> Mask:
     return found
 
 
-def _addresses(model: Any) -> tuple[Any, Any, list[tuple[int, int]]]:
-    """Return what moves straight in `qpos`, in `qvel`, and where both hold rotations."""
-    straight: list[int] = []
-    dof: list[int] = []
-    balls: list[tuple[int, int]] = []
-    kinds, places = model.jnt_type.tolist(), model.jnt_qposadr.tolist()
-    for kind, at, turn in zip(kinds, places, model.jnt_dofadr.tolist(), strict=True):
-        if kind == FREE:
-            straight += range(at, at + 3)
-            dof += range(turn, turn + 3)
-            balls.append((at + 3, turn + 3))
-        elif kind == BALL:
-            balls.append((at, turn))
-        else:
-            straight.append(at)
-            dof.append(turn)
-    return np.array(straight, dtype=int), np.array(dof, dtype=int), balls
-
-
-def _times(left: Array, right: Array) -> Array:
+def product(left: Array, right: Array) -> Array:
     """Return the product of two quaternions, w first, shape (..., 4)."""
     a, x = left[..., :1], left[..., 1:]
     b, y = right[..., :1], right[..., 1:]
@@ -103,7 +139,12 @@ def _times(left: Array, right: Array) -> Array:
     return np.concatenate([real, a * y + b * x + np.cross(x, y)], axis=-1)
 
 
-def _turned(turn: Array) -> Array:
+def conjugate(quaternion: Array) -> Array:
+    """Return the quaternion of the inverse rotation, w first, shape (..., 4)."""
+    return np.asarray(quaternion * np.array([1.0, -1.0, -1.0, -1.0]))
+
+
+def turned(turn: Array) -> Array:
     """Return the quaternion of a rotation vector, rad, shape (..., 4)."""
     angle = np.linalg.norm(turn, axis=-1, keepdims=True)
     # sin(a / 2) / a, which np.sinc gives at zero too.
@@ -112,7 +153,7 @@ def _turned(turn: Array) -> Array:
     )
 
 
-def _turn(quaternion: Array) -> Array:
+def rotation(quaternion: Array) -> Array:
     """Return the rotation vector of a quaternion, of at most pi, rad, shape (..., 3)."""
     axis = quaternion[..., 1:]
     sine = np.linalg.norm(axis, axis=-1, keepdims=True)

@@ -57,20 +57,22 @@ def test_the_ratio_of_errors_is_the_geometric_mean_over_joints() -> None:
 def test_the_report_says_how_long_each_took_and_what_it_pointed_at(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    rows = {name: {"shoulder": 0.04, "elbow": 0.06} for name in ("nominal", "morph", "sysid")}
+    rows = {name: {"shoulder": 0.04, "elbow": 0.06} for name in ("morph", "sysid", "budgeted")}
+    score = {"horizon_s": None, "rmse": rows, "error_ratio": 1.0, "error_ratio_budgeted": 1.25}
     report(
         {
             "seconds": {"morph": 30.0, "sysid": 60.0},
             "pointed_at": {"morph": "coulomb_friction@elbow", "sysid": "nothing"},
             "time_ratio": 0.5,
             "held_out": ["run_03"],
-            "scores": [{"horizon_s": None, "rmse": rows, "error_ratio": 1.0}],
+            "scores": [score],
         }
     )
     said = capsys.readouterr().out
     assert "morph: 30.0 s; pointed at coulomb_friction@elbow" in said
     assert "sysid: 60.0 s; pointed at nothing" in said
     assert "whole episodes" in said
+    assert "in the same seconds: 1.250" in said
 
 
 def test_figures_that_are_not_named_stay_as_described() -> None:

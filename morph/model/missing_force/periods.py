@@ -12,7 +12,6 @@ from mujoco.batch import Batch, SimulationError
 
 from morph.arrays import Array
 from morph.errors import DiagnosisError, SimulationFailed
-from morph.model.episodes import moving_joints
 from morph.model.hypothesis import Hypothesis
 from morph.model.latent.run import Run
 from morph.model.missing_force.waves import Waves
@@ -70,7 +69,12 @@ class Periods:
     ) -> None:
         """Check that the body can be seen as states that follow one another."""
         where = f"robot {hypothesis.robot.name}"
-        moving_joints(hypothesis.robot)
+        if any(joint.kind not in {"hinge", "slide"} for joint in hypothesis.robot.joints):
+            raise DiagnosisError(
+                "a joint of it is neither a hinge nor a slide",
+                where=where,
+                fix="weld that joint in the description if the link does not move by it",
+            )
         steps = round(period / hypothesis.step)
         if steps < 1 or abs(steps * hypothesis.step - period) > 1e-6 * period:
             raise DiagnosisError(

@@ -13,9 +13,11 @@ from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicHermiteSpline
 
 from morph.arrays import Array
+from morph.body.load import load
 from morph.inference import reference as module
 from morph.inference.reference import outliers, reference
 from morph.inference.sampled import FLOOR, SampledRun
+from morph.model.measurement import Measurement
 
 H, NOISE = 0.004, 2e-3
 PENDULUM = """
@@ -46,9 +48,10 @@ def swing(missing: Callable[[float], float], seconds: float = 6.0) -> dict[str, 
         "position": found.y[0],
         "velocity": found.y[1],
         "run": SampledRun(
+            measurement=Measurement.of(load("pendulum")),
+            attitude=np.zeros((len(time), 0, 4)),
             step=H,
             command=command(time)[:, None],
-            reads=np.array([[1.0, 0.0]]),
             reading=found.y[:1].T + NOISE * rng.normal(size=(len(time), 1)),
             valid=valid,
             noise=np.array([NOISE]),

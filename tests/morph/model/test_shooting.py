@@ -3,6 +3,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from morph.body.load import load
+from morph.model.measurement import Measurement
 from morph.model.segments import Segments
 from morph.model.shooting import Sensitivity, loss, quadratic
 
@@ -11,6 +13,8 @@ def made_up(rng: np.random.Generator) -> tuple[Segments, Sensitivity]:
     """Return 5 segments of 12 readings of one joint, and 3 parameters, all random."""
     start = rng.normal(size=(5, 2))
     segments = Segments(
+        measurement=Measurement.of(load("pendulum")),
+        attitude=np.zeros((5, 12, 0, 4)),
         episodes=(),
         episode=np.zeros(5, dtype=int),
         first=np.arange(5),
@@ -42,7 +46,7 @@ def test_the_loss_with_starts_eliminated_is_the_least_over_all_starts(seed: int)
     for change in (np.zeros(3), rng.normal(size=3)):
         losses = curve.loss - 2.0 * curve.slope @ change
         losses += np.einsum("p,spq,q->s", change, curve.hessian, change)
-        moved = curve.starts_after(around.start, change)
+        moved = around.start + curve.start_change(change)
         for s in range(5):
             # Readings and the trust in the measured start, as one least-squares problem.
             matrix = np.concatenate([around.by_start[s], np.diag(root)])
@@ -58,8 +62,7 @@ def test_a_share_of_a_step_takes_that_share_of_the_starts_own_step() -> None:
     segments, around = made_up(rng)
     curve = quadratic(segments, around, np.ones(5))
     change = rng.normal(size=3)
-    whole = curve.starts_after(around.start, change) - around.start
-    half = curve.starts_after(around.start, 0.5 * change, 0.5) - around.start
+    whole, half = curve.start_change(change), curve.start_change(0.5 * change, 0.5)
     assert half == pytest.approx(0.5 * whole, abs=1e-12)
 
 
@@ -77,7 +80,7 @@ def test_derivatives_after_a_step_tell_what_it_changed_and_no_more() -> None:
     _, around = made_up(rng)
     error, moved = rng.normal(size=(5, 12)), rng.normal(size=(5, 2))
     change = rng.normal(size=3)
-    found = around.after(change, error, around.start + moved)
+    found = around.after(change, error, around.start + moved, moved)
     whole = np.concatenate([around.by_point, around.by_start], axis=2)
     new = np.concatenate([found.by_point, found.by_start], axis=2)
     step = np.concatenate([np.tile(change, (5, 1)), moved], axis=1)
@@ -93,6 +96,6 @@ def test_derivatives_after_a_step_tell_what_it_changed_and_no_more() -> None:
 
 def test_what_did_not_move_keeps_its_derivatives() -> None:
     _, around = made_up(np.random.default_rng(10))
-    found = around.after(np.zeros(3), around.error, around.start)
+    found = around.after(np.zeros(3), around.error, around.start, np.zeros((5, 2)))
     assert (found.by_point == around.by_point).all()
     assert (found.by_start == around.by_start).all()

@@ -12,8 +12,15 @@ from morph.errors import DiagnosisError, RecordingError
 from morph.inference.diagnose import diagnose
 from morph.model.corrected import notes
 from morph.model.episodes import episode, fills, gaps, pieces
+from morph.model.measurement import Measurement
 from morph.model.segments import cut
-from morph.model.usable import check_channels, check_motion, check_recordings, check_settings
+from morph.model.usable import (
+    check_channels,
+    check_falls,
+    check_motion,
+    check_recordings,
+    check_settings,
+)
 from morph.record.recording import Channel, Recording
 
 Recorded = Callable[..., Recording]
@@ -33,7 +40,7 @@ def test_a_clock_that_jumps_is_refused_with_its_sample(pendulum: Robot, swing: R
     channel = swing.channel("hinge.position")
     time = channel.time + np.where(np.arange(len(channel.time)) > 99, 1e7, 0.0)
     with pytest.raises(RecordingError, match=r"jumps by 1e\+07 s after sample 99"):
-        check_channels(with_position(swing, time, channel.value), pendulum, ["hinge"])
+        check_channels(with_position(swing, time, channel.value), pendulum, ["hinge.position"])
 
 
 @pytest.mark.parametrize(("value", "what"), [(1e300, "reads 1e"), (np.nan, "NaN or infinity")])
@@ -50,7 +57,7 @@ def test_positions_that_no_robot_has_are_refused(
 def test_a_robot_that_never_moves_is_refused(pendulum: Robot, swing: Recording) -> None:
     channel = swing.channel("hinge.position")
     still = with_position(swing, channel.time, 0.0 * channel.value)
-    with pytest.raises(DiagnosisError, match="no joint moves"):
+    with pytest.raises(DiagnosisError, match="nothing moves"):
         diagnose(pendulum, [still])
 
 
@@ -63,7 +70,7 @@ def test_one_still_joint_among_others_is_told_and_stops_nothing(recorded: Record
         elbow = run.channel("elbow.position")
         dead = Channel(time=elbow.time, value=0.0 * elbow.value)
         runs.append(replace(run, channels={**run.channels, "elbow.position": dead}))
-    assert check_motion(runs, ("shoulder", "elbow")) == ("elbow",)
+    assert check_motion(runs, ("shoulder.position", "elbow.position")) == ("elbow",)
     found = diagnose(robot, runs, budget=2.0)
     assert "Joint elbow does not move in any run that was fitted." in found.notes
     assert all(np.isfinite(list(row.values())).all() for row in found.held_out_rmse.values())
@@ -117,7 +124,7 @@ def test_a_clock_in_milliseconds_is_told(pendulum: Robot, swing: Recording) -> N
     channel = swing.channel("hinge.position")
     slow = with_position(swing, 1e3 * channel.time, channel.value)
     with pytest.raises(RecordingError, match="readings come 5 s apart") as caught:
-        check_channels(slow, pendulum, ("hinge",))
+        check_channels(slow, pendulum, ("hinge.position",))
     assert 'unit = "ms"' in caught.value.fix
 
 
@@ -170,3 +177,20 @@ def test_clean_runs_are_clean_at_every_horizon(
     ]
     found = diagnose(pendulum, runs, horizon=horizon)
     assert (found.verdict, found.findings) == ("consistent", ())
+
+
+def test_a_link_that_something_holds_up_is_refused_and_one_that_falls_is_not() -> None:
+    robot, time = load("humanoid"), np.linspace(0.0, 1.0, 201)
+    measurement = Measurement.of(robot)
+    channels = {f"{a.name}.command": 0.0 * time for a in robot.actuators}
+    channels |= {name: 0.01 * np.sin(6.0 * time) for name in measurement.needed}
+    (names,) = measurement.quaternions
+    channels[names[0]] = 1.0 + 0.0 * time
+    fallen = {**channels, measurement.recorded[2]: 2.0 - 4.905 * time**2}
+    stands, falls = (
+        Recording(name=name, channels={k: Channel(time=time, value=v) for k, v in values.items()})
+        for name, values in (("stands", channels), ("falls", fallen))
+    )
+    check_falls([episode(falls, robot, 0.005)], robot)
+    with pytest.raises(DiagnosisError, match="does not fall as it would alone"):
+        check_falls([episode(stands, robot, 0.005)], robot)

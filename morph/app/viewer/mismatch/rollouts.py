@@ -44,7 +44,7 @@ def simulated(
 
 def traced(robot: Robot, segments: Segments, predicted: Mapping[str, Array]) -> tuple[Trace, ...]:
     """Return each joint's channel along all rollouts."""
-    joined = traces(segments, predicted, [(joint.name, joint.unit) for joint in robot.joints])
+    joined = traces(segments, predicted)
     errors = {name: rmse(segments, values) for name, values in predicted.items()}
     return tuple(
         Trace(

@@ -1,0 +1,195 @@
+"""What a recording reads of a robot's state: one channel for each degree of freedom."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from morph.arrays import Array
+from morph.body.robot import Robot
+from morph.errors import DiagnosisError
+from morph.record.quantities import WXYZ, XYZ
+from morph.record.recording import Channel, Recording
+from morph.sim.tangent import FREE, HINGE, SLIDE, Coordinates, conjugate, product, rotation
+
+KINDS = {"hinge": HINGE, "slide": SLIDE, "free": FREE}
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Measurement:
+    """How channels of a recording read the state of a robot.
+
+    A hinge or slide is read by its position, a free joint by the pose of its link: three channels
+    of the place, in the world, and three of the rotation from the measured orientation to the
+    state's, a vector along the world's axes. Those read zero, whatever was measured.
+    """
+
+    coordinates: Coordinates
+    """Where joints stand in a state."""
+    channels: tuple[str, ...]
+    """Names by degree of freedom: `elbow.position`, `hull.position.x`, `hull.rotation.x`."""
+    units: tuple[str, ...]
+    """Their units, m or rad."""
+    recorded: tuple[str, ...]
+    """Channels of a recording that hold the coordinates that are numbers, in their order."""
+    quaternions: tuple[tuple[str, ...], ...]
+    """Channels that hold each quaternion, w first."""
+
+    @classmethod
+    def of(cls, robot: Robot) -> Measurement:
+        """Return the measurement of a robot.
+
+        Raises:
+            DiagnosisError: The robot has a ball joint, or none that moves.
+        """
+        for joint in robot.joints:
+            if joint.kind not in KINDS:
+                raise DiagnosisError(
+                    f"joint {joint.name} is {joint.kind}; diagnosis reads hinges, slides and "
+                    "free joints",
+                    where=f"robot {robot.name}",
+                    fix="weld that joint in the description if the link does not move by it",
+                )
+        if not robot.joints:
+            raise DiagnosisError(
+                "it has no joint that moves",
+                where=f"robot {robot.name}",
+                fix="give a description with at least one joint that moves",
+            )
+        channels: list[str] = []
+        units: list[str] = []
+        recorded: list[str] = []
+        quaternions: list[tuple[str, ...]] = []
+        for joint in robot.joints:
+            if joint.kind == "free":
+                place = [f"{joint.link}.position.{axis}" for axis in XYZ]
+                channels += [*place, *(f"{joint.link}.rotation.{axis}" for axis in XYZ)]
+                units += ["m"] * 3 + ["rad"] * 3
+                recorded += place
+                quaternions.append(tuple(f"{joint.link}.orientation.{axis}" for axis in WXYZ))
+            else:
+                channels.append(f"{joint.name}.position")
+                units.append(joint.unit)
+                recorded.append(channels[-1])
+        return cls(
+            coordinates=Coordinates.of([KINDS[joint.kind] for joint in robot.joints]),
+            channels=tuple(channels),
+            units=tuple(units),
+            recorded=tuple(recorded),
+            quaternions=tuple(quaternions),
+        )
+
+    @property
+    def needed(self) -> tuple[str, ...]:
+        """Every channel that a recording must have, beside commands."""
+        return (*self.recorded, *(name for names in self.quaternions for name in names))
+
+    def tracks(self, recording: Recording) -> list[Channel]:
+        """Return the channels that are needed; quaternions do not change their sign.
+
+        Raises:
+            RecordingError: A channel is missing.
+        """
+        found = [recording.channel(name) for name in self.recorded]
+        for names in self.quaternions:
+            parts = [recording.channel(name) for name in names]
+            whole = np.stack([part.at(parts[0].time) for part in parts], axis=1)
+            turned = np.sum(whole[1:] * whole[:-1], axis=1) < 0.0
+            sign = np.cumprod(np.where(turned, -1.0, 1.0))
+            whole[1:] *= sign[:, None]
+            found += [Channel(time=parts[0].time, value=values) for values in whole.T]
+        return found
+
+    def spread(self, tracked: Array) -> Array:
+        """Return values of the tracks by degree of freedom, rotations zero, (..., nv)."""
+        scalars = len(self.recorded)
+        if not self.coordinates.balls:
+            return tracked
+        found = np.zeros((*tracked.shape[:-1], self.coordinates.dofs))
+        found[..., self.coordinates.dof] = tracked[..., :scalars]
+        return found
+
+    def attitude(self, tracked: Array) -> Array:
+        """Return orientations by the values of the tracks, shape (..., balls, 4)."""
+        whole = tracked[..., len(self.recorded) :]
+        return unit(whole.reshape(*whole.shape[:-1], -1, 4))
+
+    def noise(self, tracked: Array) -> Array:
+        """Return the standard deviation of each channel by those of the tracks."""
+        found = self.spread(tracked)
+        for ball, (_, turn) in enumerate(self.coordinates.balls):
+            first = len(self.recorded) + 4 * ball
+            # A rotation vector is twice a quaternion's imaginary part.
+            squared = np.mean(tracked[first : first + 4] ** 2)
+            found[turn : turn + 3] = 2.0 * np.sqrt(squared)
+        return found
+
+    def motion(self, value: Array, slope: Array, bend: Array) -> tuple[Array, Array, Array]:
+        """Return positions, velocities and accelerations by the tracks' values and derivatives.
+
+        Source: Diebel 2006, Representing Attitude, eq. 156: the rate in the body's axes is
+        2 q* dq/dt, and its derivative 2 q* d2q/dt2 but for its real part.
+        """
+        velocity, acceleration = self.spread(slope), self.spread(bend)
+        for ball, (_, turn) in enumerate(self.coordinates.balls):
+            part = slice(len(self.recorded) + 4 * ball, len(self.recorded) + 4 * ball + 4)
+            back = conjugate(value[..., part])
+            back = 2.0 * back / np.sum(value[..., part] ** 2, axis=-1, keepdims=True)
+            velocity[..., turn : turn + 3] = product(back, slope[..., part])[..., 1:]
+            acceleration[..., turn : turn + 3] = product(back, bend[..., part])[..., 1:]
+        position = self.placed(self.spread(value), self.attitude(value))
+        return position, velocity, acceleration
+
+    def scalars(self, position: Array) -> Array:
+        """Return coordinates that are numbers by degree of freedom, rotations zero, (..., nv).
+
+        Args:
+            position: Shape (..., nq).
+        """
+        if not self.coordinates.balls:
+            return position
+        found = np.zeros((*position.shape[:-1], self.coordinates.dofs))
+        found[..., self.coordinates.dof] = position[..., self.coordinates.straight]
+        return found
+
+    def read(self, position: Array, attitude: Array) -> Array:
+        """Return what all channels read of positions, shape (..., channels).
+
+        Args:
+            position: Shape (..., nq).
+            attitude: Measured orientations, unit quaternions, shape (..., balls, 4).
+        """
+        found = self.scalars(position)
+        for ball, (at, turn) in enumerate(self.coordinates.balls):
+            quaternion = position[..., at : at + 4]
+            found[..., turn : turn + 3] = deviation(quaternion, attitude[..., ball, :])
+        return found
+
+    def placed(self, scalars: Array, attitude: Array) -> Array:
+        """Return positions of which numbers and quaternions are known, shape (..., nq).
+
+        Args:
+            scalars: By degree of freedom, shape (..., nv).
+            attitude: Shape (..., balls, 4).
+        """
+        if not self.coordinates.balls:
+            return scalars
+        found = np.empty((*scalars.shape[:-1], self.coordinates.positions))
+        found[..., self.coordinates.straight] = scalars[..., self.coordinates.dof]
+        for ball, (at, _) in enumerate(self.coordinates.balls):
+            found[..., at : at + 4] = attitude[..., ball, :]
+        return found
+
+
+def deviation(quaternion: Array, measured: Array) -> Array:
+    """Return the rotation from a measured orientation to another, rad, shape (..., 3).
+
+    It is along the axes in which they are given: quaternion = Exp(rotation) measured.
+    """
+    return rotation(product(quaternion, conjugate(measured)))
+
+
+def unit(quaternion: Array) -> Array:
+    """Return quaternions of length 1."""
+    return np.asarray(quaternion / np.linalg.norm(quaternion, axis=-1, keepdims=True))

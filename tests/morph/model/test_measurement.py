@@ -1,0 +1,74 @@
+"""What is read of links that move freely, against rotations in closed form."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from morph.body.load import load
+from morph.body.robot import Robot
+from morph.errors import DiagnosisError
+from morph.model.measurement import Measurement, deviation
+from morph.record.quantities import WXYZ, XYZ
+from morph.record.recording import Channel, Recording
+
+
+@pytest.fixture
+def floating() -> Robot:
+    """A body that moves freely."""
+    return load("hexapod_swimmer")
+
+
+def wxyz(turn: Rotation) -> np.ndarray:
+    return np.roll(turn.as_quat(), 1, axis=-1)
+
+
+def test_a_joint_has_one_channel_and_a_free_one_six(floating: Robot) -> None:
+    found = Measurement.of(floating)
+    (free,) = [joint for joint in floating.joints if joint.kind == "free"]
+    assert found.channels[:6] == (
+        *(f"{free.link}.position.{axis}" for axis in XYZ),
+        *(f"{free.link}.rotation.{axis}" for axis in XYZ),
+    )
+    assert found.units[:6] == ("m",) * 3 + ("rad",) * 3
+    assert len(found.channels) == len(floating.joints) + 5 == found.coordinates.dofs
+    assert found.needed[-4:] == tuple(f"{free.link}.orientation.{axis}" for axis in WXYZ)
+
+
+def test_a_ball_joint_is_refused_by_name(floating: Robot) -> None:
+    ball = replace(floating.joints[-1], kind="ball")
+    with pytest.raises(DiagnosisError, match=f"joint {ball.name} is ball"):
+        Measurement.of(replace(floating, joints=(*floating.joints[:-1], ball)))
+
+
+def test_a_steady_spin_has_its_rate_in_the_body_s_axes_whatever_signs_were_logged(
+    floating: Robot,
+) -> None:
+    found, rng = Measurement.of(floating), np.random.default_rng(0)
+    spin, time = np.array([0.3, -0.4, 1.2]), np.linspace(0.0, 2.0, 201)
+    turn = Rotation.from_rotvec([0.2, 0.1, -0.3]) * Rotation.from_rotvec(time[:, None] * spin)
+    quaternion = wxyz(turn)
+    signs = rng.choice([-1.0, 1.0], (201, 1))
+    values = {name: np.zeros(201) for name in found.recorded}
+    values |= dict(zip(found.quaternions[0], (signs * quaternion).T, strict=True))
+    channels = {name: Channel(time=time, value=each) for name, each in values.items()}
+    tracks = found.tracks(Recording(name="spin", channels=channels))
+    value = np.stack([track.value for track in tracks], axis=1)
+    slope = np.gradient(value, time, axis=0)
+    position, velocity, _ = found.motion(value, slope, np.gradient(slope, time, axis=0))
+    ((at, dof),) = found.coordinates.balls
+    # Central differences err by (w h)^2 / 24 of w = 1.3 rad/s over 0.01 s: 7e-6.
+    assert velocity[1:-1, dof : dof + 3] == pytest.approx(np.tile(spin, (199, 1)), abs=1e-4)
+    same = np.abs(np.sum(position[:, at : at + 4] * quaternion, axis=1))
+    assert same == pytest.approx(np.ones(201), abs=1e-12)
+
+
+def test_a_rotation_is_read_from_the_measured_orientation_along_the_world_s_axes() -> None:
+    rng = np.random.default_rng(1)
+    vectors = rng.uniform(-1.0, 1.0, (2, 7, 3))
+    measured, error = Rotation.from_rotvec(vectors[0]), vectors[1]
+    there = Rotation.from_rotvec(error) * measured
+    assert deviation(wxyz(there), wxyz(measured)) == pytest.approx(error, abs=1e-12)
