@@ -55,7 +55,8 @@ def strut(first: Any, second: Any, forbidden: Any) -> Any | None:
         if found is not None:
             return found
     ways = bent(a, b, forbidden, (radius, max(0.6 * radius, SLIM_MM), THINNEST_MM))
-    return next((way for way in ways if _joins(first, second, way)), None)
+    joined = (_joining(first, second, way) for way in ways)
+    return next((way - forbidden for way in joined if way is not None), None)
 
 
 def _straight(
@@ -65,9 +66,12 @@ def _straight(
     best: tuple[float, Any] | None = None
     for start, end in ends:
         whole = _between(first, second, start, end, radius)
-        left = whole - forbidden
+        joining = _joining(first, second, whole - forbidden)
+        if joining is None:
+            continue
+        left = joining - forbidden
         share = left.volume() / whole.volume()
-        if share >= KEPT and _joins(first, second, left):
+        if share >= KEPT:
             # One that loses nothing is good; else the one that loses least is taken.
             if share > 0.999:
                 return left
@@ -115,9 +119,16 @@ def _between(first: Any, second: Any, start: Array, end: Array, radius: float) -
     return hull([near, far, ball(0.8 * radius, start), ball(0.8 * radius, end)])
 
 
-def _joins(first: Any, second: Any, between: Any) -> bool:
-    """Return whether two pieces are one with what is between them: a piece of it is in both."""
-    return any(
-        all(float((piece ^ each).volume()) > HELD_MM3 for each in (first, second))
-        for piece in pieces(between)
+def _joining(first: Any, second: Any, between: Any) -> Any | None:
+    """Return the piece of what is between two pieces that is in both; None if there is none.
+
+    Slivers that a cut leaves beside it are dropped. Voids in it are filled: cut them again.
+    """
+    return next(
+        (
+            piece
+            for piece in pieces(between)
+            if all(float((piece ^ each).volume()) > HELD_MM3 for each in (first, second))
+        ),
+        None,
     )

@@ -11,7 +11,7 @@ from morph.body.robot import Robot
 from morph.errors import DiagnosisError
 from morph.record.quantities import WXYZ, XYZ
 from morph.record.recording import Channel, Recording
-from morph.sim.tangent import FREE, HINGE, SLIDE, Coordinates, conjugate, product, rotation
+from morph.sim.tangent import FREE, HINGE, SLIDE, Coordinates, conjugate, product, rotation, turned
 
 KINDS = {"hinge": HINGE, "slide": SLIDE, "free": FREE}
 
@@ -95,8 +95,8 @@ class Measurement:
         for names in self.quaternions:
             parts = [recording.channel(name) for name in names]
             whole = np.stack([part.at(parts[0].time) for part in parts], axis=1)
-            turned = np.sum(whole[1:] * whole[:-1], axis=1) < 0.0
-            sign = np.cumprod(np.where(turned, -1.0, 1.0))
+            flipped = np.sum(whole[1:] * whole[:-1], axis=1) < 0.0
+            sign = np.cumprod(np.where(flipped, -1.0, 1.0))
             whole[1:] *= sign[:, None]
             found += [Channel(time=parts[0].time, value=values) for values in whole.T]
         return found
@@ -166,19 +166,20 @@ class Measurement:
             found[..., turn : turn + 3] = deviation(quaternion, attitude[..., ball, :])
         return found
 
-    def placed(self, scalars: Array, attitude: Array) -> Array:
-        """Return positions of which numbers and quaternions are known, shape (..., nq).
+    def placed(self, reading: Array, attitude: Array) -> Array:
+        """Return positions by what all channels read of them, shape (..., nq).
 
         Args:
-            scalars: By degree of freedom, shape (..., nv).
-            attitude: Shape (..., balls, 4).
+            reading: Shape (..., channels).
+            attitude: Measured orientations, unit quaternions, shape (..., balls, 4).
         """
         if not self.coordinates.balls:
-            return scalars
-        found = np.empty((*scalars.shape[:-1], self.coordinates.positions))
-        found[..., self.coordinates.straight] = scalars[..., self.coordinates.dof]
-        for ball, (at, _) in enumerate(self.coordinates.balls):
-            found[..., at : at + 4] = attitude[..., ball, :]
+            return reading
+        found = np.empty((*reading.shape[:-1], self.coordinates.positions))
+        found[..., self.coordinates.straight] = reading[..., self.coordinates.dof]
+        for ball, (at, turn) in enumerate(self.coordinates.balls):
+            by = turned(reading[..., turn : turn + 3])
+            found[..., at : at + 4] = product(by, attitude[..., ball, :])
         return found
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 import threading
 from dataclasses import replace
 
+import numpy as np
+
 from morph.app.viewer.figure import Figure, figure
 from morph.app.viewer.mismatch import loose, rollouts
 from morph.app.viewer.mismatch.diagnosed import Diagnosed, Found
@@ -186,7 +188,8 @@ class Case:
 
     def _scored(self, take: Take, laid: Episode) -> Take:
         segments, predicted = rollouts.simulated(self.models, laid, take.horizon)
-        at = [int(self.figure.model.joint(each.name).qposadr[0]) for each in self.robot.joints]
+        joints = [self.figure.model.joint(each.name) for each in self.robot.joints]
+        at = np.concatenate([j.qposadr[0] + np.arange(len(j.qpos0)) for j in joints])
         simulated = {}
         for name, readings in predicted.items():
             simulated[name] = take.measured.copy()

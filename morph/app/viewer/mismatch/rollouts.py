@@ -43,42 +43,49 @@ def simulated(
 
 
 def traced(robot: Robot, segments: Segments, predicted: Mapping[str, Array]) -> tuple[Trace, ...]:
-    """Return each joint's channel along all rollouts."""
+    """Return each channel along all rollouts."""
     joined = traces(segments, predicted)
     errors = {name: rmse(segments, values) for name, values in predicted.items()}
+    links = [each.link for each in robot.joints for _ in range(6 if each.kind == "free" else 1)]
     return tuple(
         Trace(
             channel=each.channel,
             unit=each.unit,
-            link=joint.link,
+            link=link,
             time=each.time,
             measured=each.measured,
             simulated=each.models,
             noise=float(segments.noise[at]),
             rmse={name: float(error[at]) for name, error in errors.items()},
         )
-        for at, (joint, each) in enumerate(zip(robot.joints, joined, strict=True))
+        for at, (link, each) in enumerate(zip(links, joined, strict=True))
     )
 
 
 def pictured(segments: Segments, predicted: Array, measured: Array) -> Array:
-    """Return joint positions in the pictures; where nothing is simulated, as measured.
+    """Return positions in the pictures; where nothing is simulated, as measured.
 
     Args:
         segments: Rollouts.
-        predicted: Their readings, (rollouts, readings, joints).
-        measured: What was recorded in the pictures, (pictures, joints).
+        predicted: Their readings, (rollouts, readings, channels).
+        measured: `qpos` as recorded in the pictures, (pictures, nq).
     """
-    found = measured.copy()
+    measurement = segments.measurement
+    space = measurement.coordinates
+    attitude = np.empty((len(measured), len(space.balls), 4))
+    for ball, (at, _) in enumerate(space.balls):
+        attitude[:, ball] = measured[:, at : at + 4]
+    # A rotation is from the measured orientation, which is known in every picture.
+    found = measurement.scalars(measured).copy()
+    starts = measurement.scalars(segments.start[:, : space.positions])
     when = np.arange(len(measured)) / RATE
-    joints = measured.shape[1]
     for row in range(len(segments)):
         inside = segments.valid[row]
         begin, _ = segments.seconds(row)
         offset = segments.before[row, inside] + segments.part[row, inside]
         times = np.concatenate([[begin], begin + segments.step * offset])
         here = (when >= begin - 1e-9) & (when <= times[-1] + 1e-9)
-        for joint in range(joints):
-            values = np.concatenate([[segments.start[row, joint]], predicted[row, inside, joint]])
-            found[here, joint] = np.interp(when[here], times, values)
-    return found
+        for dof in range(space.dofs):
+            values = np.concatenate([[starts[row, dof]], predicted[row, inside, dof]])
+            found[here, dof] = np.interp(when[here], times, values)
+    return measurement.placed(found, attitude)
