@@ -148,6 +148,7 @@ def headline(result: JSON) -> JSON:
         figures |= {f"{name}_{joint}": error for joint, error in whole["rmse"][name].items()}
     figures |= {"time_ratio": result["time_ratio"], "error_ratio": whole["error_ratio"]}
     figures["error_ratio_short"] = short[0]["error_ratio"]
+    figures["error_ratio_budgeted"] = whole["error_ratio_budgeted"]
     controls = {
         "as described": whole["rmse"]["nominal"],
         "published friction": whole["rmse"]["published friction"],

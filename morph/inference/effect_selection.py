@@ -26,8 +26,12 @@ from morph.model.hypothesis import Hypothesis
 from morph.physics.effect import Effect
 from morph.sim.threads import each
 
+SEARCHED = 20.0
+"""Seconds of runs in which effects are searched where rollouts decide."""
 SIMULATED = 6
 """How many of the likeliest sets, and of the likeliest single effects, are simulated."""
+SPARSE = 3
+"""Every how many stretches sets are simulated by where rollouts decide."""
 FINALISTS = 2
 """How many of those with the least error are refitted, beside the likeliest."""
 DRY = {"coulomb_friction", "stribeck_friction", "load_dependent_friction"}
@@ -75,9 +79,16 @@ class EffectSelection:
         return time.monotonic() > self.deadline
 
     def search(self, base: Finalist) -> Search:
-        """Return a search for effects to add to a set."""
+        """Return a search for effects to add to a set.
+
+        Where the linearisation is not believed it only proposes: a part of the runs will do.
+        """
         prior = self.prior if self.prior.alone else None
-        return search_beside(base.refit, self.known, prior, self.validation.blocks)
+        refit, blocks = base.refit, self.validation.blocks
+        if self.by_rollouts:
+            lasted = sum(run.motion.time[-1] for run in refit.runs)
+            refit = replace(refit, runs=refit.runs[:: max(1, int(lasted / SEARCHED))])
+        return search_beside(refit, self.known, prior, blocks)
 
     def refitted(
         self,
@@ -125,6 +136,8 @@ class EffectSelection:
     def added(self, base: Finalist, search: Search, most: int) -> tuple[list[Finalist], Finalist]:
         """Return larger sets, refitted, and the best; none where all leave too much force.
 
+        Sets that are proposed later are refitted only where none of those before is better.
+
         Args:
             base: A set.
             search: What might be added to it.
@@ -132,25 +145,29 @@ class EffectSelection:
         """
         tried: list[Finalist] = []
         gained: list[Finalist] = []
-        done, wholes = {labels(base.effects)}, []
-        for found in self.proposals(search, search.sets(most), base):
-            start = replace(self.nominal, effects=(*base.effects, *found.effects))
-            if not self.late() and labels(start.effects) not in done:
-                own = base.refit.point + (0.0 if self.by_rollouts else found.own)
-                point = np.concatenate([own, start.start[len(own) :]])
-                wholes.append(self.refitted(start, point, base.refit.runs, base.refit))
-                done.add(labels(start.effects))
-        if not self.by_rollouts and all(missing(e.refit.runs) > UNMODELLED for e in wholes):
-            return [], base
-        for whole in wholes:
-            new = self.reduced(whole)
-            tried.append(new)
-            if not self.by_rollouts:
-                base, *gained = (under(one, new) for one in (base, *gained))
-            if gains(base, new, self.validation):
-                gained.append(new)
-            elif labels(new.effects) == labels(base.effects) and new.evidence > base.evidence:
-                base = new
+        done = {labels(base.effects)}
+        for proposed in self.proposals(search, search.sets(most), base):
+            wholes = []
+            for found in proposed:
+                start = replace(self.nominal, effects=(*base.effects, *found.effects))
+                if not self.late() and labels(start.effects) not in done:
+                    own = base.refit.point + (0.0 if self.by_rollouts else found.own)
+                    point = np.concatenate([own, start.start[len(own) :]])
+                    wholes.append(self.refitted(start, point, base.refit.runs, base.refit))
+                    done.add(labels(start.effects))
+            if not self.by_rollouts and all(missing(e.refit.runs) > UNMODELLED for e in wholes):
+                return [], base
+            for whole in wholes:
+                new = self.reduced(whole)
+                tried.append(new)
+                if not self.by_rollouts:
+                    base, *gained = (under(one, new) for one in (base, *gained))
+                if gains(base, new, self.validation):
+                    gained.append(new)
+                elif labels(new.effects) == labels(base.effects) and new.evidence > base.evidence:
+                    base = new
+            if gained:
+                break
         if not gained:
             return tried, base
         return tried, functools.reduce(lambda a, b: better(a, b, self.validation), gained)
@@ -170,11 +187,11 @@ class EffectSelection:
 
     def proposals(
         self, search: Search, sets: Sequence[Explanation], base: Finalist
-    ) -> list[Explanation]:
+    ) -> list[list[Explanation]]:
         """Return the sets to refit: the likeliest, and those with the least error in rollouts.
 
         Where the model of the missing force is not believed, laws of real drives at all joints are
-        first among them, as stiction mimics lost torque; and own figures stay where they are.
+        first, as stiction mimics lost torque; and own figures stay where they are.
         """
         some = [one for one in sets if one.effects and one.gain > 0.0]
         alone = [one for one in some if len(one.members) == 1]
@@ -183,34 +200,35 @@ class EffectSelection:
         listed = {
             one.members: one for one in [*some[:SIMULATED], *alone[:SIMULATED], *by_labels.values()]
         }
-        now, losses = float(base.losses.mean()), {}
-        believed = not self.by_rollouts
+        rows = np.arange(0, len(base.losses), SPARSE if self.by_rollouts else 1)
+        segments = self.validation.segments.only(rows)
+        validation, now = replace(self.validation, segments=segments), base.losses[rows].mean()
+        losses: dict[tuple[int, ...], float] = {}
         for members, found in listed.items():
             if self.late():
                 return []
             losses[members], listed[members] = simulated(
-                found, search, base, self.validation, believed=believed
+                found, search, base, validation, believed=not self.by_rollouts
             )
         by_rollouts = sorted(listed.values(), key=lambda one: losses[one.members])
         # A stiff spring diverges in long steps. So may the likeliest set, far from the base.
         most = now + DIVERGED * len(base.refit.runs[0].motion.channels)
-        stable = [one for one in by_rollouts if losses[one.members] < most]
-        likeliest = sorted(by_rollouts, key=lambda one: -one.gain)[:1]
-        chosen = [*likeliest, *stable[:FINALISTS]]
-        if self.by_rollouts:
-            dry = bool(DRY & {effect.name for effect in base.effects})
-            drives = []
-            for one in by_labels.values():
-                laws = {effect.name for effect in one.effects}
-                bends = laws == SPRINGS and losses[one.members] < now
-                if bends or (len(laws) == 1 and laws <= DRY and not dry):
-                    drives.append(one)
-            chosen = [*drives, *stable[:FINALISTS]] if drives else chosen
-            far = missing(base.refit.runs) > FAR
-            limit = likeliest_limit(base, self.validation, self.known) if far else None
-            if limit and limit[0] < min(losses.values()):
-                chosen.append(limit[1])
-        return list({one.members: one for one in chosen}.values())
+        stable = [one for one in by_rollouts if losses[one.members] < most][:FINALISTS]
+        if not self.by_rollouts:
+            likeliest = sorted(by_rollouts, key=lambda one: -one.gain)[:1]
+            return [list({one.members: one for one in [*likeliest, *stable]}.values())]
+        dry = bool(DRY & {effect.name for effect in base.effects})
+        drives = []
+        for one in by_labels.values():
+            laws = {effect.name for effect in one.effects}
+            bends = laws == SPRINGS and losses[one.members] < now
+            if bends or (len(laws) == 1 and laws <= DRY and not dry):
+                drives.append(one)
+        far = missing(base.refit.runs) > FAR
+        limit = likeliest_limit(base, validation, now, self.known) if far else None
+        if limit and limit[0] < min(losses.values()):
+            drives.append(limit[1])
+        return [drives, stable]
 
     def reduced(self, whole: Finalist) -> Finalist:
         """Return a set without the effects that rollouts do not need, if that is not worse."""

@@ -89,30 +89,31 @@ def ranked(
         deadline=deadline,
     )
     # Whatever the time: without own figures refitted there is no answer.
-    none = replace(task, deadline=math.inf).refitted(nominal, nominal.start)
+    task, deadline = replace(task, deadline=math.inf), task.deadline
+    none = own = task.refitted(nominal, nominal.start)
+    if missing(own.refit.runs) >= FAR:
+        task = replace(task, by_rollouts=True)
+        none = task.refitted(nominal, own.refit.point, own.refit.runs)
     begun = time.monotonic()
     search = task.search(none)
     # Another search, beside the answer, and the scores of held-out runs take as long each.
     deadline -= 2.0 * (time.monotonic() - begun)
     task = replace(task, prior=search.prior, deadline=deadline)
-    tried: list[Finalist] = []
-    best = none
-    if missing(none.refit.runs) < FAR:
-        task, tried, best, search = _searched(task, none, search, progress)
-    none = functools.reduce(under, tried, none)
-    if not tried and not at_noise(none.refit.runs) and not task.late():
-        # The model of the missing force is wrong: the search goes on by the errors of rollouts.
-        far = replace(task, by_rollouts=True)
-        start = far.refitted(nominal, none.refit.point, none.refit.runs)
-        far, tried, best, search = _searched(far, start, far.search(start), progress)
-        found, again = best.refit, best
-        if missing(found.runs) < NEAR and not far.late():
-            again = task.refitted(found.hypothesis, found.point, found.runs)
-        if again is not best and missing(again.refit.runs) < NEAR:
-            task, more, best, search = _searched(task, again, task.search(again), progress)
-            tried = [again, *more]
-        else:
-            task, none = far, start
+    task, tried, best, search = _searched(task, none, search, progress)
+    if not task.by_rollouts:
+        none = own = functools.reduce(under, tried, none)
+        if not tried and not at_noise(own.refit.runs) and not task.late():
+            # The model of the missing force is wrong: the search goes on by errors of rollouts.
+            task = replace(task, by_rollouts=True)
+            none = task.refitted(nominal, own.refit.point, own.refit.runs)
+            task, tried, best, search = _searched(task, none, task.search(none), progress)
+    if task.by_rollouts and missing(best.refit.runs) < NEAR and not task.late():
+        whitened, found = replace(task, by_rollouts=False), best.refit
+        again = whitened.refitted(found.hypothesis, found.point, found.runs)
+        if missing(again.refit.runs) < NEAR:
+            search = whitened.search(again)
+            task, more, best, search = _searched(whitened, again, search, progress)
+            none, tried = own, [again, *more]
     progress("trying other laws", 0.85)
     gone: set[str] = set()
     # By rollouts each law of friction was tried at all driven joints.

@@ -23,18 +23,19 @@ def simulated(
 ) -> tuple[float, Explanation]:
     """Return the mean loss of a set that is added to another, and the set as it is simulated.
 
-    Each stretch is simulated with the figures fitted to the other folds.
-
     Args:
         found: The effects to add.
         search: What they come from.
         base: The other set.
         validation: The stretches.
-        believed: Whether the linearisation is. If not, own figures stay where they are, and the
-            best of a few shares of the strengths is taken.
+        believed: Whether the linearisation is. If so, each stretch is simulated with the figures
+            fitted to the other folds. If not, own figures stay where they are, and the best of a
+            few shares of the strengths is taken.
     """
     hypothesis, there = base.refit.hypothesis, len(base.refit.point)
-    parts = [search.without_fold(found, fold) for fold in range(validation.folds)]
+    parts = [(found.own, found.effects)] * validation.folds
+    if believed:
+        parts = [search.without_fold(found, fold) for fold in range(validation.folds)]
     points, more = [], hypothesis
     for share in STRENGTHS[:1] if believed else STRENGTHS:
         weaker = [(*hypothesis.effects, *scaled(effects, share)) for _, effects in parts]
@@ -50,7 +51,7 @@ def simulated(
 
 
 def likeliest_limit(
-    base: Finalist, validation: Validation, known: Sequence[Effect]
+    base: Finalist, validation: Validation, now: float, known: Sequence[Effect]
 ) -> tuple[float, Explanation] | None:
     """Return the limit of a servo beside a set with which rollouts err least, and their mean loss.
 
@@ -62,6 +63,7 @@ def likeliest_limit(
     Args:
         base: A set of effects.
         validation: The stretches that are simulated.
+        now: Mean loss of the set over them.
         known: Effects whose fixed parameters are known.
 
     Returns:
@@ -75,7 +77,7 @@ def likeliest_limit(
         for grid in dictionary(hypothesis.robot, runs, known)
     ]
     grids = [grid for grid in grids if grid and grid[0].where in servos]
-    least, best = float(base.losses.mean()) - MATERIAL, None
+    least, best = now - MATERIAL, None
     # A line over speed is a constant limit's richer law.
     for limits in sorted(grids, key=lambda grid: bool(grid[0].simpler)):
         first = limits[0]

@@ -248,7 +248,7 @@ def test_no_set_is_refitted_twice(task: EffectSelection, monkeypatch: pytest.Mon
         return refitted(hypothesis, *rest, **options)
 
     def twice(*rest: Any) -> Sequence[Any]:
-        return [best, best]
+        return [[best, best]]
 
     monkeypatch.setattr("morph.inference.effect_selection.refitted", counted)
     monkeypatch.setattr(EffectSelection, "proposals", twice)
