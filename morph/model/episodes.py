@@ -26,6 +26,8 @@ STRETCH = 5.0
 SHORTEST, SHORTEST_PIECE = 0.5, 2.0
 """Least seconds of an episode, as in less friction does not show, and of a piece between gaps: the
 rollouts by which models are compared are no longer than half of the shortest."""
+FEWEST = 20
+"""Readings below which a stretch is left out."""
 STATE_HERTZ = 15.0
 """Band of the motion that a rollout's start is read from."""
 
@@ -234,6 +236,26 @@ def fills(episode: Episode) -> list[str]:
     return [f"commands that the logger lost are interpolated, gaps: {count}"] if count else []
 
 
+def part(whole: Episode, begin: float, end: float) -> Episode:
+    """Return an episode from one time to another, s; its own times count from there."""
+    inside = (whole.time >= begin) & (whole.time <= end)
+    first = round(begin / whole.step)
+    steps = slice(first, first + round((end - begin) / whole.step) + 1)
+    return replace(
+        whole,
+        begin=(whole.begin or 0.0) + first * whole.step,
+        command=whole.command[steps],
+        unsure=whole.unsure[steps],
+        time=whole.time[inside] - first * whole.step,
+        reading=whole.reading[inside],
+        attitude=whole.attitude[inside],
+        state=whole.state[inside],
+        position=whole.position[inside],
+        velocity=whole.velocity[inside],
+        acceleration=whole.acceleration[inside],
+    )
+
+
 def stretches(episodes: Sequence[Episode], seconds: float) -> list[Episode]:
     """Return stretches of episodes, evenly spread, that last about `seconds` together.
 
@@ -250,23 +272,7 @@ def stretches(episodes: Sequence[Episode], seconds: float) -> list[Episode]:
                 break
             begin -= float(e.time[-1])
         begin = min(begin, max(0.0, float(e.time[-1]) - STRETCH))
-        inside = (e.time >= begin) & (e.time <= begin + STRETCH)
-        if inside.sum() < 20:
-            continue
-        first = round(begin / e.step)
-        chosen.append(
-            replace(
-                e,
-                begin=(e.begin or 0.0) + first * e.step,
-                command=e.command[first : first + round(STRETCH / e.step) + 1],
-                unsure=e.unsure[first : first + round(STRETCH / e.step) + 1],
-                time=e.time[inside] - first * e.step,
-                reading=e.reading[inside],
-                attitude=e.attitude[inside],
-                state=e.state[inside],
-                position=e.position[inside],
-                velocity=e.velocity[inside],
-                acceleration=e.acceleration[inside],
-            )
-        )
+        stretch = part(e, begin, begin + STRETCH)
+        if len(stretch.time) >= FEWEST:
+            chosen.append(stretch)
     return chosen

@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 from morph.body.load import load
 from morph.body.robot import Robot
 from morph.errors import DiagnosisError
+from morph.model.episodes import episode, part
 from morph.model.measurement import Measurement, deviation
 from morph.record.quantities import WXYZ, XYZ
 from morph.record.recording import Channel, Recording
@@ -64,6 +65,21 @@ def test_a_steady_spin_has_its_rate_in_the_body_s_axes_whatever_signs_were_logge
     assert velocity[1:-1, dof : dof + 3] == pytest.approx(np.tile(spin, (199, 1)), abs=1e-4)
     same = np.abs(np.sum(position[:, at : at + 4] * quaternion, axis=1))
     assert same == pytest.approx(np.ones(201), abs=1e-12)
+
+
+def test_a_part_of_a_spin_has_the_orientations_of_its_readings(floating: Robot) -> None:
+    found, time = Measurement.of(floating), np.linspace(0.0, 4.0, 401)
+    quaternion = wxyz(Rotation.from_rotvec(time[:, None] * np.array([0.3, -0.4, 1.2])))
+    values = {name: np.zeros(401) for name in found.recorded}
+    values |= dict(zip(found.quaternions[0], quaternion.T, strict=True))
+    values |= {f"{actuator.name}.command": np.zeros(401) for actuator in floating.actuators}
+    channels = {name: Channel(time=time, value=each) for name, each in values.items()}
+    whole = episode(Recording(name="spin", channels=channels), floating, 0.01)
+    half = part(whole, 2.0, 3.0)
+    assert half.begin == 2.0
+    assert half.time == pytest.approx(np.linspace(0.0, 1.0, 101), abs=1e-9)
+    assert half.attitude == pytest.approx(whole.attitude[200:301], abs=1e-12)
+    assert len(half.command) == len(half.unsure) == 101
 
 
 def test_a_rotation_is_read_from_the_measured_orientation_along_the_world_s_axes() -> None:

@@ -10,14 +10,14 @@ import numpy as np
 from morph.app.viewer.figure import Figure, figure
 from morph.app.viewer.mismatch import loose, rollouts
 from morph.app.viewer.mismatch.diagnosed import Diagnosed, Found
-from morph.app.viewer.mismatch.laid import part_of, windows, with_commands
+from morph.app.viewer.mismatch.laid import windows, with_commands
 from morph.app.viewer.mismatch.missing import clearest, joint_of, missing
 from morph.app.viewer.mismatch.poses import poses, span, untold
 from morph.app.viewer.mismatch.take import CORRECTED, DESCRIBED, Ask, Missing, Model, Take
 from morph.app.viewer.mismatch.worst import STRETCH, worst_of, worst_stretches
 from morph.body.robot import Robot
 from morph.errors import DiagnosisError, MorphError
-from morph.model.episodes import Episode, episode, gaps, step_for
+from morph.model.episodes import Episode, episode, gaps, part, step_for
 from morph.model.split import split
 from morph.physics.effect import Effect
 from morph.record.recording import Recording
@@ -181,7 +181,7 @@ class Case:
         laid, why = (None, "") if untold(recording, self.robot) else self.laid(ask.episode)
         if laid is not None:
             try:
-                return self._scored(take, part_of(laid, begin, end))
+                return self._scored(take, part(laid, begin, end))
             except DiagnosisError as error:
                 why = error.what
         return self._loosely(take, recording, zero + begin, why)

@@ -9,7 +9,6 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.body.robot import Robot
-from morph.model.episodes import Episode
 from morph.record.recording import Channel, Recording
 
 WINDOW = 20.0
@@ -23,26 +22,6 @@ def windows(seconds: float) -> tuple[tuple[float, float], ...]:
     count = max(1, int(np.ceil(seconds / WINDOW - SPARE)))
     edges = [WINDOW * number for number in range(count)] + [seconds]
     return tuple(itertools.pairwise(edges))
-
-
-def part_of(episode: Episode, begin: float, end: float) -> Episode:
-    """Return a window of an episode, its time from 0 on; the whole of it is left as it is."""
-    last = float(episode.time[-1])
-    if begin <= 0.0 and end >= last:
-        return episode
-    first, until = round(begin / episode.step), round(end / episode.step)
-    zero = first * episode.step
-    inside = (episode.time >= zero) & (episode.time <= end)
-    return replace(
-        episode,
-        command=episode.command[first:until],
-        time=episode.time[inside] - zero,
-        reading=episode.reading[inside],
-        state=episode.state[inside],
-        position=episode.position[inside],
-        velocity=episode.velocity[inside],
-        acceleration=episode.acceleration[inside],
-    )
 
 
 def with_commands(recording: Recording, robot: Robot) -> tuple[Recording, tuple[str, ...]]:

@@ -14,7 +14,7 @@ from morph.app.viewer.mismatch.arrows import axes, scale_of, wrenches
 from morph.app.viewer.mismatch.case import Case
 from morph.app.viewer.mismatch.diagnosed import load_diagnosed
 from morph.app.viewer.mismatch.heat import by_error, by_force, forces
-from morph.app.viewer.mismatch.laid import part_of, windows
+from morph.app.viewer.mismatch.laid import windows
 from morph.app.viewer.mismatch.missing import clearest
 from morph.app.viewer.mismatch.take import CORRECTED, DESCRIBED, Ask
 from morph.app.viewer.motion import RATE
@@ -215,10 +215,6 @@ def test_a_window_holds_what_the_whole_holds_there(
     assert [round(end) for _, end in case.windows(0)] == [20, 30]
     whole, _ = case.laid(0)
     assert whole is not None
-    assert part_of(whole, 0.0, 30.0) is whole
-    later = part_of(whole, 20.0, 30.0)
-    zero = round(20.0 / whole.step) * whole.step
-    assert np.allclose(later.reading, whole.reading[whole.time >= zero])
     take = case.take(Ask(window=1, horizon=None))
     assert take.start == 20.0
     assert take.seconds == pytest.approx(10.0, abs=0.01)
