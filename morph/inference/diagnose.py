@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from morph.body.robot import Robot
 from morph.inference.rank import Progress, ranked
 from morph.inference.verdict import DiagnosisRuns, conclude
+from morph.model.commanded import by_effort
 from morph.model.diagnosis import Diagnosis
 from morph.model.episodes import Episode, episode, pieces, step_for, stretches
 from morph.model.hypothesis import Hypothesis
@@ -48,7 +49,7 @@ def diagnose(
     Args:
         robot: The nominal description.
         recordings: What the robot did: every joint's position, the pose of each link that moves
-            freely, every actuator's command.
+            freely, every actuator's command, or of motors the effort measured at their joint.
         held_out: Recordings to open only after the choice; empty sets a quarter aside.
         horizon: Seconds of the open-loop rollouts that are scored, at least 0.1; None
             for whole episodes.
@@ -66,6 +67,9 @@ def diagnose(
     started = time.monotonic()
     check_settings(horizon, budget, seed)
     check_recordings(recordings, held_out)
+    recordings, held_out = (
+        [by_effort(each, robot) for each in some] for some in (recordings, held_out)
+    )
     measured = Measurement.of(robot).needed
     for recording in (*recordings, *held_out):
         check_channels(recording, robot, measured)

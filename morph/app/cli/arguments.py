@@ -48,6 +48,37 @@ class Diagnose:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Compare:
+    """Say in seconds where, when and how much a description and its recordings part.
+
+    Nothing is fitted and nothing named: that is `morph diagnose`.
+
+    Example: morph compare double_pendulum rig.toml
+    """
+
+    robot: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="ROBOT")]
+    """A description (URDF, MJCF), a robot folder, or a name on the shelf."""
+    recordings: Annotated[
+        tyro.conf.Positional[tuple[Path, ...]], tyro.conf.arg(metavar="RECORDING ...")
+    ]
+    """Files or folders: CSV, NPZ, Parquet, HDF5, MCAP, ROS 2 bags; or a recording.toml."""
+    horizon: str = "1.0"
+    """Seconds of the rollouts, each from the state as recorded, or `full` for whole recordings."""
+    world: Annotated[str | None, tyro.conf.arg(metavar="NAME")] = None
+    """Where it moved: as `morph simulate --world`."""
+    root: Path | None = None
+    """Folder that a recording.toml's files are relative to, instead of its own `root`."""
+    state: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """Write the view of the worst moment there, for `morph view --state FILE`."""
+    html: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """Write that view as one page that opens without a network."""
+    json: bool = False
+    """Print JSON, by the schema morph.comparison/1."""
+    quiet: bool = False
+    """Show no progress."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class List:
     """List what morph knows.
 

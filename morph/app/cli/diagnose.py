@@ -33,7 +33,7 @@ def run_diagnose(asked: Diagnose) -> int:
 
     # Whatever the command line got wrong is told before any work is done.
     check_out(asked.out)
-    horizon, vary = _horizon(asked.horizon), _vary(asked.vary)
+    horizon, vary = horizon_of(asked.horizon), _vary(asked.vary)
     with lock_run_folder(asked.out, beside=True):
         found = _diagnosed(asked, horizon, vary)
         write_diagnosis(found, asked.out)
@@ -133,7 +133,12 @@ def _no_episode(option: str, name: str, given: Sequence[Recording]) -> Diagnosis
     )
 
 
-def _horizon(text: str) -> float | None:
+def horizon_of(text: str) -> float | None:
+    """Return the seconds of rollouts, None of whole recordings.
+
+    Raises:
+        DiagnosisError: It is no such time.
+    """
     if text == "full":
         return None
     try:

@@ -15,6 +15,7 @@ import morph
 from align.errors import AlignError
 from morph.app.cli.align_arguments import Align, Transfer
 from morph.app.cli.arguments import (
+    Compare,
     Convert,
     Diagnose,
     Inspect,
@@ -35,6 +36,7 @@ DONE, UNUSABLE, STOPPED_SHORT, INTERRUPTED = 0, 2, 3, 130
 
 Command = (
     Diagnose
+    | Compare
     | Inspect
     | Convert
     | Simulate
@@ -52,6 +54,7 @@ Command = (
 
 Asked = (
     Annotated[Diagnose, tyro.conf.subcommand("diagnose")]
+    | Annotated[Compare, tyro.conf.subcommand("compare")]
     | Annotated[Inspect, tyro.conf.subcommand("inspect")]
     | Annotated[Convert, tyro.conf.subcommand("convert")]
     | Annotated[Simulate, tyro.conf.subcommand("simulate")]
@@ -71,6 +74,8 @@ SUMMARY = """Compare the robot you think you have with what your robot did.
 Example: morph inspect poppy.urdf
 
 Example: morph simulate pendulum --start hinge=1 --video swing.mp4
+
+Example: morph compare double_pendulum rig.toml
 
 Example: morph diagnose double_pendulum rig.toml --out report
 
@@ -164,6 +169,10 @@ def _run(asked: Command) -> int:
         from morph.app.cli.list import run_list
 
         return run_list(asked)
+    if isinstance(asked, Compare):
+        from morph.app.cli.compare import run_compare
+
+        return run_compare(asked)
     if isinstance(asked, Inspect):
         from morph.app.cli.inspect import run_inspect
 

@@ -150,7 +150,10 @@ def _moved(
         )
     from morph.sim.stable import as_far_as_stable
 
-    command: dict[str, Command] = {**({} if policy is None else policy.commands()), **constant}
+    # What is told nothing is told zero, and a recording of it must say so.
+    robot = simulator.robot
+    command: dict[str, Command] = dict.fromkeys((each.name for each in robot.actuators), 0.0)
+    command |= {**({} if policy is None else policy.commands()), **constant}
     return as_far_as_stable(simulator, seconds=seconds, start=start, speed=speed, command=command)
 
 

@@ -51,7 +51,13 @@ def run_view(asked: View) -> int:
             given=given, saved=saved, notes=tuple(notes), command=view_given.command(asked)
         )
         if asked.html is not None:
-            return _write(asked, Path(asked.html), found[first](), opening, told.now)
+            shown, path = found[first](), Path(asked.html)
+            size = write_page(path, shown, opening, told.now)
+            if asked.json:
+                _say(view=shown.name, views=[shown.name], html=str(path), bytes=size)
+            elif not asked.quiet:
+                sys.stderr.write(f"{path} is written: {size / 1e6:.1f} MB\n")
+            return DONE
     _serve(asked, found, first, opening)
     return DONE
 
@@ -76,10 +82,8 @@ def _unfit(asked: View, saved: Saved | None, found: Makers) -> list[str]:
     return unfit
 
 
-def _write(
-    asked: View, path: Path, view: Shown, opening: Opening, now: Callable[[str], None]
-) -> int:
-    """Write one page that opens without a network."""
+def write_page(path: Path, view: Shown, opening: Opening, now: Callable[[str], None]) -> int:
+    """Write one page that opens without a network, and return how many bytes it has."""
     from dataclasses import replace
 
     from morph.app.viewer.export.page import exported_page
@@ -101,11 +105,7 @@ def _write(
         camera=None if saved is None else saved.camera,
     ).encode()
     write_whole(path, page)
-    if asked.json:
-        _say(view=view.name, views=[view.name], html=str(path), bytes=len(page))
-    elif not asked.quiet:
-        sys.stderr.write(f"{path} is written: {len(page) / 1e6:.1f} MB\n")
-    return DONE
+    return len(page)
 
 
 def _serve(asked: View, found: Makers, first: int, opening: Opening) -> None:

@@ -48,7 +48,7 @@ def check(asked: View) -> None:
             fix="give a whole number",
         )
     if asked.html is not None:
-        _check_page(Path(asked.html))
+        check_page(Path(asked.html), "--html")
 
 
 def _check_seconds(seconds: float | None, *, where: str, fix: str) -> None:
@@ -60,9 +60,14 @@ def _check_seconds(seconds: float | None, *, where: str, fix: str) -> None:
         )
 
 
-def _check_page(path: Path) -> None:
+def check_page(path: Path, option: str) -> None:
+    """Check that a file can be written.
+
+    Raises:
+        OutputError: It is a folder, or nothing can be written there.
+    """
     if path.is_dir():
-        raise OutputError("it is a folder", where=f"--html {path}", fix="name a file in it")
+        raise OutputError("it is a folder", where=f"{option} {path}", fix="name a file in it")
     above = path.absolute().parent
     while not above.exists():
         above = above.parent
@@ -71,7 +76,7 @@ def _check_page(path: Path) -> None:
     except OSError as error:
         raise OutputError(
             f"nothing can be written there: {error.strerror or error}",
-            where=f"--html {path}",
+            where=f"{option} {path}",
             fix="name a file in a folder that can be written to",
         ) from error
 

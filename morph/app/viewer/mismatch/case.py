@@ -10,13 +10,14 @@ import numpy as np
 from morph.app.viewer.figure import Figure, figure
 from morph.app.viewer.mismatch import loose, rollouts
 from morph.app.viewer.mismatch.diagnosed import Diagnosed, Found
-from morph.app.viewer.mismatch.laid import windows, with_commands
+from morph.app.viewer.mismatch.laid import windows
 from morph.app.viewer.mismatch.missing import clearest, joint_of, missing
 from morph.app.viewer.mismatch.poses import poses, span, untold
 from morph.app.viewer.mismatch.take import CORRECTED, DESCRIBED, Ask, Missing, Model, Take
 from morph.app.viewer.mismatch.worst import STRETCH, worst_of, worst_stretches
 from morph.body.robot import Robot
 from morph.errors import DiagnosisError, MorphError
+from morph.model.commanded import by_effort, told_zero
 from morph.model.episodes import Episode, episode, gaps, part, step_for
 from morph.model.split import split
 from morph.physics.effect import Effect
@@ -147,12 +148,16 @@ class Case:
     def laid(self, index: int) -> tuple[Episode | None, str]:
         """Return a recording as a diagnosis would read it, or None and why it cannot."""
         if index not in self._laid:
-            recording = with_commands(self.recordings[index], self.robot)[0]
+            recording = self._driven(index)
             try:
                 self._laid[index] = episode(recording, self.robot, self._step()), ""
             except MorphError as error:
                 self._laid[index] = None, error.what
         return self._laid[index]
+
+    def _driven(self, index: int) -> Recording:
+        """Return a recording that tells every actuator something."""
+        return told_zero(by_effort(self.recordings[index], self.robot), self.robot)
 
     def _step(self) -> float:
         """Return the seconds a step, as the diagnosis chose it where these are its recordings."""
@@ -162,7 +167,7 @@ class Case:
         return step_for(fitted or told, self.robot)
 
     def _taken(self, ask: Ask) -> Take:
-        recording, notes = with_commands(self.recordings[ask.episode], self.robot)
+        recording = self._driven(ask.episode)
         begin, end = self.windows(ask.episode)[ask.window]
         zero = span(recording, self.robot)[0]
         horizon, said = _horizon(ask.horizon, end - begin)
@@ -176,7 +181,7 @@ class Case:
             measured=measured,
             simulated={},
             traces=(),
-            notes=(*notes, *said, *(f"{note.where}: {note.what}" for note in recording.notes)),
+            notes=(*said, *(f"{note.where}: {note.what}" for note in recording.notes)),
         )
         laid, why = (None, "") if untold(recording, self.robot) else self.laid(ask.episode)
         if laid is not None:

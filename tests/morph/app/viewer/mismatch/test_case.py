@@ -70,7 +70,7 @@ def test_a_command_that_was_not_recorded_is_missing_as_a_constant_torque(pendulu
     assert np.allclose(missed.force, 0.3, atol=0.03)
     middle = (missed.time > 1.4) & (missed.time < 4.6)
     assert np.allclose(missed.force[middle], 0.3, atol=0.0075)
-    assert any("No command was recorded of hinge" in note for note in take.notes)
+    assert any("no command was recorded of hinge" in note for note in take.notes)
     scale = scale_of(case.figure, take)
     assert scale is not None
     arrows = wrenches(case.figure, take, DESCRIBED, scale)
@@ -92,7 +92,7 @@ def test_the_measured_effort_of_a_motor_stands_in_for_its_command(
     channels = {**without(run, "hinge.command").channels, "hinge.effort": measured}
     take = Case(pendulum, (replace(run, channels=channels),)).take(EACH_SECOND)
     assert take.traces[0].rmse[DESCRIBED] < 2e-3
-    assert any("measured effort is taken" in note for note in take.notes)
+    assert any("the effort measured at its joint is taken" in note for note in take.notes)
 
 
 def test_the_corrected_model_takes_the_error_away(

@@ -1,0 +1,156 @@
+"""`morph compare`: where, when and how much a description and recordings part, in words."""
+
+from __future__ import annotations
+
+import json
+import shlex
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from morph.app.cli.arguments import Compare
+from morph.app.cli.diagnose import horizon_of
+
+if TYPE_CHECKING:
+    from morph.app.viewer.state import Saved
+    from morph.body.robot import Robot
+    from morph.model.comparison import ChannelError, Comparison
+    from morph.record.recording import Recording
+
+
+def run_compare(asked: Compare) -> int:
+    """Compare as asked and return the exit status.
+
+    Raises:
+        MorphError: An input cannot be used or a file cannot be written.
+    """
+    from morph.app.cli.stages import stages
+    from morph.app.cli.view_given import check_page
+    from morph.body.load import load as load_robot
+    from morph.files import write_whole
+    from morph.model.comparison import compare
+    from morph.physics.worlds import world
+    from morph.record.distinct import check_distinct
+    from morph.record.load import load as load_recordings
+
+    # Whatever the command line got wrong is told before any work is done.
+    horizon = horizon_of(asked.horizon)
+    for option, path in (("--html", asked.html), ("--state", asked.state)):
+        if path is not None:
+            check_page(path, option)
+    with stages(asked.quiet) as told:
+        told.now("loading")
+        robot = load_robot(asked.robot)
+        recordings = [
+            each
+            for path in asked.recordings
+            for each in load_recordings(path, robot=robot, root=asked.root)
+        ]
+        check_distinct(recordings)
+        around = () if asked.world is None else world(asked.world, robot).effects
+        told.now("simulating")
+        found = compare(robot, recordings, effects=around, horizon=horizon)
+        saved = _saved(asked, robot, recordings, found)
+        if asked.state is not None:
+            write_whole(asked.state, saved.text().encode())
+        if asked.html is not None:
+            _write_page(asked, saved, told.now)
+    if asked.json:
+        sys.stdout.write(json.dumps(found.as_json(), indent=2) + "\n")
+    else:
+        sys.stdout.write(in_words(found) + "\n" + _further(asked) + "\n")
+    return 0
+
+
+def in_words(found: Comparison) -> str:
+    """Return what was found, a line for each channel, the farthest off first."""
+    span = "whole recordings" if found.horizon is None else f"rollouts of {found.horizon:g} s"
+    parting = sum(each.parts for each in found.channels)
+    several = len(found.recordings) != 1
+    lines = [
+        f"{found.robot} as described, beside {len(found.recordings)} "
+        f"recording{'s' * several} of {found.seconds:.3g} s "
+        f"({found.rollouts} {span} from recorded states):",
+        f"  {parting} of {len(found.channels)} channels part by more than their noise",
+    ]
+    lines += [f"  {_line(each)}" for each in found.channels]
+    return "\n".join([*lines, *(f"  note: {note}" for note in found.notes)])
+
+
+def _line(each: ChannelError) -> str:
+    force = "N m" if each.unit == "rad" else "N"
+    size = f"{each.channel}: {each.error:.3g} {each.unit} off, RMS, "
+    size += f"{each.error / each.noise:,.1f} times the noise"
+    if not each.parts:
+        return f"{size}; as described"
+    worst = each.worst
+    return (
+        f"{size}; most in {worst.recording} from {worst.start:.1f} to {worst.end:.1f} s "
+        f"({worst.error:.3g} {each.unit}); {each.missing:.3g} {force} missing, RMS"
+    )
+
+
+def _further(asked: Compare) -> str:
+    """Return the commands that show and that name what parts."""
+    given = [str(path) for path in asked.recordings]
+    root = [] if asked.root is None else ["--root", str(asked.root)]
+    around = [] if asked.world is None else ["--world", asked.world]
+    shown = ["morph", "view", asked.robot]
+    for path in given:
+        shown += ["--recording", path]
+    if asked.state is not None:
+        shown = ["morph", "view", "--state", str(asked.state)]
+    else:
+        shown += [*root, *around, "--first", "mismatch"]
+    named = ["morph", "diagnose", asked.robot, *given, *root, "--out", "DIR"]
+    return f"to see it: {shlex.join(shown)}\nto name what is missing: {shlex.join(named)}"
+
+
+def _saved(
+    asked: Compare, robot: Robot, recordings: Sequence[Recording], found: Comparison
+) -> Saved:
+    """Return the view of the moment at which they part most."""
+    from morph.app.viewer.mismatch.laid import windows
+    from morph.app.viewer.mismatch.poses import span
+    from morph.app.viewer.state import Body, Saved, Sources
+
+    worst = found.channels[0].worst
+    start, end = span(next(r for r in recordings if r.name == worst.recording), robot)
+    parts = windows(end - start)
+    window = max(at for at, (begin, _) in enumerate(parts) if begin <= worst.start)
+    chosen = {"recording": worst.recording, "window": window, "horizon_s": found.horizon}
+    return Saved(
+        given=Sources(
+            bodies=(Body(asked=asked.robot, sha256=robot.sha256),),
+            recordings=tuple(str(path) for path in asked.recordings),
+            root=None if asked.root is None else str(asked.root),
+            world=asked.world,
+        ),
+        view="mismatch",
+        views={"mismatch": chosen},
+        time=worst.start - parts[window][0],
+        playing=False,
+    )
+
+
+def _write_page(asked: Compare, saved: Saved, now: Callable[[str], None]) -> None:
+    """Write the page of that view, which opens without a network."""
+    from morph.app.cli import view_given
+    from morph.app.cli.view import write_page
+    from morph.app.cli.view_arguments import View
+    from morph.app.viewer.opening import Opening
+    from morph.app.viewer.views.views import makers
+
+    view = View(
+        robots=(asked.robot,),
+        recording=tuple(str(path) for path in asked.recordings),
+        root=asked.root,
+        world=asked.world,
+        first="mismatch",
+    )
+    given, notes = view_given.given(view, saved, now)
+    found, first = makers(given, saved.view)
+    command = view_given.command(view)
+    opening = Opening(given=given, saved=saved, notes=tuple(notes), command=command)
+    write_page(Path(asked.html or ""), found[first](), opening, now)

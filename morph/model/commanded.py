@@ -1,0 +1,63 @@
+"""What drives a robot where a recording does not hold all commands."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from morph.arrays import Array
+from morph.body.robot import Robot
+from morph.body.spec import spec_of
+from morph.record.recording import Channel, Note, Recording
+
+
+def by_effort(recording: Recording, robot: Robot) -> Recording:
+    """Return a recording in which measured efforts stand for commands of motors that lack them.
+
+    Args:
+        recording: What was recorded; each stand-in is noted.
+        robot: Its robot. An effort at a joint is a command times the motor's gear and gain.
+    """
+    channels, notes = dict(recording.channels), []
+    lacking = [
+        (actuator, f"{actuator.name}.command", f"{actuator.joint}.effort")
+        for actuator in robot.actuators
+        if f"{actuator.name}.command" not in channels and actuator.kind == "motor"
+    ]
+    lacking = [each for each in lacking if each[2] in channels]
+    if not lacking:
+        return recording
+    model = spec_of(robot).compile()
+    for actuator, command, effort in lacking:
+        motor = model.actuator(actuator.name)
+        measured = channels[effort]
+        value = measured.value / float(motor.gear[0] * motor.gainprm[0])
+        channels[command] = replace(measured, value=value, hold=True)
+        notes.append(
+            Note(
+                what=f"{actuator.name} has no recorded command: the effort measured at its joint "
+                "is taken for it",
+                where=f"recording {recording.name}",
+            )
+        )
+    return replace(recording, channels=channels, notes=(*recording.notes, *notes))
+
+
+def told_zero(recording: Recording, robot: Robot) -> Recording:
+    """Return a recording in which actuators without a command are told zero.
+
+    That is what `morph simulate` does where nothing is said; it is noted.
+    """
+    told = recording.channels
+    names = [each.name for each in robot.actuators if f"{each.name}.command" not in told]
+    if not names:
+        return recording
+    span: Array = np.array([recording.start, recording.end])
+    zero = Channel(time=span, value=np.zeros(2), hold=True)
+    note = Note(
+        what=f"no command was recorded of {', '.join(names)}: the simulation is told 0",
+        where=f"recording {recording.name}",
+    )
+    channels = {**told, **{f"{name}.command": zero for name in names}}
+    return replace(recording, channels=channels, notes=(*recording.notes, note))

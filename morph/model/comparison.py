@@ -1,0 +1,167 @@
+"""Where, when and how much a description and recordings part; nothing is fitted, nothing named."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+
+import numpy as np
+
+from morph.arrays import JSON
+from morph.body.robot import Robot
+from morph.model.commanded import by_effort, told_zero
+from morph.model.episodes import Episode, episode, pieces, step_for
+from morph.model.hypothesis import Hypothesis
+from morph.model.measurement import Measurement
+from morph.model.motion import needed
+from morph.model.score import rmse, rollouts
+from morph.model.segments import Segments, scored_segments
+from morph.model.usable import check_channels
+from morph.physics.effect import Effect
+from morph.record.recording import Recording
+
+SCHEMA = "morph.comparison/1"
+
+PARTED = 2.0
+"""Error over a channel's noise above which description and recordings part."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Moment:
+    """A rollout of one recording."""
+
+    recording: str
+    """The recording's name."""
+    start: float
+    """From, s since the recording began."""
+    end: float
+    """To, s."""
+    error: float
+    """Root mean square error of a channel in it."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ChannelError:
+    """How far rollouts of a description are from one channel."""
+
+    channel: str
+    """Its name."""
+    unit: str
+    """Of its values, rad or m."""
+    error: float
+    """Root mean square error over all rollouts."""
+    noise: float
+    """Standard deviation of the readings' noise."""
+    missing: float
+    """Root mean square of the generalized force that the motion needs beside the model's, N m or N;
+    motion is looked at 40 times a second and smoothed."""
+    worst: Moment
+    """Where the error is greatest."""
+
+    @property
+    def parts(self) -> bool:
+        """Whether the error is more than noise and smoothed starts make."""
+        return self.error > PARTED * self.noise
+
+
+@dataclass(frozen=True, kw_only=True)
+class Comparison:
+    """A description held against recordings."""
+
+    robot: str
+    """The robot's name."""
+    sha256: str
+    """Of its description and card."""
+    recordings: tuple[str, ...]
+    """Their names."""
+    seconds: float
+    """How long they last together."""
+    rollouts: int
+    """How many rollouts were compared."""
+    horizon: float | None
+    """Seconds of each, from states as recorded; None of whole recordings."""
+    channels: tuple[ChannelError, ...]
+    """Each channel, the farthest off in units of its noise first."""
+    notes: tuple[str, ...]
+    """What was dropped, repaired or put in, in words."""
+
+    def as_json(self) -> JSON:
+        """Return it by the schema morph.comparison/1."""
+        channels = [{**asdict(each), "parts": each.parts} for each in self.channels]
+        return {"schema": SCHEMA, **asdict(self), "channels": channels}
+
+
+def compare(
+    robot: Robot,
+    recordings: Sequence[Recording],
+    *,
+    effects: Sequence[Effect] = (),
+    horizon: float | None = 1.0,
+) -> Comparison:
+    """Return where, when and how much a description and recordings part.
+
+    Args:
+        robot: The description.
+        recordings: What the robot did, at least one: every joint's position and the pose of each
+            link that moves freely. Of actuators without a command, efforts measured at the joints
+            of motors stand for it; others are told zero.
+        effects: What acts on it beside the description, such as water.
+        horizon: Seconds of the rollouts, at least 0.1; None for whole recordings, as where the
+            shortest is shorter.
+
+    Raises:
+        RecordingError: A channel is missing or holds what cannot be.
+        DiagnosisError: A recording is shorter than half a second, or too few readings were taken.
+    """
+    recordings = [told_zero(by_effort(each, robot), robot) for each in recordings]
+    for recording in recordings:
+        check_channels(recording, robot, Measurement.of(robot).needed)
+    step = step_for(recordings, robot)
+    laid = [piece for recording in recordings for piece in pieces(recording, robot, step)]
+    laid = laid or [episode(recording, robot, step) for recording in recordings]
+    if horizon is not None and min(len(each.command) for each in laid) * step < horizon:
+        horizon = None
+    segments = scored_segments(laid, horizon)
+    model = Hypothesis(robot=robot, step=step, knobs=(), effects=tuple(effects))
+    predicted = rollouts({"described": (model, model.start)}, segments)["described"]
+    missing = np.concatenate(
+        [needed(model, model.start, each, suspects=False).missing for each in laid]
+    )
+    errors = rmse(segments, predicted)
+    squared = np.where(segments.valid[..., None], (segments.reading - predicted) ** 2, 0.0)
+    by_rollout = np.sqrt(squared.sum(axis=1) / segments.valid.sum(axis=1)[:, None])
+    channels = []
+    for at, channel in enumerate(segments.measurement.channels):
+        row = int(np.argmax(by_rollout[:, at]))
+        channels.append(
+            ChannelError(
+                channel=channel,
+                unit=segments.measurement.units[at],
+                error=float(errors[at]),
+                noise=float(segments.noise[at]),
+                missing=float(np.sqrt(np.mean(missing[:, at] ** 2))),
+                worst=_moment(segments, row, float(by_rollout[row, at])),
+            )
+        )
+    return Comparison(
+        robot=robot.name,
+        sha256=robot.sha256,
+        recordings=tuple(recording.name for recording in recordings),
+        seconds=sum(_lasted(each) for each in laid),
+        rollouts=len(segments),
+        horizon=horizon,
+        channels=tuple(sorted(channels, key=lambda each: -each.error / each.noise)),
+        notes=tuple(f"{n.where}: {n.what}" for recording in recordings for n in recording.notes),
+    )
+
+
+def _moment(segments: Segments, row: int, error: float) -> Moment:
+    whole = segments.episodes[int(segments.episode[row])]
+    zero = whole.begin or 0.0
+    start, end = segments.seconds(row)
+    name = whole.recording.name
+    return Moment(recording=name, start=zero + start, end=zero + end, error=error)
+
+
+def _lasted(each: Episode) -> float:
+    return float(each.time[-1])
