@@ -22,8 +22,9 @@ from morph.record.recording import Recording
 
 SCHEMA = "morph.comparison/1"
 
-PARTED = 2.0
-"""Error over a channel's noise above which description and recordings part."""
+PARTED, LITTLE = 2.0, 0.01
+"""Error over a channel's noise, and over its motion, above both of which description and recordings
+part: rollouts start from smoothed states, which err by some of the noise and of the motion."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,6 +53,8 @@ class ChannelError:
     """Root mean square error over all rollouts."""
     noise: float
     """Standard deviation of the readings' noise."""
+    motion: float
+    """Root mean square of how far it moves from where rollouts start."""
     missing: float
     """Root mean square of the generalized force that the motion needs beside the model's, N m or N;
     motion is looked at 40 times a second and smoothed."""
@@ -61,7 +64,7 @@ class ChannelError:
     @property
     def parts(self) -> bool:
         """Whether the error is more than noise and smoothed starts make."""
-        return self.error > PARTED * self.noise
+        return self.error > max(PARTED * self.noise, LITTLE * self.motion)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -129,6 +132,9 @@ def compare(
     )
     errors = rmse(segments, predicted)
     squared = np.where(segments.valid[..., None], (segments.reading - predicted) ** 2, 0.0)
+    space, count = segments.measurement.coordinates, segments.reading.shape[1]
+    rested = np.repeat(segments.start[:, None, : space.positions], count, axis=1)
+    motions = rmse(segments, segments.measurement.read(rested, segments.attitude))
     by_rollout = np.sqrt(squared.sum(axis=1) / segments.valid.sum(axis=1)[:, None])
     channels = []
     for at, channel in enumerate(segments.measurement.channels):
@@ -139,6 +145,7 @@ def compare(
                 unit=segments.measurement.units[at],
                 error=float(errors[at]),
                 noise=float(segments.noise[at]),
+                motion=float(motions[at]),
                 missing=float(np.sqrt(np.mean(missing[:, at] ** 2))),
                 worst=_moment(segments, row, float(by_rollout[row, at])),
             )

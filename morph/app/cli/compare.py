@@ -72,7 +72,7 @@ def in_words(found: Comparison) -> str:
         f"{found.robot} as described, beside {len(found.recordings)} "
         f"recording{'s' * several} of {found.seconds:.3g} s "
         f"({found.rollouts} {span} from recorded states):",
-        f"  {parting} of {len(found.channels)} channels part by more than their noise",
+        f"  {parting} of {len(found.channels)} channels part by more than noise",
     ]
     lines += [f"  {_line(each)}" for each in found.channels]
     return "\n".join([*lines, *(f"  note: {note}" for note in found.notes)])
@@ -81,6 +81,8 @@ def in_words(found: Comparison) -> str:
 def _line(each: ChannelError) -> str:
     force = "N m" if each.unit == "rad" else "N"
     size = f"{each.channel}: {each.error:.3g} {each.unit} off, RMS, "
+    if each.motion > 0.0:
+        size += f"{100.0 * each.error / each.motion:.2g} % of its motion, "
     size += f"{each.error / each.noise:,.1f} times the noise"
     if not each.parts:
         return f"{size}; as described"
