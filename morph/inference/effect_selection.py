@@ -13,14 +13,14 @@ import numpy as np
 from morph.arrays import Array
 from morph.inference.dictionary import search_beside
 from morph.inference.finalist import CERTAIN, Finalist, better, gains, under
-from morph.inference.observed import Observed, settled
+from morph.inference.observed import Observed, missing, settled
 from morph.inference.output_error import output_error
 from morph.inference.quadratic import quadratic
 from morph.inference.refit import Refit, refitted, seen
 from morph.inference.refit import under as refit_under
 from morph.inference.search import Explanation, Prior, Search
 from morph.inference.simulated import likeliest_limit, simulated
-from morph.inference.validate import FAR, Validation, evidence_decides, missing, needed
+from morph.inference.validate import FAR, Validation, evidence_decides, needed
 from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis
 from morph.physics.effect import Effect

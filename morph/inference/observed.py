@@ -113,6 +113,12 @@ def settled(seen: Observed) -> Observed:
     return replace(seen, about=replace(seen.about, disturbance=disturbance))
 
 
+def missing(runs: Sequence[Observed]) -> float:
+    """Return the missing force over the inertial force, RMS, of the worst joint."""
+    squared = [(run.about.disturbance.scale / run.about.inertial) ** 2 for run in runs]
+    return float(np.sqrt(np.mean(squared, axis=0).max()))
+
+
 class _Bodies(Mapping[str, BodyMotion]):
     """How links move, computed when first asked for: few effects ask."""
 

@@ -15,8 +15,9 @@ from dataclasses import dataclass, replace
 
 from morph.inference.effect_selection import EffectSelection, labels
 from morph.inference.finalist import Finalist, under
+from morph.inference.observed import missing
 from morph.inference.search import Prior, Search
-from morph.inference.validate import FAR, Validation, at_noise, missing
+from morph.inference.validate import FAR, Validation, at_noise
 from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis
 from morph.physics.effect import Effect

@@ -11,7 +11,7 @@ import numpy as np
 
 from morph.arrays import Array, Integers
 from morph.inference.columns import acting
-from morph.inference.observed import Observed, observed, settled
+from morph.inference.observed import Observed, missing, observed, settled
 from morph.inference.quadratic import information, offset, quadratic
 from morph.inference.whitened import Whitened, whitened
 from morph.model.episodes import Episode
@@ -26,6 +26,8 @@ TRIALS = ((0.0, 1.0), (0.03, 1.0), (0.0, 0.3), (1.0, 1.0), (0.0, 0.1))
 parameters multiply, a share shortens it where a law has an edge."""
 ESTIMATES = 4
 """Most estimates of the disturbances."""
+HOPELESS = 5.0
+"""Missing force over the inertial force, RMS, with which a set that was added ends after one."""
 SETTLED = 1.0
 """Nats: a refit ends with a step that gains less evidence."""
 
@@ -120,23 +122,30 @@ def refitted(
         runs = seen(hypothesis, point, episodes, runs) if hypothesis.effects else runs
     else:
         runs = seen(hypothesis, point, episodes, runs)
-    best = _converged(_judged(hypothesis, point, runs, len(point)), episodes, rounds, deadline)
+    most = math.inf if origin is None else HOPELESS
+    first = _judged(hypothesis, point, runs, len(point))
+    best = _converged(first, episodes, rounds, most, deadline)
     if origin is None:
         return best
     idle, price = _idle(hypothesis, origin), 0.5 * (len(point) - len(origin.point))
     for share in NEARER:
         enough = origin.evidence - price * math.log(readings(runs))
-        if best.evidence >= enough or time.monotonic() > deadline:
+        if best.evidence >= enough or missing(best.runs) > HOPELESS or time.monotonic() > deadline:
             break
         near = idle + share * (point - idle)
         first = _judged(hypothesis, near, seen(hypothesis, near, episodes, origin.runs), len(near))
-        again = _converged(first, episodes, rounds, deadline)
+        again = _converged(first, episodes, rounds, most, deadline)
         best = max(best, again, key=lambda each: each.evidence)
     return best
 
 
-def _converged(best: Refit, episodes: Sequence[Episode], rounds: int, deadline: float) -> Refit:
-    """Return a refit after Gauss-Newton steps and estimates of the disturbances in turn."""
+def _converged(
+    best: Refit, episodes: Sequence[Episode], rounds: int, most: float, deadline: float
+) -> Refit:
+    """Return a refit after Gauss-Newton steps and estimates of the disturbances in turn.
+
+    It ends where more force is missing than `most` of the inertial force.
+    """
     for _ in range(ESTIMATES):
         if time.monotonic() > deadline:
             break
@@ -145,7 +154,7 @@ def _converged(best: Refit, episodes: Sequence[Episode], rounds: int, deadline: 
         runs = each(settled, best.runs)
         anew = _judged(best.hypothesis, best.point, runs, best.rank)
         last, best = best, max(best, anew, key=lambda each: each.evidence)
-        if best.evidence < last.evidence + SETTLED:
+        if best.evidence < last.evidence + SETTLED or missing(best.runs) > most:
             break
     return best
 

@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from morph.arrays import Array, Integers
-from morph.inference.observed import Observed
+from morph.inference.observed import Observed, missing
 from morph.inference.quadratic import LogPosterior
 from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis
@@ -222,12 +222,6 @@ def at_noise(runs: Sequence[Observed], force: float = LITTLE_FORCE) -> bool:
         if run.about.disturbance.vibration is not None
     ]
     return missing(runs) < force and float(np.sqrt(np.mean(vibrations))) < LITTLE_VIBRATION
-
-
-def missing(runs: Sequence[Observed]) -> float:
-    """Return the missing force over the inertial force, RMS, of the worst joint."""
-    squared = [(run.about.disturbance.scale / run.about.inertial) ** 2 for run in runs]
-    return float(np.sqrt(np.mean(squared, axis=0).max()))
 
 
 def needed(

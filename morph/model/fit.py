@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -27,6 +27,8 @@ DAMPED = (1e-3, 3e-2, 1.0)
 narrow valley, where shares of it only shorten it."""
 TOLERANCE = 2e-3
 """Relative gain in cost below which a fit stops."""
+LIKE = 0.02
+"""The same of a step after which exact derivatives still hold."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -157,6 +159,7 @@ def fit(
         if gained > 0.0:
             error = residual(segments, read[best], scale).reshape(len(segments), -1)
             around = around.after(points[best] - point, error, starts[best], steps[best])
+            around = replace(around, exact=exact and gained < LIKE * cost)
             point, start = points[best], starts[best]
         if gained < TOLERANCE * cost:
             if exact:
