@@ -16,7 +16,7 @@ from morph.model.shooting import predict, quadratic, sensitivity
 
 SCALINGS, STEPS = 3, 4
 """Most estimates of the errors' sizes, and steps under each."""
-MOST_FITTED = 20
+MOST_FITTED = 30
 """Most stretches that are fitted, an even spread of those by which sets are compared."""
 FALLEN = 0.02
 """Logarithm of the factor by which errors must fall for another estimate of their sizes."""

@@ -27,7 +27,7 @@ DAMPED = (1e-3, 3e-2, 1.0)
 narrow valley, where shares of it only shorten it."""
 TOLERANCE = 2e-3
 """Relative gain in cost below which a fit stops."""
-LIKE = 0.02
+LIKE = 0.1
 """The same of a step after which exact derivatives still hold."""
 
 
