@@ -257,6 +257,19 @@ def test_no_set_is_refitted_twice(task: EffectSelection, monkeypatch: pytest.Mon
     assert calls == [[each.label for each in best.effects]]
 
 
+@pytest.mark.parametrize(("better", "refits"), [(True, 1), (False, 2)])
+def test_sets_proposed_later_are_refitted_only_where_none_before_is_better(
+    task: EffectSelection, monkeypatch: pytest.MonkeyPatch, better: bool, refits: int
+) -> None:
+    base = found(task, task.nominal)
+    search = task.search(base)
+    best, other = [one for one in search.sets(1) if len(one.effects) == 1][:2]
+    monkeypatch.setattr(EffectSelection, "proposals", lambda *rest: [[best], [other]])
+    monkeypatch.setattr("morph.inference.effect_selection.gains", lambda *rest: better)
+    tried, _ = task.added(base, search, 1)
+    assert len(tried) == refits
+
+
 @pytest.mark.parametrize(("sure", "other", "taken"), [
     (False, StribeckFriction(joint="axle"), False),
     (True, StribeckFriction(joint="axle"), True),
