@@ -54,10 +54,13 @@ def consistent_with_itself(found: Diagnosis) -> None:
 
 
 def test_dry_friction_is_found_named_and_measured(pendulum: Robot, recorded: Recorded) -> None:
-    found = diagnose(
-        pendulum, runs(pendulum, recorded, CoulombFriction(joint="hinge", c=0.05)), seed=0
-    )
+    first, *others = runs(pendulum, recorded, CoulombFriction(joint="hinge", c=0.05))
+    # Of the first the motor's effort was logged, and no command.
+    channels = dict(first.channels)
+    channels["hinge.effort"] = channels.pop("hinge.command")
+    found = diagnose(pendulum, [replace(first, channels=channels), *others], seed=0)
     consistent_with_itself(found)
+    assert any("the effort measured at its joint is taken for it" in note for note in found.notes)
     assert found.verdict == "mismatch"
     assert [finding.effect.label for finding in found.findings] == ["coulomb_friction@hinge"]
     # Encoders see 2e-4 rad of swings of 1 rad, and 0.05 N m takes 1 % of 4.9 N m in each.
