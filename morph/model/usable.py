@@ -99,7 +99,8 @@ def check_channels(recording: Recording, robot: Robot, measured: Sequence[str]) 
                 f"there is no channel {name!r}; there are {', '.join(sorted(recording.channels))}",
                 where=f"recording {recording.name}",
                 fix="bind it in recording.toml, or of a motor the effort at its joint; for an "
-                "actuator that was off, add a column of zeros, or take the actuator out of the description or its card",
+                "actuator that was off, add a column of zeros, or take the actuator out of the "
+                "description or its card",
             )
         _within(recording, name, recording.channel(name), STRONGEST)
 
