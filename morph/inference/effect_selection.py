@@ -12,7 +12,7 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.inference.dictionary import search_beside
-from morph.inference.finalist import CERTAIN, Finalist, better, gains, under
+from morph.inference.finalist import CERTAIN, Finalist, better, gains, labels, under
 from morph.inference.observed import Observed, missing, settled
 from morph.inference.output_error import output_error
 from morph.inference.quadratic import quadratic
@@ -296,8 +296,3 @@ class EffectSelection:
         if other.simpler == effect.name and not self.validation.sure(best.losses, new.losses):
             return False
         return gains(best, new, self.validation)
-
-
-def labels(effects: Sequence[Effect]) -> frozenset[str]:
-    """Return the labels of effects."""
-    return frozenset(effect.label for effect in effects)

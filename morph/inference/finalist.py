@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from morph.arrays import Array
@@ -67,3 +68,8 @@ def better(one: Finalist, other: Finalist, validation: Validation) -> Finalist:
     """Return the likelier of two, unless the other is surely better in rollouts."""
     first, second = sorted((one, other), key=lambda each: -each.evidence)
     return second if validation.sure(first.fitted, second.losses) else first
+
+
+def labels(effects: Sequence[Effect]) -> frozenset[str]:
+    """Return the labels of effects."""
+    return frozenset(effect.label for effect in effects)

@@ -13,8 +13,8 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from morph.inference.effect_selection import EffectSelection, labels
-from morph.inference.finalist import Finalist, under
+from morph.inference.effect_selection import EffectSelection
+from morph.inference.finalist import Finalist, labels, under
 from morph.inference.observed import missing
 from morph.inference.search import Prior, Search
 from morph.inference.validate import FAR, Validation, at_noise

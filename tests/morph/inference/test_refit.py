@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -17,7 +15,7 @@ from morph.inference.columns import Columns, acting
 from morph.inference.dictionary import RARE, search_beside
 from morph.inference.observed import observed
 from morph.inference.quadratic import LogPosterior, information, offset, quadratic
-from morph.inference.refit import Refit, refitted, seen
+from morph.inference.refit import refitted, seen
 from morph.inference.validate import Validation
 from morph.model.episodes import Episode, episode
 from morph.model.hypothesis import Hypothesis
@@ -105,27 +103,6 @@ def test_the_true_figures_are_recovered(nominal: Hypothesis, run: Episode) -> No
     assert viscous == pytest.approx(VISCOUS, abs=0.03)
     assert coulomb == pytest.approx(COULOMB, abs=0.04)
     assert bias == pytest.approx(BIAS, abs=3e-3)
-
-
-@pytest.mark.parametrize(("force", "estimates"), [(4.0, 4), (6.0, 1)])
-def test_a_set_that_leaves_most_of_the_force_missing_is_not_refitted_to_the_end(
-    nominal: Hypothesis, run: Episode, monkeypatch: pytest.MonkeyPatch, force: float, estimates: int
-) -> None:
-    origin = refitted(nominal, nominal.start, [run])
-    whole, done = nominal.adding(MISSING[0]), []
-
-    def descended(best: Refit, episodes: Sequence[Episode], rounds: int) -> Refit:
-        done.append(best)
-        return best
-
-    def likelier(hypothesis: Hypothesis, point: Array, runs: Any, rank: int) -> Refit:
-        return replace(origin, evidence=origin.evidence + 1e6 * (1 + len(done)))
-
-    monkeypatch.setattr("morph.inference.refit._descended", descended)
-    monkeypatch.setattr("morph.inference.refit._judged", likelier)
-    monkeypatch.setattr("morph.inference.refit.missing", lambda runs: force)
-    refitted(whole, whole.start, [run], origin=origin)
-    assert len(done) == estimates
 
 
 def test_each_missing_effect_costs_evidence(nominal: Hypothesis, run: Episode) -> None:
