@@ -146,6 +146,8 @@ def _searched(
     tried: list[Finalist] = []
     later, first = (FAR_ROUNDS, 0.5) if task.by_rollouts else (MOST_ROUNDS, 0.1)
     for turn, most in enumerate((MOST_FIRST, *[LATER] * later)):
+        if task.late():
+            break
         share = 0.8 - (0.8 - first) * 0.7**turn
         progress(f"looking for what is missing (round {turn + 1})", share)
         new, best = task.added(base, search, most)
@@ -155,6 +157,4 @@ def _searched(
             break
         search = task.search(base)
         task = replace(task, prior=search.prior)
-        if task.late():
-            break
     return task, tried, base, search

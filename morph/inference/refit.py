@@ -27,7 +27,7 @@ parameters multiply, a share shortens it where a law has an edge."""
 ESTIMATES = 4
 """Most estimates of the disturbances."""
 HOPELESS = 5.0
-"""Missing force over the inertial force, RMS, with which a set that was added ends after one."""
+"""Missing force over the inertial force, RMS, above which a larger set gets one estimate alone."""
 SETTLED = 1.0
 """Nats: a refit ends with a step that gains less evidence."""
 

@@ -16,7 +16,7 @@ from morph.model.measurement import Measurement
 from morph.model.motion import needed
 from morph.model.score import rmse, rollouts
 from morph.model.segments import Segments, scored_segments
-from morph.model.usable import check_channels
+from morph.model.usable import check_channels, check_recordings
 from morph.physics.effect import Effect
 from morph.record.recording import Recording
 
@@ -28,7 +28,7 @@ part: rollouts start from smoothed states, which err by some of the noise and of
 
 
 @dataclass(frozen=True, kw_only=True)
-class Moment:
+class WorstRollout:
     """A rollout of one recording."""
 
     recording: str
@@ -58,7 +58,7 @@ class ChannelError:
     missing: float
     """Root mean square of the generalized force that the motion needs beside the model's, N m or N;
     motion is looked at 40 times a second and smoothed."""
-    worst: Moment
+    worst: WorstRollout
     """Where the error is greatest."""
 
     @property
@@ -68,7 +68,7 @@ class ChannelError:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Comparison:
+class RolloutComparison:
     """A description held against recordings."""
 
     robot: str
@@ -100,7 +100,7 @@ def compare(
     *,
     effects: Sequence[Effect] = (),
     horizon: float | None = 1.0,
-) -> Comparison:
+) -> RolloutComparison:
     """Return where, when and how much a description and recordings part.
 
     Args:
@@ -109,22 +109,25 @@ def compare(
             link that moves freely. Of actuators without a command, efforts measured at the joints
             of motors stand for it; others are told zero.
         effects: What acts on it beside the description, such as water.
-        horizon: Seconds of the rollouts, at least 0.1; None for whole recordings, as where the
-            shortest is shorter.
+        horizon: Seconds of the rollouts, at least 0.1; None for whole recordings, as where
+            none is as long.
 
     Raises:
         RecordingError: A channel is missing or holds what cannot be.
         DiagnosisError: A recording is shorter than half a second, or too few readings were taken.
     """
     recordings = [told_zero(by_effort(each, robot), robot) for each in recordings]
+    check_recordings(recordings, ())
     for recording in recordings:
         check_channels(recording, robot, Measurement.of(robot).needed)
     step = step_for(recordings, robot)
     laid = [piece for recording in recordings for piece in pieces(recording, robot, step)]
     laid = laid or [episode(recording, robot, step) for recording in recordings]
-    if horizon is not None and min(len(each.command) for each in laid) * step < horizon:
+    if horizon is not None and max(len(each.command) for each in laid) * step < horizon:
         horizon = None
     segments = scored_segments(laid, horizon)
+    used = {segments.episodes[at].recording.name for at in segments.episode.tolist()}
+    short = [each.name for each in recordings if each.name not in used]
     model = Hypothesis(robot=robot, step=step, knobs=(), effects=tuple(effects))
     predicted = rollouts({"described": (model, model.start)}, segments)["described"]
     missing = np.concatenate(
@@ -150,7 +153,7 @@ def compare(
                 worst=_moment(segments, row, float(by_rollout[row, at])),
             )
         )
-    return Comparison(
+    return RolloutComparison(
         robot=robot.name,
         sha256=robot.sha256,
         recordings=tuple(recording.name for recording in recordings),
@@ -158,16 +161,19 @@ def compare(
         rollouts=len(segments),
         horizon=horizon,
         channels=tuple(sorted(channels, key=lambda each: -each.error / each.noise)),
-        notes=tuple(f"{n.where}: {n.what}" for recording in recordings for n in recording.notes),
+        notes=(
+            *(f"{n.where}: {n.what}" for recording in recordings for n in recording.notes),
+            *(f"recording {name}: too short for a rollout, left out" for name in short),
+        ),
     )
 
 
-def _moment(segments: Segments, row: int, error: float) -> Moment:
+def _moment(segments: Segments, row: int, error: float) -> WorstRollout:
     whole = segments.episodes[int(segments.episode[row])]
     zero = whole.begin or 0.0
     start, end = segments.seconds(row)
     name = whole.recording.name
-    return Moment(recording=name, start=zero + start, end=zero + end, error=error)
+    return WorstRollout(recording=name, start=zero + start, end=zero + end, error=error)
 
 
 def _lasted(each: Episode) -> float:

@@ -56,7 +56,7 @@ def check_recordings(train: Sequence[Recording], held_out: Sequence[Recording]) 
             "every recording is held out, none is left to fit"
             if held_out
             else "there is no recording to fit",
-            where="morph diagnose",
+            where="the recordings",
             fix="give at least one recording of the robot in motion to fit",
         )
     names = [recording.name for recording in (*train, *held_out)]
@@ -64,7 +64,7 @@ def check_recordings(train: Sequence[Recording], held_out: Sequence[Recording]) 
     if twice:
         raise DiagnosisError(
             f"several recordings are called {', '.join(twice)}",
-            where="morph diagnose",
+            where="the recordings",
             fix="give each file or episode a name of its own",
         )
 

@@ -15,7 +15,7 @@ from morph.app.cli.diagnose import horizon_of
 if TYPE_CHECKING:
     from morph.app.viewer.state import Saved
     from morph.body.robot import Robot
-    from morph.model.comparison import ChannelError, Comparison
+    from morph.model.comparison import ChannelError, RolloutComparison
     from morph.record.recording import Recording
 
 
@@ -29,6 +29,7 @@ def run_compare(asked: Compare) -> int:
     from morph.app.cli.view_given import check_page
     from morph.body.load import load as load_robot
     from morph.files import write_whole
+    from morph.model.commanded import by_effort, told_zero
     from morph.model.comparison import compare
     from morph.physics.worlds import world
     from morph.record.distinct import check_distinct
@@ -51,7 +52,8 @@ def run_compare(asked: Compare) -> int:
         around = () if asked.world is None else world(asked.world, robot).effects
         told.now("simulating")
         found = compare(robot, recordings, effects=around, horizon=horizon)
-        saved = _saved(asked, robot, recordings, found)
+        if asked.state is not None or asked.html is not None:
+            saved = _saved(asked, robot, recordings, found)
         if asked.state is not None:
             write_whole(asked.state, saved.text().encode())
         if asked.html is not None:
@@ -59,11 +61,13 @@ def run_compare(asked: Compare) -> int:
     if asked.json:
         sys.stdout.write(json.dumps(found.as_json(), indent=2) + "\n")
     else:
-        sys.stdout.write(in_words(found) + "\n" + _further(asked) + "\n")
+        driven = [by_effort(each, robot) for each in recordings]
+        whole = all(told_zero(each, robot) is each for each in driven)
+        sys.stdout.write(in_words(found) + "\n" + _further(asked, whole=whole) + "\n")
     return 0
 
 
-def in_words(found: Comparison) -> str:
+def in_words(found: RolloutComparison) -> str:
     """Return what was found, a line for each channel, the farthest off first."""
     span = "whole recordings" if found.horizon is None else f"rollouts of {found.horizon:g} s"
     parting = sum(each.parts for each in found.channels)
@@ -93,8 +97,8 @@ def _line(each: ChannelError) -> str:
     )
 
 
-def _further(asked: Compare) -> str:
-    """Return the commands that show and that name what parts."""
+def _further(asked: Compare, *, whole: bool) -> str:
+    """Return the commands that show and, if all were commanded, that name what parts."""
     given = [str(path) for path in asked.recordings]
     root = [] if asked.root is None else ["--root", str(asked.root)]
     around = [] if asked.world is None else ["--world", asked.world]
@@ -106,15 +110,16 @@ def _further(asked: Compare) -> str:
     else:
         shown += [*root, *around, "--first", "mismatch"]
     named = ["morph", "diagnose", asked.robot, *given, *root, "--out", "DIR"]
-    return f"to see it: {shlex.join(shown)}\nto name what is missing: {shlex.join(named)}"
+    further = shlex.join(named) if whole else "record every command, then morph diagnose"
+    return f"to see it: {shlex.join(shown)}\nto name what is missing: {further}"
 
 
 def _saved(
-    asked: Compare, robot: Robot, recordings: Sequence[Recording], found: Comparison
+    asked: Compare, robot: Robot, recordings: Sequence[Recording], found: RolloutComparison
 ) -> Saved:
     """Return the view of the moment at which they part most."""
-    from morph.app.viewer.mismatch.laid import windows
     from morph.app.viewer.mismatch.poses import span
+    from morph.app.viewer.mismatch.windows import windows
     from morph.app.viewer.state import Body, Saved, Sources
 
     worst = found.channels[0].worst

@@ -129,7 +129,7 @@ def run(pendulum: Robot, recorded: Recorded) -> Recording:
 def test_nothing_to_fit_is_refused(pendulum: Robot) -> None:
     with pytest.raises(DiagnosisError, match="no recording to fit") as caught:
         diagnose(pendulum, [])
-    assert caught.value.where == "morph diagnose"
+    assert caught.value.where == "the recordings"
     assert caught.value.fix
 
 

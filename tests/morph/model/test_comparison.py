@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from morph.body.robot import Robot
-from morph.errors import RecordingError
+from morph.errors import DiagnosisError, RecordingError
 from morph.model.comparison import compare
 from morph.physics.joint.coulomb_friction import CoulombFriction
 from morph.record.recording import Channel, Recording
@@ -99,3 +99,19 @@ def test_nothing_is_compared_with_readings_that_no_robot_gives(pendulum: Robot) 
     wild = Channel(time=run.channel("hinge.position").time, value=1e6 * run["hinge.position"])
     with pytest.raises(RecordingError, match=r"hinge\.position"):
         compare(pendulum, [replace(run, channels={**run.channels, "hinge.position": wild})])
+
+
+def test_a_recording_too_short_for_a_rollout_is_left_out_and_said(pendulum: Robot) -> None:
+    brief = replace(swung(pendulum, seconds=0.8), name="brief")
+    found = compare(pendulum, [swung(pendulum), brief])
+    assert found.horizon == 1.0
+    assert found.notes == ("recording brief: too short for a rollout, left out",)
+
+
+@pytest.mark.parametrize("names", [(), ("swing", "swing")])
+def test_no_recording_and_two_of_one_name_are_refused(
+    pendulum: Robot, names: tuple[str, ...]
+) -> None:
+    given = [replace(swung(pendulum, seconds=2.0), name=name) for name in names]
+    with pytest.raises(DiagnosisError):
+        compare(pendulum, given)

@@ -10,10 +10,10 @@ import numpy as np
 from morph.app.viewer.figure import Figure, figure
 from morph.app.viewer.mismatch import loose, rollouts
 from morph.app.viewer.mismatch.diagnosed import Diagnosed, Found
-from morph.app.viewer.mismatch.laid import windows
 from morph.app.viewer.mismatch.missing import clearest, joint_of, missing
 from morph.app.viewer.mismatch.poses import poses, span, untold
 from morph.app.viewer.mismatch.take import CORRECTED, DESCRIBED, Ask, Missing, Model, Take
+from morph.app.viewer.mismatch.windows import windows
 from morph.app.viewer.mismatch.worst import STRETCH, worst_of, worst_stretches
 from morph.body.robot import Robot
 from morph.errors import DiagnosisError, MorphError

@@ -1,4 +1,4 @@
-"""A recording laid out to be simulated: what it lacks is filled in, and told."""
+"""Windows of a long recording, one of which is shown at a time."""
 
 from __future__ import annotations
 
