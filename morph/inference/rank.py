@@ -90,71 +90,123 @@ def ranked(
         deadline=deadline,
     )
     # Whatever the time: without own figures refitted there is no answer.
-    task, deadline = replace(task, deadline=math.inf), task.deadline
-    none = own = task.refitted(nominal, nominal.start)
-    if missing(own.refit.runs) >= FAR:
-        task = replace(task, by_rollouts=True)
-        none = task.refitted(nominal, own.refit.point, own.refit.runs)
-    begun = time.monotonic()
-    search = task.search(none)
-    # Another search, beside the answer, and the scores of held-out runs take as long each.
-    deadline -= 2.0 * (time.monotonic() - begun)
-    task = replace(task, prior=search.prior, deadline=deadline)
-    task, tried, best, search = _searched(task, none, search, progress)
-    if not task.by_rollouts:
-        none = own = functools.reduce(under, tried, none)
-        if not tried and not at_noise(own.refit.runs) and not task.late():
+    own = replace(task, deadline=math.inf).refitted(nominal, nominal.start)
+    far = missing(own.refit.runs) >= FAR
+    found = _searched(_by_rollouts(task, own) if far else _begun(task, own), progress)
+    if not far:
+        own = functools.reduce(under, found.tried, own)
+        found = replace(found, none=own)
+        if not found.tried and not at_noise(own.refit.runs) and not found.task.late():
             # The model of the missing force is wrong: the search goes on by errors of rollouts.
-            task = replace(task, by_rollouts=True)
-            none = task.refitted(nominal, own.refit.point, own.refit.runs)
-            task, tried, best, search = _searched(task, none, task.search(none), progress)
-    if task.by_rollouts and missing(best.refit.runs) < NEAR and not task.late():
-        whitened, found = replace(task, by_rollouts=False), best.refit
-        again = whitened.refitted(found.hypothesis, found.point, found.runs)
-        if missing(again.refit.runs) < NEAR:
-            search = whitened.search(again)
-            task, more, best, search = _searched(whitened, again, search, progress)
-            none, tried = own, [again, *more]
+            task = replace(found.task, deadline=deadline)
+            found = _searched(_by_rollouts(task, own), progress)
+    if found.task.by_rollouts and missing(found.best.refit.runs) < NEAR:
+        found = _whitened(found, own, progress)
     progress("trying other laws", 0.85)
-    gone: set[str] = set()
-    # By rollouts each law of friction was tried at all driven joints.
-    while not (task.by_rollouts or task.late()) and (other := task.replaced(best, search, gone)):
-        gone |= {e.label for e in best.effects} - {e.label for e in other.effects}
-        best, search = other, task.search(other)
-        tried.append(best)
-    if best.effects and not (task.by_rollouts or task.late()):
-        # Joints that are described too stiff or damped move as under greater gains and masses.
-        freed = task.refitted(nominal.freed(), nominal.start, none.refit.runs)
-        if freed.evidence > best.evidence and not task.validation.worse(best.losses, freed.losses):
-            best, search = freed, task.search(freed)
-    stopped = task.late()
-    if not stopped and not task.by_rollouts and not at_noise(best.refit.runs):
-        none, best = (task.refitted_to_rollouts(each) for each in (none, best))
-    ordered = tuple(sorted([*tried, none], key=lambda each: -each.evidence))
+    if not found.task.by_rollouts:
+        # By rollouts each law of friction was tried at all driven joints.
+        found = _freed(_replaced(found))
+    stopped = found.task.late()
+    none, best = found.none, found.best
+    if not stopped and not found.task.by_rollouts and not at_noise(best.refit.runs):
+        none, best = (found.task.refitted_to_rollouts(each) for each in (none, best))
     return Ranking(
-        best=best, tried=ordered, validation=task.validation, search=search, stopped=stopped
+        best=best,
+        tried=tuple(sorted([*found.tried, none], key=lambda each: -each.evidence)),
+        validation=found.task.validation,
+        search=found.search,
+        stopped=stopped,
     )
 
 
-def _searched(
-    task: EffectSelection, base: Finalist, search: Search, progress: Progress
-) -> tuple[EffectSelection, list[Finalist], Finalist, Search]:
-    """Return what is known of a task after rounds of a search from a set on, and their results.
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Found:
+    """Where a ranking stands."""
 
-    These are the sets that were refitted, the best of them or the first, and a search beside it.
-    """
-    tried: list[Finalist] = []
+    task: EffectSelection
+    none: Finalist
+    """The description with its own figures refitted."""
+    best: Finalist
+    search: Search
+    """Beside the best."""
+    tried: tuple[Finalist, ...] = ()
+    """Sets that were refitted, less the empty one."""
+
+
+def _begun(task: EffectSelection, none: Finalist) -> _Found:
+    """Return a ranking before its first round."""
+    begun = time.monotonic()
+    search = task.search(none)
+    # Another search, beside the answer, and the scores of held-out runs take as long each.
+    deadline = task.deadline - 2.0 * (time.monotonic() - begun)
+    task = replace(task, prior=search.prior, deadline=deadline)
+    return _Found(task=task, none=none, best=none, search=search)
+
+
+def _by_rollouts(task: EffectSelection, own: Finalist) -> _Found:
+    """Return a ranking by errors of rollouts before its first round."""
+    task = replace(task, by_rollouts=True)
+    # Half of the time that is left, so that some is left for a round.
+    half = replace(task, deadline=0.5 * (time.monotonic() + task.deadline))
+    return _begun(task, half.refitted(task.nominal, own.refit.point, own.refit.runs))
+
+
+def _searched(found: _Found, progress: Progress) -> _Found:
+    """Return a ranking after rounds of its search."""
+    task, base = found.task, found.best
     later, first = (FAR_ROUNDS, 0.5) if task.by_rollouts else (MOST_ROUNDS, 0.1)
     for turn, most in enumerate((MOST_FIRST, *[LATER] * later)):
         if task.late():
             break
         share = 0.8 - (0.8 - first) * 0.7**turn
         progress(f"looking for what is missing (round {turn + 1})", share)
-        new, best = task.added(base, search, most)
-        tried += new
-        same, base = labels(best.effects) == labels(base.effects), best
-        if same:
+        new, best = task.added(base, found.search, most)
+        found = replace(found, best=best, tried=(*found.tried, *new))
+        if labels(best.effects) == labels(base.effects):
             break
-        search = task.search(base)
+        base, search = best, task.search(best)
         task = replace(task, prior=search.prior)
-    return task, tried, base, search
+        found = replace(found, task=task, search=search)
+    return found
+
+
+def _whitened(found: _Found, own: Finalist, progress: Progress) -> _Found:
+    """Return a ranking by evidence from a set that was found by rollouts, where it is near."""
+    if found.task.late():
+        return found
+    task, best = replace(found.task, by_rollouts=False), found.best
+    again = task.refitted(best.refit.hypothesis, best.refit.point, best.refit.runs)
+    if missing(again.refit.runs) >= NEAR:
+        return found
+    start = _Found(task=task, none=own, best=again, search=task.search(again), tried=(again,))
+    return _searched(start, progress)
+
+
+def _replaced(found: _Found) -> _Found:
+    """Return a ranking after other laws were tried in the place of those of its best set."""
+    gone: set[str] = set()
+    while not found.task.late():
+        best = found.best
+        other = found.task.replaced(best, found.search, gone)
+        if other is None:
+            break
+        gone |= {e.label for e in best.effects} - {e.label for e in other.effects}
+        found = replace(
+            found, best=other, search=found.task.search(other), tried=(*found.tried, other)
+        )
+    return found
+
+
+def _freed(found: _Found) -> _Found:
+    """Return a ranking whose best is no effect where the description says too much friction.
+
+    Joints that are described too stiff or damped move as under greater gains and masses.
+    """
+    task, best = found.task, found.best
+    if not best.effects or task.late():
+        return found
+    nominal = task.nominal
+    freed = task.refitted(nominal.freed(), nominal.start, found.none.refit.runs)
+    if freed.evidence > best.evidence and not task.validation.worse(best.losses, freed.losses):
+        return replace(found, best=freed, search=task.search(freed))
+    return found
