@@ -245,7 +245,9 @@ def _springs(task: Task, strides: Stride, values: Array) -> Told:
 
 
 def _servos(task: Task) -> Told:
-    posture = np.array([task.start.position.get(each.joint, 0.0) for each in task.robot.actuators])
+    posture = np.array(
+        [task.start.position.get(each.joint or "", 0.0) for each in task.robot.actuators]
+    )
     return lambda position, velocity, point: posture + point
 
 

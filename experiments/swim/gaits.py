@@ -106,4 +106,6 @@ def tripod(robot: Robot, *, frequency: float = 0.5, ease: float = 0.5) -> Patter
 def begun(policy: Pattern, robot: Robot) -> Mapping[str, float]:
     """Return the positions of the joints where a gait begins, for a run to start from."""
     now = np.zeros(1)
-    return {a.joint: float(policy.by_clock(a.name, now)[0]) for a in robot.actuators}
+    return {
+        robot.driven_by(a).name: float(policy.by_clock(a.name, now)[0]) for a in robot.actuators
+    }

@@ -43,18 +43,17 @@ class Holding:
     def __init__(self, robot: Robot, posture: Posture) -> None:
         """Find the joints of the motors."""
         self._posture, model = posture, posture.model
-        joints = {joint.name: joint for joint in robot.joints}
-        known = [each for each in robot.actuators if joints[each.joint].kind in ("hinge", "slide")]
+        known = [(each, robot.driven_by(each)) for each in robot.actuators if each.joint]
         self.motors = tuple(
             Motor(
                 name=each.name,
-                joint=each.joint,
-                unit=joints[each.joint].effort_unit,
-                limit=each.limit if each.limit is not None else joints[each.joint].effort,
+                joint=joint.name,
+                unit=joint.effort_unit,
+                limit=each.limit if each.limit is not None else joint.effort,
             )
-            for each in known
+            for each, joint in known
         )
-        self._dofs = [int(model.joint(each.joint).dofadr[0]) for each in known]
+        self._dofs = [int(model.joint(joint.name).dofadr[0]) for _, joint in known]
         # Motors on one joint share its load.
         self._shared = np.array([self._dofs.count(dof) for dof in self._dofs], dtype=float)
         self.limits: Array = np.array(

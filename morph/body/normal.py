@@ -20,6 +20,16 @@ from morph.errors import MeshError, RobotError
 from morph.files import sha256
 from morph.regular_file import read_regular
 
+JOINTED = (mujoco.mjtTrn.mjTRN_JOINT, mujoco.mjtTrn.mjTRN_JOINTINPARENT)
+SCALAR = (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE)
+PARTS = {
+    mujoco.mjtTrn.mjTRN_TENDON: mujoco.mjtObj.mjOBJ_TENDON,
+    mujoco.mjtTrn.mjTRN_SITE: mujoco.mjtObj.mjOBJ_SITE,
+    mujoco.mjtTrn.mjTRN_SLIDERCRANK: mujoco.mjtObj.mjOBJ_SITE,
+    mujoco.mjtTrn.mjTRN_BODY: mujoco.mjtObj.mjOBJ_BODY,
+}
+"""What actuators act on that drive no joint."""
+
 UNNAMED = "MuJoCo Model"
 """What MuJoCo calls a model whose description names none."""
 
@@ -60,7 +70,7 @@ def robot_of(
 
     Raises:
         RobotError: The spec does not compile, a mesh cannot be read, or an
-            actuator drives no joint.
+            actuator turns an orientation.
     """
     _name_the_unnamed(spec)
     if assets is None:
@@ -228,7 +238,6 @@ def _sensor(model: Any, index: int) -> Sensor:
 
 
 def _closes(model: Any, index: int) -> bool:
-    # A number of numpy's is in no tuple of MuJoCo's names: it must be one itself.
     kind = mujoco.mjtEq(model.eq_type[index])
     return kind in (mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD)
 
@@ -243,31 +252,51 @@ def _loop(model: Any, index: int) -> Loop:
 
 
 def _actuator(model: Any, index: int, source: Path) -> Actuator:
-    name = model.actuator(index).name
-    if model.actuator_trntype[index] != mujoco.mjtTrn.mjTRN_JOINT:
+    joint = driven_joint(model, index)
+    kind, at = mujoco.mjtTrn(model.actuator_trntype[index]), int(model.actuator_trnid[index, 0])
+    if kind == mujoco.mjtTrn.mjTRN_SO3:
         raise RobotError(
-            f"the actuator {name!r} drives no joint",
+            f"the actuator {model.actuator(index).name!r} turns an orientation by three forces",
             where=str(source),
-            fix="give the actuator a joint",
+            fix="give it a joint, a site, a tendon or a body",
         )
+    part, force = "", True
+    if joint is not None:
+        force = model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_SLIDE
+    else:
+        named = PARTS.get(kind, mujoco.mjtObj.mjOBJ_JOINT)
+        word = mujoco.mjtObj(named).name.removeprefix("mjOBJ_").lower()
+        part = f"{word} {mujoco.mj_id2name(model, named, at)}"
+        if kind != mujoco.mjtTrn.mjTRN_TENDON:
+            force = bool(model.actuator_gear[index, :3].any())
     return Actuator(
-        name=name,
-        joint=model.joint(model.actuator_trnid[index, 0]).name,
+        name=model.actuator(index).name,
+        joint=None if joint is None else model.joint(joint).name,
         kind="position" if _is_servo(model, index) else "motor",
-        limit=_limit(model, index),
+        limit=_limit(model, index, joint),
+        part=part,
+        effort_unit="N" if force else "N m",
     )
 
 
-def _limit(model: Any, index: int) -> float | None:
-    joint = model.actuator_trnid[index, 0]
-    gear = abs(float(model.actuator_gear[index, 0]))
+def driven_joint(model: Any, actuator: int) -> int | None:
+    """Return the number of the hinge or slide that an actuator drives; None if it drives none."""
+    # A number of numpy's is in no tuple of MuJoCo's names: it must be one itself.
+    if mujoco.mjtTrn(model.actuator_trntype[actuator]) not in JOINTED:
+        return None
+    joint = int(model.actuator_trnid[actuator, 0])
+    return joint if mujoco.mjtJoint(model.jnt_type[joint]) in SCALAR else None
+
+
+def _limit(model: Any, index: int, joint: int | None) -> float | None:
+    gear = 1.0 if joint is None else abs(float(model.actuator_gear[index, 0]))
     gain = float(model.actuator_gainprm[index, 0])
     limits = []
     if model.actuator_forcelimited[index]:
         limits.append(gear * float(np.abs(model.actuator_forcerange[index]).max()))
     if model.actuator_ctrllimited[index] and not _is_servo(model, index):
         limits.append(gear * abs(gain) * float(np.abs(model.actuator_ctrlrange[index]).max()))
-    if model.jnt_actfrclimited[joint]:
+    if joint is not None and model.jnt_actfrclimited[joint]:
         limits.append(float(np.abs(model.jnt_actfrcrange[joint]).max()))
     return min(limits, default=None)
 

@@ -82,16 +82,21 @@ class Joint:
 
 @dataclass(frozen=True, kw_only=True)
 class Actuator:
-    """A motor or a servo on one joint."""
+    """A motor or a servo: on a hinge or slide, or a thruster, a tendon's winch or the like."""
 
     name: str
     """Its name in the description."""
-    joint: str
-    """The joint that it drives."""
+    joint: str | None
+    """The hinge or slide that it drives; None of one that drives none alone."""
     kind: str
     """`motor` (command is an effort) or `position` (command is a position)."""
     limit: float | None = None
-    """Greatest effort at the joint, N m or N; None if none is given."""
+    """Greatest effort at the joint, N m or N, or of one without a joint its own force; None if
+    none is given."""
+    part: str = ""
+    """What it acts on if not on a hinge or slide, such as `site propeller`."""
+    effort_unit: str = "N m"
+    """The unit of its effort."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -170,6 +175,26 @@ class Robot:
             RobotError: There is no such link.
         """
         return _named(self.links, name, "link", self.name)
+
+    @property
+    def driven(self) -> tuple[str, ...]:
+        """The hinges and slides that actuators drive, in the actuators' order, each once."""
+        return tuple(dict.fromkeys(each.joint for each in self.actuators if each.joint))
+
+    def driven_by(self, actuator: Actuator) -> Joint:
+        """Return the hinge or slide that an actuator drives.
+
+        Raises:
+            RobotError: It drives none.
+        """
+        if actuator.joint is None:
+            raise RobotError(
+                f"actuator {actuator.name!r} acts on {actuator.part}, and this needs actuators of "
+                "hinges and slides",
+                where=f"robot {self.name}",
+                fix="give a body of which every actuator drives a hinge or slide",
+            )
+        return self.joint(actuator.joint)
 
     @property
     def mass(self) -> float:

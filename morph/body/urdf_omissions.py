@@ -34,7 +34,7 @@ def _joints(robot: Robot, model: Any) -> list[str]:
     servos = [actuator.name for actuator in robot.actuators if actuator.kind == "position"]
     if servos:
         left.append(f"the gains of {_many(len(servos), 'servo')}")
-    driven = {actuator.joint for actuator in robot.actuators}
+    driven = set(robot.driven)
     passive = [
         joint.name
         for joint in robot.joints
@@ -42,6 +42,8 @@ def _joints(robot: Robot, model: Any) -> list[str]:
     ]
     if passive and driven:
         left.append(f"that nothing drives {few(passive)}")
+    if others := [actuator.name for actuator in robot.actuators if actuator.joint is None]:
+        left.append(f"the actuators without a joint, {few(others)}")
     if np.any(model.dof_armature):
         left.append("the rotors' inertia (armature)")
     if np.any(model.jnt_stiffness):

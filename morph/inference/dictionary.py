@@ -60,7 +60,7 @@ def search_beside(base: Refit, known: Sequence[Effect], prior: Prior | None, blo
         if grid[0].label not in taken
     ]
     grids = [grid for grid in grids if grid]
-    joints = {each.joint for each in hypothesis.robot.actuators}
+    joints = set(hypothesis.robot.driven)
     own = Columns.of(hypothesis, point)
     whole = _prior(grids, joints, wet=_in_water(hypothesis.robot, known))
     if prior is not None:

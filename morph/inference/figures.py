@@ -9,7 +9,7 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.physics.body.inertial import pull, spatial, steiner
-from morph.physics.drives import actuator_forces, clamped, constant_moments
+from morph.physics.drives import Transmission, actuator_forces, clamped
 from morph.physics.motion import Motion
 from morph.sim.tangent import HINGE, SLIDE
 
@@ -67,8 +67,9 @@ def _inertia(model: mujoco.MjModel, name: str) -> Array:
 
 def driven(model: mujoco.MjModel, motion: Motion) -> Array:
     """Return the actuators' generalized forces within their limits, N m or N, (samples, dofs)."""
-    force = actuator_forces(model, motion.position, motion.velocity, motion.command)
-    force = force @ constant_moments(model)
+    transmission = Transmission.along(model, motion.qpos)
+    own = actuator_forces(model, transmission, motion.velocity, motion.command)
+    force = transmission.forces(own)
     joint = model.dof_jntid
     return clamped(force, model.jnt_actfrclimited[joint], model.jnt_actfrcrange[joint])
 

@@ -165,6 +165,8 @@ def experiment(effect: Effect, rival: str) -> str:
 
 
 def _on_slide(robot: Robot, effect: Effect) -> bool:
+    if effect.kind == "actuator":
+        return robot.actuator(effect.where).effort_unit == "N"
     name = effect.where.removesuffix(".position")
     return any(joint.name == name and joint.kind == "slide" for joint in robot.joints)
 

@@ -19,7 +19,7 @@ from morph.inference.sticking import ending, friction, moved
 from morph.model.episodes import Episode
 from morph.model.measurement import unit
 from morph.physics.body_motion import BodyMotion, body_motions, times
-from morph.physics.drives import actuator_forces, constant_moments
+from morph.physics.drives import Transmission, actuator_forces
 from morph.physics.effect import Effect
 from morph.physics.motion import Motion
 from morph.sim.drive import received
@@ -242,8 +242,9 @@ def _motion(
     acceleration[-1] = acceleration[-2]
     velocity = about.velocity + 0.5 * run.step * acceleration
     acceleration += along_body(space, about.axes, about.acceleration)
-    moments = constant_moments(model)
-    force = actuator_forces(model, position, velocity, run.command)
+    transmission = Transmission.along(model, about.position)
+    moments = transmission.moment
+    force = actuator_forces(model, transmission, velocity, run.command)
     rate = np.gradient(run.command, run.step, axis=0) * model.actuator_gainprm[:, 0]
     jacobian = about.tangent.jacobian
     links = [link.name for link in robot.links]
@@ -261,6 +262,7 @@ def _motion(
         time=run.step * np.arange(samples, dtype=float),
         command=run.command,
         driven={actuator.name: actuator.joint for actuator in robot.actuators},
+        moment=moments,
         servo=-(model.actuator_gear[:, :1] ** 2) * model.actuator_biasprm[:, 1:3],
         armature=model.dof_armature.copy(),
         channels={name: at for at, name in enumerate(run.measurement.channels)},

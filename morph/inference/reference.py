@@ -13,8 +13,8 @@ from morph.inference.disturbance import likeliest_disturbance
 from morph.inference.filter import Disturbance, Tangent, smoothed
 from morph.inference.sampled import Reference, SampledRun, later
 from morph.physics.body_motion import times
+from morph.physics.drives import Transmission
 from morph.physics.dynamics import accelerations, jacobians
-from morph.physics.motion import actuator_moments
 
 INTERVAL = 0.02
 """Seconds from one derivative of the model to the next: 3 rad/s turn a link by 0.06 rad."""
@@ -155,7 +155,7 @@ def _along(
             reads=run.reads,
             valid=run.valid,
         ),
-        disturbance=replace(known, jolt=_jolt(model, run, jacobian[:, :, 2 * dofs :])),
+        disturbance=replace(known, jolt=_jolt(model, run, position, jacobian[:, :, 2 * dofs :])),
         error=np.where(run.valid, run.reading - _predicted(run, position, velocity, axes), 0.0),
         sensed=run.noise,
         inertial=inertial,
@@ -234,13 +234,13 @@ def _predicted(run: SampledRun, position: Array, velocity: Array, axes: Axes) ->
     return np.asarray(shown + (run.shift + later))
 
 
-def _jolt(model: mujoco.MjModel, run: SampledRun, mobility: Array) -> Array | None:
+def _jolt(model: mujoco.MjModel, run: SampledRun, position: Array, mobility: Array) -> Array | None:
     """Return the standard deviation of velocity changes by unsure commands, (samples, dofs)."""
     if run.unsure is None:
         return None
-    data = mujoco.MjData(model)
-    mujoco.mj_fwdPosition(model, data)
-    forces = run.unsure @ np.abs(model.actuator_gainprm[:, :1] * actuator_moments(model, data))
+    transmission = Transmission.along(model, position)
+    transmission = replace(transmission, moment=np.abs(transmission.moment))
+    forces = transmission.forces(run.unsure * np.abs(model.actuator_gainprm[:, 0]))
     return times(np.abs(mobility), forces)
 
 

@@ -19,7 +19,7 @@ from morph.model.diagnosis import Diagnosis, Finding, Unexplained
 from morph.model.episodes import Episode, stretches
 from morph.model.hypothesis import Hypothesis
 from morph.model.locate import locate
-from morph.model.residual import LearnedResidual, learned
+from morph.model.residual import LearnedResidual, hinges_and_slides, learned
 from morph.model.score import by_segment, improvement_low90, rmse, rollouts, traces
 from morph.model.segments import Segments
 from morph.model.split import Split
@@ -184,7 +184,7 @@ def _residual(ranking: Ranking, parts: DiagnosisRuns) -> LearnedResidual | None:
     there are too few of them none is kept.
     """
     refit, validation = ranking.best.refit, ranking.validation
-    if validation.blocks > 1:
+    if validation.blocks > 1 or not hinges_and_slides(refit.hypothesis.robot):
         return None
     episodes, losses = validation.segments.episodes, np.array(ranking.best.losses)
     for fold in np.unique(validation.fold):

@@ -23,7 +23,9 @@ def by_effort(recording: Recording, robot: Robot) -> Recording:
     lacking = [
         (actuator, f"{actuator.name}.command", f"{actuator.joint}.effort")
         for actuator in robot.actuators
-        if f"{actuator.name}.command" not in channels and actuator.kind == "motor"
+        if f"{actuator.name}.command" not in channels
+        and actuator.kind == "motor"
+        and actuator.joint
     ]
     lacking = [each for each in lacking if each[2] in channels]
     if not lacking:

@@ -128,6 +128,7 @@ def _within(found: Needed) -> Needed:
         acceleration=whole.acceleration[inside],
         drive=whole.drive[inside],
         drive_rate=whole.drive_rate[inside],
+        moment=whole.moment[inside],
         stiffness=whole.stiffness[inside],
         bodies={name: body.within(inside) for name, body in whole.bodies.items()},
         time=whole.time[inside],
@@ -158,7 +159,7 @@ def _forces(
     samples, dofs = velocity.shape
     rate = np.gradient(command, time, axis=0) if command.shape[1] else command
     need, stiff = np.zeros((samples, dofs)), np.zeros((samples, dofs, dofs))
-    drive, drive_rate = np.zeros((2, samples, model.nu, dofs))
+    drive, drive_rate, moment = np.zeros((3, samples, model.nu, dofs))
 
     def inverse() -> Array:
         mujoco.mj_inverse(model, data)
@@ -170,10 +171,10 @@ def _forces(
             data.qpos[:], data.qvel[:], data.qacc[:] = pose[k], velocity[k], acceleration[k]
             data.ctrl[:] = command[k]
             need[k] = inverse()
-            moment = actuator_moments(model, data)
-            drive[k] = moment * data.actuator_force[:, None]
+            moment[k] = actuator_moments(model, data)
+            drive[k] = moment[k] * data.actuator_force[:, None]
             gain = model.actuator_gainprm[:, 0]
-            drive_rate[k] = moment * (gain * rate[k])[:, None]
+            drive_rate[k] = moment[k] * (gain * rate[k])[:, None]
             for dof, axis in enumerate(np.eye(dofs)):
                 mujoco.mj_integratePos(model, data.qpos, axis, NUDGE)
                 stiff[k, :, dof] = (inverse() - need[k]) / NUDGE
@@ -201,6 +202,7 @@ def _forces(
         time=time,
         command=command,
         driven={a.name: a.joint for a in hypothesis.robot.actuators},
+        moment=moment,
         servo=-(model.actuator_gear[:, :1] ** 2) * model.actuator_biasprm[:, 1:3],
         armature=model.dof_armature.copy(),
     )

@@ -10,7 +10,7 @@ from morph.arrays import Array, Integers
 from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis
 from morph.model.segments import Segments
-from morph.physics.drives import actuator_forces, constant_moments
+from morph.physics.drives import Transmission, actuator_forces
 from morph.physics.effect import Effect
 from morph.physics.motion import Motion
 from morph.sim.drive import received
@@ -63,7 +63,9 @@ def _motion(hypothesis: Hypothesis, variant: Variant, episode: Episode) -> Motio
         for at, actuator in enumerate(robot.actuators)
     ]
     command = np.stack(sent, axis=1) if sent else episode.command
-    drive = constant_moments(model) * actuator_forces(model, position, velocity, command)[..., None]
+    transmission = Transmission.along(model, pose)
+    force = actuator_forces(model, transmission, velocity, command)
+    drive = transmission.moment * force[..., None]
     none = np.zeros_like(velocity)
     return Motion(
         pose=pose,
@@ -76,6 +78,7 @@ def _motion(hypothesis: Hypothesis, variant: Variant, episode: Episode) -> Motio
         joints={joint.name: model.joint(joint.name).dofadr[0] for joint in robot.joints},
         actuators={actuator.name: at for at, actuator in enumerate(robot.actuators)},
         driven={actuator.name: actuator.joint for actuator in robot.actuators},
+        moment=transmission.moment,
         time=time,
         command=command,
     )

@@ -24,7 +24,7 @@ RIDGE = 1e-2
 
 @dataclass(frozen=True, kw_only=True)
 class LearnedResidual(Effect):
-    """A force on every joint, a ridge regression on random waves of position and velocity.
+    """A force on every hinge and slide: ridge regression on random waves of their states.
 
     It has no name in the vocabulary: it is what a model falls back on when no effect
     fits, and the measure that an effect must beat.
@@ -90,12 +90,20 @@ class LearnedResidual(Effect):
 def learned(
     hypothesis: Hypothesis, point: Array, episodes: Sequence[Episode], seed: int
 ) -> LearnedResidual:
-    """Return the residual that explains what a fitted model leaves on its training episodes."""
+    """Return the residual that explains what a fitted model leaves on its training episodes.
+
+    Args:
+        hypothesis: The fitted model, of a robot with a hinge or slide.
+        point: Its figures.
+        episodes: The training episodes.
+        seed: Random seed of the waves.
+    """
     parts = all_needed(hypothesis, point, episodes, suspects=False)
-    state = np.concatenate(
-        [np.concatenate([p.motion.position, p.motion.velocity], axis=1) for p in parts]
-    )
-    missing = np.concatenate([part.missing for part in parts])
+    joints = hinges_and_slides(hypothesis.robot)
+    dofs = [parts[0].motion.joints[name] for name in joints]
+    states = [np.hstack([p.motion.position[:, dofs], p.motion.velocity[:, dofs]]) for p in parts]
+    state = np.concatenate(states)
+    missing = np.concatenate([part.missing[:, dofs] for part in parts])
     centre, spread = state.mean(axis=0), state.std(axis=0) + 1e-9
     rng = np.random.default_rng(seed)
     waves = rng.normal(size=(state.shape[1], FEATURES))
@@ -103,7 +111,7 @@ def learned(
     columns = _waves((state - centre) / spread, waves, phase)
     inner = columns.T @ columns + RIDGE * len(columns) * np.eye(FEATURES)
     return LearnedResidual(
-        joints=tuple(joint.name for joint in hypothesis.robot.joints),
+        joints=joints,
         arrays={
             "centre": centre,
             "spread": spread,
@@ -114,6 +122,11 @@ def learned(
             "most": np.quantile(np.abs(missing), 0.98, axis=0),
         },
     )
+
+
+def hinges_and_slides(robot: Robot) -> tuple[str, ...]:
+    """Return the joints on which a residual acts."""
+    return tuple(joint.name for joint in robot.joints if joint.kind in {"hinge", "slide"})
 
 
 def _waves(state: Array, waves: Array, phase: Array) -> Array:

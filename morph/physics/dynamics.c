@@ -11,12 +11,15 @@ static void (*forward)(const mjModel*, mjData*, int, int), (*inverse)(const mjMo
 static void (*actuation)(const mjModel*, mjData*), (*solve)(const mjModel*, mjData*, mjtNum*, const mjtNum*, int);
 static void (*positions)(const mjModel*, mjData*), (*velocities)(const mjModel*, mjData*);
 static void (*integrate)(const mjModel*, mjtNum*, const mjtNum*, mjtNum);
+static void (*kinematics)(const mjModel*, mjData*), (*com_axes)(const mjModel*, mjData*);
+static void (*tendons)(const mjModel*, mjData*), (*transmit)(const mjModel*, mjData*);
 
 /* MuJoCo's own functions come as pointers, so that nothing is linked. */
-void morph_dynamics_bind(void *a, void *b, void *c, void *d, void *e, void *f, void *g)
+void morph_dynamics_bind(void *a, void *b, void *c, void *d, void *e, void *f, void *g, void *h,
+			 void *i, void *j, void *k)
 {
 	forward = a, inverse = b, actuation = c, solve = d, positions = e, velocities = f;
-	integrate = g;
+	integrate = g, kinematics = h, com_axes = i, tendons = j, transmit = k;
 }
 
 static void set(const mjModel *m, mjData *d, int64_t t, const double *q, const double *v,
@@ -88,6 +91,28 @@ void morph_jacobians(const mjModel *m, mjData *d, int64_t states, double nudge, 
 			}
 			for (int i = 0; i < n; i++)
 				to[i * 3 * n + k] = (above[i] - d->qacc[i]) / (2.0 * nudge);
+		}
+	}
+}
+
+/* Lengths of actuators (states, nu) and their moments (states, nu, nv). */
+void morph_transmissions(const mjModel *m, mjData *d, int64_t states, const double *q,
+			 double *length, double *moment)
+{
+	memset(moment, 0, sizeof(double) * states * m->nu * m->nv);
+	for (int64_t t = 0; t < states; t++) {
+		memcpy(d->qpos, q + t * m->nq, sizeof(double) * m->nq);
+		kinematics(m, d);
+		com_axes(m, d);
+		tendons(m, d);
+		transmit(m, d);
+		memcpy(length + t * m->nu, d->actuator_length, sizeof(double) * m->nu);
+		for (int i = 0; i < m->nu; i++) {
+			double *row = moment + (t * m->nu + i) * m->nv;
+			for (int k = 0; k < d->moment_rownnz[i]; k++) {
+				int at = d->moment_rowadr[i] + k;
+				row[d->moment_colind[at]] = d->actuator_moment[at];
+			}
 		}
 	}
 }

@@ -24,7 +24,8 @@ NUDGE = 1e-5
 1e-14, an error of 1e-9 in a derivative; truncation adds 1e-10 / 6 of the third derivative."""
 BOUND = (
     "mj_forwardSkip", "mj_inverse", "mj_fwdActuation", "mj_solveM", "mj_fwdPosition",
-    "mj_fwdVelocity", "mj_integratePos",
+    "mj_fwdVelocity", "mj_integratePos", "mj_kinematics", "mj_comPos", "mj_tendon",
+    "mj_transmission",
 )  # fmt: skip
 """MuJoCo's functions that the loops call, in the order of `morph_dynamics_bind`."""
 
@@ -94,6 +95,27 @@ def jacobians(model: mujoco.MjModel, position: Array, velocity: Array, command: 
     with _unconstrained(model) as free:
         _call("jacobians", free, samples, ctypes.c_double(NUDGE), *motion, found)
     return found
+
+
+def transmissions(model: mujoco.MjModel, position: Array) -> tuple[Array, Array]:
+    """Return the actuators' lengths and moments along a motion.
+
+    Args:
+        model: The model.
+        position: Shape (samples, nq).
+
+    Returns:
+        Lengths, shape (samples, actuators), and generalized forces by the force of each, shape
+        (samples, actuators, dofs).
+
+    Raises:
+        KernelError: There is no C compiler, or it fails.
+    """
+    length = np.empty((len(position), model.nu))
+    moment = np.empty((len(position), model.nu, model.nv))
+    with _unconstrained(model) as free:
+        _call("transmissions", free, len(position), *_packed(position), length, moment)
+    return length, moment
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -176,7 +198,7 @@ def _code() -> ctypes.CDLL:
     with library.kept_folder() as folder:
         path = engine.build(SOURCE, folder, name="dynamics")
         code = library.load(path, fix="delete it, so that it is built again")
-    for name in ("forward", "supplied", "jacobians", "kinematics"):
+    for name in ("forward", "supplied", "jacobians", "transmissions", "kinematics"):
         getattr(code, f"morph_{name}").restype = None
     code.morph_dynamics_bind(*engine.functions(BOUND))
     return code

@@ -62,6 +62,11 @@ class ActuatorEffect(Effect):
         """Return the actuators."""
         return tuple(actuator.name for actuator in robot.actuators)
 
+    @classmethod
+    def jointed(cls, robot: Robot) -> tuple[str, ...]:
+        """Return the actuators that drive a hinge or slide."""
+        return tuple(actuator.name for actuator in robot.actuators if actuator.joint)
+
     def extent(self, motion: Motion) -> float:
         """Return the greatest of what the actuator produces."""
         return float(np.abs(motion.effort(self.actuator)).max())

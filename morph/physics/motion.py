@@ -42,8 +42,11 @@ class Motion:
     """When each sample was taken, s, shape (samples,)."""
     command: Array = field(default_factory=_none)
     """What each actuator received, in its own unit, shape (samples, actuators)."""
-    driven: Mapping[str, str] = field(default_factory=dict)
-    """The joint that each actuator drives, by the actuator's name."""
+    driven: Mapping[str, str | None] = field(default_factory=dict)
+    """The joint that each actuator drives, by the actuator's name; None of one without a joint."""
+    moment: Array = field(default_factory=_none)
+    """Generalized force by the force of each actuator, (samples or 1, actuators, dofs), of which
+    those without a joint are looked up."""
     servo: Array = field(default_factory=_none)
     """By how much each actuator's force falls per rad and per rad/s, (actuators, 2)."""
     armature: Array = field(default_factory=_none)
@@ -93,14 +96,35 @@ class Motion:
         rate = np.diff(self.place(joint)) / np.diff(self.time)
         return np.concatenate([self.speed(joint)[:1], rate])
 
+    def drive_speed(self, actuator: str) -> Array:
+        """Return the speed of an actuator's joint, shape (samples,); zero without one."""
+        joint = self.driven[actuator]
+        return np.zeros(len(self.velocity)) if joint is None else self.speed(joint)
+
     def effort(self, actuator: str) -> Array:
-        """Return what an actuator produces at its joint, shape (samples,)."""
-        dof = self.joints[self.driven[actuator]]
-        return np.asarray(self.drive[:, self.actuators[actuator], dof])
+        """Return what an actuator produces at its joint, shape (samples,), or its own force."""
+        return self._at_joint(actuator, self.drive)
+
+    def effort_rate(self, actuator: str) -> Array:
+        """Return how that changes with time because its command does, per s, (samples,)."""
+        return self._at_joint(actuator, self.drive_rate)
 
     def actuated(self, actuator: str, *columns: Array) -> Array:
         """Return columns (samples,) as efforts of one actuator, (samples, dofs, columns)."""
-        return self.along(self.driven[actuator], *columns)
+        joint = self.driven[actuator]
+        if joint is not None:
+            return self.along(joint, *columns)
+        moment = self.moment[:, self.actuators[actuator]]
+        return np.asarray(moment[:, :, None] * np.stack(columns, axis=-1)[:, None])
+
+    def _at_joint(self, actuator: str, forces: Array) -> Array:
+        at, joint = self.actuators[actuator], self.driven[actuator]
+        if joint is not None:
+            return np.asarray(forces[:, at, self.joints[joint]])
+        # Its generalized force is its own times the moment.
+        moment = self.moment[:, at]
+        size = np.maximum(np.sum(moment**2, axis=1), np.finfo(float).tiny)
+        return np.asarray(np.sum(moment * forces[:, at], axis=1) / size)
 
     def noticed(self, channel: str, *columns: Array) -> Array:
         """Return columns (samples,) as changes of one reading, (samples, channels, columns)."""

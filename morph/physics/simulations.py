@@ -18,8 +18,8 @@ class Simulations(Protocol):
 
     step: float
     """Seconds that the coming step lasts."""
-    actuators: Mapping[str, str]
-    """The joint that each actuator drives, by the actuator's name."""
+    actuators: Mapping[str, str | None]
+    """The joint that each actuator drives, by the actuator's name; None of one without a joint."""
 
     def position(self, joint: str) -> Array:
         """Return a joint's position, rad or m, shape (simulations,)."""
@@ -33,8 +33,14 @@ class Simulations(Protocol):
     def control(self, actuator: str) -> Array:
         """Return what an actuator receives for the step, in its own unit."""
 
+    def drive_speed(self, actuator: str) -> Array:
+        """Return the speed of an actuator's joint, per s, (simulations,); zero without one."""
+
     def effort(self, actuator: str) -> Array:
-        """Return the view of what an actuator produces at its joint, N m or N."""
+        """Return the view of what an actuator produces at its joint, or its own force; N m or N.
+
+        What an actuator without a joint produces can be scaled, and is none where it was none.
+        """
 
     def torque(self, actuator: str, position: Array, velocity: Array) -> Array:
         """Return what an actuator would produce if its joint were there, N m or N."""

@@ -223,11 +223,11 @@ def actions_of(robot: Robot) -> tuple[Action, ...]:
     """Return an action for every actuator of a robot, bounded as its joint or its effort is."""
     actions = []
     for actuator in robot.actuators:
-        joint = robot.joint(actuator.joint)
         if actuator.kind == "position":
+            joint = robot.driven_by(actuator)
             unit, bounds = joint.unit, joint.limits
         else:
-            unit, limit = joint.effort_unit, actuator.limit
+            unit, limit = actuator.effort_unit, actuator.limit
             bounds = None if limit is None else (-limit, limit)
         low, high = bounds or (-UNLIMITED, UNLIMITED)
         low, high = max(low, -UNLIMITED), min(high, UNLIMITED)

@@ -10,6 +10,7 @@ import numpy as np
 from mujoco.batch import MODEL_FIELDS, Batch
 
 from morph.arrays import Array
+from morph.body.normal import driven_joint
 from morph.errors import SimulationFailed
 from morph.physics.effect import Effect
 
@@ -28,11 +29,10 @@ class Rows:
         self._position, self._velocity = batch.bind("qpos"), batch.bind("qvel")
         self._control, self._applied = batch.bind("ctrl"), batch.bind("qfrc_applied")
         model = self._model
-        drives = model.actuator_trnid[:, 0]
-        self.actuators: Mapping[str, str] = {
-            model.actuator(index).name: model.joint(int(joint)).name
-            for index, joint in enumerate(drives)
-            if model.actuator_trntype[index] == mujoco.mjtTrn.mjTRN_JOINT
+        joints = [driven_joint(model, index) for index in range(model.nu)]
+        self.actuators: Mapping[str, str | None] = {
+            model.actuator(index).name: None if joint is None else model.joint(joint).name
+            for index, joint in enumerate(joints)
         }
         # Fields of the model that effects write, with what they are without them.
         self._fields: dict[str, tuple[Array, Array]] = {}
@@ -52,7 +52,12 @@ class Rows:
         for slot in sorted(range(len(effects)), key=lambda at: effects[at].kind != "actuator"):
             states[slot] = effects[slot].before_step(self, states[slot])
         for name, (effort, nominal) in self._efforts.items():
-            self.force(self.actuators[name])[:] += effort - nominal
+            joint = self.actuators[name]
+            if joint is None:
+                whole = np.divide(effort, nominal, np.ones_like(effort), where=nominal != 0.0)
+                self._scale(name, whole)
+            else:
+                self.force(joint)[:] += effort - nominal
         if "dof_armature" in self._fields:
             # MuJoCo keeps the inertia of joints that turn alone here too.
             (changed, plain), (whole, before) = (
@@ -76,11 +81,17 @@ class Rows:
         """Return what an actuator receives for the step, shape (rows,)."""
         return np.asarray(self._control[:, self._model.actuator(actuator).id])
 
+    def drive_speed(self, actuator: str) -> Array:
+        """Return the speed of an actuator's joint, shape (rows,); zero without one."""
+        joint = self.actuators[actuator]
+        return np.zeros_like(self.control(actuator)) if joint is None else self.velocity(joint)
+
     def effort(self, actuator: str) -> Array:
         """Return the view of what an actuator produces at its joint, shape (rows,)."""
         if actuator not in self._efforts:
             joint = self.actuators[actuator]
-            made = self.torque(actuator, self.position(joint), self.velocity(joint))
+            place = self.drive_speed(actuator) if joint is None else self.position(joint)
+            made = self.torque(actuator, place, self.drive_speed(actuator))
             nominal = np.zeros_like(made) if actuator in self._detached else made.copy()
             self._efforts[actuator] = made, nominal
         return self._efforts[actuator][0]
@@ -95,13 +106,17 @@ class Rows:
         gain, bias = self._of("actuator_gainprm")[:, at], self._of("actuator_biasprm")[:, at]
         kinds = self._model.actuator_gaintype[at], self._model.actuator_biastype[at]
         plain = kinds[0] in (FIXED, AFFINE) and kinds[1] in (BARE, LINEAR)
+        joint = self.actuators[actuator]
+        if joint is None:
+            plain = kinds == (FIXED, BARE)
         if not plain or self._model.actuator_dyntype[at] != MEMORYLESS:
             raise SimulationFailed(
                 f"the torque of {actuator} follows from more than command, position and speed",
                 where=f"actuator {actuator} under an effect that changes its torque",
-                fix="describe it as a motor or a servo without activation, or leave the effect out",
+                fix="describe it as a motor or a servo of a joint without activation, or leave out "
+                "the effect",
             )
-        gear = self._of("actuator_gear")[:, at, 0]
+        gear = 1.0 if joint is None else self._of("actuator_gear")[:, at, 0]
         told, length, rate = self.control(actuator), gear * position, gear * velocity
         if self._model.actuator_ctrllimited[at]:
             told = np.clip(told, *self._of("actuator_ctrlrange")[:, at].T)
@@ -112,11 +127,11 @@ class Rows:
             force = force + bias[:, 0] + bias[:, 1] * length + bias[:, 2] * rate
         if self._model.actuator_forcelimited[at]:
             force = np.clip(force, *self._of("actuator_forcerange")[:, at].T)
-        joint = self._model.actuator_trnid[at, 0]
         made = gear * force
-        if self._model.jnt_actfrclimited[joint]:
+        turned = None if joint is None else self._model.joint(joint).id
+        if turned is not None and self._model.jnt_actfrclimited[turned]:
             # Exact where one actuator drives the joint; of two, each is clipped.
-            made = np.clip(made, *self._of("jnt_actfrcrange")[:, joint].T)
+            made = np.clip(made, *self._of("jnt_actfrcrange")[:, turned].T)
         return np.asarray(made)
 
     def detach(self, actuator: str) -> None:
@@ -145,6 +160,12 @@ class Rows:
         if self._pushes is None:
             self._pushes = self._batch.bind("xfrc_applied")
         return np.asarray(self._pushes[:, self._model.body(body).id, :3])
+
+    def _scale(self, actuator: str, factor: Array) -> None:
+        """Scale the force of an actuator for a step, with its limits."""
+        at = self._model.actuator(actuator).id
+        for name in ("actuator_gainprm", "actuator_forcerange"):
+            self._field(name)[:, at] *= factor[:, None]
 
     def _dof(self, joint: str) -> int:
         return int(self._model.joint(joint).dofadr[0])

@@ -8,6 +8,7 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 
+from morph.body.normal import driven_joint
 from morph.physics.joint.series_elasticity import SeriesElasticity
 from morph.sim.rollout import Variant
 
@@ -33,11 +34,10 @@ def trapezoidal(variant: Variant) -> Variant:
     """
     model = copy.copy(variant.model)
     damping = model.dof_damping.copy()
-    joint = model.actuator_trntype == mujoco.mjtTrn.mjTRN_JOINT
-    servo = joint & (model.actuator_biastype == mujoco.mjtBias.mjBIAS_AFFINE)
+    servo = model.actuator_biastype == mujoco.mjtBias.mjBIAS_AFFINE
     for motor in np.flatnonzero(servo & (model.actuator_forcelimited == 0)):
-        turned = model.actuator_trnid[motor, 0]
-        if model.jnt_actfrclimited[turned]:
+        turned = driven_joint(model, int(motor))
+        if turned is None or model.jnt_actfrclimited[turned]:
             continue
         dof = model.jnt_dofadr[turned]
         damping[dof] -= model.actuator_gear[motor, 0] ** 2 * model.actuator_biasprm[motor, 2]

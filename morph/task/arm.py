@@ -38,9 +38,7 @@ class Arm:
             self.offset = (x, y, z)
         else:
             self.link, self.offset = end_of(robot)
-        driven = dict.fromkeys(actuator.joint for actuator in robot.actuators)
-        known = [robot.joint(name) for name in driven]
-        self.joints = tuple(one.name for one in known if one.kind in {"hinge", "slide"})
+        self.joints = robot.driven
         limits = [robot.joint(name).limits or (-math.pi, math.pi) for name in self.joints]
         self.low, self.high = np.array(limits, dtype=float).reshape(-1, 2).T
         self._at = [int(self._model.joint(name).qposadr[0]) for name in self.joints]

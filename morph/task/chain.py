@@ -57,7 +57,7 @@ def stepping(robot: Robot) -> tuple[float, Integrator]:
 
 def slides_of(robot: Robot, *, driven: bool) -> tuple[Joint, ...]:
     """Return the slides of a body, or those alone that an actuator drives."""
-    actuated = {actuator.joint for actuator in robot.actuators}
+    actuated = set(robot.driven)
     return tuple(
         joint
         for joint in robot.joints

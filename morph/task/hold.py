@@ -42,7 +42,7 @@ def hold(robot: Robot, posture: Mapping[str, float] | None = None) -> Task:
             "it is not held to the world", where=where, fix="take the task stand, or give an arm"
         )
     asked = Arm(robot).rest() | dict(posture or {})
-    joints = tuple(dict.fromkeys(actuator.joint for actuator in robot.actuators))
+    joints = robot.driven
     if not joints:
         raise TaskError(
             "no joint of it is driven", where=where, fix="give a body with motors or servos"

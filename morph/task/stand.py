@@ -89,8 +89,7 @@ def start_of(robot: Robot, position: Mapping[str, float]) -> Start:
     if robot.loops:
         floating = tuple(joint.name for joint in robot.joints if joint.kind == "free")
         return Start(position=position, spread=0.2 * SPREAD, moving=floating)
-    driven = tuple(dict.fromkeys(actuator.joint for actuator in robot.actuators))
-    return Start(position=position, spread=SPREAD, moving=driven)
+    return Start(position=position, spread=SPREAD, moving=robot.driven)
 
 
 def _near(

@@ -57,7 +57,7 @@ def steer(robot: Robot, *, aside: float = 0.2, speed: float = SPEED) -> Task:
 
 def _wheels(robot: Robot, speed: float) -> dict[str, float]:
     """Return how fast each wheel turns that rolls: what no motor drives and turns about y."""
-    driven = {actuator.joint for actuator in robot.actuators}
+    driven = set(robot.driven)
     model: Any = spec_of(robot).compile()
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)

@@ -28,8 +28,7 @@ def torso_of(robot: Robot) -> str | None:
     freedoms: dict[str, int] = {}
     for joint in robot.joints:
         freedoms[joint.link] = freedoms.get(joint.link, 0) + FREEDOMS[joint.kind]
-    driven = {actuator.joint for actuator in robot.actuators}
-    held = {joint.link for joint in robot.joints if joint.name in driven}
+    held = {joint.link for joint in robot.joints if joint.name in robot.driven}
     loose = [link for link, count in freedoms.items() if count >= 3 and link not in held]
     return loose[-1] if loose else None
 
@@ -71,8 +70,9 @@ def stance(robot: Robot) -> dict[str, float]:
         return {}
     flat = data.xmat[feet].copy()
     low = data.xpos[feet, 2].copy()
-    driven = [model.joint(each.joint).qposadr[0] for each in robot.actuators]
-    limits = np.array([robot.joint(each.joint).limits or (-9.0, 9.0) for each in robot.actuators])
+    joints = [robot.driven_by(each) for each in robot.actuators]
+    driven = [model.joint(each.name).qposadr[0] for each in joints]
+    limits = np.array([each.limits or (-9.0, 9.0) for each in joints])
     lean = _angles_of(robot, link, model)
 
     def off(position: Array) -> Array:

@@ -96,7 +96,7 @@ def upright(task: Task, *, carriers: tuple[str, ...] = ()) -> Upright:
         )
     slides = [joint for joint in robot.joints if joint.kind == "slide"]
     named = carriers or ((slides or list(robot.joints))[0].link,)
-    driven = {actuator.joint for actuator in robot.actuators}
+    driven = set(robot.driven)
     q, _ = started(robot, model, task.start.position, {})
     moved = Moved(
         robot=robot,

@@ -73,7 +73,7 @@ def standing(
     task = stand(robot, name="balance")
     legs = _legs(robot, feet)
     hinges = {joint.name for joint in robot.joints if joint.kind == "hinge"}
-    loose = tuple(each.joint for each in robot.actuators if each.joint in hinges - legs)
+    loose = tuple(name for name in robot.driven if name in hinges - legs)
     start = Start(position=task.start.position, spread=SPREAD, moving=loose, push=push)
     task = replace(task, start=start, period=PERIOD, noise=noise)
     return sighted(body(task, carriers=carriers, still=settled(task)), feet)

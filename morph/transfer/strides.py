@@ -256,7 +256,10 @@ def carried(
         Number(name="sway", low=0.0, high=SWAY, start=0.3 * SWAY),
         Number(name="sway's phase", low=-0.5 * np.pi, high=2.5 * np.pi, start=0.0),
     ]
-    posture = [target.start.position.get(each.joint, 0.0) for each in target.robot.actuators]
+    posture = [
+        target.start.position.get(target.robot.driven_by(each).name, 0.0)
+        for each in target.robot.actuators
+    ]
     return Carried(
         numbers=tuple(numbers),
         sigma=0.15,

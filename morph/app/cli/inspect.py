@@ -66,7 +66,7 @@ def _show(found: Inspection) -> None:
     if found.robot is not None:
         for line in _head(found, found.robot):
             lines += _plain(paragraph(line, 2, columns))
-        for part in (_links, _joints, _chains):
+        for part in (_links, _joints, _others, _chains):
             head, *rows = part(found.robot, columns) or [""]
             lines += [(head, "bold"), *_plain(rows), ("", "")] if head else []
         if sensors := _sensors(found.robot, columns):
@@ -154,6 +154,19 @@ def _joints(robot: Robot, columns: int | None) -> list[str]:
     ]
     head = ("joint", "kind", "moves", "range", "driven by", "speed")
     return table(head, rows, columns=columns) if rows else []
+
+
+def _others(robot: Robot, columns: int | None) -> list[str]:
+    rows = [
+        (
+            _name(each.name),
+            _name(each.part),
+            "" if each.limit is None else f"{each.limit:.4g} {each.effort_unit}",
+        )
+        for each in robot.actuators
+        if each.joint is None
+    ]
+    return table(("actuator", "acts on", "limit"), rows, columns=columns) if rows else []
 
 
 def _range(joint: Joint) -> str:

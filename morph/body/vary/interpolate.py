@@ -77,7 +77,8 @@ def interpolate(
 
     Raises:
         RobotError: The fraction lies outside 0 to 1, no tree holds both
-            bodies, or an axis that differs cannot be turned.
+            bodies, an axis that differs cannot be turned, or an actuator
+            drives no joint.
     """
     return _Way.of(first, second, mapping, smallest).at(fraction)
 
@@ -126,6 +127,9 @@ class _Way:
             raise RobotError(
                 f"smallest is {smallest}", where=where, fix="choose it between 0 and 1"
             )
+        for robot in (first, second):
+            for actuator in robot.actuators:
+                robot.driven_by(actuator)
         one, other = bare_spec(first), bare_spec(second)
         one.modelname, other.modelname = first.name, second.name
         twin = _beside(one, replace(second, mjcf=renamed(second.mjcf, match(one, other, mapping))))

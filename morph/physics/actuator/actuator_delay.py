@@ -52,14 +52,11 @@ class ActuatorDelay(ActuatorEffect):
 
     def regressor(self, motion: Motion) -> Array:
         """Return what is missing, per second of delay: the mean change of the drive in it."""
-        rate = motion.drive_rate[:, motion.actuators[self.actuator]]
+        rate = motion.effort_rate(self.actuator)
         if self.T > 0.0:
-            step = np.diff(motion.time, prepend=motion.time[0])[:, None]
-            total = np.cumsum(step * rate, axis=0)
-            before = motion.time - self.T
-            columns = [np.interp(before, motion.time, each) for each in total.T]
-            rate = (total - np.stack(columns, axis=1)) / self.T
-        return -rate[:, :, None]
+            total = np.cumsum(np.diff(motion.time, prepend=motion.time[0]) * rate)
+            rate = (total - np.interp(motion.time - self.T, motion.time, total)) / self.T
+        return motion.actuated(self.actuator, -rate)
 
     def statement(self, *, slide: bool = False) -> str:
         """Return the finding in one plain sentence."""

@@ -55,13 +55,13 @@ class ActuatorLag(ActuatorEffect):
 
     def regressor(self, motion: Motion) -> Array:
         """Return what is missing, per second of lag: the faded change of the drive so far."""
-        rate = motion.drive_rate[:, motion.actuators[self.actuator]]
+        rate = motion.effort_rate(self.actuator)
         if self.T > 0.0:
             from scipy.signal import lfilter
 
             decay = float(np.exp(-np.median(np.diff(motion.time)) / self.T))
-            rate = lfilter([1.0 - decay], [1.0, -decay], rate, axis=0)
-        return -rate[:, :, None]
+            rate = lfilter([1.0 - decay], [1.0, -decay], rate)
+        return motion.actuated(self.actuator, -rate)
 
     def statement(self, *, slide: bool = False) -> str:
         """Return the finding in one plain sentence."""

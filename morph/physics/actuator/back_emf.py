@@ -8,6 +8,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from morph.arrays import Array
+from morph.body.robot import Robot
 from morph.physics.effect import Simulations, parameter
 from morph.physics.kinds import ActuatorEffect
 from morph.physics.motion import Motion
@@ -43,9 +44,14 @@ class BackEmf(ActuatorEffect):
     k: float = parameter(0.0, unit="N m s/rad", low=0.0, high=1e5, neutral=0.0)
     """Torque lost per unit of speed (N s/m on a slide)."""
 
+    @classmethod
+    def places(cls, robot: Robot) -> tuple[str, ...]:
+        """Return the actuators whose joint has a speed."""
+        return cls.jointed(robot)
+
     def before_step(self, simulations: Simulations, state: Any) -> Any:
         """Brake the joint while there is a command."""
-        speed = simulations.velocity(simulations.actuators[self.actuator])
+        speed = simulations.drive_speed(self.actuator)
         powered = simulations.control(self.actuator) != 0.0
         simulations.effort(self.actuator)[:] -= np.where(powered, self.k * speed, 0.0)
         return state
@@ -53,7 +59,7 @@ class BackEmf(ActuatorEffect):
     def regressor(self, motion: Motion) -> Array:
         """Return minus the speed while there is a command."""
         powered = motion.command[:, motion.actuators[self.actuator]] != 0.0
-        speed = motion.speed(motion.driven[self.actuator])
+        speed = motion.drive_speed(self.actuator)
         return motion.actuated(self.actuator, -speed * powered)
 
     def statement(self, *, slide: bool = False) -> str:

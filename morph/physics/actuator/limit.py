@@ -29,7 +29,7 @@ class LimitEffect(ActuatorEffect):
     def regressor(self, motion: Motion) -> Array:
         """Return what is cut off."""
         effort = motion.effort(self.actuator)
-        low, high = self.limits(motion.speed(motion.driven[self.actuator]))
+        low, high = self.limits(motion.drive_speed(self.actuator))
         return motion.actuated(self.actuator, np.clip(effort, low, high) - effort)
 
     @property

@@ -8,6 +8,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from morph.arrays import Array
+from morph.body.robot import Robot
 from morph.physics.actuator.limit import LimitEffect
 from morph.physics.effect import UNLIMITED, Simulations, parameter
 from morph.physics.motion import Motion
@@ -56,17 +57,22 @@ class SpeedTorqueLimit(LimitEffect):
         free = np.isinf(stall)
         return np.where(free, -np.inf, low), np.where(free, np.inf, high)
 
+    @classmethod
+    def places(cls, robot: Robot) -> tuple[str, ...]:
+        """Return the actuators whose joint has a speed."""
+        return cls.jointed(robot)
+
     def before_step(self, simulations: Simulations, state: Any) -> Any:
         """Cut off what the actuator cannot give at this speed."""
         effort = simulations.effort(self.actuator)
-        speed = simulations.velocity(simulations.actuators[self.actuator])
+        speed = simulations.drive_speed(self.actuator)
         effort[:] = np.clip(effort, *self.limits(speed))
         return state
 
     def shapes(self, motion: Motion) -> tuple[SpeedTorqueLimit, ...]:
         """Return lines that cut something, from a few torques to a few speeds without load."""
         most = float(np.abs(motion.effort(self.actuator)).max()) + 1e-6
-        fastest = float(np.abs(motion.speed(motion.driven[self.actuator])).max()) + 1e-3
+        fastest = float(np.abs(motion.drive_speed(self.actuator)).max()) + 1e-3
         stalls = [float(min(share * most, 0.99 * UNLIMITED)) for share in STALLS]
         races = [float(min(share * fastest, 1e5)) for share in RACES]
         lines = [replace(self, tau0=tau0, v0=v0) for tau0 in stalls for v0 in races]

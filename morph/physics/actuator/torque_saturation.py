@@ -54,7 +54,10 @@ class TorqueSaturation(LimitEffect):
         import mujoco
 
         actuator = spec.actuator(self.actuator)
-        most = self.limit / max(abs(float(actuator.gear[0])), 1e-12)
+        jointed = actuator.trntype in (
+            mujoco.mjtTrn.mjTRN_JOINT, mujoco.mjtTrn.mjTRN_JOINTINPARENT,
+        )  # fmt: skip
+        most = self.limit / max(abs(float(actuator.gear[0])), 1e-12) if jointed else self.limit
         low, high = -most, most
         limited, auto = actuator.forcelimited, mujoco.mjtLimited.mjLIMITED_AUTO
         known = actuator.forcerange[0] < actuator.forcerange[1]

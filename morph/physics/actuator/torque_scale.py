@@ -42,7 +42,7 @@ class TorqueScale(ActuatorEffect):
 
     def regressor(self, motion: Motion) -> Array:
         """Return the actuator's nominal force."""
-        return motion.drive[:, motion.actuators[self.actuator]][:, :, None]
+        return motion.actuated(self.actuator, motion.effort(self.actuator))
 
     def statement(self, *, slide: bool = False) -> str:
         """Return the finding in one plain sentence."""

@@ -40,9 +40,8 @@ class MotorSideEffect(JointEffect):
     @classmethod
     def places(cls, robot: Robot) -> tuple[str, ...]:
         """Return the hinges and slides that a motor drives."""
-        driven = {actuator.joint for actuator in robot.actuators}
-        kinds = {joint.name: joint.kind for joint in robot.joints}
-        return tuple(name for name in kinds if name in driven and kinds[name] in {"hinge", "slide"})
+        driven = set(robot.driven)
+        return tuple(joint.name for joint in robot.joints if joint.name in driven)
 
     def motors(self, simulations: Simulations) -> list[str]:
         """Return the actuators of the joint."""

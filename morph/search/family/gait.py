@@ -146,7 +146,7 @@ def _turns(robot: Robot, those: list[tuple[Action, Part]]) -> bool:
     servos = [robot.actuator(one.actuator) for one, _ in those]
     return (
         all(each.kind == "position" for each in servos)
-        and all(robot.joint(each.joint).limits is None for each in servos)
+        and all(robot.driven_by(each).limits is None for each in servos)
         and len({part.place for _, part in those} - {None}) > 1
     )
 

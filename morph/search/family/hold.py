@@ -112,7 +112,8 @@ def hold(
     driven = [robot.actuator(each.actuator) for each in action]
     sprung = tuple(each.kind != "position" for each in driven)
     parts = parts_of(tuple(each.actuator for each in action))
-    efforts = [float((carried or {}).get(each.joint, 0.0)) for each in driven]
+    names = [each.joint or "" for each in driven]
+    efforts = [float((carried or {}).get(name, 0.0)) for name in names]
     model: Any = spec_of(robot).compile()
     stiffness = [float(model.actuator(each.name).gainprm[0]) for each in driven]
     numbers: list[Number] = []
@@ -122,15 +123,15 @@ def hold(
         numbers.append(Number(name=f"{named}offset", low=-widest, high=widest, start=0.0))
         if sprung[first]:
             numbers += _spring(named, action[first])
-    held = [each.joint for each, spring in zip(driven, sprung, strict=True) if spring]
+    held = [name for name, spring in zip(names, sprung, strict=True) if name and spring]
     channels = [f"{name}.{rate}" for rate in ("position", "velocity") for name in held]
     return Hold(
         numbers=tuple(numbers),
         action=action,
         parts=parts,
         posture=tuple(
-            float(posture.get(each.joint, 0.0)) + (0.0 if spring else effort / stiff)
-            for each, spring, effort, stiff in zip(driven, sprung, efforts, stiffness, strict=True)
+            float(posture.get(name, 0.0)) + (0.0 if spring else effort / stiff)
+            for name, spring, effort, stiff in zip(names, sprung, efforts, stiffness, strict=True)
         ),
         carried=tuple(efforts),
         sprung=sprung,

@@ -58,7 +58,7 @@ def paces(
     Raises:
         SearchError: It has no actuator, or none of such a role.
     """
-    joints = [robot.joint(each.joint) for each in robot.actuators]
+    joints = [robot.driven_by(each) for each in robot.actuators]
     place = np.array([posture.get(joint.name, 0.0) for joint in joints])
     room = []
     for actuator, joint, rest in zip(robot.actuators, joints, place, strict=True):

@@ -64,7 +64,7 @@ def stride(robot: Robot, posture: Mapping[str, float], *, seconds: float, period
     Raises:
         SearchError: It has no actuator.
     """
-    joints = [robot.joint(each.joint) for each in robot.actuators]
+    joints = [robot.driven_by(each) for each in robot.actuators]
     place = np.array([posture.get(joint.name, 0.0) for joint in joints])
     swings = []
     for actuator, joint, rest in zip(robot.actuators, joints, place, strict=True):

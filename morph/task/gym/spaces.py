@@ -68,11 +68,14 @@ def command_range(robot: Robot) -> tuple[Array, Array]:
     """
     low, high = [], []
     for actuator in robot.actuators:
-        joint = robot.joint(actuator.joint)
-        servo = actuator.kind == "position"
-        free = FREE_HINGE if servo and joint.kind == "hinge" else FREE
-        limit = free if servo or actuator.limit is None else actuator.limit
-        bounds = joint.limits if servo and joint.limits is not None else (-limit, limit)
+        free, bounds = FREE, None
+        if actuator.kind == "position":
+            joint = robot.driven_by(actuator)
+            free = FREE_HINGE if joint.kind == "hinge" else FREE
+            bounds = joint.limits
+        elif actuator.limit is not None:
+            bounds = (-actuator.limit, actuator.limit)
+        bounds = bounds or (-free, free)
         low.append(bounds[0] if math.isfinite(bounds[0]) else -free)
         high.append(bounds[1] if math.isfinite(bounds[1]) else free)
     return np.array(low), np.array(high)

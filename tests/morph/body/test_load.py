@@ -97,17 +97,6 @@ def test_a_urdf_has_the_servo_that_its_card_names(tmp_path: Path) -> None:
     assert load(folder).actuator("hinge").kind == "position"
 
 
-def test_an_actuator_that_drives_no_joint_is_refused(tmp_path: Path) -> None:
-    path = tmp_path / "lever.xml"
-    body = '<body name="lever"><joint name="hinge"/><site name="tip"/><geom size="0.1"/></body>'
-    path.write_text(
-        f"<mujoco><worldbody>{body}</worldbody>"
-        '<actuator><general name="jet" site="tip"/></actuator></mujoco>'
-    )
-    with pytest.raises(RobotError, match="the actuator 'jet' drives no joint"):
-        load(path)
-
-
 @pytest.mark.parametrize(
     ("motor", "message"),
     [

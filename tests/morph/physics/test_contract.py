@@ -404,6 +404,7 @@ def test_a_regressor_tells_the_force_that_the_simulation_feels(kind: type[Effect
         stiffness=stiffness,
         joints={joint.name: index for index, joint in enumerate(robot.joints)},
         actuators={actuator.name: index for index, actuator in enumerate(robot.actuators)},
+        driven={actuator.name: actuator.joint for actuator in robot.actuators},
         bodies=body_motions(model, bodies, q, v, a),
     )
     still = Still(motion)

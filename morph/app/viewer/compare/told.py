@@ -97,7 +97,7 @@ def _bodies(shows: Sequence[Show]) -> Table:
     for show in shows:
         robot = show.figure.robot
         moving = [joint for joint in robot.joints if joint.kind != "free" and joint.mimic is None]
-        driven = {each.joint for each in robot.actuators}
+        driven = set(robot.driven)
         rows.append((show.figure.name, f"{robot.mass:.4g}", str(len(moving)), str(len(driven))))
     return Table(title="Bodies", head=("body", "mass (kg)", "joints", "driven"), rows=tuple(rows))
 

@@ -201,7 +201,7 @@ def _joints(robot: Robot) -> list[str]:
 
 
 def _actuators(robot: Robot) -> list[str]:
-    return [f"{actuator.name} ({actuator.joint})" for actuator in robot.actuators]
+    return [f"{actuator.name} ({actuator.joint or actuator.part})" for actuator in robot.actuators]
 
 
 def _effects(folder: Path, corrected: Robot) -> tuple[Effect, ...]:

@@ -81,7 +81,7 @@ def joint_of(effect: Effect, robot: Robot) -> int | None:
     names = [joint.name for joint in robot.joints]
     place = effect.where
     if effect.kind == "actuator":
-        place = robot.actuator(place).joint
+        place = robot.actuator(place).joint or ""
     elif effect.kind == "sensor":
         place = place.removesuffix(".position")
     elif effect.kind == "body":
