@@ -8,27 +8,18 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from morph.body.actuators import actuator_of
 from morph.body.card import MOST_BYTES, Card
 from morph.body.finding import Finding, Where
 from morph.body.follow import followers, from_zero
 from morph.body.fulltext import fulltext
 from morph.body.mesh import mesh_content
 from morph.body.quiet import quiet
-from morph.body.robot import Actuator, Joint, Link, Loop, Mimic, Robot, Sensor
+from morph.body.robot import Joint, Link, Loop, Mimic, Robot, Sensor
 from morph.body.weight import check_model
 from morph.errors import MeshError, RobotError
 from morph.files import sha256
 from morph.regular_file import read_regular
-
-JOINTED = (mujoco.mjtTrn.mjTRN_JOINT, mujoco.mjtTrn.mjTRN_JOINTINPARENT)
-SCALAR = (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE)
-PARTS = {
-    mujoco.mjtTrn.mjTRN_TENDON: mujoco.mjtObj.mjOBJ_TENDON,
-    mujoco.mjtTrn.mjTRN_SITE: mujoco.mjtObj.mjOBJ_SITE,
-    mujoco.mjtTrn.mjTRN_SLIDERCRANK: mujoco.mjtObj.mjOBJ_SITE,
-    mujoco.mjtTrn.mjTRN_BODY: mujoco.mjtObj.mjOBJ_BODY,
-}
-"""What actuators act on that drive no joint."""
 
 UNNAMED = "MuJoCo Model"
 """What MuJoCo calls a model whose description names none."""
@@ -88,7 +79,7 @@ def robot_of(
         name=card.name if card else name,
         links=tuple(_link(model, index, sources[index]) for index in range(1, model.nbody)),
         joints=tuple(_joint(model, index, follows.get(index)) for index in range(model.njnt)),
-        actuators=tuple(_actuator(model, index, source) for index in range(model.nu)),
+        actuators=tuple(actuator_of(model, index, source) for index in range(model.nu)),
         mjcf=fulltext(spec),
         assets=assets,
         source=source,
@@ -249,63 +240,3 @@ def _loop(model: Any, index: int) -> Loop:
     kind = "weld" if model.eq_type[index] == mujoco.mjtEq.mjEQ_WELD else "connect"
     first, second = (model.body(int(end)).name for end in ends)
     return Loop(name=model.equality(index).name, kind=kind, links=(first, second))
-
-
-def _actuator(model: Any, index: int, source: Path) -> Actuator:
-    joint = driven_joint(model, index)
-    kind, at = mujoco.mjtTrn(model.actuator_trntype[index]), int(model.actuator_trnid[index, 0])
-    if kind == mujoco.mjtTrn.mjTRN_SO3:
-        raise RobotError(
-            f"the actuator {model.actuator(index).name!r} turns an orientation by three forces",
-            where=str(source),
-            fix="give it a joint, a site, a tendon or a body",
-        )
-    part, force = "", True
-    if joint is not None:
-        force = model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_SLIDE
-    else:
-        named = PARTS.get(kind, mujoco.mjtObj.mjOBJ_JOINT)
-        word = mujoco.mjtObj(named).name.removeprefix("mjOBJ_").lower()
-        part = f"{word} {mujoco.mj_id2name(model, named, at)}"
-        if kind != mujoco.mjtTrn.mjTRN_TENDON:
-            force = bool(model.actuator_gear[index, :3].any())
-    return Actuator(
-        name=model.actuator(index).name,
-        joint=None if joint is None else model.joint(joint).name,
-        kind="position" if _is_servo(model, index) else "motor",
-        limit=_limit(model, index, joint),
-        part=part,
-        effort_unit="N" if force else "N m",
-    )
-
-
-def driven_joint(model: Any, actuator: int) -> int | None:
-    """Return the number of the hinge or slide that an actuator drives; None if it drives none."""
-    # A number of numpy's is in no tuple of MuJoCo's names: it must be one itself.
-    if mujoco.mjtTrn(model.actuator_trntype[actuator]) not in JOINTED:
-        return None
-    joint = int(model.actuator_trnid[actuator, 0])
-    return joint if mujoco.mjtJoint(model.jnt_type[joint]) in SCALAR else None
-
-
-def _limit(model: Any, index: int, joint: int | None) -> float | None:
-    gear = 1.0 if joint is None else abs(float(model.actuator_gear[index, 0]))
-    gain = float(model.actuator_gainprm[index, 0])
-    limits = []
-    if model.actuator_forcelimited[index]:
-        limits.append(gear * float(np.abs(model.actuator_forcerange[index]).max()))
-    if model.actuator_ctrllimited[index] and not _is_servo(model, index):
-        limits.append(gear * abs(gain) * float(np.abs(model.actuator_ctrlrange[index]).max()))
-    if joint is not None and model.jnt_actfrclimited[joint]:
-        limits.append(float(np.abs(model.jnt_actfrcrange[joint]).max()))
-    return min(limits, default=None)
-
-
-def _is_servo(model: Any, index: int) -> bool:
-    # The inputs that an actuator takes are bits; none set means it does not say.
-    says = int(model.actuator_ctrlspec[index])
-    if says:
-        return bool(says & int(mujoco.mjtCtrlInput.mjINPUT_POS))
-    # One that pulls back in proportion to the joint's position is a servo.
-    affine = model.actuator_biastype[index] == mujoco.mjtBias.mjBIAS_AFFINE
-    return bool(affine and model.actuator_biasprm[index, 1] != 0)

@@ -144,7 +144,12 @@ def _along(
 
 
 def whitened_levels(
-    own: Columns, grids: Sequence[tuple[Effect, ...]], runs: Sequence[Observed], blocks: int
+    own: Columns,
+    grids: Sequence[tuple[Effect, ...]],
+    runs: Sequence[Observed],
+    blocks: int,
+    *,
+    shares: Sequence[float] = LEVELS,
 ) -> list[list[Whitened]]:
     """Return the Gram matrix of [errors, entries of the point, effects], by level and by fold."""
 
@@ -153,8 +158,8 @@ def whitened_levels(
         readings, moved = _along(own, grids, seen)
         return [
             whitened_blocks(about.tangent, about.leaving(share), readings, moved, blocks=blocks)
-            for share in LEVELS
+            for share in shares
         ]
 
     by_run = each(one, runs)
-    return [[fold for found in by_run for fold in found[at]] for at in range(len(LEVELS))]
+    return [[fold for found in by_run for fold in found[at]] for at in range(len(shares))]

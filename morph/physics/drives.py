@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 
 from morph.arrays import Array
-from morph.body.normal import driven_joint
+from morph.body.actuators import driven_joint
 from morph.physics.dynamics import transmissions
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from mujoco.batch import MODEL_FIELDS, Batch
 
 from morph.arrays import Array
-from morph.body.normal import driven_joint
+from morph.body.actuators import driven_joint
 from morph.errors import SimulationFailed
 from morph.physics.effect import Effect
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 
-from morph.body.normal import driven_joint
+from morph.body.actuators import driven_joint
 from morph.physics.joint.series_elasticity import SeriesElasticity
 from morph.sim.rollout import Variant
 

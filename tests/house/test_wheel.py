@@ -75,7 +75,7 @@ def test_the_wheel_holds_every_schema(wheel: Path) -> None:
     names = set(zipfile.ZipFile(wheel).namelist())
     schemas = {path.relative_to(ROOT).as_posix() for path in ROOT.glob("morph/**/*.schema.json")}
     assert {Path(name).name.partition(".")[0] for name in schemas} == {
-        *("align", "comparison", "conversion", "diagnosis", "findings", "inspection"),
+        *("align", "comparison", "conversion", "diagnosis", "experiment", "findings", "inspection"),
         *("learned", "package"),
         *("simulation", "transfer", "view", "viewing"),
     }

@@ -169,6 +169,8 @@ class Simulate:
     """How fast: JOINT=2 (per s), hull.linear_velocity.x=0.5; may be repeated."""
     command: Annotated[Many, tyro.conf.arg(metavar="NAME=VALUE")] = ()
     """What an actuator is told all along, in its own unit; may be repeated."""
+    commands: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """Recording whose commands it is told from its start on, such as a run of `morph excite`."""
     out: Annotated[str | None, tyro.conf.arg(metavar="FILE")] = None
     """Recording to write: .parquet, .csv, .csv.gz or .npz."""
     video: Annotated[str | None, tyro.conf.arg(metavar="FILE")] = None

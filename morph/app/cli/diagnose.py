@@ -33,7 +33,7 @@ def run_diagnose(asked: Diagnose) -> int:
 
     # Whatever the command line got wrong is told before any work is done.
     check_out(asked.out)
-    horizon, vary = horizon_of(asked.horizon), _vary(asked.vary)
+    horizon, vary = horizon_of(asked.horizon), fractions(asked.vary)
     with lock_run_folder(asked.out, beside=True):
         found = _diagnosed(asked, horizon, vary)
         write_diagnosis(found, asked.out)
@@ -154,7 +154,12 @@ def horizon_of(text: str) -> float | None:
     return value
 
 
-def _vary(pairs: Sequence[str]) -> dict[str, float]:
+def fractions(pairs: Sequence[str]) -> dict[str, float]:
+    """Return by how much figures may be wrong, of texts NAME=FRACTION.
+
+    Raises:
+        DiagnosisError: One is no such text.
+    """
     found = {}
     for pair in pairs:
         name, equals, value = pair.rpartition("=")

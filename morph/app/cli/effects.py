@@ -66,36 +66,41 @@ def _check_once(effects: Sequence[Effect], where: str) -> None:
         seen.add(one)
 
 
-def parsed(text: str, robot: Robot, among: Mapping[str, Effect] | None = None) -> Effect:
+def parsed(
+    text: str,
+    robot: Robot,
+    among: Mapping[str, Effect] | None = None,
+    *,
+    option: str = "--effect",
+) -> Effect:
     """Return the effect that `NAME@WHERE:param=value,param=value` asks for.
 
     For an effect on the world `@world` may be left out. Of an effect that is already `among`
-    others, by its label, only the parameters that are told change.
+    others, by its label, only the parameters that are told change. `option` is named in errors.
 
     Raises:
         EffectError: The effect, its place or a parameter is not known, or a value is out of
             bounds.
     """
+    where = f"{option} {text}"
     name, place, values = _taken_apart(text)
-    kind = _kind(name, text)
+    kind = _kind(name, where)
     if not place and kind.kind == "world":
         place = "world"
     if not place:
         raise EffectError(
             f"{name} acts on {_a(kind.kind)}, and none is named",
-            where=f"--effect {text}",
+            where=where,
             fix=f"write {name}@{(*kind.places(robot), 'NAME')[0]}:...",
         )
     effect = kind.at(place)
     effect = (among or {}).get(effect.label, effect)
-    _check_place(effect, robot, where=f"--effect {text}")
+    _check_place(effect, robot, where=where)
     given = {}
     for pair in values.split(",") if values else ():
-        known, value = _value(pair, kind, text)
+        known, value = _value(pair, kind, where)
         if known in given:
-            raise EffectError(
-                f"{known} is given twice", where=f"--effect {text}", fix=f"give {known} once"
-            )
+            raise EffectError(f"{known} is given twice", where=where, fix=f"give {known} once")
         given[known] = value
     return replace(effect, **given)  # type: ignore[type-var]
 
@@ -125,14 +130,14 @@ def _taken_apart(text: str) -> tuple[str, str, str]:
     return name.strip(), place.strip().removesuffix(":"), values.strip()
 
 
-def _kind(name: str, text: str) -> type[Effect]:
+def _kind(name: str, where: str) -> type[Effect]:
     for kind in EFFECTS:
         if kind.name == name:
             return kind
     known = [kind.name for kind in EFFECTS]
     raise EffectError(
         f"there is no effect {name!r}; there are {', '.join(known)}",
-        where=f"--effect {text}",
+        where=where,
         fix=f"the nearest are {nearest(name, known)}; `morph list effects` says what each does",
     )
 
@@ -151,13 +156,13 @@ def _check_place(effect: Effect, robot: Robot, *, where: str) -> None:
     )
 
 
-def _value(pair: str, kind: type[Effect], text: str) -> tuple[str, float]:
+def _value(pair: str, kind: type[Effect], where: str) -> tuple[str, float]:
     name, equals, value = (part.strip() for part in pair.partition("="))
     known = {each.name: each for each in kind.parameters()}
     if name not in known:
         raise EffectError(
             f"{kind.name} has no parameter {name!r}; it has {_parameters(known.values())}",
-            where=f"--effect {text}",
+            where=where,
             fix=f"write {kind.name}@WHERE:{next(iter(known), 'NAME')}=VALUE"
             if known
             else "write it without parameters",
@@ -169,7 +174,7 @@ def _value(pair: str, kind: type[Effect], text: str) -> tuple[str, float]:
     if not equals or not math.isfinite(number):
         raise EffectError(
             f"{name} = {value!r} is no finite number",
-            where=f"--effect {text}",
+            where=where,
             fix=f"give {name} from {known[name].low:g} to {known[name].high:g}{_unit(known[name])}",
         )
     return name, number

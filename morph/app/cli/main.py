@@ -24,6 +24,7 @@ from morph.app.cli.arguments import (
     Loop,
     Simulate,
 )
+from morph.app.cli.excite_arguments import Excite
 from morph.app.cli.print_arguments import Print
 from morph.app.cli.study_arguments import Study
 from morph.app.cli.view_arguments import View
@@ -37,6 +38,7 @@ DONE, UNUSABLE, STOPPED_SHORT, INTERRUPTED = 0, 2, 3, 130
 Command = (
     Diagnose
     | Compare
+    | Excite
     | Inspect
     | Convert
     | Simulate
@@ -55,6 +57,7 @@ Command = (
 Asked = (
     Annotated[Diagnose, tyro.conf.subcommand("diagnose")]
     | Annotated[Compare, tyro.conf.subcommand("compare")]
+    | Annotated[Excite, tyro.conf.subcommand("excite")]
     | Annotated[Inspect, tyro.conf.subcommand("inspect")]
     | Annotated[Convert, tyro.conf.subcommand("convert")]
     | Annotated[Simulate, tyro.conf.subcommand("simulate")]
@@ -78,6 +81,8 @@ Example: morph simulate pendulum --start hinge=1 --video swing.mp4
 Example: morph compare double_pendulum rig.toml
 
 Example: morph diagnose double_pendulum rig.toml --out report
+
+Example: morph excite double_pendulum --for-everything --out plan
 
 Example: morph learn swing-up --robot cartpole --out learned
 
@@ -173,6 +178,10 @@ def _run(asked: Command) -> int:
         from morph.app.cli.compare import run_compare
 
         return run_compare(asked)
+    if isinstance(asked, Excite):
+        from morph.app.cli.excite import run_excite
+
+        return run_excite(asked)
     if isinstance(asked, Inspect):
         from morph.app.cli.inspect import run_inspect
 

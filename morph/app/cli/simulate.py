@@ -46,10 +46,11 @@ def run_simulate(asked: Simulate) -> int:
     around = () if world is None else world.effects
     effects = asked_effects(robot, asked.effect, file=file, world=around)
     constant, policy = _pairs("--command", asked.command), _policy(asked, robot)
+    timed = _timed(asked, robot)
     simulator = Simulator(robot, effects, step=asked.step, integrator=asked.integrator)
     began = time.perf_counter()
     with _progress(asked, "simulating") as told:
-        moved, why = _moved(simulator, asked.seconds, start, speed, constant, policy)
+        moved, why = _moved(simulator, asked.seconds, start, speed, constant, timed, policy)
         took = time.perf_counter() - began
         told(1.0)
     done = _done(asked, simulator, world, moved, why, took)
@@ -139,9 +140,10 @@ def _moved(
     start: Mapping[str, float],
     speed: Mapping[str, float],
     constant: Mapping[str, float],
+    timed: Mapping[str, Command],
     policy: Policy | None,
 ) -> tuple[Trajectory, SimulationFailed | None]:
-    """Return a run; what `--command` tells comes before the policy."""
+    """Return a run; what `--command` and `--commands` tell comes before the policy."""
     if policy is not None and policy.observation:
         from morph.app.cli.driven import driven
 
@@ -153,8 +155,37 @@ def _moved(
     # What is told nothing is told zero, and a recording of it must say so.
     robot = simulator.robot
     command: dict[str, Command] = dict.fromkeys((each.name for each in robot.actuators), 0.0)
-    command |= {**({} if policy is None else policy.commands()), **constant}
+    command |= {**({} if policy is None else policy.commands()), **timed, **constant}
     return as_far_as_stable(simulator, seconds=seconds, start=start, speed=speed, command=command)
+
+
+def _timed(asked: Simulate, robot: Robot) -> dict[str, Command]:
+    """Return the commands of a recording, by actuator, on a clock that starts with it."""
+    if asked.commands is None:
+        return {}
+    if asked.policy is not None:
+        raise SimulationFailed(
+            "a policy and the commands of a recording both say what actuators are told",
+            where="--commands",
+            fix="leave out --policy or --commands",
+        )
+    from dataclasses import replace
+
+    from morph.record.load import load
+
+    recording, *more = load(asked.commands, robot=robot)
+    found: dict[str, Command] = {
+        name.removesuffix(".command"): replace(each, time=each.time - recording.start)
+        for name, each in recording.channels.items()
+        if name.endswith(".command")
+    }
+    if more or not found:
+        raise SimulationFailed(
+            f"it holds {1 + len(more)} recordings" if more else "it holds no command",
+            where=f"--commands {asked.commands}",
+            fix="give the file of one recording with a column ACTUATOR.command",
+        )
+    return found
 
 
 def _policy(asked: Simulate, robot: Robot) -> Policy | None:

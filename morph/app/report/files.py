@@ -41,11 +41,11 @@ def write_diagnosis(diagnosis: Diagnosis, out: Path) -> None:
             write_whole(folder / name, content)
 
 
-def _is_diagnosis(path: Path) -> bool:
-    """Return whether a file is a diagnosis of ours, however damaged its end."""
+def _holds(path: Path, schema: str) -> bool:
+    """Return whether a file is of a schema of ours, however damaged its end."""
     try:
         with open_regular(path) as file:
-            return SCHEMA.encode() in file.read(4096)
+            return schema.encode() in file.read(4096)
     except OSError:
         return False
 
@@ -54,13 +54,28 @@ def check_out(out: Path) -> None:
     """Refuse a place that a diagnosis must not be written to, before the work is done.
 
     Raises:
+        OutputError: As `check_folder` says.
+    """
+    check_folder(out, FILES[-1], SCHEMA, "a diagnosis")
+
+
+def check_folder(out: Path, marker: str, schema: str, noun: str) -> None:
+    """Refuse a folder that a result must not be written to, before the work is done.
+
+    Args:
+        out: The folder, which the result replaces whole.
+        marker: The file that makes a folder such a result.
+        schema: What that file says it follows.
+        noun: What the result is, as `a diagnosis`.
+
+    Raises:
         OutputError: `out` is a file, a link, a folder that holds something else, or a place where
             nothing can be written.
     """
     try:
         taken = out.is_symlink() or (out.exists() and not out.is_dir())
         here = out.is_dir() and out.samefile(Path())
-        foreign = out.is_dir() and any(out.iterdir()) and not _is_diagnosis(out / FILES[-1])
+        foreign = out.is_dir() and any(out.iterdir()) and not _holds(out / marker, schema)
         standing = next(parent for parent in (out, *out.absolute().parents) if parent.exists())
         if not (taken or foreign):
             os.rmdir(tempfile.mkdtemp(dir=standing, prefix=".morph-"))
@@ -72,19 +87,19 @@ def check_out(out: Path) -> None:
         ) from error
     if foreign:
         raise OutputError(
-            "the folder is not empty and holds no earlier diagnosis",
+            f"the folder is not empty and holds no earlier {noun.partition(' ')[2]}",
             where=str(out),
-            fix="name a new or an empty folder, or one that holds a diagnosis.json",
+            fix=f"name a new or an empty folder, or one that holds such a {marker}",
         )
     if taken:
         raise OutputError(
-            "this is a file or a link, and a diagnosis is a folder",
+            f"this is a file or a link, and {noun} is a folder",
             where=str(out),
             fix="name a new or an empty folder",
         )
     if here:
         raise OutputError(
-            "this is the folder where you stand, and a diagnosis replaces its folder whole",
+            f"this is the folder where you stand, and {noun} replaces its folder whole",
             where=str(out),
             fix="name a folder in it",
         )

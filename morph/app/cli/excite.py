@@ -1,0 +1,124 @@
+"""`morph excite`: commands to give a robot so that a diagnosis can tell laws apart."""
+
+from __future__ import annotations
+
+import json
+import shlex
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from morph.app.cli.excite_arguments import Excite
+from morph.errors import DiagnosisError
+
+if TYPE_CHECKING:
+    from morph.inference.separation import Plan, Separation
+
+MARKER = "experiment.json"
+MOST_LISTED = 20
+"""Pairs of laws that are not told apart that are listed; more are counted."""
+
+
+def run_excite(asked: Excite) -> int:
+    """Plan as asked and return the exit status.
+
+    Raises:
+        MorphError: An input cannot be used or a file cannot be written.
+    """
+    from morph.app.cli.diagnose import fractions
+    from morph.app.cli.effects import parsed
+    from morph.app.cli.stages import stages
+    from morph.app.report.files import check_folder
+    from morph.body.load import load
+    from morph.inference.separation import SCHEMA
+
+    # Whatever the command line got wrong is told before any work is done.
+    vary = fractions(asked.vary)
+    if (asked.separate is None) != asked.for_everything:
+        raise DiagnosisError(
+            "it is not said what the experiment is to show"
+            if asked.separate is None
+            else "two laws and every law are asked for at once",
+            where="morph excite",
+            fix="give either --separate with two laws, or --for-everything",
+        )
+    check_folder(asked.out, MARKER, SCHEMA, "an experiment")
+    with stages(asked.quiet) as told:
+        told.now("loading")
+        robot = load(asked.robot)
+        laws = [parsed(text, robot, option="--separate") for text in asked.separate or ()]
+        # Late: it loads all that a diagnosis needs.
+        from morph.inference.experiment import plan
+
+        found = plan(
+            robot,
+            laws,
+            seconds=asked.seconds,
+            rate=asked.rate,
+            noise=asked.noise,
+            vary=vary,
+            seed=asked.seed,
+            progress=told.now,
+        )
+    text = _write(found, asked.out)
+    sys.stdout.write(text if asked.json else in_words(found, asked) + "\n")
+    return 0
+
+
+def _write(found: Plan, out: Path) -> str:
+    """Write a plan into a folder, replaced whole or not at all, and return its record's text."""
+    from morph.app.report.files import check_folder
+    from morph.atomic_directory import atomic_directory
+    from morph.files import write_whole
+    from morph.inference.separation import SCHEMA
+    from morph.record.write import write
+
+    files = [f"run_{number + 1}.csv" for number in range(len(found.runs))]
+    text = json.dumps(found.as_json(files), indent=2, allow_nan=False) + "\n"
+
+    def check(folder: Path) -> None:
+        check_folder(folder, MARKER, SCHEMA, "an experiment")
+
+    with atomic_directory(out, check, (*files, MARKER)) as folder:
+        for file, run in zip(files, found.runs, strict=True):
+            write(run.commands, folder / file)
+        write_whole(folder / MARKER, text)
+    return text
+
+
+def in_words(found: Plan, asked: Excite) -> str:
+    """Return what to run, what it tells apart and what it does not, and the next commands."""
+    lines = [f"{found.robot.name}: {len(found.runs)} of {found.tried} motions"]
+    for number, run in enumerate(found.runs):
+        share = 100.0 * run.excitation.amplitude
+        lines.append(
+            f"  run_{number + 1}.csv: {run.excitation.kind}, {run.seconds:.3g} s, {share:.2g} % of "
+            "the actuators' limits"
+        )
+    told = [each for each in found.separations if each.enough]
+    left = [each for each in found.separations if not each.enough]
+    if asked.for_everything:
+        lines.append(f"  {len(told)} of {len(found.separations)} pairs of laws are told apart")
+        lines += [f"  not told apart: {_line(each)}" for each in left[:MOST_LISTED]]
+        lines += [f"  and {len(left) - MOST_LISTED} more in {MARKER}"] * (len(left) > MOST_LISTED)
+    else:
+        lines += [f"  {_line(each)}" for each in found.separations]
+        lines += ["  no motion that was tried tells them apart surely"] * bool(left)
+    first = asked.out / "run_1.csv"
+    simulate = ["morph", "simulate", asked.robot, "--commands", str(first)]
+    simulate += ["--seconds", f"{found.runs[0].seconds:g}"]
+    further = [
+        f"to see it: {shlex.join([*simulate, '--view'])}",
+        "to name what acts, record the robot under it: "
+        + shlex.join(["morph", "diagnose", asked.robot, "RECORDING", "--out", "DIR"]),
+    ]
+    return "\n".join([*lines, *further])
+
+
+def _line(each: Separation) -> str:
+    size = ", ".join(f"{name} = {value:.3g}" for name, value in each.size.items())
+    other = "masses and gains" if each.rival == "none" else each.rival
+    return (
+        f"{each.law} ({size}), not {other}: {each.nats:.3g} nats, a probability of "
+        f"{each.power:.2f} to be named"
+    )

@@ -1,0 +1,46 @@
+"""What `morph excite` takes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+
+
+@dataclass(frozen=True, kw_only=True)
+class Excite:
+    """Plan the cheapest experiment that tells two laws apart, or one for every law.
+
+    Writes the commands to give the robot, within its limits, and how surely a diagnosis of what it
+    then does will tell. Nothing need have been recorded.
+
+    Example: morph excite so101 --separate coulomb_friction@elbow_flex torque_scale@elbow_flex
+    --out plan
+    """
+
+    robot: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="ROBOT")]
+    """A description (URDF, MJCF), a robot folder, or a name on the shelf."""
+    out: Path
+    """Folder for experiment.json and the commands of each run."""
+    separate: Annotated[
+        tuple[str, str] | None, tyro.conf.arg(metavar="NAME@WHERE[:PARAM=VALUE,...] NAME@WHERE...")
+    ] = None
+    """Two laws, as `morph list effects` names them; without parameters at a usual size."""
+    for_everything: bool = False
+    """Plan up to four runs that show every law at every part, beside its twins there."""
+    seconds: float = 20.0
+    """The longest that a run may last."""
+    rate: float = 100.0
+    """Readings a second."""
+    noise: float = 5e-4
+    """Standard deviation of a reading, rad or m."""
+    vary: Annotated[tuple[str, ...], tyro.conf.arg(metavar="NAME=FRACTION ...")] = ()
+    """By how much figures of the description may be wrong: as `morph diagnose --vary`."""
+    seed: int = 0
+    """Of the motions."""
+    json: bool = False
+    """Print experiment.json instead of words."""
+    quiet: bool = False
+    """Show no progress."""

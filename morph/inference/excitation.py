@@ -1,0 +1,201 @@
+"""Commands that excite a robot, each of a kind that other laws show under."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from morph.arrays import Array
+from morph.body.robot import Actuator, Robot
+from morph.errors import DiagnosisError, SimulationFailed
+from morph.record.recording import Channel, Recording
+from morph.sim.simulator import Simulator
+
+AMPLITUDES = (0.9, 0.6, 0.4, 0.25, 0.15, 0.08, 0.04)
+"""Shares of each actuator's limits that are tried, the greatest that is safe and a small one of
+which is kept."""
+SMALLER = 0.3
+"""That small one, over the greatest."""
+MARGIN = 0.02
+"""Share of a joint's range that a motion keeps from either end; a hinge without one may turn half
+a turn either way."""
+FREE_SERVO = 1.0
+"""How far a servo without a range is told to move either way, rad or m."""
+LOWEST, HIGHEST = 0.2, 4.0
+"""Hz: the band of quick motions."""
+WAVES = 6
+"""Sines of a quick motion."""
+SLOW = 0.05
+"""Hz: how often a slow motion returns."""
+HELD = 1.5
+"""Seconds that each step of a command is held."""
+COAST = 4.0
+"""Seconds of a drive and of the coasting after it."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Excitation:
+    """What actuators are told, and what the description does under it."""
+
+    kind: str
+    """`quick`, `slow`, `steps`, `coast` or `one: ACTUATOR`."""
+    amplitude: float
+    """Share of the actuators' limits."""
+    recording: Recording
+    """The simulated motion, with the commands."""
+
+
+def excitations(robot: Robot, seconds: float, step: float, seed: int) -> list[Excitation]:
+    """Return motions from rest at home that stay within the limits of a robot.
+
+    Of each kind there are two, at the greatest share of the actuators' limits of `AMPLITUDES` at
+    which the described robot keeps from the ends of its joints and under their greatest speeds, and
+    at a third of it. Kinds that are not safe at any are left out.
+
+    Args:
+        robot: The description, at whose home position the motions begin.
+        seconds: How long each lasts.
+        step: Seconds a step of simulation.
+        seed: Random seed of phases and levels.
+
+    Raises:
+        DiagnosisError: There is no actuator, an actuator has no limit, a link falls freely, or no
+            motion is safe.
+    """
+    simulator = Simulator(robot, step=step)
+    middles, widths = _room(simulator)
+    time: Array = np.asarray(step * np.arange(simulator.steps(seconds) + 1), dtype=float)
+    found: list[Excitation] = []
+    for kind, wave in _waves(robot, time, seed):
+        for amplitude in AMPLITUDES:
+            made = _simulated(simulator, time, middles + amplitude * widths * wave)
+            if made is not None:
+                small = SMALLER * amplitude
+                less = _simulated(simulator, time, middles + small * widths * wave)
+                pairs = [(amplitude, made), (small, less)]
+                found += [Excitation(kind=kind, amplitude=a, recording=r) for a, r in pairs if r]
+                break
+    if not found:
+        raise DiagnosisError(
+            f"no motion from home is safe, not even at {100 * AMPLITUDES[-1]:.0f} % of the "
+            "actuators' limits: a joint comes to its end",
+            where=f"robot {robot.name}",
+            fix="describe a home position at which it rests, or wider ranges of its joints",
+        )
+    return found
+
+
+def _room(simulator: Simulator) -> tuple[Array, Array]:
+    """Return the middle of each actuator's commands, and how far they may go, (actuators,) each."""
+    robot, model = simulator.robot, simulator.model
+    if not robot.actuators:
+        raise DiagnosisError(
+            "it has no actuator",
+            where=f"robot {robot.name}",
+            fix="give a description with motors or servos",
+        )
+    free = next((joint.link for joint in robot.joints if joint.kind == "free"), None)
+    if free is not None and np.any(model.opt.gravity):
+        raise DiagnosisError(
+            f"link {free} falls freely: no command is planned for what has to stand or swim",
+            where=f"robot {robot.name}",
+            fix="describe the base as fixed, as on a stand",
+        )
+    pairs = [_range(robot, actuator, model) for actuator in robot.actuators]
+    low, high = (np.array(each) for each in zip(*pairs, strict=True))
+    home = 0.5 * (low + high)
+    for at, actuator in enumerate(robot.actuators):
+        if actuator.kind == "position" and actuator.joint is not None:
+            home[at] = float(model.qpos0[model.joint(actuator.joint).qposadr[0]])
+    return home, np.maximum(np.minimum(high - home, home - low), 0.0)
+
+
+def _range(robot: Robot, actuator: Actuator, model: mujoco.MjModel) -> tuple[float, float]:
+    own = model.actuator(actuator.name)
+    if model.actuator_ctrllimited[own.id]:
+        low, high = own.ctrlrange.tolist()
+        return low, high
+    if actuator.kind == "position":
+        joint = robot.driven_by(actuator)
+        rest = float(model.qpos0[model.joint(joint.name).qposadr[0]])
+        return joint.limits or (rest - FREE_SERVO, rest + FREE_SERVO)
+    if actuator.limit is None:
+        raise DiagnosisError(
+            f"actuator {actuator.name} has no limit within which it may be commanded",
+            where=f"robot {robot.name}",
+            fix="give it a ctrlrange or a forcerange in the description, or a `limit` in the card",
+        )
+    gear = 1.0 if actuator.joint is None else abs(float(own.gear[0]))
+    most = actuator.limit / abs(gear * float(own.gainprm[0]))
+    return -most, most
+
+
+def _waves(robot: Robot, time: Array, seed: int) -> Iterator[tuple[str, Array]]:
+    """Yield commands of each kind, within -1 and 1, shape (samples, actuators)."""
+    rng = np.random.default_rng(seed)
+    count = len(robot.actuators)
+    quick = np.stack([_quick(time, rng) for _ in range(count)], axis=1)
+    yield "quick", quick
+    shift = rng.uniform(0.0, 1.0, count)
+    turns = SLOW * (1.0 + 0.3 * rng.uniform(-1.0, 1.0, count)) * time[:, None] + shift
+    # A triangle: the same speed both ways, so that friction turns its sign and nothing else.
+    triangle = 4.0 * np.abs((turns % 1.0) - 0.5) - 1.0
+    yield "slow", triangle * _begun(time)
+    levels = rng.uniform(-1.0, 1.0, (int(time[-1] / HELD) + 1, count))
+    yield "steps", levels[(time / HELD).astype(int)]
+    if all(each.kind == "motor" for each in robot.actuators):
+        driving = (time % (2.0 * COAST) < COAST)[:, None]
+        yield "coast", quick * driving
+    if count > 1:
+        for at, actuator in enumerate(robot.actuators):
+            alone = np.zeros_like(quick)
+            alone[:, at] = quick[:, at]
+            yield f"one: {actuator.name}", alone
+
+
+def _quick(time: Array, rng: np.random.Generator) -> Array:
+    """Return a sum of sines over the band, at most 1, the slower the greater."""
+    hertz = np.geomspace(LOWEST, HIGHEST, WAVES) * rng.uniform(0.9, 1.1, WAVES)
+    size = hertz**-0.5
+    phase = rng.uniform(0.0, 2.0 * math.pi, WAVES)
+    whole = np.sin(2.0 * math.pi * hertz * time[:, None] + phase) @ size
+    return np.asarray(whole / np.abs(whole).max() * _begun(time)[:, 0])
+
+
+def _begun(time: Array) -> Array:
+    """Return what lets a command grow from none within a second, shape (samples, 1)."""
+    return np.minimum(time, 1.0)[:, None]
+
+
+def _simulated(simulator: Simulator, time: Array, told: Array) -> Recording | None:
+    """Return a run of the description, None of one that is not safe."""
+    command = {
+        each.name: Channel(time=time, value=told[:, at], hold=True)
+        for at, each in enumerate(simulator.robot.actuators)
+    }
+    try:
+        made = simulator.run(seconds=float(time[-1]), command=command, name="planned")
+    except SimulationFailed:
+        return None
+    return made if _safe(simulator.robot, made) else None
+
+
+def _safe(robot: Robot, made: Recording) -> bool:
+    """Return whether joints keep from their ends, and under their greatest speeds."""
+    for joint in robot.joints:
+        if joint.kind not in {"hinge", "slide"}:
+            continue
+        place, speed = made[f"{joint.name}.position"], made[f"{joint.name}.velocity"]
+        low, high = joint.limits or (-math.inf, math.inf)
+        if joint.limits is None and joint.kind == "hinge":
+            low, high = place[0] - math.pi, place[0] + math.pi
+        room = MARGIN * (high - low) if math.isfinite(high - low) else 0.0
+        if place.min() < low + room or place.max() > high - room:
+            return False
+        if joint.velocity is not None and np.abs(speed).max() > joint.velocity:
+            return False
+    return True

@@ -1,0 +1,83 @@
+"""Laws at the sizes at which an experiment is to show them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from morph.body.robot import Robot
+from morph.errors import DiagnosisError
+from morph.inference.dictionary import dictionary
+from morph.inference.observed import Observed, force_of, shift_of
+from morph.physics.body.tether import Tether
+from morph.physics.effect import Effect
+from morph.physics.fluid.wet import WetEffect
+
+FORCE, READING = 0.05, 0.01
+"""Size at which a law is looked for where none is told: its force over the force of the joint's
+actuators, or its change of a reading over the motion, RMS, in the strongest quick motion."""
+IDLE = 1e-6
+"""Size of a law's column over that of its greatest, below which it does nothing here."""
+
+
+def sized(robot: Robot, laws: Sequence[Effect], seen: Observed) -> list[tuple[Effect, ...]]:
+    """Return laws, each first at its size and then at other shapes that it might be taken for.
+
+    Args:
+        robot: The description.
+        laws: As they were asked for, neutral ones at a usual size; none for every law of the robot.
+        seen: A strong motion of all joints, by which sizes are set.
+
+    Raises:
+        DiagnosisError: A law does nothing to this robot, whatever its shape.
+    """
+    there = {grid[0].label: grid for grid in dictionary(robot, [seen], tuple(laws))}
+    if not laws:
+        # Pushes and cables come from outside: no laws of the robot. In air fluids hardly act.
+        wet = robot.card is not None and robot.card.water is not None
+        kept = [
+            (_sized(grid[len(grid) // 2], seen),)
+            for grid in there.values()
+            if not (grid[0].of_a_run or isinstance(grid[0], Tether))
+            and (wet or not isinstance(grid[0], WetEffect))
+        ]
+        return [grid for grid in kept if _acts(grid[0], seen)]
+    found = []
+    for law in laws:
+        grid = there.get(law.label, (law,))
+        told = law if law.coefficients.any() else _sized(grid[len(grid) // 2], seen)
+        if not _acts(told, seen):
+            raise DiagnosisError(
+                f"{law.label} does nothing in any motion of this robot",
+                where="--separate",
+                fix="name a law of a joint that moves or of an actuator that drives, or give its "
+                "parameters",
+            )
+        found.append((told, *grid))
+    return found
+
+
+def _acts(effect: Effect, seen: Observed) -> bool:
+    return bool(force_of([effect], seen.motion).any() or shift_of([effect], seen.motion).any())
+
+
+def _sized(effect: Effect, seen: Observed) -> Effect:
+    """Return a law at a usual size; see `FORCE` and `READING`."""
+    motion = seen.motion
+    if effect.kind == "sensor":
+        columns = effect.reading_regressor(motion)
+        usual = READING * np.std(motion.reading, axis=0)
+    else:
+        columns = effect.regressor(motion)
+        usual = FORCE * np.sqrt(np.mean(motion.drive.sum(axis=1) ** 2, axis=0))
+        usual = np.maximum(usual, FORCE * seen.about.inertial)
+    sizes = np.sqrt(np.mean(columns**2, axis=0))
+    # The part on which it acts most is where its size counts; some strengths do nothing here.
+    most, size = np.argmax(sizes, axis=0), sizes.max(axis=0)
+    works = size > IDLE * float(np.max(size, initial=0.0))
+    strength = np.where(works, usual[most] / np.maximum(size, 1e-300), 0.0)
+    strength /= math.sqrt(max(1, int(np.count_nonzero(works))))
+    one = effect.with_strengths(strength)
+    return one if one.coefficients.any() else effect.with_strengths(-strength)

@@ -1,0 +1,126 @@
+"""`morph excite` writes commands that a diagnosis of what they cause can use."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import jsonschema
+import numpy as np
+import pytest
+
+from morph.app.cli import excite
+from morph.app.cli.main import main
+from morph.body.load import load
+from morph.record.load import load as load_recordings
+
+SCHEMA = json.loads(Path(excite.__file__).with_name("experiment.schema.json").read_text())
+TWO = ["--separate", "coulomb_friction@hinge", "viscous_friction@hinge"]
+
+Out = pytest.CaptureFixture[str]
+
+
+def test_two_laws_are_told_apart_by_commands_within_limits(tmp_path: Path, capsys: Out) -> None:
+    out = tmp_path / "plan"
+    assert main(["excite", "pendulum", *TWO, "--out", str(out), "--json", "--quiet"]) == 0
+    said = json.loads(capsys.readouterr().out)
+    jsonschema.validate(said, SCHEMA)
+    assert said == json.loads((out / "experiment.json").read_text())
+    assert sorted(path.name for path in out.iterdir()) == ["experiment.json", "run_1.csv"]
+    assert {(each["law"], each["rival"]) for each in said["separations"]} == {
+        ("coulomb_friction@hinge", "viscous_friction@hinge"),
+        ("viscous_friction@hinge", "coulomb_friction@hinge"),
+    }
+    assert all(each["power"] > 0.9 for each in said["separations"])
+    robot = load("pendulum")
+    (run,) = load_recordings(out / "run_1.csv", robot=robot)
+    limit = robot.actuators[0].limit
+    assert limit is not None
+    assert np.abs(run["hinge.command"]).max() <= limit
+    assert run.end - run.start == pytest.approx(said["runs"][0]["seconds"], abs=0.01)
+
+
+def test_what_is_planned_can_be_simulated_and_diagnosed(tmp_path: Path, capsys: Out) -> None:
+    plan, run, found = tmp_path / "plan", tmp_path / "run.csv", tmp_path / "found"
+    assert main(["excite", "pendulum", *TWO, "--out", str(plan), "--quiet"]) == 0
+    said = capsys.readouterr().out
+    assert f"morph simulate pendulum --commands {plan / 'run_1.csv'} --seconds" in said
+    seconds = json.loads((plan / "experiment.json").read_text())["runs"][0]["seconds"]
+    simulate = ["simulate", "pendulum", "--commands", str(plan / "run_1.csv"), "--quiet"]
+    law = "coulomb_friction@hinge:c=0.05"
+    assert main([*simulate, "--seconds", str(seconds), "--effect", law, "--out", str(run)]) == 0
+    diagnose = ["diagnose", "pendulum", str(run), "--out", str(found), "--horizon", "0.3"]
+    assert main([*diagnose, "--quiet"]) == 0
+    diagnosis = json.loads((found / "diagnosis.json").read_text())
+    assert [each["effect"] for each in diagnosis["findings"]] == ["coulomb_friction"]
+
+
+def test_a_plan_for_everything_lists_what_it_cannot_show(tmp_path: Path, capsys: Out) -> None:
+    out = tmp_path / "plan"
+    words = ["excite", "pendulum", "--for-everything", "--seconds", "6", "--out", str(out)]
+    assert main([*words, "--quiet"]) == 0
+    said = capsys.readouterr().out
+    separations = json.loads((out / "experiment.json").read_text())["separations"]
+    told = sum(each["power"] >= 0.9 for each in separations)
+    assert f"{told} of {len(separations)} pairs of laws are told apart" in said
+    # On one hinge a link's inertia and a rotor's are one figure.
+    armature = next(e for e in separations if (e["law"], e["rival"]) == ("armature@hinge", "none"))
+    assert armature["power"] < 0.5
+    assert "not told apart: " in said
+
+
+@pytest.mark.parametrize(
+    ("words", "what"),
+    [
+        ([], "it is not said what the experiment is to show"),
+        ([*TWO, "--for-everything"], "two laws and every law are asked for at once"),
+        (["--separate", "coulomb_friction@hinge", "nothing"], "there is no effect 'nothing'"),
+        (["--separate", "cogging@hinge", "cogging@hinge"], "1 laws are to be told apart"),
+        ([*TWO, "--seconds", "0.1"], "0.1 is out of range"),
+        ([*TWO, "--noise", "nan"], "nan is out of range"),
+        ([*TWO, "--vary", "mass"], "'mass' is no NAME=FRACTION"),
+    ],
+)
+def test_what_cannot_be_planned_is_refused(
+    words: list[str], what: str, tmp_path: Path, capsys: Out
+) -> None:
+    out = tmp_path / "plan"
+    assert main(["excite", "pendulum", *words, "--out", str(out), "--quiet"]) == 2
+    assert what in capsys.readouterr().err
+    assert not out.exists()
+
+
+BODY = """<mujoco><worldbody><body>%s<geom size="0.1"/></body></worldbody>%s</mujoco>"""
+MOTOR = '<actuator><motor name="m" joint="j"%s/></actuator>'
+
+
+@pytest.mark.parametrize(
+    ("joint", "actuator", "what"),
+    [
+        ('<joint name="j"/>', "", "it has no actuator"),
+        ('<joint name="j"/>', MOTOR % "", "actuator m has no limit within which"),
+        ('<freejoint name="j"/>', MOTOR % ' ctrlrange="-1 1"', "falls freely"),
+        (
+            '<joint name="j" type="slide" axis="0 0 1" range="-0.01 0.01"/>',
+            MOTOR % ' ctrlrange="-1 1"',
+            "no motion from home is safe",
+        ),
+    ],
+)
+def test_a_robot_that_cannot_be_excited_is_refused(
+    joint: str, actuator: str, what: str, tmp_path: Path, capsys: Out
+) -> None:
+    path = tmp_path / "robot.xml"
+    path.write_text(BODY % (joint, actuator))
+    words = ["excite", str(path), "--for-everything", "--out", str(tmp_path / "plan"), "--quiet"]
+    assert main(words) == 2
+    said = capsys.readouterr().err
+    assert what in said
+    assert "fix: " in said
+
+
+def test_a_folder_of_something_else_is_not_touched(tmp_path: Path, capsys: Out) -> None:
+    (tmp_path / "mine.txt").write_text("mine")
+    assert main(["excite", "pendulum", *TWO, "--out", str(tmp_path), "--quiet"]) == 2
+    assert "holds no earlier experiment" in capsys.readouterr().err
+    assert (tmp_path / "mine.txt").read_text() == "mine"
