@@ -97,7 +97,7 @@ def plan(
             PlannedRun(excitation=found[at], seconds=float(lengths[length]))
             for at, length in chosen
         ),
-        separations=tuple(sorted(_told(whole, grids, pairs), key=lambda each: each.nats)),
+        separations=tuple(sorted(separations_of(whole, grids, pairs), key=lambda each: each.nats)),
         noise=noise,
         unmodelled=UNMODELLED,
         tried=len(found),
@@ -184,7 +184,7 @@ def _pairs(grids: Sequence[tuple[Effect, ...]], *, two: bool) -> list[tuple[int,
     return alone
 
 
-def _told(
+def separations_of(
     gram: Array, grids: Sequence[tuple[Effect, ...]], pairs: Sequence[tuple[int, int | None]]
 ) -> list[Separation]:
     """Return what a Gram matrix of laws tells apart.
@@ -226,7 +226,10 @@ def _cheapest(
 ) -> list[tuple[int, int]]:
     """Return the shortest run with power enough, of these the surest; or the surest of all."""
     worst = np.array(
-        [[min(e.nats for e in _told(gram, grids, pairs)) for gram in table] for table in tables]
+        [
+            [min(e.nats for e in separations_of(gram, grids, pairs)) for gram in table]
+            for table in tables
+        ]
     )
     enough = np.flatnonzero([power(most) >= POWER for most in worst.max(axis=0)])
     length = int(enough[0]) if len(enough) else worst.shape[1] - 1
@@ -242,7 +245,10 @@ def _most_telling(
     chosen: list[tuple[int, int]] = []
     whole, best = np.zeros_like(tables[0][-1]), 0.0
     while len(chosen) < MOST_RUNS:
-        sums = [sum(e.power for e in _told(whole + table[-1], grids, pairs)) for table in tables]
+        sums = [
+            sum(e.power for e in separations_of(whole + table[-1], grids, pairs))
+            for table in tables
+        ]
         at = int(np.argmax(sums))
         if chosen and sums[at] < best + 0.5:
             break
