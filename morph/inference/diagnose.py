@@ -25,7 +25,7 @@ from morph.model.usable import (
     check_settings,
 )
 from morph.physics.effect import Effect
-from morph.record.distinct import check_distinct
+from morph.record.distinct import check_distinct, distinct
 from morph.record.recording import Recording
 
 MOST_SECONDS = 60.0
@@ -68,7 +68,7 @@ def diagnose(
     check_settings(horizon, budget, seed)
     check_recordings(recordings, held_out)
     recordings, held_out = (
-        [by_effort(each, robot) for each in some] for some in (recordings, held_out)
+        [by_effort(each, robot) for each in distinct(some)] for some in (recordings, held_out)
     )
     measured = Measurement.of(robot).needed
     for recording in (*recordings, *held_out):

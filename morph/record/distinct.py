@@ -4,9 +4,33 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterable
+from dataclasses import replace
 
 from morph.errors import RecordingError
-from morph.record.recording import Recording
+from morph.record.recording import Note, Recording
+
+
+def distinct(recordings: Iterable[Recording]) -> tuple[Recording, ...]:
+    """Return recordings without copies, each of which is noted at the one that it repeats.
+
+    Two are the same as `check_distinct` says.
+    """
+    kept: list[Recording] = []
+    seen: dict[str, int] = {}
+    for recording in recordings:
+        marks = {recording.sha256, contents(recording)} - {""}
+        at = next((seen[mark] for mark in marks if mark in seen), None)
+        if at is None:
+            seen |= dict.fromkeys(marks, len(kept))
+            kept.append(recording)
+        else:
+            copy = Note(
+                what=f"recording {recording.name!r} is identical to {kept[at].name!r}, byte by "
+                "byte, and was left out",
+                where=", ".join(map(str, recording.sources)) or recording.name,
+            )
+            kept[at] = replace(kept[at], notes=(*kept[at].notes, copy))
+    return tuple(kept)
 
 
 def check_distinct(recordings: Iterable[Recording]) -> None:

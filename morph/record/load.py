@@ -10,6 +10,7 @@ from morph.record.bind import bind
 from morph.record.binding import load_binding
 from morph.record.canonical import read_canonical
 from morph.record.distinct import check_distinct as check_distinct
+from morph.record.distinct import distinct
 from morph.record.quantities import check_part, parse_channel
 from morph.record.read.any import ENDINGS, readable
 from morph.record.read.rosbag import is_bag_folder
@@ -22,7 +23,7 @@ BINDING = "recording.toml"
 def load(
     path: str | Path, *, robot: Robot | None = None, root: Path | None = None
 ) -> tuple[Recording, ...]:
-    """Return every recording that a path stands for.
+    """Return every recording that a path stands for, less copies, of which there are notes.
 
     Args:
         path: A file or ROS 2 bag with canonical names, a binding (`.toml`), a folder
@@ -32,8 +33,7 @@ def load(
         root: Where a binding's files lie; overrides the binding's own `root`.
 
     Raises:
-        RecordingError: A file, a column or a sample of it cannot be used, or two
-            episodes are identical.
+        RecordingError: A file, a column or a sample of it cannot be used.
     """
     path = Path(path)
     try:
@@ -47,8 +47,7 @@ def load(
     if robot is not None:
         for recording in recordings:
             _check_parts(recording, robot)
-    check_distinct(recordings)
-    return recordings
+    return distinct(recordings)
 
 
 def _recordings(path: Path, root: Path | None) -> tuple[Recording, ...]:

@@ -32,7 +32,7 @@ def run_compare(asked: Compare) -> int:
     from morph.model.commanded import by_effort, told_zero
     from morph.model.comparison import compare
     from morph.physics.worlds import world
-    from morph.record.distinct import check_distinct
+    from morph.record.distinct import distinct
     from morph.record.load import load as load_recordings
 
     # Whatever the command line got wrong is told before any work is done.
@@ -48,7 +48,7 @@ def run_compare(asked: Compare) -> int:
             for path in asked.recordings
             for each in load_recordings(path, robot=robot, root=asked.root)
         ]
-        check_distinct(recordings)
+        recordings = list(distinct(recordings))
         around = () if asked.world is None else world(asked.world, robot).effects
         told.now("simulating")
         found = compare(robot, recordings, effects=around, horizon=horizon)

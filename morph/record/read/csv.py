@@ -24,6 +24,7 @@ from morph.record.read.csv_cells import Cells
 from morph.record.read.file import size_of
 from morph.record.read.table import Table, listed, number
 from morph.record.read.text import read_text
+from morph.record.recording import Note
 
 COLUMN_BYTES = 4096
 """Bytes of text that are split at once for each column, as each column costs time for itself."""
@@ -59,7 +60,8 @@ def read_csv(path: Path) -> Table:
     text, lines = _inked(text, begin, delimiter)
     at = bisect_right(lines, end) if names else 0
     columns, found = [Cells(len(lines)) for _ in header], []
-    for batch, numbers in _rows(path, text, lines, delimiter, at, len(header)):
+    torn: list[Note] = []
+    for batch, numbers in _rows(path, text, lines, delimiter, at, len(header), torn):
         for column, cells in zip(columns, batch.columns, strict=True):
             column.extend(cells)
         found.append(numbers)
@@ -74,6 +76,7 @@ def read_csv(path: Path) -> Table:
         names=names,
         columns=tuple(column.column() for column in columns),
         lines=_joined(found),
+        notes=tuple(torn),
     )
 
 
@@ -139,9 +142,12 @@ def _check_size(path: Path, text: bytes, width: int) -> None:
 
 
 def _rows(
-    path: Path, text: bytes, lines: Lines, delimiter: str, at: int, width: int
-) -> Iterator[tuple[Any, Lines]]:
+    path: Path, text: bytes, lines: Lines, delimiter: str, at: int, width: int,
+    torn: list[Note],
+) -> Iterator[tuple[Any, Lines]]:  # fmt: skip
     """Give batches of rows, cells as texts or null, and the numbers of the lines they end on.
+
+    A last line with too few cells, as a logger leaves it that was killed, is left out.
 
     Args:
         path: The file.
@@ -150,6 +156,7 @@ def _rows(
         delimiter: What separates cells.
         at: How many lines are before the first row.
         width: How many cells each row has.
+        torn: Gets a note of a last line that is left out.
 
     Raises:
         RecordingError: A row has more or fewer cells, or one that does not end.
@@ -166,6 +173,17 @@ def _rows(
     ragged: list[Any] = []
 
     def stop(row: Any) -> str:
+        raw = b"\n" + row.text.encode() + b"\n"
+        if row.actual_columns < width and text.find(raw) == len(text) - len(raw):
+            torn.append(
+                Note(
+                    what=f"the last line has {row.actual_columns} of {width} fields and was left "
+                    "out: the file seems to be truncated",
+                    where=f"{path}, line {lines[-1]}",
+                    dropped=1,
+                )
+            )
+            return "skip"
         ragged.append(row)
         return "error"
 
@@ -238,10 +256,9 @@ def _joined(parts: list[Lines]) -> Lines:
 def _ragged(path: Path, text: bytes, lines: Lines, row: Any) -> RecordingError:
     raw = row.text.encode()
     end = text.find(b"\n" + raw + b"\n") + 1 + len(raw)
-    line, last = lines[text.count(b"\n", 0, end)], end + 1 == len(text)
+    line = lines[text.count(b"\n", 0, end)]
     return RecordingError(
-        f"the {'last ' if last else ''}line has {row.actual_columns} fields, the first has "
-        f"{row.expected_columns}" + ("; the file seems to be truncated" if last else ""),
+        f"the line has {row.actual_columns} fields, the first has {row.expected_columns}",
         where=f"{path}, line {line}",
         fix="copy the file again, or remove this line by hand",
     )

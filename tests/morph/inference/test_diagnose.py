@@ -174,10 +174,13 @@ def test_a_missing_channel_is_named(pendulum: Robot, run: Recording, missing: st
     assert "bind " in caught.value.fix
 
 
-def test_a_copy_is_refused_among_the_fitted_and_the_held_out(
-    pendulum: Robot, run: Recording
-) -> None:
+def test_a_copy_of_what_is_fitted_cannot_be_held_out(pendulum: Robot, run: Recording) -> None:
     copy = replace(run, name="copy")
-    for fitted, held_out in (([run, copy], []), ([run], [copy])):
-        with pytest.raises(RecordingError, match="'run' and 'copy' are identical"):
-            diagnose(pendulum, fitted, held_out=held_out)
+    with pytest.raises(RecordingError, match="'run' and 'copy' are identical"):
+        diagnose(pendulum, [run], held_out=[copy])
+
+
+def test_a_copy_among_the_fitted_is_left_out_and_told(pendulum: Robot, run: Recording) -> None:
+    found = diagnose(pendulum, [run, replace(run, name="copy")], budget=0.5)
+    assert any("recording 'copy' is identical to 'run'" in note for note in found.notes)
+    assert "copy" not in (*found.train, *found.held_out)

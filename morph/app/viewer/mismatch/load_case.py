@@ -11,7 +11,8 @@ from morph.app.viewer.mismatch.poses import channels_of, untold
 from morph.body.robot import Robot
 from morph.errors import ViewError
 from morph.physics.worlds import world
-from morph.record.load import check_distinct, load
+from morph.record.distinct import distinct
+from morph.record.load import load
 from morph.record.recording import Recording
 
 
@@ -26,10 +27,9 @@ def load_case(given: Given) -> Case:
     robot = given.robots[0]
     if not given.recordings:
         raise _no_recordings(given.diagnosis)
-    recordings = tuple(
+    recordings = distinct(
         each for path in given.recordings for each in load(path, robot=robot, root=given.root)
     )
-    check_distinct(recordings)
     _check(recordings, robot)
     diagnosed = None if given.diagnosis is None else load_diagnosed(given.diagnosis, robot)
     around = () if given.world is None else world(given.world, robot).effects

@@ -94,7 +94,6 @@ def spoilt(row: int, column: int, text: str) -> Callable[[Lines], Lines]:
         (spoilt(0, 2, "hinge.velocity"), "no channel 'hinge.command'", "run"),
         (spoilt(0, 1, "hinge.velocity"), "no channel 'hinge.position'", "run"),
         (lambda lines: lines[:1], "no samples", "run.csv, line 1"),
-        (lambda lines: [*lines[:-1], lines[-1].rsplit(",", 1)[0]], "truncated", "line 502"),
     ],
     ids=[
         "nan",
@@ -104,7 +103,6 @@ def spoilt(row: int, column: int, text: str) -> Callable[[Lines], Lines]:
         "no command",
         "no position",
         "no samples",
-        "truncated",
     ],
 )
 def test_a_spoilt_recording_is_refused_where_it_is_spoilt(
@@ -152,14 +150,6 @@ def test_an_unknown_unit_is_refused(
     said = refused(capsys, tmp_path / "out", "pendulum", binding(tmp_path, swing, "furlong"))
     assert "furlong" in said["what"]
     assert said["where"].endswith("rig.toml:5")
-
-
-def test_two_identical_episodes_are_refused(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], swing: Lines
-) -> None:
-    paths = [save(tmp_path / f"{name}.csv", swing) for name in ("one", "other")]
-    said = refused(capsys, tmp_path / "out", "pendulum", *paths)
-    assert "'one' and 'other' are identical" in said["what"]
 
 
 def test_a_copy_cannot_be_held_out(
