@@ -1,4 +1,4 @@
-"""What two commands cost: `morph inspect` of a robot of 52 meshes, `morph diagnose` of nine runs.
+"""What commands cost: `morph inspect` of 52 meshes, `morph compare` of 29 joints, `morph diagnose`.
 
 Seconds on the clock and of the processor, and the most memory, of the whole process: its start,
 its imports and its report are in them. The controls are processes that do nothing but start
@@ -23,6 +23,9 @@ from morph.errors import MorphError
 EXAMPLE = """example:
   python -m experiments.bench_commands --only inspect --save-as out/inspect.json"""
 
+HUMANOID = "erd_simple_humanoid/urdf/simple_humanoid.urdf"
+MINUTE = "minute.parquet"
+"""A simulated minute of its 29 joints."""
 POPPY = "poppy_humanoid/robots/Poppy_Humanoid.URDF"
 RIG = "dfki_double_pendulum"
 BINDING = "experiments/bindings/dfki_c0.toml"
@@ -45,7 +48,7 @@ sys.exit(os.waitstatus_to_exitcode(status) != 0)
 """
 """A small process that starts the program: Linux counts the memory of whoever starts a process as
 that process's own."""
-PARTS = ("inspect", "diagnose")
+PARTS = ("inspect", "compare", "diagnose")
 FLOORS = {"python started": "pass", "mujoco imported": "import mujoco"}
 """Controls: programs that a command cannot be cheaper than."""
 MEASURED = ("seconds", "processor_s", "memory_mb")
@@ -59,6 +62,12 @@ def words_of(part: str, out: Path) -> list[str]:
     """
     if part == "inspect":
         return ["inspect", str(need_robots("poppy_humanoid") / POPPY), "--json"]
+    if part == "compare":
+        robot, run = str(need_robots("erd_simple_humanoid") / HUMANOID), out.parent / MINUTE
+        if not run.exists():
+            simulate = ["simulate", robot, "--seconds", "60", "--out", str(run), "--quiet"]
+            measured(CALL, *simulate)
+        return ["compare", robot, str(run), "--quiet"]
     root = need_recordings(RIG) / RIG
     return ["diagnose", "double_pendulum", BINDING, "--root", str(root), "--out", str(out)]
 

@@ -65,7 +65,8 @@ def needed(
         hypothesis: The robot and effects.
         point: Where.
         episode: What to look at.
-        suspects: Whether to tell how links move on which only suspects would act.
+        suspects: Whether to tell how links move on which only suspects would act, and how stiff
+            the model is, as suspected sensors ask.
     """
     effects = hypothesis.effects_at(point)
     # What acts step by step is told by its regressor, whole, not by its edit.
@@ -97,8 +98,9 @@ def needed(
     acceleration = episode.acceleration[::stride]
     links = _links(hypothesis, suspects)
     motion, missing = _forces(
-        hypothesis, variant, time, measurement, pose, velocity, acceleration, command, links
-    )
+        hypothesis, variant, time, measurement, pose, velocity, acceleration, command, links,
+        stiffness=suspects,
+    )  # fmt: skip
     found = Needed(episode=episode, time=time, motion=motion, missing=missing)
     smooth_drive = found.smooth(motion.drive)
     missing = missing - (smooth_drive - motion.drive).sum(axis=1)
@@ -151,6 +153,8 @@ def _forces(
     acceleration: Array,
     command: Array,
     links: list[str],
+    *,
+    stiffness: bool,
 ) -> tuple[Motion, Array]:
     model = variant.model
     data = mujoco.MjData(model)
@@ -175,7 +179,7 @@ def _forces(
             drive[k] = moment[k] * data.actuator_force[:, None]
             gain = model.actuator_gainprm[:, 0]
             drive_rate[k] = moment[k] * (gain * rate[k])[:, None]
-            for dof, axis in enumerate(np.eye(dofs)):
+            for dof, axis in enumerate(np.eye(dofs) if stiffness else ()):
                 mujoco.mj_integratePos(model, data.qpos, axis, NUDGE)
                 stiff[k, :, dof] = (inverse() - need[k]) / NUDGE
                 data.qpos[:] = pose[k]
