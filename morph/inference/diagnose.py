@@ -23,6 +23,7 @@ from morph.model.usable import (
     check_motion,
     check_recordings,
     check_settings,
+    check_tree,
 )
 from morph.physics.effect import Effect
 from morph.record.distinct import check_distinct, distinct
@@ -60,13 +61,15 @@ def diagnose(
         progress: Told what is being done and the share of the work behind.
 
     Raises:
-        DiagnosisError: Nothing to fit or to score, or a setting out of range.
+        DiagnosisError: Nothing to fit or to score, a setting out of range, or a robot whose joints
+            constrain each other.
         RecordingError: A channel is missing, or two recordings are the same.
         KernelError: There is no C compiler for the Kalman filter.
     """
     started = time.monotonic()
     check_settings(horizon, budget, seed)
     check_recordings(recordings, held_out)
+    check_tree(robot)
     recordings, held_out = (
         [by_effort(each, robot) for each in distinct(some)] for some in (recordings, held_out)
     )

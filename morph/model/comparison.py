@@ -164,6 +164,7 @@ def compare(
         notes=(
             *(f"{n.where}: {n.what}" for recording in recordings for n in recording.notes),
             *(f"recording {name}: too short for a rollout, left out" for name in short),
+            *(["missing forces hold those of the closed chains"] if robot.loops else ()),
         ),
     )
 

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -20,6 +21,7 @@ from morph.model.usable import (
     check_motion,
     check_recordings,
     check_settings,
+    check_tree,
 )
 from morph.record.recording import Channel, Recording
 
@@ -34,6 +36,29 @@ def swing(pendulum: Robot, recorded: Recorded) -> Recording:
 def with_position(recording: Recording, time: object, value: object) -> Recording:
     channel = Channel(time=np.asarray(time), value=np.asarray(value))
     return replace(recording, channels={**recording.channels, "hinge.position": channel})
+
+
+CHAIN = """<mujoco><worldbody>
+  <body name="crank"><joint name="crank" axis="0 1 0"/><geom size="0.1"/><site name="one"/></body>
+  <body name="rod"><joint name="rod" axis="0 1 0"/><geom size="0.1"/><site name="other"/></body>
+</worldbody><equality>%s</equality></mujoco>"""
+
+
+@pytest.mark.parametrize(
+    ("equality", "what"),
+    [
+        ('<connect name="pin" site1="one" site2="other"/>', "the closed chain pin is not"),
+        ('<joint joint1="rod" joint2="crank" polycoef="0 2 0 0 0"/>', "joint rod follows another"),
+    ],
+)
+def test_a_robot_whose_joints_constrain_each_other_is_refused(
+    tmp_path: Path, equality: str, what: str
+) -> None:
+    path = tmp_path / "chain.xml"
+    path.write_text(CHAIN % equality)
+    with pytest.raises(DiagnosisError, match=what) as caught:
+        check_tree(load(path))
+    assert "cut the chain" in caught.value.fix
 
 
 def test_a_clock_that_jumps_is_refused_with_its_sample(pendulum: Robot, swing: Recording) -> None:
