@@ -1,13 +1,13 @@
-"""Arrows of the force that is missing at each joint, along its axis, at its anchor."""
+"""Arrows of the force and the torque that are missing at each joint, at its anchor."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-import mujoco
 import numpy as np
 
 from morph.app.viewer.figure import Figure
+from morph.app.viewer.mismatch.freedoms import axes, freedoms
 from morph.app.viewer.mismatch.heat import forces
 from morph.app.viewer.mismatch.take import DESCRIBED, Take
 from morph.arrays import Array
@@ -41,8 +41,8 @@ class Scale:
         )
         which = " (red as described, green corrected)" if both else ""
         return (
-            f"Arrows along the joints' axes are the torque or force that is missing there{which}, "
-            f"by the right-hand rule: {told}."
+            f"Arrows at the joints are the torque or force that is missing there{which}, by the "
+            f"right-hand rule: {told}."
         )
 
 
@@ -53,16 +53,18 @@ def scale_of(figure: Figure, take: Take) -> Scale | None:
     found = np.abs(forces(take, DESCRIBED, len(take.measured)))
     size = _size(figure, take)
     greatest: dict[str, float] = {}
-    for at, joint in enumerate(figure.robot.joints):
+    for at, freedom in enumerate(freedoms(figure.robot)):
         known = found[np.isfinite(found[:, at]), at]
         high = float(np.quantile(known, FULL)) if len(known) else 0.0
-        greatest[joint.effort_unit] = max(high, greatest.get(joint.effort_unit, 0.0))
+        greatest[freedom.unit] = max(high, greatest.get(freedom.unit, 0.0))
     metres = {unit: LONG * size / each for unit, each in greatest.items() if each > 0.0}
     return Scale(metres=metres, size=size) if metres else None
 
 
 def wrenches(figure: Figure, take: Take, model: str, scale: Scale, aside: float = 0.0) -> Array:
-    """Return arrows in the pictures, m, shape (pictures, joints, 2, 3); NaN where none is known.
+    """Return arrows in the pictures, m, shape (pictures, arrows, 2, 3); NaN where none is known.
+
+    A hinge or slide has one, a link that moves freely one of force and one of torque.
 
     Args:
         figure: The body.
@@ -71,35 +73,30 @@ def wrenches(figure: Figure, take: Take, model: str, scale: Scale, aside: float 
         scale: How long arrows are.
         aside: How many places they stand beside the axis, so that two models' are told apart.
     """
+    known = freedoms(figure.robot)
     force = forces(take, model, len(take.measured))
-    anchor, axis = axes(figure, take.measured)
-    metres = np.array([scale.metres.get(j.effort_unit, 0.0) for j in figure.robot.joints])
+    anchors, each = axes(figure.model, figure.robot, take.measured)
+    metres = np.array([scale.metres.get(freedom.unit, 0.0) for freedom in known])
+    along = each * (metres * force)[..., None]
+    groups = list(dict.fromkeys((freedom.joint.name, freedom.unit) for freedom in known))
+    inside = [
+        [at for at, freedom in enumerate(known) if (freedom.joint.name, freedom.unit) == group]
+        for group in groups
+    ]
+    anchor = np.stack([anchors[:, some[0]] for some in inside], axis=1)
+    shift = np.stack([along[:, some].sum(axis=1) for some in inside], axis=1)
+    axis = np.stack([each[:, some[0]] for some in inside], axis=1)
     # Beside the axis is any direction at right angles to it, the same in every picture.
     across = np.cross(axis, np.array([0.0, 0.0, 1.0]))
     flat = np.linalg.norm(across, axis=-1, keepdims=True)
     across = np.where(flat > 1e-6, across / np.maximum(flat, 1e-9), np.array([1.0, 0.0, 0.0]))
     foot = anchor + aside * APART * scale.size * across
-    tip = foot + axis * (metres * force)[..., None]
-    return np.stack([foot, tip], axis=2)
-
-
-def axes(figure: Figure, positions: Array) -> tuple[Array, Array]:
-    """Return each joint's anchor and axis in the body's world, (pictures, joints, 3) each."""
-    model = figure.model
-    data = mujoco.MjData(model)
-    which = [int(model.joint(joint.name).id) for joint in figure.robot.joints]
-    anchor = np.empty((len(positions), len(which), 3))
-    axis = np.empty_like(anchor)
-    for at, pose in enumerate(positions):
-        data.qpos[:] = pose
-        mujoco.mj_kinematics(model, data)
-        anchor[at], axis[at] = data.xanchor[which], data.xaxis[which]
-    return anchor, axis
+    return np.stack([foot, foot + shift], axis=2)
 
 
 def _size(figure: Figure, take: Take) -> float:
     """Return how far a body's links and anchors reach from end to end, m."""
-    anchor, _ = axes(figure, take.measured[:1])
+    anchor, _ = axes(figure.model, figure.robot, take.measured[:1])
     reach = [shape.vertices for shape in figure.shapes if shape.body]
     radius = max((float(np.linalg.norm(each, axis=1).max()) for each in reach), default=0.1)
     return float(np.linalg.norm(np.ptp(anchor[0], axis=0))) + 2.0 * radius

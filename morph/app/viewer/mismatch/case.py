@@ -102,7 +102,7 @@ class Case:
         missed = take.missing.get(DESCRIBED)
         if missed is None:
             return None
-        return clearest(missed, found.effect.label, joint_of(found.effect, self.robot))
+        return clearest(missed, found.effect.label, joint_of(found.effect, self.robot), self.robot)
 
     @property
     def horizon(self) -> float:

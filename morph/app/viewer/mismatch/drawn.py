@@ -9,8 +9,9 @@ import numpy as np
 
 from morph.app.viewer.content import Actor, Content, Moment
 from morph.app.viewer.figure import Figure
-from morph.app.viewer.mismatch.arrows import axes, scale_of, wrenches
+from morph.app.viewer.mismatch.arrows import scale_of, wrenches
 from morph.app.viewer.mismatch.case import Case
+from morph.app.viewer.mismatch.freedoms import axes, freedoms
 from morph.app.viewer.mismatch.heat import Heat, by_error, by_force
 from morph.app.viewer.mismatch.take import CORRECTED, DESCRIBED, Model, Take
 from morph.app.viewer.mismatch.told import charts, notes, tables
@@ -92,9 +93,9 @@ def _marks(figure: Figure, take: Take) -> Array | None:
     """Return where the worst joint is in the worst stretches, (pictures, 3), NaN elsewhere."""
     if not take.worst or not take.traces:
         return None
-    anchor, _ = axes(figure, take.measured)
+    anchor, _ = axes(figure.model, figure.robot, take.measured)
     found = np.full((len(take.measured), 3), np.nan)
-    links = [joint.link for joint in figure.robot.joints]
+    links = [freedom.joint.link for freedom in freedoms(figure.robot)]
     # The worst stretch comes first, and has the last word where two overlap.
     for begin, end in reversed(take.worst):
         here = slice(int(begin * RATE), int(end * RATE) + 1)

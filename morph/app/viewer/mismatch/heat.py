@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from morph.app.viewer.figure import Figure
+from morph.app.viewer.mismatch.freedoms import freedoms
 from morph.app.viewer.mismatch.take import DESCRIBED, Take, Trace
 from morph.app.viewer.motion import RATE
 from morph.arrays import Array
@@ -60,16 +61,16 @@ def by_force(figure: Figure, take: Take, model: str) -> Heat | None:
     if model not in take.missing:
         return None
     pictures = len(take.measured)
-    joints = figure.robot.joints
+    known = freedoms(figure.robot)
     full: dict[str, float] = {}
-    for at, joint in enumerate(joints):
+    for at, freedom in enumerate(known):
         high = _high(np.abs(forces(take, DESCRIBED, pictures)[:, at]))
-        full[joint.effort_unit] = max(high, full.get(joint.effort_unit, 0.0))
+        full[freedom.unit] = max(high, full.get(freedom.unit, 0.0))
     missed = forces(take, model, pictures)
     parts = [
-        (joint.link, np.abs(missed[:, at]) / full[joint.effort_unit])
-        for at, joint in enumerate(joints)
-        if full[joint.effort_unit] > 0.0
+        (freedom.joint.link, np.abs(missed[:, at]) / full[freedom.unit])
+        for at, freedom in enumerate(known)
+        if full[freedom.unit] > 0.0
     ]
     told = " and ".join(f"{value:.2g} {unit}" for unit, value in full.items())
     return Heat(
@@ -80,7 +81,7 @@ def by_force(figure: Figure, take: Take, model: str) -> Heat | None:
 
 
 def forces(take: Take, model: str, pictures: int) -> Array:
-    """Return the missing force in the pictures, (pictures, joints); NaN where it is not known."""
+    """Return the missing force in the pictures, (pictures, dofs); NaN where it is not known."""
     missed = take.missing[model]
     when = np.arange(pictures) / RATE
     return np.stack(

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from morph.app.viewer.mismatch.freedoms import freedoms
 from morph.app.viewer.mismatch.rollouts import hypothesis_of
 from morph.app.viewer.mismatch.take import Missing, Model
 from morph.arrays import Array
@@ -49,7 +50,7 @@ def _share(effect: Effect, found: Needed) -> Array:
     return np.asarray(np.nan_to_num((own * found.missing).sum(axis=1)))
 
 
-def clearest(missed: Missing, label: str, joint: int | None) -> float | None:
+def clearest(missed: Missing, label: str, joint: str | None, robot: Robot) -> float | None:
     """Return when a finding shows most, s since the window began; None if nowhere.
 
     That is where its own force and the missing one agree most over half a second; if they
@@ -58,7 +59,8 @@ def clearest(missed: Missing, label: str, joint: int | None) -> float | None:
     Args:
         missed: What the description lacks.
         label: The finding's effect.
-        joint: Number of its joint, None for one that is nowhere in particular.
+        joint: Name of its joint, None for one that is nowhere in particular.
+        robot: The description.
     """
     if not len(missed.time):
         return None
@@ -66,7 +68,8 @@ def clearest(missed: Missing, label: str, joint: int | None) -> float | None:
     width = max(1, round(LOOKED / period))
     share = missed.share.get(label, np.zeros(len(missed.time)))
     if share.max() <= 0.0:
-        force = missed.force if joint is None else missed.force[:, [joint]]
+        own = [at for at, f in enumerate(freedoms(robot)) if joint in (None, f.joint.name)]
+        force = missed.force[:, own]
         share = (force**2).sum(axis=1)
     mean = np.convolve(share, np.ones(width) / width, mode="same")
     if mean.max() <= 0.0:
@@ -76,9 +79,9 @@ def clearest(missed: Missing, label: str, joint: int | None) -> float | None:
     return float(missed.time[first + int(np.argmax(share[first : first + width]))])
 
 
-def joint_of(effect: Effect, robot: Robot) -> int | None:
-    """Return the number of the joint that an effect concerns; None if it is no single one."""
-    names = [joint.name for joint in robot.joints]
+def joint_of(effect: Effect, robot: Robot) -> str | None:
+    """Return the joint that an effect concerns; None if it is no single one."""
+    names = {joint.name for joint in robot.joints}
     place = effect.where
     if effect.kind == "actuator":
         place = robot.actuator(place).joint or ""
@@ -86,7 +89,7 @@ def joint_of(effect: Effect, robot: Robot) -> int | None:
         place = place.removesuffix(".position")
     elif effect.kind == "body":
         place = next((joint.name for joint in robot.joints if joint.link == place), "")
-    return names.index(place) if place in names else None
+    return place if place in names else None
 
 
 def link_of(effect: Effect, robot: Robot) -> str | None:
@@ -94,4 +97,4 @@ def link_of(effect: Effect, robot: Robot) -> str | None:
     if effect.kind == "body":
         return effect.where
     joint = joint_of(effect, robot)
-    return None if joint is None else robot.joints[joint].link
+    return None if joint is None else robot.joint(joint).link

@@ -11,6 +11,7 @@ from morph.app.viewer.content import Chart, Line, Table
 from morph.app.viewer.figure import Figure
 from morph.app.viewer.mismatch.arrows import scale_of
 from morph.app.viewer.mismatch.case import Case
+from morph.app.viewer.mismatch.freedoms import freedoms
 from morph.app.viewer.mismatch.heat import Heat
 from morph.app.viewer.mismatch.take import CORRECTED, DESCRIBED, Model, Take, Trace
 
@@ -56,8 +57,8 @@ def _force_charts(figure: Figure, take: Take, models: Sequence[Model]) -> tuple[
     worst = [trace.link for trace in _worst_first(take)][:MOST_CHARTED]
     return tuple(
         Chart(
-            title=f"{joint.name}: missing {'force' if joint.kind == 'slide' else 'torque'}",
-            unit=joint.effort_unit,
+            title=f"{freedom.name}: missing {'force' if freedom.unit == 'N' else 'torque'}",
+            unit=freedom.unit,
             lines=tuple(
                 Line(
                     name=model.title,
@@ -68,8 +69,8 @@ def _force_charts(figure: Figure, take: Take, models: Sequence[Model]) -> tuple[
                 for model in models
             ),
         )
-        for at, joint in enumerate(figure.robot.joints)
-        if joint.link in worst
+        for at, freedom in enumerate(freedoms(figure.robot))
+        if freedom.joint.link in worst
     )
 
 
@@ -101,10 +102,10 @@ def _lacks(figure: Figure, take: Take, models: Sequence[Model]) -> tuple[Table, 
             head=("", *(model.title for model in models)),
             rows=tuple(
                 (
-                    f"{joint.name} ({joint.effort_unit})",
+                    f"{freedom.name} ({freedom.unit})",
                     *(f"{sizes[model.name][at]:.3g}" for model in models),
                 )
-                for at, joint in enumerate(figure.robot.joints)
+                for at, freedom in enumerate(freedoms(figure.robot))
             ),
         ),
     )
