@@ -14,6 +14,8 @@ from morph.arrays import Array
 
 LONG = 0.35
 """Length of the arrow of the force that `FULL` of the pictures stay below, by the body's size."""
+OUT_OF = 0.8
+"""The same of a body that moves freely, whose arrows begin within it."""
 FULL = 0.98
 """See `LONG`."""
 APART = 0.04
@@ -57,7 +59,9 @@ def scale_of(figure: Figure, take: Take) -> Scale | None:
         known = found[np.isfinite(found[:, at]), at]
         high = float(np.quantile(known, FULL)) if len(known) else 0.0
         greatest[freedom.unit] = max(high, greatest.get(freedom.unit, 0.0))
-    metres = {unit: LONG * size / each for unit, each in greatest.items() if each > 0.0}
+    free = any(joint.kind == "free" for joint in figure.robot.joints)
+    long = (OUT_OF if free else LONG) * size
+    metres = {unit: long / each for unit, each in greatest.items() if each > 0.0}
     return Scale(metres=metres, size=size) if metres else None
 
 
