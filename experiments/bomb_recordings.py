@@ -217,7 +217,7 @@ RECORDINGS = (
     Bomb(
         name="ragged.csv",
         reader="recording",
-        make=lambda p: p.write_bytes(b"0,0\n" * (4 * MIB) + b"0\n"),
+        make=lambda p: p.write_bytes(b"0,0\n" * (4 * MIB) + b"0,0,0\n"),
     ),
     Bomb(
         name="quote.csv",

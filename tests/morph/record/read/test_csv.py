@@ -248,25 +248,6 @@ def test_a_line_with_other_fields_than_the_first_is_named(text: str, what: str, 
     assert caught.value.where.endswith(f", line {line}")
 
 
-@pytest.mark.usefixtures("pieces")
-@pytest.mark.parametrize(
-    ("text", "line"),
-    [
-        ('t,a\n"3\n",2\n\n"3\n"\n', 6),
-        ("t,a\n1,2\n3", 3),
-        ("t,a\n1,2\n3\n", 3),
-        ('t,a\n1,2\n"3,4\n', 3),
-    ],
-)
-def test_a_torn_last_line_is_left_out_and_told(text: str, line: int) -> None:
-    table = read(text)
-    assert [len(column) for column in table.columns if not isinstance(column, Text)] == [1, 1]
-    (note,) = table.notes
-    assert note.what.startswith("the last line has 1 of 2 fields and was left out")
-    assert note.where.endswith(f", line {line}")
-    assert note.dropped == 1
-
-
 @pytest.mark.parametrize("behind", [2000, 1_000_000])
 def test_a_quote_that_does_not_end_is_refused(behind: int) -> None:
     with pytest.raises(RecordingError, match=r"cannot be split .* quotes do not end") as caught:
