@@ -15,6 +15,7 @@ from morph.body.load import load as load_robot
 from morph.body.robot import Robot
 from morph.errors import DiagnosisError
 from morph.model.diagnosis import Diagnosis
+from morph.physics import EFFECTS
 from morph.record.load import load as load_recordings
 from morph.record.recording import Recording
 
@@ -40,7 +41,7 @@ def run_diagnose(asked: Diagnose) -> int:
     if asked.json:
         sys.stdout.write(diagnosis_text(found))
     else:
-        sys.stdout.write(in_words(found, asked.out) + "\n")
+        sys.stdout.write("\n".join([in_words(found, asked.out), *_planned(asked, found)]) + "\n")
     return 3 if found.stopped_short else 0
 
 
@@ -93,6 +94,23 @@ def in_words(found: Diagnosis, out: Path) -> str:
         lines.append("  The budget ended first: this is the best answer so far.")
     lines.append(f"  report: {out / 'report.html'} ({found.seconds:.0f} s)")
     return "\n".join(lines)
+
+
+def _planned(asked: Diagnose, found: Diagnosis) -> list[str]:
+    """Return the command that plans how to tell the first finding from its likeliest rival."""
+    passing = {kind.name for kind in EFFECTS if kind.of_a_run}
+    for finding in found.findings:
+        effect = finding.effect
+        rivals = [each for each in finding.rivals if each.effect not in passing]
+        if not rivals or effect.of_a_run:
+            continue
+        size = ",".join(
+            f"{known.name}={getattr(effect, known.name):.4g}" for known in effect.free()
+        )
+        pair = [f"{effect.label}:{size}", f"{rivals[0].effect}@{rivals[0].where}"]
+        words = ["morph", "excite", asked.robot, "--separate", *pair, "--out", "DIR"]
+        return [f"  to plan how to tell them apart: {shlex.join(words)}"]
+    return []
 
 
 def _recordings(

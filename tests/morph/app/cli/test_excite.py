@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shlex
 from pathlib import Path
 
 import jsonschema
@@ -47,12 +48,24 @@ def test_what_is_planned_can_be_simulated_and_diagnosed(tmp_path: Path, capsys: 
     assert f"morph simulate pendulum --commands {plan / 'run_1.csv'} --seconds" in said
     seconds = json.loads((plan / "experiment.json").read_text())["runs"][0]["seconds"]
     simulate = ["simulate", "pendulum", "--commands", str(plan / "run_1.csv"), "--quiet"]
-    law = "coulomb_friction@hinge:c=0.05"
+    law = "viscous_friction@hinge:b=0.05"
     assert main([*simulate, "--seconds", str(seconds), "--effect", law, "--out", str(run)]) == 0
     diagnose = ["diagnose", "pendulum", str(run), "--out", str(found), "--horizon", "0.3"]
+    capsys.readouterr()
     assert main([*diagnose, "--quiet"]) == 0
+    said = capsys.readouterr().out
     diagnosis = json.loads((found / "diagnosis.json").read_text())
-    assert [each["effect"] for each in diagnosis["findings"]] == ["coulomb_friction"]
+    assert [each["effect"] for each in diagnosis["findings"]] == ["viscous_friction"]
+    # It looks as the voltage that a motor induces, and the next experiment is named.
+    (line,) = [line for line in said.splitlines() if "to plan how to tell them apart" in line]
+    words = shlex.split(line.partition(": ")[2])
+    name, _, size = words[4].rpartition("=")
+    assert name == "viscous_friction@hinge:b"
+    # Readings without noise, and a step of 2 ms beside one of 4 ms in the fit.
+    assert float(size) == pytest.approx(0.05, rel=0.05)
+    assert words[5] == "back_emf@hinge"
+    again = [str(tmp_path / "again") if word == "DIR" else word for word in words[1:]]
+    assert main([*again, "--quiet"]) == 0
 
 
 def test_a_plan_for_everything_lists_what_it_cannot_show(tmp_path: Path, capsys: Out) -> None:
