@@ -64,8 +64,19 @@ def driven_joint(model: Any, actuator: int) -> int | None:
     return joint if mujoco.mjtJoint(model.jnt_type[joint]) in SCALAR else None
 
 
+def strength(model: Any, actuator: int) -> float:
+    """Return what an actuator gives by its own force, 1 where that is nothing.
+
+    It is the size of its gear, of a thruster that of the force or, without one, of the torque.
+    """
+    gear = model.actuator_gear[actuator]
+    at_site = mujoco.mjtTrn(model.actuator_trntype[actuator]) == mujoco.mjtTrn.mjTRN_SITE
+    wrench = gear[:3] if gear[:3].any() else gear[3:]
+    return float(np.linalg.norm(wrench if at_site else gear[:1])) or 1.0
+
+
 def _limit(model: Any, index: int, joint: int | None) -> float | None:
-    gear = 1.0 if joint is None else abs(float(model.actuator_gear[index, 0]))
+    gear = strength(model, index)
     gain = float(model.actuator_gainprm[index, 0])
     limits = []
     if model.actuator_forcelimited[index]:

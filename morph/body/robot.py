@@ -91,8 +91,7 @@ class Actuator:
     kind: str
     """`motor` (command is an effort) or `position` (command is a position)."""
     limit: float | None = None
-    """Greatest effort at the joint, N m or N, or of one without a joint its own force; None if
-    none is given."""
+    """Greatest effort, at the joint if it drives one, N m or N; None if none is given."""
     part: str = ""
     """What it acts on if not on a hinge or slide, such as `site propeller`."""
     effort_unit: str = "N m"

@@ -10,6 +10,7 @@ import mujoco
 import numpy as np
 
 from morph.arrays import Array
+from morph.body.actuators import strength
 from morph.body.robot import Actuator, Robot
 from morph.errors import DiagnosisError, SimulationFailed
 from morph.record.recording import Channel, Recording
@@ -25,12 +26,14 @@ MARGIN = 0.02
 a turn either way."""
 FREE_SERVO = 1.0
 """How far a servo without a range is told to move either way, rad or m."""
+FREE_SLIDE = 1.0
+"""How far a slide without a range may go either way, m."""
 LOWEST, HIGHEST = 0.2, 4.0
 """Hz: the band of quick motions."""
 WAVES = 6
 """Sines of a quick motion."""
-SLOW = 0.05
-"""Hz: how often a slow motion returns."""
+RETURNS = 2.0
+"""How often a slow motion returns."""
 HELD = 1.5
 """Seconds that each step of a command is held."""
 COAST = 4.0
@@ -67,15 +70,17 @@ def excitations(robot: Robot, seconds: float, step: float, seed: int) -> list[Ex
             motion is safe.
     """
     simulator = Simulator(robot, step=step)
-    middles, widths = _room(simulator)
+    low, home, high = _room(simulator)
     time: Array = np.asarray(step * np.arange(simulator.steps(seconds) + 1), dtype=float)
     found: list[Excitation] = []
     for kind, wave in _waves(robot, time, seed):
+        # A one-sided motor idles where a wave is below zero.
+        reach = np.where(wave > 0.0, high - home, home - low) * wave
         for amplitude in AMPLITUDES:
-            made = _simulated(simulator, time, middles + amplitude * widths * wave)
+            made = _simulated(simulator, time, home + amplitude * reach)
             if made is not None:
                 small = SMALLER * amplitude
-                less = _simulated(simulator, time, middles + small * widths * wave)
+                less = _simulated(simulator, time, home + small * reach)
                 pairs = [(amplitude, made), (small, less)]
                 found += [Excitation(kind=kind, amplitude=a, recording=r) for a, r in pairs if r]
                 break
@@ -89,8 +94,11 @@ def excitations(robot: Robot, seconds: float, step: float, seed: int) -> list[Ex
     return found
 
 
-def _room(simulator: Simulator) -> tuple[Array, Array]:
-    """Return the middle of each actuator's commands, and how far they may go, (actuators,) each."""
+def _room(simulator: Simulator) -> tuple[Array, Array, Array]:
+    """Return each actuator's least command, the one at home and its greatest, (actuators,) each.
+
+    At home a servo holds its joint, and a motor gives no force.
+    """
     robot, model = simulator.robot, simulator.model
     if not robot.actuators:
         raise DiagnosisError(
@@ -105,33 +113,53 @@ def _room(simulator: Simulator) -> tuple[Array, Array]:
             where=f"robot {robot.name}",
             fix="describe the base as fixed, as on a stand",
         )
-    pairs = [_range(robot, actuator, model) for actuator in robot.actuators]
-    low, high = (np.array(each) for each in zip(*pairs, strict=True))
-    home = 0.5 * (low + high)
-    for at, actuator in enumerate(robot.actuators):
-        if actuator.kind == "position" and actuator.joint is not None:
-            home[at] = float(model.qpos0[model.joint(actuator.joint).qposadr[0]])
-    return home, np.maximum(np.minimum(high - home, home - low), 0.0)
+    found = [_range(robot, actuator, model) for actuator in robot.actuators]
+    low, home, high = np.array(found, dtype=float).T
+    outside = next((at for at in range(len(home)) if not low[at] <= home[at] <= high[at]), None)
+    if outside is not None or not (high > low).any():
+        name = robot.actuators[outside or 0].name
+        raise DiagnosisError(
+            f"actuator {name} cannot be told to stay at home: its commands go from "
+            f"{low[outside or 0]:g} to {high[outside or 0]:g}",
+            where=f"robot {robot.name}",
+            fix="describe a home position within the range of its commands, and a range that is "
+            "wider than none",
+        )
+    return low, home, high
 
 
-def _range(robot: Robot, actuator: Actuator, model: mujoco.MjModel) -> tuple[float, float]:
+def _range(robot: Robot, actuator: Actuator, model: mujoco.MjModel) -> tuple[float, float, float]:
     own = model.actuator(actuator.name)
-    if model.actuator_ctrllimited[own.id]:
-        low, high = own.ctrlrange.tolist()
-        return low, high
-    if actuator.kind == "position":
+    gain = float(own.gainprm[0])
+    if model.actuator_dyntype[own.id] != int(mujoco.mjtDyn.mjDYN_NONE) or gain == 0.0:
+        what = "has a state of its own" if gain else "has no gain"
+        raise DiagnosisError(
+            f"actuator {actuator.name} {what}: its force does not follow from its command",
+            where=f"robot {robot.name}",
+            fix="describe it as a motor or a servo without activation",
+        )
+    servo = actuator.kind == "position" and actuator.joint is not None
+    home, low, high = 0.0, -math.inf, math.inf
+    if servo:
         joint = robot.driven_by(actuator)
         rest = float(model.qpos0[model.joint(joint.name).qposadr[0]])
-        return joint.limits or (rest - FREE_SERVO, rest + FREE_SERVO)
-    if actuator.limit is None:
+        # A servo is at rest where its force is none: gain u = -bias q gear.
+        unit = -float(own.biasprm[1]) * float(own.gear[0]) / gain
+        home = unit * rest
+        ends = joint.limits or (rest - FREE_SERVO, rest + FREE_SERVO)
+        low, high = sorted(unit * end for end in ends)
+    elif actuator.limit is not None:
+        force = actuator.limit / (abs(gain) * strength(model, own.id))
+        low, high = -force, force
+    if model.actuator_ctrllimited[own.id]:
+        low, high = own.ctrlrange.tolist()
+    if not math.isfinite(high - low):
         raise DiagnosisError(
             f"actuator {actuator.name} has no limit within which it may be commanded",
             where=f"robot {robot.name}",
             fix="give it a ctrlrange or a forcerange in the description, or a `limit` in the card",
         )
-    gear = 1.0 if actuator.joint is None else abs(float(own.gear[0]))
-    most = actuator.limit / abs(gear * float(own.gainprm[0]))
-    return -most, most
+    return low, home, high
 
 
 def _waves(robot: Robot, time: Array, seed: int) -> Iterator[tuple[str, Array]]:
@@ -141,7 +169,8 @@ def _waves(robot: Robot, time: Array, seed: int) -> Iterator[tuple[str, Array]]:
     quick = np.stack([_quick(time, rng) for _ in range(count)], axis=1)
     yield "quick", quick
     shift = rng.uniform(0.0, 1.0, count)
-    turns = SLOW * (1.0 + 0.3 * rng.uniform(-1.0, 1.0, count)) * time[:, None] + shift
+    often = RETURNS / time[-1] * (1.0 + 0.3 * rng.uniform(-1.0, 1.0, count))
+    turns = often * time[:, None] + shift
     # A triangle: the same speed both ways, so that friction turns its sign and nothing else.
     triangle = 4.0 * np.abs((turns % 1.0) - 0.5) - 1.0
     yield "slow", triangle * _begun(time)
@@ -191,8 +220,9 @@ def _safe(robot: Robot, made: Recording) -> bool:
             continue
         place, speed = made[f"{joint.name}.position"], made[f"{joint.name}.velocity"]
         low, high = joint.limits or (-math.inf, math.inf)
-        if joint.limits is None and joint.kind == "hinge":
-            low, high = place[0] - math.pi, place[0] + math.pi
+        if joint.limits is None:
+            far = math.pi if joint.kind == "hinge" else FREE_SLIDE
+            low, high = place[0] - far, place[0] + far
         room = MARGIN * (high - low) if math.isfinite(high - low) else 0.0
         if place.min() < low + room or place.max() > high - room:
             return False

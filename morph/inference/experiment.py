@@ -29,6 +29,8 @@ LASTING = 8
 """Lengths of an experiment that are compared, evenly spaced up to the longest."""
 UNMODELLED = 0.02
 """Missing force over the inertial force that is expected of the robot even with the right law."""
+SHORTEST = 5.0
+"""Seconds of the shortest run: a quarter is held out, and rollouts of a second are scored."""
 MOST_RUNS = 4
 """Most runs of a plan for all laws."""
 
@@ -71,7 +73,7 @@ def plan(
             is out of range, or the laws are not two.
         KernelError: There is no C compiler for the Kalman filter.
     """
-    _check(laws, seconds, rate, noise)
+    _check(laws, seconds, rate, noise, seed)
     progress("simulating motions")
     found = excitations(robot, seconds, _step(robot, rate), seed)
     shown = [replace(each, recording=_read(each.recording, rate)) for each in found]
@@ -88,8 +90,15 @@ def plan(
         seen = strongest if number == 0 else _seen(nominal, each, noise)
         tables.append(_information(nominal, grids, seen))
     pairs = _pairs(grids, two=bool(laws))
+    if not pairs:
+        raise DiagnosisError(
+            "no law acts in any motion that was tried",
+            where=f"robot {robot.name}",
+            fix="give a robot whose actuators move it",
+        )
     lengths = seconds * np.arange(1, LASTING + 1) / LASTING
-    chosen = _cheapest(tables, grids, pairs) if laws else _most_telling(tables, grids, pairs)
+    least = int(np.argmax(lengths >= SHORTEST))
+    chosen = _cheapest(tables, grids, pairs, least) if laws else _most_telling(tables, grids, pairs)
     whole = np.sum([tables[at][length] for at, length in chosen], axis=0)
     return Plan(
         robot=robot,
@@ -104,15 +113,17 @@ def plan(
     )
 
 
-def _check(laws: Sequence[Effect], seconds: float, rate: float, noise: float) -> None:
+def _check(laws: Sequence[Effect], seconds: float, rate: float, noise: float, seed: int) -> None:
     if laws and (len(laws) != 2 or laws[0].label == laws[1].label):
         raise DiagnosisError(
             f"{len({law.label for law in laws})} laws are to be told apart",
             where="--separate",
             fix="name two different laws, as coulomb_friction@elbow viscous_friction@elbow",
         )
+    if seed < 0:
+        raise DiagnosisError(f"a seed of {seed} is below 0", where="--seed", fix="give 0 or more")
     for value, low, high, where in (
-        (seconds, 2.0, 600.0, "--seconds"),
+        (seconds, SHORTEST, 600.0, "--seconds"),
         (rate, 5.0, 2000.0, "--rate"),
         (noise, 1e-7, 1.0, "--noise"),
     ):
@@ -223,15 +234,20 @@ def _cheapest(
     tables: Sequence[Array],
     grids: Sequence[tuple[Effect, ...]],
     pairs: Sequence[tuple[int, int | None]],
+    least: int,
 ) -> list[tuple[int, int]]:
-    """Return the shortest run with power enough, of these the surest; or the surest of all."""
+    """Return the shortest run with power enough, of these the surest; or the surest of all.
+
+    None is shorter than the length of the number `least`.
+    """
     worst = np.array(
         [
             [min(e.nats for e in separations_of(gram, grids, pairs)) for gram in table]
             for table in tables
         ]
     )
-    enough = np.flatnonzero([power(most) >= POWER for most in worst.max(axis=0)])
+    sure = np.array([power(most) >= POWER for most in worst.max(axis=0)])
+    enough = least + np.flatnonzero(sure[least:])
     length = int(enough[0]) if len(enough) else worst.shape[1] - 1
     return [(int(worst[:, length].argmax()), length)]
 
@@ -249,6 +265,8 @@ def _most_telling(
             sum(e.power for e in separations_of(whole + table[-1], grids, pairs))
             for table in tables
         ]
+        for known, _ in chosen:
+            sums[known] = 0.0
         at = int(np.argmax(sums))
         if chosen and sums[at] < best + 0.5:
             break

@@ -262,7 +262,7 @@ def _motion(
         time=run.step * np.arange(samples, dtype=float),
         command=run.command,
         driven={actuator.name: actuator.joint for actuator in robot.actuators},
-        moment=moments,
+        moment=transmission.by_effort(model),
         servo=-(model.actuator_gear[:, :1] ** 2) * model.actuator_biasprm[:, 1:3],
         armature=model.dof_armature.copy(),
         channels={name: at for at, name in enumerate(run.measurement.channels)},

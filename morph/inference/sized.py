@@ -10,7 +10,7 @@ import numpy as np
 from morph.body.robot import Robot
 from morph.errors import DiagnosisError
 from morph.inference.dictionary import dictionary
-from morph.inference.observed import Observed, force_of, shift_of
+from morph.inference.observed import Observed
 from morph.physics.body.tether import Tether
 from morph.physics.effect import Effect
 from morph.physics.fluid.wet import WetEffect
@@ -47,7 +47,16 @@ def sized(robot: Robot, laws: Sequence[Effect], seen: Observed) -> list[tuple[Ef
     found = []
     for law in laws:
         grid = there.get(law.label, (law,))
-        told = law if law.coefficients.any() else _sized(grid[len(grid) // 2], seen)
+        if law.of_a_run or isinstance(law, Tether) or law.kind == "contact":
+            raise DiagnosisError(
+                f"{law.label} comes from outside: no command of the robot's brings it about",
+                where="--separate",
+                fix="name laws of joints, actuators, sensors, links or a fluid",
+            )
+        told = law
+        if not law.coefficients.any():
+            # Parameters that are given stay; a law without any has the middle shape of its grid.
+            told = _sized(grid[len(grid) // 2] if law == type(law).at(law.where) else law, seen)
         if not _acts(told, seen):
             raise DiagnosisError(
                 f"{law.label} does nothing in any motion of this robot",
@@ -60,7 +69,9 @@ def sized(robot: Robot, laws: Sequence[Effect], seen: Observed) -> list[tuple[Ef
 
 
 def _acts(effect: Effect, seen: Observed) -> bool:
-    return bool(force_of([effect], seen.motion).any() or shift_of([effect], seen.motion).any())
+    sensor = effect.kind == "sensor"
+    columns = (effect.reading_regressor if sensor else effect.regressor)(seen.motion)
+    return bool((columns @ effect.coefficients).any())
 
 
 def _sized(effect: Effect, seen: Observed) -> Effect:

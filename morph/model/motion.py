@@ -10,6 +10,7 @@ import numpy as np
 from scipy.signal import butter, sosfiltfilt
 
 from morph.arrays import Array
+from morph.body.actuators import strength
 from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis
 from morph.model.measurement import Measurement
@@ -206,7 +207,7 @@ def _forces(
         time=time,
         command=command,
         driven={a.name: a.joint for a in hypothesis.robot.actuators},
-        moment=moment,
+        moment=moment / np.array([strength(model, at) for at in range(model.nu)])[:, None],
         servo=-(model.actuator_gear[:, :1] ** 2) * model.actuator_biasprm[:, 1:3],
         armature=model.dof_armature.copy(),
     )

@@ -78,7 +78,7 @@ def _motion(hypothesis: Hypothesis, variant: Variant, episode: Episode) -> Motio
         joints={joint.name: model.joint(joint.name).dofadr[0] for joint in robot.joints},
         actuators={actuator.name: at for at, actuator in enumerate(robot.actuators)},
         driven={actuator.name: actuator.joint for actuator in robot.actuators},
-        moment=transmission.moment,
+        moment=transmission.by_effort(model),
         time=time,
         command=command,
     )

@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 
 from morph.arrays import Array
-from morph.body.actuators import driven_joint
+from morph.body.actuators import driven_joint, strength
 from morph.physics.dynamics import transmissions
 
 
@@ -45,6 +45,11 @@ class Transmission:
         moment = np.zeros((1, model.nu, model.nv))
         moment[0, np.arange(model.nu), model.jnt_dofadr[driven]] = gear
         return cls(length=gear * pose[:, model.jnt_qposadr[driven]], moment=moment)
+
+    def by_effort(self, model: mujoco.MjModel) -> Array:
+        """Return generalized forces by the effort of each, which its gear has made of its force."""
+        efforts = np.array([strength(model, actuator) for actuator in range(model.nu)])
+        return np.asarray(self.moment / efforts[:, None])
 
     def rate(self, velocity: Array) -> Array:
         """Return how fast lengths change, shape (samples, actuators)."""

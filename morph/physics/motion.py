@@ -45,7 +45,7 @@ class Motion:
     driven: Mapping[str, str | None] = field(default_factory=dict)
     """The joint that each actuator drives, by the actuator's name; None of one without a joint."""
     moment: Array = field(default_factory=_none)
-    """Generalized force by the force of each actuator, (samples or 1, actuators, dofs), of which
+    """Generalized force by the effort of each actuator, (samples or 1, actuators, dofs), of which
     those without a joint are looked up."""
     servo: Array = field(default_factory=_none)
     """By how much each actuator's force falls per rad and per rad/s, (actuators, 2)."""
@@ -102,7 +102,7 @@ class Motion:
         return np.zeros(len(self.velocity)) if joint is None else self.speed(joint)
 
     def effort(self, actuator: str) -> Array:
-        """Return what an actuator produces at its joint, shape (samples,), or its own force."""
+        """Return what an actuator produces, at its joint if it drives one, shape (samples,)."""
         return self._at_joint(actuator, self.drive)
 
     def effort_rate(self, actuator: str) -> Array:
@@ -121,7 +121,7 @@ class Motion:
         at, joint = self.actuators[actuator], self.driven[actuator]
         if joint is not None:
             return np.asarray(forces[:, at, self.joints[joint]])
-        # Its generalized force is its own times the moment.
+        # Its generalized force is its effort times the moment.
         moment = self.moment[:, at]
         size = np.maximum(np.sum(moment**2, axis=1), np.finfo(float).tiny)
         return np.asarray(np.sum(moment * forces[:, at], axis=1) / size)

@@ -37,7 +37,7 @@ class Simulations(Protocol):
         """Return the speed of an actuator's joint, per s, (simulations,); zero without one."""
 
     def effort(self, actuator: str) -> Array:
-        """Return the view of what an actuator produces at its joint, or its own force; N m or N.
+        """Return the view of what an actuator produces, at its joint if it drives one; N m or N.
 
         What an actuator without a joint produces can be scaled, and is none where it was none.
         """

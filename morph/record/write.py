@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gzip
 import io
+import re
 from pathlib import Path
 
 import numpy as np
@@ -60,7 +61,8 @@ def _columns(recording: Recording) -> dict[str, Array]:
 def _csv(columns: dict[str, Array]) -> bytes:
     rows = zip(*(column.tolist() for column in columns.values()), strict=True)
     # Python's shortest text of a float reads back as the same float.
-    lines = [",".join(columns), *(",".join(map(repr, row)) for row in rows)]
+    names = [f'"{name}"' if re.search("[,;\t]", name) else name for name in columns]
+    lines = [",".join(names), *(",".join(map(repr, row)) for row in rows)]
     return ("\n".join(lines) + "\n").encode()
 
 

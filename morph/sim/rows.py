@@ -10,7 +10,7 @@ import numpy as np
 from mujoco.batch import MODEL_FIELDS, Batch
 
 from morph.arrays import Array
-from morph.body.actuators import driven_joint
+from morph.body.actuators import driven_joint, strength
 from morph.errors import SimulationFailed
 from morph.physics.effect import Effect
 
@@ -116,7 +116,9 @@ class Rows:
                 fix="describe it as a motor or a servo of a joint without activation, or leave out "
                 "the effect",
             )
-        gear = 1.0 if joint is None else self._of("actuator_gear")[:, at, 0]
+        gear = self._of("actuator_gear")[:, at, 0]
+        if joint is None:
+            gear = np.full_like(gear, strength(self._model, at))
         told, length, rate = self.control(actuator), gear * position, gear * velocity
         if self._model.actuator_ctrllimited[at]:
             told = np.clip(told, *self._of("actuator_ctrlrange")[:, at].T)

@@ -119,6 +119,6 @@ def _line(each: Separation) -> str:
     size = ", ".join(f"{name} = {value:.3g}" for name, value in each.size.items())
     other = "masses and gains" if each.rival == "none" else each.rival
     return (
-        f"{each.law} ({size}), not {other}: {each.nats:.3g} nats, a probability of "
-        f"{each.power:.2f} to be named"
+        f"{each.law} ({size}), not {other}: {each.nats:.3g} nats, told apart with a probability of "
+        f"{each.power:.2f}"
     )

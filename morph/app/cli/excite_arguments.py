@@ -16,7 +16,7 @@ class Excite:
     Writes the commands to give the robot, within its limits, and how surely a diagnosis of what it
     then does will tell. Nothing need have been recorded.
 
-    Example: morph excite so101 --separate coulomb_friction@elbow_flex torque_scale@elbow_flex
+    Example: morph excite so101 --separate coulomb_friction@Elbow torque_scale@Elbow
     --out plan
     """
 
@@ -31,7 +31,7 @@ class Excite:
     for_everything: bool = False
     """Plan up to four runs that show every law at every part, beside its twins there."""
     seconds: float = 20.0
-    """The longest that a run may last."""
+    """The longest that a run may last, at least 5."""
     rate: float = 100.0
     """Readings a second."""
     noise: float = 5e-4

@@ -89,7 +89,7 @@ def check_folder(out: Path, marker: str, schema: str, noun: str) -> None:
         raise OutputError(
             f"the folder is not empty and holds no earlier {noun.partition(' ')[2]}",
             where=str(out),
-            fix=f"name a new or an empty folder, or one that holds such a {marker}",
+            fix=f"name a new or an empty folder, or one that holds an earlier {marker}",
         )
     if taken:
         raise OutputError(

@@ -54,10 +54,12 @@ class TorqueSaturation(LimitEffect):
         import mujoco
 
         actuator = spec.actuator(self.actuator)
-        jointed = actuator.trntype in (
-            mujoco.mjtTrn.mjTRN_JOINT, mujoco.mjtTrn.mjTRN_JOINTINPARENT,
-        )  # fmt: skip
-        most = self.limit / max(abs(float(actuator.gear[0])), 1e-12) if jointed else self.limit
+        gear = np.asarray(actuator.gear)
+        if actuator.trntype == mujoco.mjtTrn.mjTRN_SITE:
+            gear = gear[:3] if gear[:3].any() else gear[3:]
+        else:
+            gear = gear[:1]
+        most = self.limit / max(float(np.linalg.norm(gear)), 1e-12)
         low, high = -most, most
         limited, auto = actuator.forcelimited, mujoco.mjtLimited.mjLIMITED_AUTO
         known = actuator.forcerange[0] < actuator.forcerange[1]

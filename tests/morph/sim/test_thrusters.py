@@ -46,7 +46,7 @@ def test_its_actuators_are_said_to_act_on_sites(tmp_path: Path) -> None:
     robot = sled(tmp_path, ' forcerange="-3 5"')
     assert [each.part for each in robot.actuators] == ["site stern", "site bow"]
     assert [each.joint for each in robot.actuators] == [None, None]
-    assert [each.limit for each in robot.actuators] == [5.0, None]
+    assert [each.limit for each in robot.actuators] == [2.5, None]
     assert [each.effort_unit for each in robot.actuators] == ["N", "N"]
     assert robot.driven == ()
 
@@ -54,11 +54,11 @@ def test_its_actuators_are_said_to_act_on_sites(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("effect", "force"),
     [
-        # Own forces are 6 and 2 N; of the first the gear lets half act.
-        (DeadZone(actuator="back", threshold=1.5), 0.5 * 4.5 + 2.0),
-        (TorqueSaturation(actuator="back", limit=4.0), 0.5 * 4.0 + 2.0),
-        (TorqueScale(actuator="back", gain=0.7), 0.5 * 4.2 + 2.0),
-        (VoltageSag(actuator="front", k=0.05), (0.5 * 6.0 + 2.0) / (1.0 + 0.05 * 8.0)),
+        # Told 6 and 2 N, of the first of which the gear lets half act: 3 and 2 N.
+        (DeadZone(actuator="back", threshold=0.7), 2.3 + 2.0),
+        (TorqueSaturation(actuator="back", limit=1.9), 1.9 + 2.0),
+        (TorqueScale(actuator="back", gain=0.7), 2.1 + 2.0),
+        (VoltageSag(actuator="front", k=0.05), 5.0 / (1.0 + 0.05 * 5.0)),
     ],
     ids=lambda each: getattr(each, "name", ""),
 )
@@ -73,17 +73,17 @@ def test_a_law_changes_what_a_thruster_pushes_with(
 
 def test_a_law_acts_behind_the_limit_of_the_force(tmp_path: Path) -> None:
     free, limited = sled(tmp_path), sled(tmp_path, ' forcerange="-3 3"')
-    lost = DeadZone(actuator="back", threshold=1.0)
-    # The limit leaves 3 N of 6, and the dead zone 2 of these: as of 3 N without a limit.
+    lost = DeadZone(actuator="back", threshold=0.5)
+    # The limit leaves 1.5 N of 3, and the dead zone 1 of these: as of half without a limit.
     assert travelled(limited, 6.0, lost) == pytest.approx(travelled(free, 3.0, lost), rel=1e-9)
 
 
 def test_a_hot_thruster_ends_at_its_floor(tmp_path: Path) -> None:
     robot = sled(tmp_path)
-    hot = ThermalDerating(actuator="back", floor=0.4, rate=1e3, level=6.0)
-    # At 1000 /s it is hot after some steps of 2 ms: 0.4 of 6 N, the first steps more.
+    hot = ThermalDerating(actuator="back", floor=0.4, rate=1e3, level=3.0)
+    # At 1000 /s it is hot after some steps of 2 ms: 0.4 of 3 N, the first steps more.
     ratio = travelled(robot, 6.0, hot) / travelled(robot, 6.0)
-    assert ratio == pytest.approx((0.5 * 2.4 + 2.0) / 5.0, rel=0.01)
+    assert ratio == pytest.approx((1.2 + 2.0) / 5.0, rel=0.01)
 
 
 def test_laws_of_a_joint_s_speed_have_no_place_on_it(tmp_path: Path) -> None:

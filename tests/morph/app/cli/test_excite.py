@@ -50,20 +50,21 @@ def test_what_is_planned_can_be_simulated_and_diagnosed(tmp_path: Path, capsys: 
     simulate = ["simulate", "pendulum", "--commands", str(plan / "run_1.csv"), "--quiet"]
     law = "viscous_friction@hinge:b=0.05"
     assert main([*simulate, "--seconds", str(seconds), "--effect", law, "--out", str(run)]) == 0
-    diagnose = ["diagnose", "pendulum", str(run), "--out", str(found), "--horizon", "0.3"]
+    diagnose = ["diagnose", "pendulum", str(run), "--out", str(found), "--horizon", "1"]
     capsys.readouterr()
     assert main([*diagnose, "--quiet"]) == 0
     said = capsys.readouterr().out
     diagnosis = json.loads((found / "diagnosis.json").read_text())
     assert [each["effect"] for each in diagnosis["findings"]] == ["viscous_friction"]
-    # It looks as the voltage that a motor induces, and the next experiment is named.
+    # What it may be taken for is named, with the experiment that tells.
     (line,) = [line for line in said.splitlines() if "to plan how to tell them apart" in line]
     words = shlex.split(line.partition(": ")[2])
     name, _, size = words[4].rpartition("=")
     assert name == "viscous_friction@hinge:b"
     # Readings without noise, and a step of 2 ms beside one of 4 ms in the fit.
     assert float(size) == pytest.approx(0.05, rel=0.05)
-    assert words[5] == "back_emf@hinge"
+    rival = diagnosis["findings"][0]["rivals"][0]
+    assert words[5] == f"{rival['effect']}@{rival['where']['name']}"
     again = [str(tmp_path / "again") if word == "DIR" else word for word in words[1:]]
     assert main([*again, "--quiet"]) == 0
 
@@ -91,6 +92,8 @@ def test_a_plan_for_everything_lists_what_it_cannot_show(tmp_path: Path, capsys:
         (["--separate", "cogging@hinge", "cogging@hinge"], "1 laws are to be told apart"),
         ([*TWO, "--seconds", "0.1"], "0.1 is out of range"),
         ([*TWO, "--noise", "nan"], "nan is out of range"),
+        ([*TWO, "--seed", "-1"], "a seed of -1 is below 0"),
+        (["--separate", "external_push@rod", "cogging@hinge"], "comes from outside"),
         ([*TWO, "--vary", "mass"], "'mass' is no NAME=FRACTION"),
     ],
 )
@@ -118,6 +121,18 @@ MOTOR = '<actuator><motor name="m" joint="j"%s/></actuator>'
             MOTOR % ' ctrlrange="-1 1"',
             "no motion from home is safe",
         ),
+        ('<joint name="j"/>', MOTOR % ' gear="0" forcerange="-1 1"', "no law acts"),
+        (
+            '<joint name="j"/>',
+            '<actuator><general name="m" joint="j" dyntype="filter" dynprm="0.1" '
+            'ctrlrange="-1 1"/></actuator>',
+            "actuator m has a state of its own",
+        ),
+        (
+            '<joint name="j" range="-2 2"/>',
+            '<actuator><position name="m" joint="j" kp="5" ctrlrange="0.5 1.5"/></actuator>',
+            "actuator m cannot be told to stay at home: its commands go from 0.5 to 1.5",
+        ),
     ],
 )
 def test_a_robot_that_cannot_be_excited_is_refused(
@@ -130,6 +145,25 @@ def test_a_robot_that_cannot_be_excited_is_refused(
     said = capsys.readouterr().err
     assert what in said
     assert "fix: " in said
+
+
+def test_laws_of_commands_are_planned_for(tmp_path: Path, capsys: Out) -> None:
+    two = ["--separate", "actuator_delay@hinge:T=0.03", "actuator_lag@hinge"]
+    out = str(tmp_path / "plan")
+    assert main(["excite", "pendulum", *two, "--out", out, "--json", "--quiet"]) == 0
+    said = json.loads(capsys.readouterr().out)["separations"]
+    assert {each["law"]: each["size"] for each in said}["actuator_delay@hinge"] == {"T": 0.03}
+    assert all(each["nats"] > 0.0 for each in said)
+
+
+def test_a_one_sided_motor_idles_at_none(tmp_path: Path) -> None:
+    path, out = tmp_path / "robot.xml", tmp_path / "plan"
+    path.write_text(BODY % ('<joint name="j" damping="0.1"/>', MOTOR % ' ctrlrange="0 0.4"'))
+    words = ["excite", str(path), "--for-everything", "--seconds", "5", "--out", str(out)]
+    assert main([*words, "--quiet"]) == 0
+    told = [load_recordings(each)[0]["m.command"] for each in sorted(out.glob("run_*.csv"))]
+    assert min(each.min() for each in told) == 0.0
+    assert max(each.max() for each in told) <= 0.4
 
 
 def test_a_folder_of_something_else_is_not_touched(tmp_path: Path, capsys: Out) -> None:
