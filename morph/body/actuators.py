@@ -8,6 +8,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from morph.arrays import Array
 from morph.body.robot import Actuator
 from morph.errors import RobotError
 
@@ -65,13 +66,17 @@ def driven_joint(model: Any, actuator: int) -> int | None:
 
 
 def strength(model: Any, actuator: int) -> float:
-    """Return what an actuator gives by its own force, 1 where that is nothing.
+    """Return what an actuator gives by its own force; see `leverage`."""
+    return leverage(model.actuator_gear[actuator], model.actuator_trntype[actuator])
 
-    It is the size of its gear, of a thruster that of the force or, without one, of the torque.
+
+def leverage(gear: Array, transmission: int) -> float:
+    """Return the size of a gear, of a thruster's that of its force or, without one, of its torque.
+
+    It is 1 where that is zero.
     """
-    gear = model.actuator_gear[actuator]
-    at_site = mujoco.mjtTrn(model.actuator_trntype[actuator]) == mujoco.mjtTrn.mjTRN_SITE
     wrench = gear[:3] if gear[:3].any() else gear[3:]
+    at_site = mujoco.mjtTrn(transmission) == mujoco.mjtTrn.mjTRN_SITE
     return float(np.linalg.norm(wrench if at_site else gear[:1])) or 1.0
 
 

@@ -17,7 +17,7 @@ from morph.inference.excitation import Excitation, excitations
 from morph.inference.level import projected
 from morph.inference.observed import Observed, observed
 from morph.inference.quadratic import information, offset
-from morph.inference.separation import POWER, Plan, PlannedRun, Separation, power
+from morph.inference.separation import POWER, ExperimentPlan, PlannedRun, Separation, power
 from morph.inference.sized import sized
 from morph.model.episodes import episode, step_for
 from morph.model.hypothesis import Hypothesis
@@ -47,7 +47,7 @@ def plan(
     vary: Mapping[str, float] | None = None,
     seed: int = 0,
     progress: Progress = lambda what: None,
-) -> Plan:
+) -> ExperimentPlan:
     """Return the cheapest runs that tell two laws apart, or that show every law there can be.
 
     Motions of several kinds are simulated by the description and linearised, as in a diagnosis:
@@ -100,7 +100,7 @@ def plan(
     least = int(np.argmax(lengths >= SHORTEST))
     chosen = _cheapest(tables, grids, pairs, least) if laws else _most_telling(tables, grids, pairs)
     whole = np.sum([tables[at][length] for at, length in chosen], axis=0)
-    return Plan(
+    return ExperimentPlan(
         robot=robot,
         runs=tuple(
             PlannedRun(excitation=found[at], seconds=float(lengths[length]))

@@ -73,7 +73,7 @@ class PlannedRun:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Plan:
+class ExperimentPlan:
     """Runs to record, and what they are expected to tell apart."""
 
     robot: Robot

@@ -12,7 +12,7 @@ from morph.app.cli.excite_arguments import Excite
 from morph.errors import DiagnosisError
 
 if TYPE_CHECKING:
-    from morph.inference.separation import Plan, Separation
+    from morph.inference.separation import ExperimentPlan, Separation
 
 MARKER = "experiment.json"
 MOST_LISTED = 20
@@ -20,7 +20,7 @@ MOST_LISTED = 20
 
 
 def run_excite(asked: Excite) -> int:
-    """Plan as asked and return the exit status.
+    """ExperimentPlan as asked and return the exit status.
 
     Raises:
         MorphError: An input cannot be used or a file cannot be written.
@@ -65,7 +65,7 @@ def run_excite(asked: Excite) -> int:
     return 0
 
 
-def _write(found: Plan, out: Path) -> str:
+def _write(found: ExperimentPlan, out: Path) -> str:
     """Write a plan into a folder, replaced whole or not at all, and return its record's text."""
     from morph.app.report.files import check_folder
     from morph.atomic_directory import atomic_directory
@@ -86,7 +86,7 @@ def _write(found: Plan, out: Path) -> str:
     return text
 
 
-def in_words(found: Plan, asked: Excite) -> str:
+def in_words(found: ExperimentPlan, asked: Excite) -> str:
     """Return what to run, what it tells apart and what it does not, and the next commands."""
     lines = [f"{found.robot.name}: {len(found.runs)} of {found.tried} motions"]
     for number, run in enumerate(found.runs):

@@ -8,6 +8,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from morph.arrays import Array
+from morph.body.actuators import leverage
 from morph.physics.actuator.limit import LimitEffect
 from morph.physics.effect import UNLIMITED, parameter
 from morph.physics.motion import Motion
@@ -54,12 +55,7 @@ class TorqueSaturation(LimitEffect):
         import mujoco
 
         actuator = spec.actuator(self.actuator)
-        gear = np.asarray(actuator.gear)
-        if actuator.trntype == mujoco.mjtTrn.mjTRN_SITE:
-            gear = gear[:3] if gear[:3].any() else gear[3:]
-        else:
-            gear = gear[:1]
-        most = self.limit / max(float(np.linalg.norm(gear)), 1e-12)
+        most = self.limit / leverage(np.asarray(actuator.gear), actuator.trntype)
         low, high = -most, most
         limited, auto = actuator.forcelimited, mujoco.mjtLimited.mjLIMITED_AUTO
         known = actuator.forcerange[0] < actuator.forcerange[1]
