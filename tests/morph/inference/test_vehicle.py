@@ -22,8 +22,8 @@ VEHICLE = """<mujoco model="vehicle"><option gravity="0 0 0"/><worldbody>
   <body name="hull"><freejoint name="float"/>
     <geom type="box" size="0.3 0.2 0.1" mass="8"/>
     <site name="left" pos="-0.3 0.15 0"/><site name="right" pos="-0.3 -0.15 0"/></body></worldbody>
-  <actuator><motor name="left" site="left" gear="1 0 0 0 0 0"/>
-    <motor name="right" site="right" gear="1 0 0 0 0 0"/></actuator></mujoco>"""
+  <actuator><motor name="left" site="left" gear="2 0 0 0 0 0"/>
+    <motor name="right" site="right" gear="2 0 0 0 0 0"/></actuator></mujoco>"""
 
 
 @pytest.fixture(scope="module")
@@ -38,7 +38,7 @@ def run(vehicle: Robot, number: int, *effects: Effect) -> Recording:
     rng = np.random.default_rng(number)
 
     def told(phase: Array) -> Callable[[Array], Array]:
-        return lambda t: 4.0 * np.sin(1.5 * t + phase[0]) + 3.0 * np.sin(4.0 * t + phase[1])
+        return lambda t: 2.0 * np.sin(1.5 * t + phase[0]) + 1.5 * np.sin(4.0 * t + phase[1])
 
     phases = rng.uniform(0.0, 2.0 * np.pi, (2, 2))
     found = Simulator(vehicle, effects=effects, step=0.001).run(
