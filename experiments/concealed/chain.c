@@ -450,6 +450,32 @@ static void step(const World *w, double *s, const double *u, double t, double h,
   }
 }
 
+/* Wind rotors whose position is not known (NaN) by what they would carry if each turned with its
+ * link: motion at rest, or smooth, before. Teeth touch on the side to which it is pushed. */
+static void wind(const World *w, double *s, const double *u, double t, double h, Work *k) {
+  int n = w->n, unknown = 0;
+  double joint[N_JOINTS * MOST], next[N_STATES * MOST], total = 0, demand[MOST];
+  for (int i = 0; i < n; i++) unknown += JOINT(J_split, i) != 0 && isnan(STATE(S_rotor_q, i));
+  if (!unknown) return;
+  memcpy(joint, w->joint, sizeof(double) * N_JOINTS * n);
+  memcpy(next, s, sizeof(double) * N_STATES * n);
+  for (int i = 0; i < n; i++) joint[J_split * n + i] = 0;
+  World rigid = *w;
+  rigid.joint = joint;
+  step(&rigid, next, u, t, h, k);
+  for (int i = 0; i < n; i++) {
+    demand[i] = demanded(w, i, next[S_lag * n + i], STATE(S_q, i), STATE(S_v, i));
+    total += fabs(demand[i]);
+  }
+  for (int i = 0; i < n; i++) {
+    if (JOINT(J_split, i) == 0 || !isnan(STATE(S_rotor_q, i))) continue;
+    double load = produced(w, i, s, demand[i], total, STATE(S_v, i), u[i], t);
+    load -= JOINT(J_rotor, i) * (next[S_v * n + i] - STATE(S_v, i)) / h;
+    STATE(S_rotor_q, i) = STATE(S_q, i) + load / JOINT(J_spring_k, i) +
+                          0.5 * sign(load) * JOINT(J_gap, i);
+  }
+}
+
 /* Simulate from step `first` to step `last`; return the number of the first bad step or `last`.
  *
  * ticks: step at which command c begins, ascending. feed: command planned for each tick. With
@@ -510,6 +536,7 @@ int march(int n, const int *parent, const int *slide, const double *rotation, co
       while (c >= 0 && tick[c] > number - whole - 1) c--;
       u[i] = now + (late - whole) * (command[n * (c < 0 ? 0 : c) + i] - now);
     }
+    if (number == first) wind(w, s, u, number * h, h, &k);
     step(w, s, u, number * h, h, &k);
     for (int i = 0; i < n; i++)
       if (!(fabs(STATE(S_v, i)) < 1e4)) return number;

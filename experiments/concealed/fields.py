@@ -49,4 +49,5 @@ def header() -> str:
     lines = [f"#define J_{name} {row}" for name, row in JOINT_ROW.items()]
     lines += [f"#define B_{name} {row}" for name, row in BODY_ROW.items()]
     lines += [f"#define S_{name} {row}" for name, row in STATE_ROW.items()]
-    return "\n".join([*lines, f"#define N_STATES {len(STATES)}", ""])
+    lines += [f"#define N_JOINTS {len(JOINT)}", f"#define N_STATES {len(STATES)}"]
+    return "\n".join([*lines, ""])

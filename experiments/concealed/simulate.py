@@ -75,10 +75,13 @@ class Motion:
 
 
 def rest_state(plant: Plant, start: Array) -> Array:
-    """Return the state at rest at a position, shape (states, joints)."""
+    """Return the state at rest at a position, shape (states, joints).
+
+    What lags, and how far rotors are from their links, follows from the first commands.
+    """
     state = np.zeros((len(STATES), plant.count))
-    state[STATE_ROW["q"]] = state[STATE_ROW["rotor_q"]] = start
-    state[STATE_ROW["lag"]] = np.nan
+    state[STATE_ROW["q"]] = start
+    state[[STATE_ROW["lag"], STATE_ROW["rotor_q"]]] = np.nan
     return state
 
 

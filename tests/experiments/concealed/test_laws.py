@@ -38,17 +38,21 @@ def put(plant: Plant, name: str, **figures: float) -> Plant:
 
 def go(
     plant: Plant, force: Callable[[Array], Array] | float = 0.0, *, v: float = 0.0, q: float = 0.0,
-    seconds: float = 0.5, finer: int = 2,
+    seconds: float = 0.5, finer: int = 2, rotor: float = np.nan,
 ) -> Motion:  # fmt: skip
-    """Return the motion under a command that changes every millisecond."""
+    """Return the motion under a command that changes every millisecond.
+
+    A rotor is wound by what it carries unless its position is given.
+    """
     grids = round(seconds / GRID)
     ticks = np.arange(0, grids, 4)
     feed = force(ticks * GRID) if callable(force) else np.full(len(ticks), force)
     none = np.zeros((len(ticks), 1))
     run = Run(ticks=ticks, feed=feed[:, None], reference=np.full_like(none, np.nan), noise=none,
               start=np.array([q]), grids=grids)  # fmt: skip
-    return simulate(plant, run, state=moving_state(plant, np.array([q]), np.array([v])),
-                    finer=finer)  # fmt: skip
+    state = moving_state(plant, np.array([q]), np.array([v]))
+    state[STATE_ROW["rotor_q"]] = rotor
+    return simulate(plant, run, state=state, finer=finer)
 
 
 def pull(motion: Motion, at: float) -> float:
@@ -139,10 +143,22 @@ def split(name: str, **figures: float) -> Plant:
 
 
 def test_backlash_lets_the_motor_turn_before_the_link_moves() -> None:
-    motion = go(split("backlash", gap=0.02, tooth_k=1e5, tooth_d=100.0), 2.0)
+    motion = go(split("backlash", gap=0.02, tooth_k=1e5, tooth_d=100.0), 2.0, rotor=0.0)
     # The motor crosses half the gap, 0.01 m, at 2 m/s2: after 0.1 s.
     assert (motion.q[: round(0.099 / motion.step)] == 0.0).all()
     assert motion.q[round(0.12 / motion.step), 0] > 0.0
+
+
+@pytest.mark.parametrize(
+    "law", [("backlash", {"gap": 0.02, "tooth_k": 1e5, "tooth_d": 0.0}),
+            ("series_elasticity", {"k": 600.0, "d": 0.0})],
+)  # fmt: skip
+def test_a_rotor_starts_wound_by_its_load(law: tuple[str, dict[str, float]]) -> None:
+    for force in (3.0, -3.0):
+        motion = go(split(law[0], **law[1]), force)
+        # Motor and link turn as one from the start, 1 kg and 2 kg, and nothing swings.
+        t = np.arange(len(motion.q)) * motion.step
+        np.testing.assert_allclose(motion.q[:, 0], force / 3.0 * t**2 / 2, atol=2e-6)
 
 
 def test_teeth_never_pull() -> None:
@@ -158,7 +174,7 @@ def test_teeth_never_pull() -> None:
 
 
 def test_a_flexible_drive_swings_at_the_rate_of_its_two_masses() -> None:
-    motion = go(split("series_elasticity", k=600.0, d=0.0), 3.0)
+    motion = go(split("series_elasticity", k=600.0, d=0.0), 3.0, rotor=0.0)
     # 1 kg and 2 kg on 600 N/m: rate 30 rad/s; link = F/M (t^2/2 - (1 - cos wt)/w^2), M = 3 kg.
     t = np.arange(len(motion.q)) * motion.step
     expected = t**2 / 2 - (1 - np.cos(30 * t)) / 900
