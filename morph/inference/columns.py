@@ -91,27 +91,40 @@ class Columns:
 
         Shapes (samples, dofs, 1 + entries) and (samples, channels, 1 + entries).
         """
-        motion, about = seen.motion, seen.about
-        samples, dofs = about.velocity.shape
+        about = seen.about
+        force, shift = self.forces(seen)
+        moved = about.tangent.jacobian[:, :, 2 * about.velocity.shape[1] :] @ force
+        errors = -about.acceleration[:, :, None]
+        return (
+            np.concatenate([errors, moved], axis=2),
+            np.concatenate([about.error[:, :, None], shift], axis=2),
+        )
+
+    def forces(self, seen: Observed) -> tuple[Array, Array]:
+        """Return what each entry changes of generalized forces and of readings along a run.
+
+        N m or N, shape (samples, dofs, entries), and shape (samples, channels, entries).
+        """
+        motion, zero = seen.motion, np.zeros_like(seen.about.error)
         own = forces_between(self.model, self.turned, motion) / NUDGE
-        forces = []
-        shown = [about.error, *([np.zeros_like(about.error)] * len(self.turned))]
+        forces, shifts = [], [zero] * len(self.turned)
         held = [each for each in self.nudged if each.change is None]
-        base = _supplied(self.model, motion) if held else np.zeros((samples, dofs))
+        base = _supplied(self.model, motion) if held else np.zeros_like(motion.velocity)
         beside = self._beside(seen)
         for each in self.nudged:
             if each.change is None:
-                change, shift = _supplied(each.model, motion) - base, np.zeros_like(about.error)
+                change, shift = _supplied(each.model, motion) - base, zero
             else:
                 before, after = each.change
                 change = beside[after] - beside[before]
                 shift = shift_of([after], motion) - shift_of([before], motion)
             forces.append(change[:, :, None] / each.step)
-            shown.append(shift / each.step)
-        stacked = np.concatenate([np.zeros((samples, dofs, 1)), own, *forces], axis=2)
-        moved = about.tangent.jacobian[:, :, 2 * dofs :] @ stacked
-        moved[:, :, 0] = -about.acceleration
-        return moved, np.stack(shown, axis=2)
+            shifts.append(shift / each.step)
+        empty = np.zeros((*zero.shape, 0))
+        return (
+            np.concatenate([own, *forces], axis=2),
+            np.stack(shifts, axis=2) if shifts else empty,
+        )
 
     def _beside(self, seen: Observed) -> dict[Effect, Array]:
         """Return forces of effects outside the model, before and after each nudge."""

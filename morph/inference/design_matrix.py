@@ -9,6 +9,7 @@ import numpy as np
 from morph.arrays import Array
 from morph.inference.bounded import RANK_TOLERANCE
 from morph.inference.columns import Columns
+from morph.inference.inverse_dynamics import weighed_forces
 from morph.inference.level import EffectColumn, all_bounds
 from morph.inference.observed import Observed
 from morph.inference.quadratic import information, offset
@@ -41,7 +42,11 @@ def effect_columns(grids: Sequence[tuple[Effect, ...]]) -> Iterator[EffectColumn
 
 
 def screened(
-    own: Columns, grids: Sequence[tuple[Effect, ...]], runs: Sequence[Observed]
+    own: Columns,
+    grids: Sequence[tuple[Effect, ...]],
+    runs: Sequence[Observed],
+    *,
+    by_forces: bool = False,
 ) -> list[tuple[Effect, ...]]:
     """Return effects at those of their shapes that alone gain most, of laws with many.
 
@@ -61,10 +66,19 @@ def screened(
         levels = (about.leaving(share) for share in SCREENED)
         return [products(about.tangent, each, readings, moved, first=1 + count) for each in levels]
 
+    if by_forces:
+        rows, _ = weighed_forces(own, [grids[at] for at in many], runs)
+        whole = np.concatenate([run.rows.reshape(-1, run.rows.shape[2]) for run in rows])
+        across, square = whole[:, : 1 + count].T @ whole, np.einsum("ij,ij->j", whole, whole)
+        sums = [(across / share**2, square / share**2) for share in SCREENED]
+    else:
+        by_run = each(one, runs)
+        sums = [
+            (np.sum([f[at][0] for f in by_run], axis=0), np.sum([f[at][1] for f in by_run], axis=0))
+            for at in range(len(SCREENED))
+        ]
     chosen: set[EffectColumn] = set()
-    by_run = each(one, runs)
-    for level in range(len(SCREENED)):
-        across, square = (np.sum([f[level][part] for f in by_run], axis=0) for part in (0, 1))
+    for across, square in sums:
         along, rest = _without(believed(across, trust, point), square, count)
         with np.errstate(divide="ignore", invalid="ignore"):
             best = np.where(rest > 0.0, np.clip(along / rest, low, high), 0.0)

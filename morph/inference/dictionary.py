@@ -15,15 +15,17 @@ from morph.errors import EffectError
 from morph.inference.columns import Columns
 from morph.inference.design_matrix import (
     DRIVE_LAWS,
+    LEVELS,
     believed,
     effect_columns,
     screened,
     whitened_levels,
 )
+from morph.inference.inverse_dynamics import force_levels
 from morph.inference.level import EffectColumn, WhitenedLevel
 from morph.inference.observed import Observed
 from morph.inference.quadratic import information, offset
-from morph.inference.refit import Refit, readings
+from morph.inference.refit import Refit
 from morph.inference.search import Prior, Search
 from morph.physics import EFFECTS
 from morph.physics.body.tether import Tether
@@ -43,7 +45,14 @@ SLACK = 1e-9
 """By how much bounds are widened, so that equal ones leave an interval."""
 
 
-def search_beside(base: Refit, known: Sequence[Effect], prior: Prior | None, blocks: int) -> Search:
+def search_beside(
+    base: Refit,
+    known: Sequence[Effect],
+    prior: Prior | None,
+    blocks: int,
+    *,
+    by_forces: bool = False,
+) -> Search:
     """Return a search for effects to add to a refitted hypothesis.
 
     Args:
@@ -51,6 +60,7 @@ def search_beside(base: Refit, known: Sequence[Effect], prior: Prior | None, blo
         known: Effects whose fixed parameters are known.
         prior: That of an earlier search; None to make it.
         blocks: Into how many folds each run is divided.
+        by_forces: Whether columns explain forces of inverse dynamics, in the place of readings.
     """
     hypothesis, point, runs = base.hypothesis, base.point, base.runs
     taken = {effect.label for effect in base.effects}
@@ -66,7 +76,11 @@ def search_beside(base: Refit, known: Sequence[Effect], prior: Prior | None, blo
     if prior is not None:
         # A push may stand out only once other effects are found.
         whole = replace(prior, alone={**whole.alone, **prior.alone})
-    grids = screened(own, grids, runs)
+    grids = screened(own, grids, runs, by_forces=by_forces)
+    if by_forces:
+        levels = force_levels(own, grids, runs, blocks, LEVELS)
+    else:
+        levels = whitened_levels(own, grids, runs, blocks)
     columns = tuple(effect_columns(grids))
     trust, at = information(hypothesis), offset(hypothesis, point)
     return Search(
@@ -82,9 +96,9 @@ def search_beside(base: Refit, known: Sequence[Effect], prior: Prior | None, blo
                 high=hypothesis.high - point + SLACK,
                 folds=tuple(fold.gram for fold in folds),
             )
-            for folds in whitened_levels(own, grids, runs, blocks)
+            for folds in levels
         ),
-        readings=readings(runs),
+        readings=sum(fold.readings for fold in levels[0]),
     )
 
 

@@ -13,21 +13,20 @@ import numpy as np
 from morph.arrays import Array
 from morph.inference.dictionary import search_beside
 from morph.inference.finalist import CERTAIN, Finalist, better, gains, labels, under
+from morph.inference.inverse_dynamics import likeliest_forces
 from morph.inference.observed import Observed, missing, settled
 from morph.inference.output_error import output_error
-from morph.inference.quadratic import quadratic
+from morph.inference.quadratic import LogPosterior, quadratic
 from morph.inference.refit import Refit, refitted, seen
 from morph.inference.refit import under as refit_under
 from morph.inference.search import Explanation, Prior, Search
 from morph.inference.simulated import likeliest_limit, simulated
-from morph.inference.validate import FAR, Validation, evidence_decides, needed
+from morph.inference.validate import FAR, FARTHEST, Validation, evidence_decides, needed
 from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis
 from morph.physics.effect import Effect
 from morph.sim.threads import each
 
-SEARCHED = 20.0
-"""Seconds of runs in which effects are searched where rollouts decide."""
 SIMULATED = 6
 """How many of the likeliest sets, and of the likeliest single effects, are simulated."""
 SPARSE = 3
@@ -48,8 +47,6 @@ it is minus `CERTAIN`."""
 REPLACED, LOST, TWIN_LOST = 3, 200.0, 1000.0
 """Most laws that are tried in the place of others; and nats that an effect which is left out, also
 beside a twin, may cost in Gram space: a refit of the others may make up for it."""
-UNMODELLED = 1.0
-"""Missing force over the inertial force from which its model is not believed."""
 ROUNDS = 2
 """Most Gauss-Newton steps of a refit under one estimate of the disturbances."""
 
@@ -79,16 +76,10 @@ class EffectSelection:
         return time.monotonic() > self.deadline
 
     def search(self, base: Finalist) -> Search:
-        """Return a search for effects to add to a set.
-
-        Where the linearisation is not believed it only proposes: a part of the runs will do.
-        """
+        """Return a search for effects to add to a set: by forces where rollouts decide."""
         prior = self.prior if self.prior.alone else None
-        refit, blocks = base.refit, self.validation.blocks
-        if self.by_rollouts:
-            lasted = sum(run.motion.time[-1] for run in refit.runs)
-            refit = replace(refit, runs=refit.runs[:: max(1, int(lasted / SEARCHED))])
-        return search_beside(refit, self.known, prior, blocks)
+        blocks = self.validation.blocks
+        return search_beside(base.refit, self.known, prior, blocks, by_forces=self.by_rollouts)
 
     def refitted(
         self,
@@ -106,7 +97,7 @@ class EffectSelection:
             origin: A refit of the same hypothesis less its last effects.
         """
         if self.by_rollouts:
-            about = output_error(hypothesis, point, self.validation, self.deadline)
+            about = self._by_rollouts(hypothesis, point, runs)
             smoothed = each(settled, seen(hypothesis, about.point, self.episodes, runs))
             refit = Refit(
                 hypothesis=hypothesis, point=about.point, runs=smoothed,
@@ -133,6 +124,29 @@ class EffectSelection:
         price = self.prior.price({effect.label for effect in refit.effects})
         return Finalist(refit=refit, price=price, losses=losses, fitted=fitted, about=about)
 
+    def _by_rollouts(
+        self, hypothesis: Hypothesis, point: Array, runs: Sequence[Observed] | None
+    ) -> LogPosterior:
+        """Return the log posterior where forces err least, or rollouts, whichever predicts better.
+
+        Rollouts are fitted from the better of the two points.
+        """
+        validation = self.validation
+        if runs is None or any(effect.kind == "sensor" for effect in hypothesis.effects):
+            return output_error(hypothesis, point, validation, self.deadline)
+        forces = likeliest_forces(
+            hypothesis, point, runs, blocks=validation.blocks, deadline=self.deadline
+        )
+        points = [[each] * validation.folds for each in (point, forces.point)]
+        before, after = validation.losses(hypothesis, points, runs).mean(axis=1)
+        start = forces.point if after < before else point
+        found = output_error(hypothesis, start, validation, self.deadline)
+        if after >= before:
+            return found
+        every = [range(len(hypothesis.effects))]
+        losses = [validation.losses_of(one, runs, every).mean() for one in (forces, found)]
+        return forces if losses[0] < losses[1] else found
+
     def added(self, base: Finalist, search: Search, most: int) -> tuple[list[Finalist], Finalist]:
         """Return larger sets, refitted, and the best; none where all leave too much force.
 
@@ -151,11 +165,11 @@ class EffectSelection:
             for found in proposed:
                 start = replace(self.nominal, effects=(*base.effects, *found.effects))
                 if not self.late() and labels(start.effects) not in done:
-                    own = base.refit.point + (0.0 if self.by_rollouts else found.own)
+                    own = base.refit.point + found.own
                     point = np.concatenate([own, start.start[len(own) :]])
                     wholes.append(self.refitted(start, point, base.refit.runs, base.refit))
                     done.add(labels(start.effects))
-            if not self.by_rollouts and all(missing(e.refit.runs) > UNMODELLED for e in wholes):
+            if not self.by_rollouts and all(missing(e.refit.runs) > FAR for e in wholes):
                 return [], base
             for whole in wholes:
                 new = self.reduced(whole)
@@ -191,7 +205,7 @@ class EffectSelection:
         """Return the sets to refit: the likeliest, and those with the least error in rollouts.
 
         Where the model of the missing force is not believed, laws of real drives at all joints are
-        first, as stiction mimics lost torque; and own figures stay where they are.
+        beside the likeliest, as stiction mimics lost torque.
         """
         some = [one for one in sets if one.effects and one.gain > 0.0]
         alone = [one for one in some if len(one.members) == 1]
@@ -207,28 +221,28 @@ class EffectSelection:
         for members, found in listed.items():
             if self.late():
                 return []
-            losses[members], listed[members] = simulated(
-                found, search, base, validation, believed=not self.by_rollouts
-            )
+            losses[members] = simulated(found, search, base, validation)
         by_rollouts = sorted(listed.values(), key=lambda one: losses[one.members])
         # A stiff spring diverges in long steps. So may the likeliest set, far from the base.
         most = now + DIVERGED * len(base.refit.runs[0].motion.channels)
         stable = [one for one in by_rollouts if losses[one.members] < most][:FINALISTS]
+        likeliest = sorted(by_rollouts, key=lambda one: -one.gain)[:1]
         if not self.by_rollouts:
-            likeliest = sorted(by_rollouts, key=lambda one: -one.gain)[:1]
             return [list({one.members: one for one in [*likeliest, *stable]}.values())]
         dry = bool(DRY & {effect.name for effect in base.effects})
         drives = []
-        for one in by_labels.values():
+        for name, one in by_labels.items():
+            if any(name <= labels(whole.effects) for whole in likeliest):
+                continue
             laws = {effect.name for effect in one.effects}
             bends = laws == SPRINGS and losses[one.members] < now
             if bends or (len(laws) == 1 and laws <= DRY and not dry):
                 drives.append(one)
-        far = missing(base.refit.runs) > FAR
+        far = missing(base.refit.runs) > FARTHEST
         limit = likeliest_limit(base, validation, now, self.known) if far else None
         if limit and limit[0] < min(losses.values()):
             drives.append(limit[1])
-        return [drives, stable]
+        return [[*likeliest, *drives], stable]
 
     def reduced(self, whole: Finalist) -> Finalist:
         """Return a set without the effects that rollouts do not need, if that is not worse."""

@@ -38,9 +38,9 @@ LITTLE_FORCE, LITTLE_VIBRATION = 0.03, 1.0
 explained to their noise."""
 SOME_FORCE = 0.1
 """The same force, up to which its model holds, and evidence decides that rollouts do not refute."""
-FAR = 10.0
-"""The same force from which columns tell nothing: the whitened search is left out, and limits of
-servos are looked for."""
+FAR, FARTHEST = 1.0, 10.0
+"""The same force from which its model is not believed: effects are looked for by forces while
+joints slip, and rollouts decide; and from which limits of servos are simulated too."""
 BRIEF = 0.2
 """Least time that may be claimed, as a share of the period of readings: simulations step, loggers
 stamp and controllers hold at moments that differ by as much."""

@@ -1,0 +1,240 @@
+"""Least squares of inverse dynamics over the samples at which joints slip.
+
+Where stiction holds a joint no force is known, and no model of a missing force tells it from a weak
+motor: filters and rollouts go wrong together. While the joint slips its equation of motion holds
+whatever the others do, and forces are linear in nearly all that may be wrong.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.ndimage import minimum_filter1d
+from scipy.signal import butter, filtfilt
+
+from morph.arrays import Array
+from morph.inference.columns import Columns, acting
+from morph.inference.observed import Observed, force_of
+from morph.inference.quadratic import LogPosterior, information, offset
+from morph.inference.whitened import Whitened
+from morph.model.hypothesis import Hypothesis
+from morph.physics.body_motion import body_motions
+from morph.physics.dynamics import supplied
+from morph.physics.effect import Effect
+from morph.sim.drive import received
+from morph.sim.threads import each
+
+BAND = 5.0
+"""Forces are compared below this frequency, Hz: above it gears of arms swing."""
+ORDER = 3
+"""Order of the filter that leaves the higher ones out."""
+SLIPS = 0.2
+"""Velocity, as a share of its RMS over the runs, from which a joint slips."""
+ROUNDS, REWEIGHTED = 25, 3
+"""Most Gauss-Newton steps, and estimates of the residuals' sizes under each."""
+FIRST, FAILED = 1e-3, 3
+"""Damping of the first step, and most steps in turn that gain nothing."""
+TINY = 1e-9
+"""Least size of an error, N m or N."""
+SETTLED = 1.0
+"""Nats: a refit ends with a step that gains less."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ForceRows:
+    """Missing forces of one run and their columns, below `BAND` and at twice its rate."""
+
+    rows: Array
+    """[error, columns] of each joint's force, N m or N, shape (rows, dofs, 1 + columns)."""
+    slips: Array
+    """1 where the joint slips all the while that a row covers, else 0, shape (rows, dofs)."""
+
+
+def force_rows(columns: Columns, seen: Observed, grids: Sequence[tuple[Effect, ...]]) -> ForceRows:
+    """Return what a model lacks of the forces that a smoothed motion needs, and their columns.
+
+    Args:
+        columns: The model, and the derivatives by the entries of its point.
+        seen: A run, smoothed by this model or by another that is near.
+        grids: Effects, each at some shapes; those on sensors and commands have no column here.
+    """
+    hypothesis, model, motion = columns.hypothesis, columns.model, seen.motion
+    _, beside = acting(hypothesis, columns.point)
+    run, about = seen.run, seen.about
+    sent = [
+        received(beside, actuator.name, seen.sent[:, at], run.step)
+        for at, actuator in enumerate(hypothesis.robot.actuators)
+    ]
+    command = np.stack(sent, axis=1) if sent else motion.command
+    acceleration = np.empty_like(about.velocity)
+    acceleration[:-1] = np.diff(about.velocity, axis=0) / run.step
+    acceleration[-1] = acceleration[-2]
+    links = [link.name for link in hypothesis.robot.links]
+    bodies = body_motions(model, links, motion.qpos, motion.velocity, acceleration)
+    motion = replace(
+        motion, acceleration=acceleration, bodies=bodies, command=command,
+        senses={name: np.sign(motion.speed(name)) for name in motion.joints},
+    )  # fmt: skip
+    seen = replace(seen, motion=motion)
+    lacking = -supplied(model, motion.qpos, motion.velocity, acceleration, command)
+    lacking -= force_of(beside, motion)
+    force, _ = columns.forces(seen)
+    parts = [lacking[:, :, None], force]
+    for shapes in grids:
+        if shapes[0].kind == "sensor":
+            count = sum(len(effect.strengths) for effect in shapes)
+            parts.append(np.zeros((*lacking.shape, count)))
+        else:
+            parts.append(shapes[0].regressors(shapes, motion))
+    whole = np.concatenate(parts, axis=2)
+    speed = np.abs(motion.velocity)
+    slips = speed > SLIPS * np.sqrt(np.mean(speed**2, axis=0))
+    width = max(1, round(0.5 / BAND / run.step))
+    if len(whole) > 8 * width:
+        numerator, denominator = butter(ORDER, min(2.0 * BAND * run.step, 0.99))
+        whole = filtfilt(numerator, denominator, whole, axis=0)
+    # The smoother's edges know a motion poorly.
+    inside = slice(width, len(whole) - width, width)
+    kept = minimum_filter1d(slips.astype(np.uint8), size=2 * width + 1, axis=0)
+    return ForceRows(rows=whole[inside], slips=kept[inside].astype(float))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ForceErrors:
+    """Gram matrices of [errors, columns] of each joint's force."""
+
+    grams: Array
+    """Shape (folds, dofs, 1 + columns, 1 + columns)."""
+    counts: Array
+    """How many rows there are, shape (folds, dofs)."""
+
+    @classmethod
+    def of(cls, rows: Sequence[ForceRows], blocks: int = 1) -> ForceErrors:
+        """Return those of the rows of some runs, each divided into folds."""
+        grams, counts = [], []
+        for run in rows:
+            for part in np.array_split(np.arange(len(run.rows)), blocks):
+                kept = run.rows[part] * run.slips[part, :, None]
+                turned = kept.transpose(1, 0, 2)
+                grams.append(turned.transpose(0, 2, 1) @ turned)
+                counts.append(run.slips[part].sum(axis=0))
+        return cls(grams=np.stack(grams), counts=np.stack(counts))
+
+    def sizes(self, step: Array) -> Array:
+        """Return the RMS error of each joint's force after a step, N m or N, shape (dofs,)."""
+        turn = np.concatenate([[1.0], -step])
+        squares = np.einsum("c,fjcd,d->j", turn, self.grams, turn, optimize=True)
+        return np.asarray(
+            np.sqrt(np.maximum(squares, 0.0) / np.maximum(self.counts.sum(axis=0), 1.0))
+        )
+
+    def quadratic(self, hypothesis: Hypothesis, point: Array, sizes: Array) -> LogPosterior:
+        """Return the log posterior about a point, with errors in units of their sizes."""
+        grams = np.einsum("j,fjcd->fcd", sizes**-2.0, self.grams)
+        rows = int(self.counts.sum())
+        return LogPosterior(hypothesis=hypothesis, point=point, grams=grams, readings=rows)
+
+    def value(self, about: LogPosterior) -> float:
+        """Return the log posterior, errors at their likeliest sizes, nats, up to a constant."""
+        sizes = self.sizes(np.zeros(len(about.point)))
+        at = offset(about.hypothesis, about.point)
+        prior = 0.5 * float(at @ (information(about.hypothesis) * at))
+        return -float(self.counts.sum(axis=0) @ np.log(sizes + TINY)) - prior
+
+
+def likeliest_forces(
+    hypothesis: Hypothesis,
+    point: Array,
+    runs: Sequence[Observed],
+    *,
+    blocks: int = 1,
+    deadline: float = math.inf,
+) -> LogPosterior:
+    """Return the log posterior about the point at which forces err least.
+
+    The sizes of the errors are not known: each joint's is estimated with the point. The motion
+    stays as it was smoothed.
+
+    Source: Swevers, Verdonck and De Schutter 2007, IEEE Control Systems 27(5), 58-71; damped as by
+    Marquardt 1963, Journal of SIAM 11(2).
+
+    Args:
+        hypothesis: Own figures and effects.
+        point: Where it begins, shape (entries,).
+        runs: Smoothed by a similar hypothesis.
+        blocks: Into how many folds each run is divided.
+        deadline: Time of the monotonic clock after which no step begins.
+    """
+
+    def errors(point: Array) -> ForceErrors:
+        columns = Columns.of(hypothesis, point)
+        return ForceErrors.of(each(lambda seen: force_rows(columns, seen, ()), runs), blocks)
+
+    none = np.zeros(len(point))
+    found = errors(point)
+    about = found.quadratic(hypothesis, point, found.sizes(none) + TINY)
+    damping, failed, best = FIRST, 0, found.value(about)
+    for _ in range(ROUNDS):
+        if failed > FAILED or time.monotonic() > deadline:
+            break
+        step = none
+        for _ in range(REWEIGHTED):
+            sizes = found.sizes(step) + TINY
+            step, _, _ = found.quadratic(hypothesis, about.point, sizes).step(damping=damping)
+        there = np.clip(about.point + step, hypothesis.low, hypothesis.high)
+        tried = errors(there)
+        new = tried.quadratic(hypothesis, there, tried.sizes(none) + TINY)
+        value = tried.value(new)
+        if not value > best:
+            damping, failed = 10.0 * damping, failed + 1
+            continue
+        gained, damping, failed = value - best, 0.1 * damping, 0
+        best, about, found = value, new, tried
+        if gained < SETTLED:
+            break
+    return about
+
+
+def weighed_forces(
+    own: Columns, grids: Sequence[tuple[Effect, ...]], runs: Sequence[Observed]
+) -> tuple[list[ForceRows], Array]:
+    """Return rows in units of the errors' sizes without the effects, and these, shape (dofs,)."""
+    found = each(lambda seen: force_rows(own, seen, grids), runs)
+    counts = sum(run.slips.sum(axis=0) for run in found)
+    squares = sum((run.slips * run.rows[:, :, 0] ** 2).sum(axis=0) for run in found)
+    sizes = np.sqrt(squares / np.maximum(counts, 1.0)) + TINY
+    return [
+        replace(run, rows=run.rows * (run.slips / sizes)[:, :, None]) for run in found
+    ], np.asarray(sizes)
+
+
+def force_levels(
+    own: Columns, grids: Sequence[tuple[Effect, ...]], runs: Sequence[Observed], blocks: int,
+    shares: Sequence[float],
+) -> list[list[Whitened]]:  # fmt: skip
+    """Return Gram matrices of [errors, entries of the point, effects], by level and by fold.
+
+    A level's errors are taken to be a share of what they are without the effects.
+
+    Args:
+        own: The model, and the derivatives by the entries of its point.
+        grids: Effects, each at some shapes.
+        runs: Smoothed by the model.
+        blocks: Into how many folds each run is divided.
+        shares: One for each level.
+    """
+    found, sizes = weighed_forces(own, grids, runs)
+    levels: list[list[Whitened]] = [[] for _ in shares]
+    for run in found:
+        for part in np.array_split(np.arange(len(run.rows)), blocks):
+            rows = run.rows[part].reshape(-1, run.rows.shape[2])
+            gram, count = rows.T @ rows, run.slips[part].sum(axis=0)
+            for level, share in zip(levels, shares, strict=True):
+                logarithm = 2.0 * float(count @ np.log(share * sizes))
+                readings = int(count.sum())
+                level.append(Whitened(gram=gram / share**2, logarithm=logarithm, readings=readings))
+    return levels
