@@ -13,10 +13,10 @@ import numpy as np
 from morph.arrays import Array
 from morph.inference.dictionary import search_beside
 from morph.inference.finalist import CERTAIN, Finalist, better, gains, labels, under
-from morph.inference.inverse_dynamics import likeliest_forces
+from morph.inference.inverse_dynamics import by_forces
 from morph.inference.observed import Observed, missing, settled
 from morph.inference.output_error import output_error
-from morph.inference.quadratic import LogPosterior, quadratic
+from morph.inference.quadratic import quadratic
 from morph.inference.refit import Refit, refitted, seen
 from morph.inference.refit import under as refit_under
 from morph.inference.search import Explanation, Prior, Search
@@ -27,6 +27,8 @@ from morph.model.hypothesis import Hypothesis
 from morph.physics.effect import Effect
 from morph.sim.threads import each
 
+SEARCHED = 20.0
+"""Seconds of runs in which effects are searched where only rollouts decide."""
 SIMULATED = 6
 """How many of the likeliest sets, and of the likeliest single effects, are simulated."""
 SPARSE = 3
@@ -70,16 +72,29 @@ class EffectSelection:
     by_rollouts: bool = False
     """Whether sets are refitted to the errors of rollouts, since runs are not explained to their
     noise."""
+    by_forces: bool = False
+    """Whether forces while joints slip propose these sets, and start their refits."""
 
     def late(self) -> bool:
         """Return whether no refit may begin any more."""
         return time.monotonic() > self.deadline
 
+    @property
+    def believed(self) -> bool:
+        """Whether linearised strengths are."""
+        return self.by_forces or not self.by_rollouts
+
     def search(self, base: Finalist) -> Search:
-        """Return a search for effects to add to a set: by forces where rollouts decide."""
+        """Return a search for effects to add to a set.
+
+        Where the linearisation is not believed it only proposes: a part of the runs will do.
+        """
         prior = self.prior if self.prior.alone else None
-        blocks = self.validation.blocks
-        return search_beside(base.refit, self.known, prior, blocks, by_forces=self.by_rollouts)
+        refit, blocks = base.refit, self.validation.blocks
+        if not self.believed:
+            lasted = sum(run.motion.time[-1] for run in refit.runs)
+            refit = replace(refit, runs=refit.runs[:: max(1, int(lasted / SEARCHED))])
+        return search_beside(refit, self.known, prior, blocks, by_forces=self.by_forces)
 
     def refitted(
         self,
@@ -97,7 +112,8 @@ class EffectSelection:
             origin: A refit of the same hypothesis less its last effects.
         """
         if self.by_rollouts:
-            about = self._by_rollouts(hypothesis, point, runs)
+            least = functools.partial(by_forces, runs=runs) if self.by_forces else output_error
+            about = least(hypothesis, point, self.validation, self.deadline)
             smoothed = each(settled, seen(hypothesis, about.point, self.episodes, runs))
             refit = Refit(
                 hypothesis=hypothesis, point=about.point, runs=smoothed,
@@ -124,29 +140,6 @@ class EffectSelection:
         price = self.prior.price({effect.label for effect in refit.effects})
         return Finalist(refit=refit, price=price, losses=losses, fitted=fitted, about=about)
 
-    def _by_rollouts(
-        self, hypothesis: Hypothesis, point: Array, runs: Sequence[Observed] | None
-    ) -> LogPosterior:
-        """Return the log posterior where forces err least, or rollouts, whichever predicts better.
-
-        Rollouts are fitted from the better of the two points.
-        """
-        validation = self.validation
-        if runs is None or any(effect.kind == "sensor" for effect in hypothesis.effects):
-            return output_error(hypothesis, point, validation, self.deadline)
-        forces = likeliest_forces(
-            hypothesis, point, runs, blocks=validation.blocks, deadline=self.deadline
-        )
-        points = [[each] * validation.folds for each in (point, forces.point)]
-        before, after = validation.losses(hypothesis, points, runs).mean(axis=1)
-        start = forces.point if after < before else point
-        found = output_error(hypothesis, start, validation, self.deadline)
-        if after >= before:
-            return found
-        every = [range(len(hypothesis.effects))]
-        losses = [validation.losses_of(one, runs, every).mean() for one in (forces, found)]
-        return forces if losses[0] < losses[1] else found
-
     def added(self, base: Finalist, search: Search, most: int) -> tuple[list[Finalist], Finalist]:
         """Return larger sets, refitted, and the best; none where all leave too much force.
 
@@ -165,7 +158,7 @@ class EffectSelection:
             for found in proposed:
                 start = replace(self.nominal, effects=(*base.effects, *found.effects))
                 if not self.late() and labels(start.effects) not in done:
-                    own = base.refit.point + found.own
+                    own = base.refit.point + (found.own if self.believed else 0.0)
                     point = np.concatenate([own, start.start[len(own) :]])
                     wholes.append(self.refitted(start, point, base.refit.runs, base.refit))
                     done.add(labels(start.effects))
@@ -186,26 +179,13 @@ class EffectSelection:
             return tried, base
         return tried, functools.reduce(lambda a, b: better(a, b, self.validation), gained)
 
-    def refitted_to_rollouts(self, found: Finalist) -> Finalist:
-        """Return a set refitted to rollouts, unless they are surely worse then."""
-        refit = found.refit
-        task = replace(self, by_rollouts=True)
-        again = task.refitted(refit.hypothesis, refit.point, refit.runs)
-        if self.validation.worse(found.losses, again.losses):
-            return found
-        fewer = task.reduced(again)
-        # Evidence alone speaks for what acts once: rollouts in which it acts are few.
-        if not {e.label for e in again.effects if e.passing} - labels(fewer.effects):
-            again = fewer
-        return replace(again, refit=replace(again.refit, evidence=refit.evidence))
-
     def proposals(
         self, search: Search, sets: Sequence[Explanation], base: Finalist
     ) -> list[list[Explanation]]:
         """Return the sets to refit: the likeliest, and those with the least error in rollouts.
 
         Where the model of the missing force is not believed, laws of real drives at all joints are
-        beside the likeliest, as stiction mimics lost torque.
+        first, as stiction mimics lost torque; where forces tell it, with the likeliest set.
         """
         some = [one for one in sets if one.effects and one.gain > 0.0]
         alone = [one for one in some if len(one.members) == 1]
@@ -221,22 +201,23 @@ class EffectSelection:
         for members, found in listed.items():
             if self.late():
                 return []
-            losses[members] = simulated(found, search, base, validation)
+            losses[members], listed[members] = simulated(
+                found, search, base, validation, believed=self.believed
+            )
         by_rollouts = sorted(listed.values(), key=lambda one: losses[one.members])
         # A stiff spring diverges in long steps. So may the likeliest set, far from the base.
         most = now + DIVERGED * len(base.refit.runs[0].motion.channels)
         stable = [one for one in by_rollouts if losses[one.members] < most][:FINALISTS]
-        likeliest = sorted(by_rollouts, key=lambda one: -one.gain)[:1]
+        likeliest = sorted(by_rollouts, key=lambda one: -one.gain)[: int(self.believed)]
         if not self.by_rollouts:
             return [list({one.members: one for one in [*likeliest, *stable]}.values())]
         dry = bool(DRY & {effect.name for effect in base.effects})
         drives = []
         for name, one in by_labels.items():
-            if any(name <= labels(whole.effects) for whole in likeliest):
-                continue
+            inside = any(name <= labels(whole.effects) for whole in likeliest)
             laws = {effect.name for effect in one.effects}
             bends = laws == SPRINGS and losses[one.members] < now
-            if bends or (len(laws) == 1 and laws <= DRY and not dry):
+            if not inside and (bends or (len(laws) == 1 and laws <= DRY and not dry)):
                 drives.append(one)
         far = missing(base.refit.runs) > FARTHEST
         limit = likeliest_limit(base, validation, now, self.known) if far else None

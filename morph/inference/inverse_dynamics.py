@@ -19,7 +19,9 @@ from scipy.signal import butter, filtfilt
 from morph.arrays import Array
 from morph.inference.columns import Columns, acting
 from morph.inference.observed import Observed, force_of
+from morph.inference.output_error import output_error
 from morph.inference.quadratic import LogPosterior, information, offset
+from morph.inference.validate import Validation
 from morph.inference.whitened import Whitened
 from morph.model.hypothesis import Hypothesis
 from morph.physics.body_motion import body_motions
@@ -238,3 +240,35 @@ def force_levels(
                 readings = int(count.sum())
                 level.append(Whitened(gram=gram / share**2, logarithm=logarithm, readings=readings))
     return levels
+
+
+def by_forces(
+    hypothesis: Hypothesis,
+    point: Array,
+    validation: Validation,
+    deadline: float = math.inf,
+    *,
+    runs: Sequence[Observed] | None,
+) -> LogPosterior:
+    """Return the log posterior where forces err least, or rollouts, whichever predicts better.
+
+    Args:
+        hypothesis: Own figures and effects; of sensors forces tell nothing.
+        point: Where it begins, shape (entries,).
+        validation: The rollouts. They are fitted from the better of the two points.
+        deadline: Time of the monotonic clock after which no step begins.
+        runs: Smoothed by a similar hypothesis; None if they are not yet.
+    """
+    if runs is None or any(effect.kind == "sensor" for effect in hypothesis.effects):
+        return output_error(hypothesis, point, validation, deadline)
+    blocks = validation.blocks
+    forces = likeliest_forces(hypothesis, point, runs, blocks=blocks, deadline=deadline)
+    points = [[each] * validation.folds for each in (point, forces.point)]
+    before, after = validation.losses(hypothesis, points, runs).mean(axis=1)
+    start = forces.point if after < before else point
+    found = output_error(hypothesis, start, validation, deadline)
+    if after >= before:
+        return found
+    every = [range(len(hypothesis.effects))]
+    losses = [validation.losses_of(one, runs, every).mean() for one in (forces, found)]
+    return forces if losses[0] < losses[1] else found

@@ -13,11 +13,12 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
+from morph.body.robot import Robot
 from morph.inference.effect_selection import EffectSelection
 from morph.inference.finalist import Finalist, labels, under
 from morph.inference.observed import missing
 from morph.inference.search import Prior, Search
-from morph.inference.validate import FAR, Validation, at_noise
+from morph.inference.validate import FAR, FARTHEST, Validation, at_noise
 from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis
 from morph.physics.effect import Effect
@@ -91,7 +92,7 @@ def ranked(
     )
     # Whatever the time: without own figures refitted there is no answer.
     own = replace(task, deadline=math.inf).refitted(nominal, nominal.start)
-    far = missing(own.refit.runs) >= FAR
+    far = missing(own.refit.runs) >= (FAR if _told(nominal.robot) else FARTHEST)
     found = _searched(_by_rollouts(task, own) if far else _begun(task, own), progress)
     if not far:
         own = functools.reduce(under, found.tried, own)
@@ -109,7 +110,7 @@ def ranked(
     stopped = found.task.late()
     none, best = found.none, found.best
     if not stopped and not found.task.by_rollouts and not at_noise(best.refit.runs):
-        none, best = (found.task.refitted_to_rollouts(each) for each in (none, best))
+        none, best = (to_rollouts(found.task, each) for each in (none, best))
     return Ranking(
         best=best,
         tried=tuple(sorted([*found.tried, none], key=lambda each: -each.evidence)),
@@ -145,10 +146,15 @@ def _begun(task: EffectSelection, none: Finalist) -> _Found:
 
 def _by_rollouts(task: EffectSelection, own: Finalist) -> _Found:
     """Return a ranking by errors of rollouts before its first round."""
-    task = replace(task, by_rollouts=True)
+    task = replace(task, by_rollouts=True, by_forces=_told(task.nominal.robot))
     # Half of the time that is left, so that some is left for a round.
     half = replace(task, deadline=0.5 * (time.monotonic() + task.deadline))
     return _begun(task, half.refitted(task.nominal, own.refit.point, own.refit.runs))
+
+
+def _told(robot: Robot) -> bool:
+    """Return whether all that drives a robot is told its force; that of a servo is a guess."""
+    return all(each.kind == "motor" for each in robot.actuators)
 
 
 def _searched(found: _Found, progress: Progress) -> _Found:
@@ -174,7 +180,7 @@ def _whitened(found: _Found, own: Finalist, progress: Progress) -> _Found:
     """Return a ranking by evidence from a set that was found by rollouts, where it is near."""
     if found.task.late():
         return found
-    task, best = replace(found.task, by_rollouts=False), found.best
+    task, best = replace(found.task, by_rollouts=False, by_forces=False), found.best
     again = task.refitted(best.refit.hypothesis, best.refit.point, best.refit.runs)
     if missing(again.refit.runs) >= NEAR:
         return found
@@ -210,3 +216,16 @@ def _freed(found: _Found) -> _Found:
     if freed.evidence > best.evidence and not task.validation.worse(best.losses, freed.losses):
         return replace(found, best=freed, search=task.search(freed))
     return found
+
+
+def to_rollouts(task: EffectSelection, found: Finalist) -> Finalist:
+    """Return a set refitted to rollouts, unless they are surely worse then."""
+    refit, rollouts = found.refit, replace(task, by_rollouts=True)
+    again = rollouts.refitted(refit.hypothesis, refit.point, refit.runs)
+    if task.validation.worse(found.losses, again.losses):
+        return found
+    fewer = rollouts.reduced(again)
+    # Evidence alone speaks for what acts once: rollouts in which it acts are few.
+    if not {e.label for e in again.effects if e.passing} - labels(fewer.effects):
+        again = fewer
+    return replace(again, refit=replace(again.refit, evidence=refit.evidence))

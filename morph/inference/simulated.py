@@ -14,26 +14,40 @@ from morph.inference.validate import MATERIAL, Validation
 from morph.physics.actuator.limit import LimitEffect
 from morph.physics.effect import Effect
 
+STRENGTHS = (1.0, 0.3, 0.1)
+"""Shares of linearised strengths that are simulated where the linearisation is not believed."""
 
-def simulated(found: Explanation, search: Search, base: Finalist, validation: Validation) -> float:
-    """Return the mean loss of a set that is added to another.
 
-    Each stretch is simulated with the figures fitted to the other folds.
+def simulated(
+    found: Explanation, search: Search, base: Finalist, validation: Validation, *, believed: bool
+) -> tuple[float, Explanation]:
+    """Return the mean loss of a set that is added to another, and the set as it is simulated.
 
     Args:
         found: The effects to add.
         search: What they come from.
         base: The other set.
         validation: The stretches.
+        believed: Whether the linearisation is. If so, each stretch is simulated with the figures
+            fitted to the other folds. If not, own figures stay where they are, and the best of a
+            few shares of the strengths is taken.
     """
-    hypothesis, there, points = base.refit.hypothesis, len(base.refit.point), []
-    for fold in range(validation.folds):
-        change, effects = search.without_fold(found, fold)
-        more = replace(hypothesis, effects=(*hypothesis.effects, *effects))
-        point = np.r_[base.refit.point + change, more.start[there:]]
-        points.append(np.clip(point, more.low, more.high))
-    more = replace(hypothesis, effects=(*hypothesis.effects, *found.effects))
-    return float(validation.losses(more, [points], base.refit.runs).mean())
+    hypothesis, there = base.refit.hypothesis, len(base.refit.point)
+    parts = [(found.own, found.effects)] * validation.folds
+    if believed:
+        parts = [search.without_fold(found, fold) for fold in range(validation.folds)]
+    points, more = [], hypothesis
+    for share in STRENGTHS[:1] if believed else STRENGTHS:
+        weaker = [(*hypothesis.effects, *scaled(effects, share)) for _, effects in parts]
+        more = replace(hypothesis, effects=weaker[0])
+        starts = [replace(more, effects=effects).start[there:] for effects in weaker]
+        own = [base.refit.point + (change if believed else 0.0) for change, _ in parts]
+        points.append(
+            [np.clip(np.r_[o, s], more.low, more.high) for o, s in zip(own, starts, strict=True)]
+        )
+    losses = validation.losses(more, points, base.refit.runs).mean(axis=1)
+    best = int(np.argmin(losses))
+    return float(losses[best]), replace(found, effects=scaled(found.effects, STRENGTHS[best]))
 
 
 def likeliest_limit(
@@ -80,3 +94,10 @@ def likeliest_limit(
         return None
     change = np.zeros(len(own))
     return least, Explanation(effects=(best,), gain=0.0, own=change, members=(), level=0)
+
+
+def scaled(effects: Sequence[Effect], share: float) -> tuple[Effect, ...]:
+    """Return effects at a share of their strengths."""
+    if share == 1.0:
+        return tuple(effects)
+    return tuple(each.with_strengths(share * each.coefficients) for each in effects)

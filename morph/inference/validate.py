@@ -39,8 +39,8 @@ explained to their noise."""
 SOME_FORCE = 0.1
 """The same force, up to which its model holds, and evidence decides that rollouts do not refute."""
 FAR, FARTHEST = 1.0, 10.0
-"""The same force from which its model is not believed: effects are looked for by forces while
-joints slip, and rollouts decide; and from which limits of servos are simulated too."""
+"""The same force from which its model is not believed; and from which columns of servos tell
+nothing, and their limits are simulated."""
 BRIEF = 0.2
 """Least time that may be claimed, as a share of the period of readings: simulations step, loggers
 stamp and controllers hold at moments that differ by as much."""

@@ -13,6 +13,7 @@ import pytest
 from morph.body.load import load
 from morph.inference.effect_selection import EffectSelection
 from morph.inference.finalist import Finalist, better, gains, under
+from morph.inference.rank import to_rollouts
 from morph.inference.refit import Refit, refitted
 from morph.inference.search import Prior
 from morph.inference.validate import Validation
@@ -197,8 +198,8 @@ def test_a_refit_to_rollouts_keeps_what_acts_once(
     monkeypatch.setattr(EffectSelection, "reduced", lambda self, new: one(dry))
     monkeypatch.setattr(Finalist, "effects", property(lambda self: self.refit.hypothesis.effects))
     wet = ViscousFriction(joint="axle", b=0.1)
-    assert task.refitted_to_rollouts(one(dry, push)).effects == (dry, push)
-    assert task.refitted_to_rollouts(one(dry, wet)).effects == (dry,)
+    assert to_rollouts(task, one(dry, push)).effects == (dry, push)
+    assert to_rollouts(task, one(dry, wet)).effects == (dry,)
 
 
 @pytest.mark.parametrize(("more", "gain", "taken"), [

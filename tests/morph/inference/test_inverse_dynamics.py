@@ -10,10 +10,15 @@ import pytest
 from morph.body.load import load
 from morph.inference.columns import Columns
 from morph.inference.dictionary import search_beside
+from morph.inference.effect_selection import EffectSelection
+from morph.inference.finalist import Finalist
 from morph.inference.inverse_dynamics import BAND, force_levels, force_rows, likeliest_forces
 from morph.inference.observed import Observed
+from morph.inference.rank import ranked
 from morph.inference.refit import Refit, seen
-from morph.model.episodes import episode
+from morph.inference.search import Prior
+from morph.inference.validate import Validation
+from morph.model.episodes import Episode, episode
 from morph.model.hypothesis import Hypothesis
 from morph.model.knobs import knobs
 from morph.physics.joint.coulomb_friction import CoulombFriction
@@ -53,7 +58,7 @@ def nominal(tmp_path_factory: pytest.TempPathFactory) -> Hypothesis:
 
 
 @pytest.fixture(scope="module")
-def runs(nominal: Hypothesis) -> list[Observed]:
+def episodes(nominal: Hypothesis) -> list[Episode]:
     rng, episodes = np.random.default_rng(0), []
     time = STEP * np.arange(SAMPLES)
     for number in range(4):
@@ -65,7 +70,20 @@ def runs(nominal: Hypothesis) -> list[Observed]:
         }
         recording = Recording(name=f"run_{number}", channels=channels)
         episodes.append(episode(recording, nominal.robot, STEP))
+    return episodes
+
+
+@pytest.fixture(scope="module")
+def runs(nominal: Hypothesis, episodes: list[Episode]) -> list[Observed]:
     return seen(nominal, nominal.start, episodes)
+
+
+@pytest.fixture
+def task(nominal: Hypothesis, episodes: list[Episode]) -> EffectSelection:
+    return EffectSelection(
+        nominal=nominal, episodes=episodes, known=(), validation=Validation.of(episodes),
+        prior=Prior(alone={}), deadline=np.inf, by_rollouts=True, by_forces=True,
+    )  # fmt: skip
 
 
 def test_a_motor_is_not_called_weak_where_friction_holds_it(
@@ -132,3 +150,40 @@ def test_no_step_begins_after_the_deadline(nominal: Hypothesis, runs: list[Obser
     start = replace(nominal, effects=(CoulombFriction(joint="axle", c=0.01),))
     found = likeliest_forces(start, start.start, runs, deadline=-1.0)
     assert found.point.tolist() == start.start.tolist()
+
+
+@pytest.mark.parametrize(("force", "first"), [(0.9, False), (1.1, True)])
+def test_where_motors_leave_more_than_the_inertial_force_forces_tell(
+    task: EffectSelection, monkeypatch: pytest.MonkeyPatch, force: float, first: bool
+) -> None:
+    searched = []
+
+    def added(
+        self: EffectSelection, base: Finalist, *rest: object
+    ) -> tuple[list[Finalist], object]:
+        searched.append(self.by_rollouts and self.by_forces)
+        return [], base
+
+    monkeypatch.setattr(EffectSelection, "added", added)
+    monkeypatch.setattr("morph.inference.rank.missing", lambda runs: force)
+    monkeypatch.setattr("morph.inference.rank.at_noise", lambda runs: False)
+    ranked(task.nominal, task.episodes)
+    assert searched[0] == first
+    assert searched[-1]
+
+
+def test_the_likeliest_set_is_refitted_beside_each_law_of_friction(task: EffectSelection) -> None:
+    none = task.refitted(task.nominal, task.nominal.start)
+    search = task.search(none)
+    first, _ = replace(task, prior=search.prior).proposals(search, search.sets(1), none)
+    laws = {one.effects[0].name for one in first}
+    assert {"coulomb_friction", "stribeck_friction", "load_dependent_friction"} <= laws
+
+
+def test_friction_and_gain_are_named_by_forces_and_rollouts(task: EffectSelection) -> None:
+    none = task.refitted(task.nominal, task.nominal.start)
+    search = task.search(none)
+    _, best = replace(task, prior=search.prior).added(none, search, 1)
+    (effect,) = best.effects
+    assert isinstance(effect, CoulombFriction)
+    assert effect.c == pytest.approx(COULOMB, rel=0.06)

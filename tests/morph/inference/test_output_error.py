@@ -148,8 +148,8 @@ def test_an_even_spread_of_stretches_is_fitted(
     assert (found.grams[:, 1, 1] > 0.0).all()
 
 
-@pytest.mark.parametrize(("force", "first"), [(0.9, False), (1.1, True)])
-def test_where_more_than_the_inertial_force_is_missing_no_whitened_refit_is_tried(
+@pytest.mark.parametrize(("force", "first"), [(9.0, False), (11.0, True)])
+def test_where_ten_times_the_force_is_missing_no_whitened_refit_is_tried(
     task: EffectSelection, monkeypatch: pytest.MonkeyPatch, force: float, first: bool
 ) -> None:
     searched = []

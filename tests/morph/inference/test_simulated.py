@@ -1,4 +1,4 @@
-"""Limits of servos, simulated before any set of effects is refitted."""
+"""Sets of effects simulated before any is refitted: shares of strengths, and limits of servos."""
 
 from __future__ import annotations
 
@@ -14,12 +14,14 @@ from morph.body.robot import Robot
 from morph.inference.effect_selection import EffectSelection
 from morph.inference.finalist import Finalist
 from morph.inference.search import Explanation, Prior
-from morph.inference.simulated import likeliest_limit
+from morph.inference.simulated import likeliest_limit, scaled
 from morph.inference.validate import MATERIAL, Validation
 from morph.model.episodes import Episode, episode
 from morph.model.hypothesis import Hypothesis
 from morph.physics.actuator.limit import LimitEffect
 from morph.physics.actuator.torque_saturation import TorqueSaturation
+from morph.physics.joint.series_elasticity import SeriesElasticity
+from morph.physics.joint.viscous_friction import ViscousFriction
 from morph.record.recording import Channel, Recording
 
 INERTIA, STIFFNESS, DAMPING, LIMIT, NOISE = 0.02, 8.0, 0.4, 0.3, 2e-4
@@ -118,9 +120,20 @@ def test_a_limit_is_proposed_where_much_force_is_missing_and_no_set_errs_less(
     search = task.search(none)
     sets = search.sets(1)
     monkeypatch.setattr("morph.inference.effect_selection.missing", lambda runs: force)
-    monkeypatch.setattr("morph.inference.effect_selection.simulated", lambda *given: 1.0)
+    monkeypatch.setattr(
+        "morph.inference.effect_selection.simulated", lambda found, *given, **more: (1.0, found)
+    )
     monkeypatch.setattr(
         "morph.inference.effect_selection.likeliest_limit", lambda *given: (1.0 - gain, limit)
     )
     first, _ = task.proposals(search, sets, none)
     assert (limit in first) == proposed
+
+
+def test_a_share_of_an_effect_is_weaker_and_a_spring_stiffer() -> None:
+    given = ViscousFriction(joint="axle", b=0.2), SeriesElasticity(joint="axle", k=30.0)
+    wet, spring = scaled(given, 0.3)
+    assert isinstance(wet, ViscousFriction)
+    assert isinstance(spring, SeriesElasticity)
+    assert (wet.b, spring.k) == pytest.approx((0.06, 100.0))
+    assert scaled(given, 1.0) == given
