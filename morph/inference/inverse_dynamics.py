@@ -35,7 +35,7 @@ BAND = 5.0
 ORDER = 3
 """Order of the filter that leaves the higher ones out."""
 SLIPS = 0.2
-"""Velocity, as a share of its RMS over the runs, from which a joint slips."""
+"""Velocity, as a share of its RMS in the run, from which a joint slips."""
 ROUNDS, REWEIGHTED = 25, 3
 """Most Gauss-Newton steps, and estimates of the residuals' sizes under each."""
 FIRST, FAILED = 1e-3, 3
@@ -56,33 +56,43 @@ class ForceRows:
     """1 where the joint slips all the while that a row covers, else 0, shape (rows, dofs)."""
 
 
+def as_moved(hypothesis: Hypothesis, point: Array, seen: Observed) -> Observed:
+    """Return a run with the accelerations of its smoothed motion, whatever force they took.
+
+    Dry friction acts against the velocities.
+    """
+    motion, run, about = seen.motion, seen.run, seen.about
+    acceleration = np.empty_like(about.velocity)
+    acceleration[:-1] = np.diff(about.velocity, axis=0) / run.step
+    acceleration[-1] = acceleration[-2]
+    model, links = hypothesis.at(point).model, [link.name for link in hypothesis.robot.links]
+    motion = replace(
+        motion,
+        acceleration=acceleration,
+        bodies=body_motions(model, links, motion.qpos, motion.velocity, acceleration),
+        senses={name: np.sign(motion.speed(name)) for name in motion.joints},
+    )
+    return replace(seen, motion=motion)
+
+
 def force_rows(columns: Columns, seen: Observed, grids: Sequence[tuple[Effect, ...]]) -> ForceRows:
     """Return what a model lacks of the forces that a smoothed motion needs, and their columns.
 
     Args:
         columns: The model, and the derivatives by the entries of its point.
-        seen: A run, smoothed by this model or by another that is near.
-        grids: Effects, each at some shapes; those on sensors and commands have no column here.
+        seen: A run from `as_moved`.
+        grids: Effects, each at some shapes; those on sensors have no column here.
     """
-    hypothesis, model, motion = columns.hypothesis, columns.model, seen.motion
+    hypothesis, model, run = columns.hypothesis, columns.model, seen.run
     _, beside = acting(hypothesis, columns.point)
-    run, about = seen.run, seen.about
     sent = [
         received(beside, actuator.name, seen.sent[:, at], run.step)
         for at, actuator in enumerate(hypothesis.robot.actuators)
     ]
-    command = np.stack(sent, axis=1) if sent else motion.command
-    acceleration = np.empty_like(about.velocity)
-    acceleration[:-1] = np.diff(about.velocity, axis=0) / run.step
-    acceleration[-1] = acceleration[-2]
-    links = [link.name for link in hypothesis.robot.links]
-    bodies = body_motions(model, links, motion.qpos, motion.velocity, acceleration)
-    motion = replace(
-        motion, acceleration=acceleration, bodies=bodies, command=command,
-        senses={name: np.sign(motion.speed(name)) for name in motion.joints},
-    )  # fmt: skip
+    command = np.stack(sent, axis=1) if sent else seen.motion.command
+    motion = replace(seen.motion, command=command)
     seen = replace(seen, motion=motion)
-    lacking = -supplied(model, motion.qpos, motion.velocity, acceleration, command)
+    lacking = -supplied(model, motion.qpos, motion.velocity, motion.acceleration, command)
     lacking -= force_of(beside, motion)
     force, _ = columns.forces(seen)
     parts = [lacking[:, :, None], force]
@@ -176,6 +186,7 @@ def likeliest_forces(
         columns = Columns.of(hypothesis, point)
         return ForceErrors.of(each(lambda seen: force_rows(columns, seen, ()), runs), blocks)
 
+    runs = each(lambda seen: as_moved(hypothesis, point, seen), runs)
     none = np.zeros(len(point))
     found = errors(point)
     about = found.quadratic(hypothesis, point, found.sizes(none) + TINY)
@@ -205,7 +216,11 @@ def weighed_forces(
     own: Columns, grids: Sequence[tuple[Effect, ...]], runs: Sequence[Observed]
 ) -> tuple[list[ForceRows], Array]:
     """Return rows in units of the errors' sizes without the effects, and these, shape (dofs,)."""
-    found = each(lambda seen: force_rows(own, seen, grids), runs)
+
+    def one(seen: Observed) -> ForceRows:
+        return force_rows(own, as_moved(own.hypothesis, own.point, seen), grids)
+
+    found = each(one, runs)
     counts = sum(run.slips.sum(axis=0) for run in found)
     squares = sum((run.slips * run.rows[:, :, 0] ** 2).sum(axis=0) for run in found)
     sizes = np.sqrt(squares / np.maximum(counts, 1.0)) + TINY

@@ -12,7 +12,13 @@ from morph.inference.columns import Columns
 from morph.inference.dictionary import search_beside
 from morph.inference.effect_selection import EffectSelection
 from morph.inference.finalist import Finalist
-from morph.inference.inverse_dynamics import BAND, force_levels, force_rows, likeliest_forces
+from morph.inference.inverse_dynamics import (
+    BAND,
+    as_moved,
+    force_levels,
+    force_rows,
+    likeliest_forces,
+)
 from morph.inference.observed import Observed
 from morph.inference.rank import ranked
 from morph.inference.refit import Refit, seen
@@ -105,7 +111,8 @@ def test_a_motor_is_not_called_weak_where_friction_holds_it(
 def test_rows_are_of_times_at_which_the_joint_slips(
     nominal: Hypothesis, runs: list[Observed]
 ) -> None:
-    rows = force_rows(Columns.of(nominal, nominal.start), runs[0], ())
+    own, moved = Columns.of(nominal, nominal.start), as_moved(nominal, nominal.start, runs[0])
+    rows = force_rows(own, moved, ())
     width = round(0.5 / BAND / STEP)
     assert rows.rows.shape == (len(rows.slips), 1, 2)
     rests = np.array(sticking(0))
