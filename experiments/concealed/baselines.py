@@ -10,7 +10,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from scipy.signal import butter, filtfilt
 from sklearn.exceptions import ConvergenceWarning
 from sklearn.linear_model import LassoLarsIC
 
@@ -24,29 +23,24 @@ from morph.arrays import Array
 from morph.body.load import load as load_robot
 from morph.body.robot import Robot
 from morph.inference.bounded import bounded
-from morph.inference.columns import NUDGE, Columns
+from morph.inference.columns import Columns
 from morph.inference.dictionary import dictionary
 from morph.inference.effect_selection import DRY
-from morph.inference.figures import forces_between
-from morph.inference.observed import observed
-from morph.inference.refit import Refit, refitted
+from morph.inference.inverse_dynamics import likeliest_forces, weighed_forces
+from morph.inference.refit import Refit, refitted, seen
 from morph.model.corrected import corrected
 from morph.model.episodes import Episode, episode, step_for
 from morph.model.hypothesis import Hypothesis
 from morph.model.knobs import knobs
 from morph.model.residual import learned
-from morph.physics.body.payload import Payload
+from morph.physics import EFFECTS
 from morph.physics.effect import Effect
-from morph.physics.joint.coulomb_friction import CoulombFriction
-from morph.physics.joint.viscous_friction import ViscousFriction
 from morph.record.load import load as load_recordings
 
 FELT = 0.1
 """Least share of the explained torque's RMS that an effect of LASSO must have to be named."""
 SYSID_STEPS, SYSID_PIECE = 15, 1.0
 """Most iterations of `mujoco.sysid`, and seconds of the rollouts that it fits."""
-SLOW, REWEIGHTED = 1.5, 12
-"""Band, Hz, of the forces that least squares of inverse dynamics fits, and its rounds."""
 TOLD = {
     "viscous_friction": "damping",
     "coulomb_friction": "frictionloss",
@@ -169,57 +163,43 @@ def solve_by_residual(folder: Path, seed: int) -> JSON:
 
 
 def solve_by_inverse_dynamics(folder: Path, seed: int) -> JSON:
-    """Return friction and loads by least squares of inverse dynamics that is told where they act.
+    """Return friction and loads by least squares of inverse dynamics that is told which act where.
 
-    Own figures keep their priors and bounds. Forces are taken below `SLOW` Hz, and each joint is
-    weighed by its residual. Of friction a level and a part in proportion to speed are fitted;
-    flexible drives, and laws on sensors and commands, are out of its reach.
+    It is the estimator of `morph.inference` without its search; of each finding its first figure is
+    stated. Flexible drives, and laws on sensors and commands, are out of its reach.
 
     Source: Swevers, Verdonck and De Schutter 2007, IEEE Control Systems 27(5), 58-71.
     """
     task = _Task.read(folder)
     truth = open_seal(folder.parents[1] / TRUTHS, folder.name).about
-    acting = {(effect["effect"], effect["where"]["name"]) for effect in truth["effects"]}
-    dry = sorted({where for name, where in acting if name in DRY})
-    effects: list[Effect] = [CoulombFriction(joint=joint) for joint in dry]
-    effects += [ViscousFriction(joint=joint) for joint in dry]
-    effects += [Payload(body=where) for name, where in sorted(acting) if name == "payload"]
-    own, columns, forces = Columns.of(task.nominal, task.nominal.start), [], []
-    for read in task.episodes:
-        seen = observed(own.model, task.robot, read)
-        parts = [effect.regressor(seen.motion) for effect in effects]
-        figures = forces_between(own.model, own.turned, seen.motion) / NUDGE
-        low, high = butter(3, 2.0 * SLOW * read.step)
-        every = max(1, round(0.5 / SLOW / read.step))
-        # The smoother's edges know a motion poorly: half a second is left out.
-        inside = slice(round(0.5 / read.step), -round(0.5 / read.step), every)
-        whole = np.concatenate([seen.motion.missing[:, :, None], figures, *parts], axis=2)
-        whole = filtfilt(low, high, whole, axis=0)[inside]
-        forces.append(whole[:, :, 0])
-        columns.append(whole[:, :, 1:])
-    x, y = np.concatenate(columns), np.concatenate(forces)
-    bounds = [effect.coefficient_bounds() for effect in effects]
-    least = np.concatenate([task.nominal.low - 1e-9, *(each for each, _ in bounds)])
-    most = np.concatenate([task.nominal.high + 1e-9, *(each for _, each in bounds)])
-    trust = np.concatenate([task.nominal.trust, np.zeros(len(least) - len(task.nominal.trust))])
-    found, size = np.zeros(len(least)), y.std(axis=0)
-    for _ in range(REWEIGHTED):
-        inner = np.einsum("sjc,sjd,j->cd", x, x, size**-2) + np.diag(trust)
-        found, _ = bounded(inner, np.einsum("sjc,sj,j->c", x, y, size**-2), least, most)
-        size = np.sqrt(np.mean((y - x @ found) ** 2, axis=0))
-    ends = np.cumsum([len(task.nominal.low), *(len(e.strengths) for e in effects)])
-    point, *strengths = np.split(found, ends[:-1])
-    effects = [e.with_strengths(c) for e, c in zip(effects, strengths, strict=True)]
-    deviation = np.sqrt(np.maximum(np.diag(np.linalg.pinv(inner, hermitian=True)), 0.0))
-    hypothesis = replace(task.nominal, effects=tuple(effects))
-    whole_point = np.concatenate([point, hypothesis.start[len(point) :]])
-    answer = task.answer(folder, "idim", _by_model(folder, hypothesis, whole_point), effects)
-    for stated, effect, at in zip(answer["findings"], effects, ends, strict=False):
-        first = effect.strengths[0]
+    acting = sorted((effect["effect"], effect["where"]["name"]) for effect in truth["effects"])
+    kinds = {kind.name: kind for kind in EFFECTS}
+    told = [kinds[name].at(where) for name, where in acting if name in {*DRY, "payload"}]
+    nominal, count = task.nominal, len(task.nominal.knobs)
+    runs = seen(nominal, nominal.start, task.episodes)
+    # A load of no mass is nowhere: strengths begin where linear least squares has them.
+    linear, _ = weighed_forces(Columns.of(nominal, nominal.start), [(e,) for e in told], runs)
+    rows = np.concatenate([run.rows.reshape(-1, run.rows.shape[2]) for run in linear])
+    bounds = [(nominal.low, nominal.high), *(effect.coefficient_bounds() for effect in told)]
+    low, high = (np.concatenate(side) for side in zip(*bounds, strict=True))
+    inner, ends = rows[:, 1:].T @ rows[:, 1:], np.cumsum([len(each) for each, _ in bounds])[:-1]
+    inner[:count, :count] += np.diag(nominal.trust)
+    best, _ = bounded(inner, rows[:, 1:].T @ rows[:, 0], low - 1e-9, high + 1e-9)
+    own, *strengths = np.split(best, ends)
+    told = [e.with_strengths(c) for e, c in zip(told, strengths, strict=True)]
+    start = replace(nominal, effects=tuple(told))
+    found = likeliest_forces(start, np.r_[own, start.start[count:]], runs)
+    effects = start.effects_at(found.point)
+    answer = task.answer(folder, "idim", _by_model(folder, start, found.point), effects)
+    deviation = np.sqrt(np.maximum(np.diag(np.linalg.pinv(found.inner(), hermitian=True)), 0.0))
+    at = count
+    for stated, effect in zip(answer["findings"], effects, strict=True):
+        first = effect.free()[0].name
         value, half = getattr(effect, first), 1.645 * float(deviation[at])
         stated["parameters"] = {
             first: {"value": value, "low90": value - half, "high90": value + half}
         }
+        at += len(effect.free())
     return answer
 
 
