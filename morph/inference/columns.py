@@ -16,6 +16,8 @@ from morph.inference.sticking import slipping
 from morph.model.hypothesis import Hypothesis, bare_spec
 from morph.physics.dynamics import supplied
 from morph.physics.effect import Effect
+from morph.physics.fluid.drag import Drag
+from morph.physics.fluid.fluid_current import FluidCurrent
 from morph.physics.motion import Motion
 from morph.sim.drive import received
 
@@ -168,3 +170,18 @@ class _Nudged:
 
 def _supplied(model: mujoco.MjModel, motion: Motion) -> Array:
     return supplied(model, motion.qpos, motion.velocity, motion.acceleration, motion.command)
+
+
+def forces_by(shapes: Sequence[Effect], motion: Motion, beside: Sequence[Effect]) -> Array:
+    """Return the force of an effect at some shapes by its strengths, (samples, dofs, strengths).
+
+    A fluid that streams acts through the drags that are there.
+
+    Args:
+        shapes: The effect.
+        motion: The motion.
+        beside: Effects that are there.
+    """
+    if isinstance(shapes[0], FluidCurrent):
+        return shapes[0].through([each for each in beside if isinstance(each, Drag)], motion)
+    return shapes[0].regressors(shapes, motion)

@@ -8,7 +8,7 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.inference.bounded import RANK_TOLERANCE
-from morph.inference.columns import Columns
+from morph.inference.columns import Columns, forces_by
 from morph.inference.inverse_dynamics import weighed_forces
 from morph.inference.level import EffectColumn, all_bounds
 from morph.inference.observed import Observed
@@ -16,8 +16,6 @@ from morph.inference.quadratic import information, offset
 from morph.inference.sticking import sensed
 from morph.inference.whitened import Whitened, products, whitened_blocks
 from morph.physics.effect import Effect
-from morph.physics.fluid.drag import Drag
-from morph.physics.fluid.fluid_current import FluidCurrent
 from morph.sim.threads import each
 
 LEVELS = (1.0, 0.3, 0.1, 0.03)
@@ -134,7 +132,6 @@ def _along(
     about = seen.about
     motion = sensed(list(seen.motion.joints), seen.motion, about)
     effects = own.hypothesis.effects_at(own.point)
-    drags = [effect for effect in effects if isinstance(effect, Drag)]
     first, shown = own.along(seen)
     samples, dofs, count = first.shape
     mobility = about.tangent.jacobian[:, :, 2 * dofs :]
@@ -148,10 +145,7 @@ def _along(
             changes = [effect.reading_regressor(motion) for effect in shapes]
             readings[:, :, count:last] = np.concatenate(changes, axis=2)
         else:
-            if isinstance(shapes[0], FluidCurrent):
-                forces = shapes[0].through(drags, motion)
-            else:
-                forces = shapes[0].regressors(shapes, motion)
+            forces = forces_by(shapes, motion, effects)
             np.matmul(mobility, forces, out=moved[:, :, count:last])
         count = last
     return readings, moved

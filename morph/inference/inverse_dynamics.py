@@ -17,7 +17,7 @@ from scipy.ndimage import minimum_filter1d
 from scipy.signal import butter, filtfilt
 
 from morph.arrays import Array
-from morph.inference.columns import Columns, acting
+from morph.inference.columns import Columns, acting, forces_by
 from morph.inference.observed import Observed, force_of
 from morph.inference.output_error import output_error
 from morph.inference.quadratic import LogPosterior, information, offset
@@ -95,13 +95,13 @@ def force_rows(columns: Columns, seen: Observed, grids: Sequence[tuple[Effect, .
     lacking = -supplied(model, motion.qpos, motion.velocity, motion.acceleration, command)
     lacking -= force_of(beside, motion)
     force, _ = columns.forces(seen)
-    parts = [lacking[:, :, None], force]
+    effects, parts = hypothesis.effects_at(columns.point), [lacking[:, :, None], force]
     for shapes in grids:
         if shapes[0].kind == "sensor":
             count = sum(len(effect.strengths) for effect in shapes)
             parts.append(np.zeros((*lacking.shape, count)))
         else:
-            parts.append(shapes[0].regressors(shapes, motion))
+            parts.append(forces_by(shapes, motion, effects))
     whole = np.concatenate(parts, axis=2)
     speed = np.abs(motion.velocity)
     slips = speed > SLIPS * np.sqrt(np.mean(speed**2, axis=0))
