@@ -210,9 +210,8 @@ def _real_drives(
     A load hangs at its last link. Figures are drawn directly: friction from 5 to 20 % of the
     usual effort, springs on which the rotor alone swings at half to twice `SWING`.
 
-    Source: Otter and Tuerk 1988, DFVLR-Mitt. 88-13 (the Manutec r3), as in the Modelica Standard
-    Library, MultiBody.Examples.Systems.RobotR3: 43 N m/rad and 0.0013 kg m2 at the motor, damped
-    by 0.005 N m s/rad, 1 % of critical.
+    Source: Modelica Standard Library, MultiBody.Examples.Systems.RobotR3, AxisType1 (the Manutec
+    r3): 43 N m/rad and 0.0013 kg m2 at the motor, damped by 0.005 N m s/rad, 1 % of critical.
     """
     by_name = {law.name: law for law in LAWS}
     effects = []
