@@ -62,7 +62,8 @@ def main(arguments: list[str] | None = None) -> int:
     folder = asked.out.with_name(f"{asked.out.name}_cases") / asked.suite
     try:
         sys.stderr.write(f"generating {asked.cases} cases in {folder} ...\n")
-        cases = generate(asked.suite, asked.seed, range(asked.cases), folder)
+        numbers = range(asked.cases)
+        cases = generate(asked.suite, asked.seed, numbers, folder, workers=asked.workers)
         if asked.only_generate:
             return 0
         if asked.submissions is not None:

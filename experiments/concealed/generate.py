@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import gzip
 import io
 import json
@@ -10,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from loky import ProcessPoolExecutor
 
 from experiments.concealed.body_laws import PADDLE, WATER
 from experiments.concealed.case import SECONDS, Case, draw_case
@@ -28,7 +30,13 @@ CASES, TRUTHS = "cases", "truth"
 
 
 def generate(
-    suite: str, seed: int, numbers: Sequence[int], folder: Path, *, seconds: float = SECONDS
+    suite: str,
+    seed: int,
+    numbers: Sequence[int],
+    folder: Path,
+    *,
+    seconds: float = SECONDS,
+    workers: int = 1,
 ) -> list[Path]:
     """Write cases of a suite that are not there yet, and return their folders.
 
@@ -38,15 +46,27 @@ def generate(
         numbers: Numbers of the cases.
         folder: Where `cases` and `truth` are.
         seconds: Length of each of the five runs of a case, s.
+        workers: How many processes write cases.
     """
-    folders = []
-    for number in numbers:
-        path = folder / CASES / f"{suite}_{seed}_{number:04d}"
-        # The case's own file is written last.
-        if not (path / "case.json").exists():
-            write_case(draw_case(suite, seed, number, seconds=seconds), folder)
-        folders.append(path)
+    folders = [folder / CASES / f"{suite}_{seed}_{number:04d}" for number in numbers]
+    # A case's own file is written last.
+    missing = [
+        number
+        for number, path in zip(numbers, folders, strict=True)
+        if not (path / "case.json").exists()
+    ]
+    write = functools.partial(_write_drawn, suite, seed, folder=folder, seconds=seconds)
+    if min(workers, len(missing)) > 1:
+        with ProcessPoolExecutor(workers) as pool:
+            list(pool.map(write, missing))
+    else:
+        for number in missing:
+            write(number)
     return folders
+
+
+def _write_drawn(suite: str, seed: int, number: int, *, folder: Path, seconds: float) -> None:
+    write_case(draw_case(suite, seed, number, seconds=seconds), folder)
 
 
 def write_case(case: Case, folder: Path) -> Path:

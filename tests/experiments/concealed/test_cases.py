@@ -33,7 +33,7 @@ BY_NAME = {law.name: law for law in LAWS}
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a folder with two cases with effects and a clean one."""
     made = tmp_path_factory.mktemp("benchmark")
-    generate("development", 1, [1, 5], made, seconds=SECONDS)
+    generate("development", 1, [1, 5], made, seconds=SECONDS, workers=2)
     generate("clean", 1, [4], made, seconds=SECONDS)
     return made
 
