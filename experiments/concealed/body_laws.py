@@ -53,6 +53,12 @@ def _scale_link(plant: Plant, i: int, f: Figures) -> Plant:
     return heavier.with_inertia(i, plant.inertia[i] * f["inertia"])
 
 
+def _link_beside(f: Figures, described: Plant, true: Plant, i: int) -> Figures:
+    mass = true.of_body("mass")[i] / described.of_body("mass")[i]
+    inertia = np.trace(true.inertia[i]) / np.trace(described.inertia[i])
+    return {"mass": f["mass"] * float(mass), "inertia": f["inertia"] * float(inertia)}
+
+
 def _tilt(plant: Plant, i: int, f: Figures) -> Plant:
     """Turn gravity as a base that stands rolled about x, then pitched about y, feels it."""
     a, b = f["roll"], f["pitch"]
@@ -162,9 +168,10 @@ BODY_LAWS = (
         name="com_offset", kind="body", largest=1.0,
         figures=lambda s, x: _xyz(0.5 * s * x.lever * _direction(x)),
         apply=lambda plant, i, f: plant.with_com(i, plant.com[i] + _vector(f)),
+        beside=lambda f, described, true, i: _xyz(_vector(f) + true.com[i] - described.com[i]),
     ),
     Law(
-        name="link_inertia", kind="body", apply=_scale_link, largest=1.5,
+        name="link_inertia", kind="body", apply=_scale_link, largest=1.5, beside=_link_beside,
         least=lambda x: float(np.log1p(max(x.vary["mass"], x.vary["inertia"]))) + 0.1,
         figures=lambda s, x: {
             "mass": float(np.exp(s * x.side)), "inertia": float(np.exp(s * x.side)),

@@ -175,6 +175,9 @@ ACTUATOR_LAWS = (
         name="torque_scale", kind="actuator", apply=_scale_gain, acts=_driven,
         least=lambda x: (x.vary["gain"] + 0.08) / 0.6,
         figures=lambda s, x: {"gain": 1 + 0.6 * s * x.side},
+        beside=lambda f, described, true, i: {
+            "gain": f["gain"] * float(true.of_joint("gain")[i] / described.of_joint("gain")[i])
+        },
     ),
     Law(
         name="torque_saturation", kind="actuator", apply=fields(limit="limit"), acts=_driven,

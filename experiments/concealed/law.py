@@ -76,6 +76,11 @@ class Law:
     """Smallest size; below it the description's own uncertain figures could stand for it."""
     acts: Callable[[Mechanism, int], bool] = lambda mechanism, place: True
     """Whether it can act at a place, and be seen there."""
+    beside: Callable[[Figures, Plant, Plant, int], Figures] = lambda figures, described, true, i: (
+        figures
+    )
+    """Figures beside what the description says of the place: of a law that changes what it says,
+    the description's error is a part. Given the described plant and the true one without the law."""
     given: tuple[str, ...] = ()
     """Figures that are geometry or otherwise not scored."""
     needs: str | None = None

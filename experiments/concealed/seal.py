@@ -45,7 +45,12 @@ def truth_of(case: Case, nominal_error: float, oracle_error: float) -> dict[str,
         {
             "effect": effect.law.name,
             "where": {"kind": effect.law.kind, "name": effect.where(mechanism)},
-            "figures": {name: float(x) for name, x in effect.figures.items()},
+            "figures": {
+                name: float(x)
+                for name, x in effect.law.beside(
+                    effect.figures, mechanism.plant, truth.base, effect.place
+                ).items()
+            },
             "scored": [name for name in effect.figures if name not in effect.law.given],
             "effect_to_noise": float(f"{ratio:.4g}"),
             "after_refit": float(f"{left:.4g}"),

@@ -55,6 +55,27 @@ def test_a_centre_and_a_link_change_as_stated() -> None:
     assert inertia(heavy) == pytest.approx(1.5 * MASS * 0.25 + 0.03)
 
 
+def test_figures_beside_a_description_that_errs_make_the_true_plant() -> None:
+    described = rod().with_joint(0, gain=2.0)
+    true = described.with_body(0, mass=1.2 * MASS).with_com(0, np.array([0.4, 0.0, 0.0]))
+    true = true.with_inertia(0, 0.9 * described.inertia[0]).with_joint(0, gain=1.8)
+    for name, figures in (
+        ("link_inertia", {"mass": 1.5, "inertia": 2.0}),
+        ("com_offset", {"x": 0.02, "y": 0.03, "z": -0.01}),
+        ("torque_scale", {"gain": 0.7}),
+    ):
+        law = BY_NAME[name]
+        left_out = put(true, name, **figures)
+        found = put(described, name, **law.beside(figures, described, true, 0))
+        if name == "link_inertia":
+            assert found.of_body("mass") == pytest.approx(left_out.of_body("mass"))
+            np.testing.assert_allclose(found.inertia, left_out.inertia)
+        elif name == "com_offset":
+            np.testing.assert_allclose(found.com, left_out.com)
+        else:
+            assert found.of_joint("gain") == pytest.approx(left_out.of_joint("gain"))
+
+
 def test_a_tilted_base_turns_gravity() -> None:
     tilted = put(rod(), "base_tilt", roll=0.0, pitch=0.2)
     # Pitch turns the level rod's base by 0.2 rad about y: as q = 0.2.
