@@ -79,8 +79,8 @@ class Law:
     beside: Callable[[Figures, Plant, Plant, int], Figures] = lambda figures, described, true, i: (
         figures
     )
-    """Figures beside what the description says of the place: of a law that changes what it says,
-    the description's error is a part. Given the described plant and the true one without the law."""
+    """Figures beside what the description says of the place, whose error is a part of them where a
+    law changes it; given the described plant and the true one without the law."""
     given: tuple[str, ...] = ()
     """Figures that are geometry or otherwise not scored."""
     needs: str | None = None
