@@ -70,12 +70,10 @@ def solve_by_morph(folder: Path, seed: int) -> JSON:
         for finding in said["findings"]
         for rival in finding["rivals"]
     ]  # fmt: skip
-    unknown = float(said["probabilities"].get("unknown", 0.0))
     return submission(
         known["name"], "morph", seconds=time.process_time() - begin, findings=findings,
         rivals=rivals, none=float(said["probabilities"].get("none", 0.0)),
-        # A verdict is an answer, whatever number stands beside it.
-        unknown=max(unknown, 0.51) if said["verdict"] == "unknown" else min(unknown, 0.5),
+        unknown=float(said["probabilities"].get("unknown", 0.0)),
         predicted=predicted(folder, from_mjcf(found.corrected), found.corrected_effects),
     )  # fmt: skip
 

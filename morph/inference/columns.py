@@ -18,8 +18,10 @@ from morph.physics.dynamics import supplied
 from morph.physics.effect import Effect
 from morph.physics.fluid.drag import Drag
 from morph.physics.fluid.fluid_current import FluidCurrent
+from morph.physics.joint.coulomb_friction import CoulombFriction
 from morph.physics.motion import Motion
 from morph.sim.drive import received
+from morph.sim.tangent import HINGE, SLIDE
 
 NUDGE = 1e-3
 """Finite-difference step of an own figure's logarithm."""
@@ -29,12 +31,16 @@ def acting(hypothesis: Hypothesis, point: Array) -> tuple[mujoco.MjModel, list[E
     """Return a model that includes the smooth effects, and the other effects.
 
     Effects outside MuJoCo, dry friction and stops are the others: a linearised model lacks them.
+    The description's own dry friction is among them, behind the hypothesis's.
     """
     held = [_smooth(effect, hypothesis) for effect in hypothesis.effects]
     effects = hypothesis.effects_at(point)
     inside = [effect for effect, smooth in zip(effects, held, strict=True) if smooth]
     model = replace(hypothesis, effects=tuple(inside)).at(_part(hypothesis, point, inside)).model
-    return model, [effect for effect, smooth in zip(effects, held, strict=True) if not smooth]
+    beside = [effect for effect, smooth in zip(effects, held, strict=True) if not smooth]
+    joints = [model.joint(at) for at in range(model.njnt) if model.jnt_type[at] in (HINGE, SLIDE)]
+    described = [(joint.name, float(joint.frictionloss[0])) for joint in joints]
+    return model, [*beside, *(CoulombFriction(joint=name, c=c) for name, c in described if c > 0.0)]
 
 
 def _smooth(effect: Effect, hypothesis: Hypothesis) -> bool:

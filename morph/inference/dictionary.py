@@ -98,7 +98,8 @@ def search_beside(
             )
             for folds in levels
         ),
-        readings=sum(fold.readings for fold in levels[0]),
+        # None where no joint ever slips.
+        readings=max(1, sum(fold.readings for fold in levels[0])),
     )
 
 
@@ -109,12 +110,17 @@ def dictionary(
     motions = [run.motion for run in runs]
     longest = max(motions, key=lambda motion: len(motion.time))
     measured, told = set(longest.channels), {effect.label: effect for effect in known}
-    # Dry friction alone says anything of a joint that never moves.
+    # Dry friction alone says anything of a joint that never moves, and nothing of its actuator.
     joints = [joint.name for joint in robot.joints if joint.kind in {"hinge", "slide"}]
     still = {name for name in joints if not any(_moves(name, run) for run in runs)}
+    idle = {
+        "joint": still,
+        "actuator": {each.name for each in robot.actuators if each.joint in still},
+    }
     for kind in EFFECTS:
         places = kind.places(robot) if kind.strengths else ()
-        places = tuple(place for place in places if kind.holds or place not in still)
+        if not kind.holds:
+            places = tuple(place for place in places if place not in idle.get(kind.kind, ()))
         for place in places[:1] if kind.everywhere else places:
             if kind.kind != "sensor" or place in measured:
                 with suppress(EffectError):  # It needs what the description does not tell.
@@ -178,9 +184,9 @@ def _prior(grids: Sequence[tuple[Effect, ...]], joints: Set[str], *, wet: bool) 
     for name in DRIVE_LAWS:
         if name in shapes and joints:
             whole = ODDS + math.log(2 * len(DRIVE_LAWS) * shapes[name])
-            members = {f"{name}@{joint}" for joint in joints}
-            groups[frozenset(members | {f"{VISCOUS}@{joint}" for joint in joints})] = whole
-            groups[frozenset(members)] = whole
+            members = {f"{name}@{joint}" for joint in joints} & alone.keys()
+            viscous = {f"{VISCOUS}@{joint}" for joint in joints} & alone.keys()
+            groups[frozenset(members | viscous)] = groups[frozenset(members)] = whole
     ordered = sorted(groups.items(), key=lambda each: -len(each[0]))
     return Prior(alone=alone, together=tuple(ordered))
 

@@ -162,7 +162,8 @@ class EffectSelection:
                     point = np.concatenate([own, start.start[len(own) :]])
                     wholes.append(self.refitted(start, point, base.refit.runs, base.refit))
                     done.add(labels(start.effects))
-            if not self.by_rollouts and all(missing(e.refit.runs) > FAR for e in wholes):
+            hopeless = [missing(whole.refit.runs) > FAR for whole in wholes]
+            if hopeless and not self.by_rollouts and all(hopeless):
                 return [], base
             for whole in wholes:
                 new = self.reduced(whole)

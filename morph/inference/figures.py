@@ -24,7 +24,7 @@ def forces_between(one: mujoco.MjModel, others: Sequence[mujoco.MjModel], motion
     """Return the force that a motion lacks in one model and has in others.
 
     The models may differ in mass, centre and inertia of links, in gains of actuators, and in
-    damping, armature and stiffness of hinges and slides. Nothing is simulated.
+    damping, armature, dry friction and stiffness of hinges and slides. Nothing is simulated.
 
     Args:
         one: A model.
@@ -46,6 +46,10 @@ def forces_between(one: mujoco.MjModel, others: Sequence[mujoco.MjModel], motion
         armature = other.dof_armature - one.dof_armature
         if armature.any():
             force[:, :, at] -= armature * motion.acceleration
+        friction = other.dof_frictionloss - one.dof_frictionloss
+        for joint, dof in motion.joints.items():
+            if friction[dof]:
+                force[:, dof, at] -= friction[dof] * motion.sign(joint)
         force[:, :, at] += _spring(other, motion) - _spring(one, motion)
     for name, body in motion.bodies.items():
         before = _inertia(one, name)

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from morph.arrays import Array, Integers
+from morph.errors import RecordingError
 from morph.inference.columns import acting
 from morph.inference.observed import Observed, missing, observed, settled
 from morph.inference.quadratic import information, offset, quadratic
@@ -79,13 +80,27 @@ def seen(
         point: Shape (entries,).
         episodes: The runs.
         before: The same runs by a similar hypothesis. Effects outside the model act along its
-            motion; without it their forces and changes of readings are left out.
+            motion; without it along that of the model alone.
+
+    Raises:
+        RecordingError: Without `before`: the model follows a run to no finite motion, as where
+            angles are in degrees.
     """
     model, beside = acting(hypothesis, point)
 
     def one(at: int) -> Observed:
-        known = before[at] if before else None
-        return observed(model, hypothesis.robot, episodes[at], effects=beside, before=known)
+        known, run = before[at] if before else None, episodes[at]
+        if beside and known is None:
+            known = observed(model, hypothesis.robot, run, effects=beside)
+        found = observed(model, hypothesis.robot, run, effects=beside, before=known)
+        if before is None and not np.isfinite(found.about.velocity).all():
+            raise RecordingError(
+                "no finite motion of the described robot comes near its readings",
+                where=f"recording {run.name}",
+                fix="see that angles are in rad and do not jump by 2 pi, lengths in m and times in "
+                "s; say other units in recording.toml",
+            )
+        return found
 
     return each(one, range(len(episodes)))
 

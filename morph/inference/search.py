@@ -30,12 +30,13 @@ class Prior:
     larger groups first."""
 
     def price(self, labels: Collection[str]) -> float:
-        """Return the price of a set of effects."""
+        """Return the price of a set of effects; one that is not listed costs as the dearest."""
         left, price = set(labels), 0.0
         for group, whole in self.together:
             if group <= left and whole < sum(self.alone[label] for label in group):
                 left, price = left - group, price + whole
-        return price + sum(self.alone[label] for label in left)
+        dearest = max(self.alone.values(), default=0.0)
+        return price + sum(self.alone.get(label, dearest) for label in left)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -124,8 +125,7 @@ class Search:
             entries: Its parameters among the own figures.
             change: What takes them to neutral.
         """
-        rank = int(np.sum(np.diag(self.levels[0].gram)[1 + entries] > 0.0))
-        held = self._fitted(()).best.evidence - 0.5 * rank * math.log(self.readings)
+        held = self._fitted(()).best.evidence - 0.5 * len(entries) * math.log(self.readings)
         levels = tuple(level.fixed(entries, change) for level in self.levels)
         without = replace(self, levels=levels, known=self.known - {label}, groups=())
         none = without._fitted(()).best.evidence

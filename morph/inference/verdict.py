@@ -13,7 +13,7 @@ from morph.arrays import Array
 from morph.inference.findings import factors, findings
 from morph.inference.rank import Ranking
 from morph.inference.refit import Refit
-from morph.inference.remains import Remains, remaining
+from morph.inference.remains import MOST_UNKNOWN, Remains, remaining
 from morph.model.corrected import corrected, data, notes, provenance
 from morph.model.diagnosis import Diagnosis, Finding, Unexplained
 from morph.model.episodes import Episode, stretches
@@ -78,6 +78,9 @@ def conclude(nominal: Hypothesis, ranking: Ranking, parts: DiagnosisRuns) -> Dia
 
     # Never worse than the nominal model on runs that neither has seen.
     worse = size("corrected") > size("nominal")
+    # The training runs speak for the findings and the held-out runs against them.
+    refuted = worse and bool(found)
+    found = tuple(map(_halved, found)) if refuted else found
     if worse:
         predicted["corrected"], errors["corrected"] = predicted["nominal"], errors["nominal"]
         # It was learned beside the corrected model, and goes with it. No other held-out error
@@ -91,7 +94,7 @@ def conclude(nominal: Hypothesis, ranking: Ranking, parts: DiagnosisRuns) -> Dia
     recordings = (*parts.split.train, *parts.split.held_out)
     return Diagnosis(
         robot=robot.name,
-        verdict=_verdict(found, remains, worse=worse),
+        verdict=_verdict(found, remains, refuted=refuted),
         findings=found,
         located=locate(
             refit.hypothesis,
@@ -100,7 +103,7 @@ def conclude(nominal: Hypothesis, ranking: Ranking, parts: DiagnosisRuns) -> Dia
             parts.scored,
             predicted["refitted"],
         ),
-        probabilities=_probabilities(found, remains, worse=worse),
+        probabilities=_probabilities(found, remains, refuted=refuted),
         unexplained=Unexplained(
             probability=remains.probability,
             share=remains.share,
@@ -148,15 +151,23 @@ def _names(episodes: Sequence[Episode]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(episode.recording.name for episode in episodes))
 
 
-def _verdict(found: Sequence[Finding], remains: Remains, *, worse: bool) -> str:
-    if remains.probability > 0.5 or (found and worse):
+def _halved(finding: Finding) -> Finding:
+    rivals = [replace(rival, probability=0.5 * rival.probability) for rival in finding.rivals]
+    return replace(finding, probability=0.5 * finding.probability, rivals=tuple(rivals))
+
+
+def _verdict(found: Sequence[Finding], remains: Remains, *, refuted: bool) -> str:
+    if remains.probability > 0.5 or refuted:
         return "unknown"
     return "mismatch" if found else "consistent"
 
 
-def _probabilities(found: Sequence[Finding], remains: Remains, *, worse: bool) -> dict[str, float]:
+def _probabilities(
+    found: Sequence[Finding], remains: Remains, *, refuted: bool
+) -> dict[str, float]:
     """Return the posterior of each effect, of `none` and of `unknown`."""
-    chances: dict[str, float] = {"none": 0.0, "unknown": remains.probability}
+    unknown = max(remains.probability, MOST_UNKNOWN if refuted else 0.0)
+    chances: dict[str, float] = {"none": 0.0, "unknown": unknown}
     for finding in found:
         chances[finding.effect.label] = finding.probability
     for finding in found:
@@ -165,10 +176,6 @@ def _probabilities(found: Sequence[Finding], remains: Remains, *, worse: bool) -
             chances[label] = max(chances.get(label, 0.0), rival.probability)
     if not found:
         chances["none"] = min(NONE, 1.0 - remains.any_physics)
-    if worse:
-        # The training runs speak for the findings and the held-out runs against them.
-        chances = {name: 0.5 * chance for name, chance in chances.items()}
-        chances["unknown"] = max(0.5, chances["unknown"])
     return chances
 
 

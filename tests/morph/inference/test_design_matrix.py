@@ -20,7 +20,7 @@ from morph.inference.design_matrix import (
     effect_columns,
     screened,
 )
-from morph.inference.dictionary import dictionary, search_beside
+from morph.inference.dictionary import _prior, dictionary, search_beside
 from morph.inference.quadratic import quadratic
 from morph.inference.refit import Refit, refitted, seen
 from morph.inference.sticking import sensed
@@ -31,6 +31,8 @@ from morph.model.knobs import knobs
 from morph.physics import effect_class
 from morph.physics.actuator.torque_saturation import TorqueSaturation
 from morph.physics.effect import Effect
+from morph.physics.joint.coulomb_friction import CoulombFriction
+from morph.physics.joint.viscous_friction import ViscousFriction
 from morph.record.recording import Channel, Recording
 
 STEP, FINE, INERTIA, LIMIT, NOISE = 0.004, 16, 0.02, 0.3, 1e-4
@@ -187,9 +189,29 @@ def test_of_a_joint_that_never_moves_dry_friction_alone_is_looked_for(
     held = [replace(run, reading=run.reading * np.array([1.0, 0.0])) for run in episodes]
     nominal = Hypothesis(robot=robot, step=STEP, knobs=())
     base = refitted(nominal, nominal.start, held)
-    names = {"first": set(), "second": set()}
+    names: dict[str, set[str]] = {"first": set(), "second": set()}
+    motors = set()
     for grid in dictionary(robot, base.runs, ()):
         if grid[0].where in names and grid[0].kind == "joint":
             names[grid[0].where].add(grid[0].name)
+        if grid[0].kind == "actuator":
+            motors.add(robot.actuator(grid[0].where).joint)
+    assert motors == {"first"}
     assert {"armature", "viscous_friction", "coulomb_friction"} < names["first"]
     assert names["second"] == {name for name in names["first"] if effect_class(name).holds}
+
+
+def test_one_law_at_all_joints_costs_as_one_where_another_is_looked_for_at_some() -> None:
+    joints = {"a", "b", "held"}
+    dry = [(CoulombFriction(joint=joint, c=1.0),) for joint in sorted(joints)]
+    wet = [(ViscousFriction(joint=joint, b=1.0),) for joint in ("a", "b")]
+    prior = _prior([*dry, *wet], joints, wet=False)
+    everywhere = [f"coulomb_friction@{joint}" for joint in joints]
+    beside = [*everywhere, "viscous_friction@a", "viscous_friction@b"]
+    assert (
+        prior.price(beside)
+        == prior.price(everywhere)
+        < sum(prior.alone[label] for label in everywhere)
+    )
+    # What was not looked for costs as the dearest.
+    assert prior.price(["tether@c"]) == max(prior.alone.values())

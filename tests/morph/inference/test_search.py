@@ -135,29 +135,31 @@ def test_effects_that_come_together_cost_less() -> None:
     assert best.gain == pytest.approx(gain(table, error, 0, (0, 2)) + 3.0 + 5.0 - 4.0, abs=1e-6)
 
 
-def test_odds_of_another_in_the_place_of_an_effect() -> None:
+@pytest.mark.parametrize("unseen", [0, 1])
+def test_odds_of_another_in_the_place_of_an_effect(unseen: int) -> None:
+    """A parameter of the effect that does nothing, a column of zeros, costs nothing."""
     rng = np.random.default_rng(4)
     table = columns(rng, 0)
     error = table @ [0.8, 0.0, 0.3, 0.0] + rng.normal(size=READINGS)
     alone = searched(table, error, 0)
     # The first column among the own figures, as an effect that was found before.
-    whole = np.column_stack([error, table])
+    own = 1 + unseen
+    whole = np.column_stack([error, table[:, :1], np.zeros((READINGS, unseen)), table[:, 1:]])
+    others = enumerate(alone.columns[1:], 1)
     search = replace(
         alone,
-        columns=tuple(replace(each, place=slice(i, i + 1)) for i, each in enumerate(alone.columns))[
-            1:
-        ],
+        columns=tuple(replace(each, place=slice(i, i + 1)) for i, each in others),
         levels=(
             WhitenedLevel(
-                gram=whole.T @ whole, logarithm=0.0, low=np.full(1, -9.0), high=np.full(1, 9.0)
+                gram=whole.T @ whole, logarithm=0.0, low=np.full(own, -9.0), high=np.full(own, 9.0)
             ),
         ),
         known=frozenset({EFFECTS_TRIED[0].label}),
     )
-    none, others = search.instead(EFFECTS_TRIED[0].label, np.array([0]), np.zeros(1))
+    none, instead = search.instead(EFFECTS_TRIED[0].label, np.arange(own), np.zeros(own))
     held = gain(table, error, 0, (0,))
     assert none == pytest.approx(-held, abs=1e-6)
-    found = {effect.label: nats for effect, nats in others}
+    found = {effect.label: nats for effect, nats in instead}
     for each in (1, 2, 3):
         due = gain(table, error, 0, (each,)) - held
         assert found[EFFECTS_TRIED[each].label] == pytest.approx(due, abs=1e-6) or due < -held
