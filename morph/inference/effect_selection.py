@@ -162,8 +162,7 @@ class EffectSelection:
                     point = np.concatenate([own, start.start[len(own) :]])
                     wholes.append(self.refitted(start, point, base.refit.runs, base.refit))
                     done.add(labels(start.effects))
-            hopeless = [missing(whole.refit.runs) > FAR for whole in wholes]
-            if hopeless and not self.by_rollouts and all(hopeless):
+            if not self.by_rollouts and all(missing(e.refit.runs) > FAR for e in wholes):
                 return [], base
             for whole in wholes:
                 new = self.reduced(whole)

@@ -1,17 +1,21 @@
-"""Refits of sets that leave most of the force missing; nothing is simulated."""
+"""Runs that a model does not follow, and sets that leave most of the force missing."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
 
 from morph.body.robot import Robot
+from morph.errors import RecordingError
 from morph.inference import refit
-from morph.inference.refit import ESTIMATES, HOPELESS, Refit, refitted
+from morph.inference.observed import Observed
+from morph.inference.refit import ESTIMATES, HOPELESS, Refit, refitted, seen
+from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis
 from morph.physics.joint.viscous_friction import ViscousFriction
 
@@ -42,3 +46,18 @@ def test_a_set_that_leaves_most_of_the_force_missing_is_not_refitted_to_the_end(
     monkeypatch.setattr(refit, "missing", lambda runs: force)
     refitted(whole, whole.start, [], origin=origin)
     assert len(done) == estimates
+
+
+def test_a_run_that_no_motion_comes_near_is_refused_and_a_candidate_is_not(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Angles in degrees drive the linearised model to infinity."""
+    lost = SimpleNamespace(about=SimpleNamespace(velocity=np.full((2, 1), np.nan)))
+    monkeypatch.setattr("morph.inference.refit.observed", lambda *given, **more: lost)
+    monkeypatch.setattr("morph.inference.refit.acting", lambda *given: (None, []))
+    run = cast(Episode, SimpleNamespace(name="swing"))
+    nominal = cast(Hypothesis, SimpleNamespace(robot=None))
+    with pytest.raises(RecordingError, match="no finite motion") as refusal:
+        seen(nominal, np.zeros(0), [run])
+    assert "swing" in str(refusal.value)
+    assert seen(nominal, np.zeros(0), [run], [cast(Observed, lost)]) == [lost]

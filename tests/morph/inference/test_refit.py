@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from types import SimpleNamespace
-from typing import cast
 
 import numpy as np
 import pytest
@@ -13,10 +11,9 @@ from scipy.integrate import solve_ivp
 from morph.arrays import Array
 from morph.body.load import load
 from morph.body.robot import Robot
-from morph.errors import RecordingError
 from morph.inference.columns import Columns, acting
 from morph.inference.dictionary import RARE, search_beside
-from morph.inference.observed import Observed, observed
+from morph.inference.observed import observed
 from morph.inference.quadratic import LogPosterior, information, offset, quadratic
 from morph.inference.refit import refitted, seen
 from morph.inference.validate import Validation
@@ -299,18 +296,3 @@ def test_without_an_elastic_drive_its_motor_turns_with_the_joint(
 def test_no_step_begins_after_the_deadline(nominal: Hypothesis, run: Episode) -> None:
     found = refitted(nominal, nominal.start, [run], deadline=-1.0)
     assert found.point.tolist() == nominal.start.tolist()
-
-
-def test_a_run_that_no_motion_comes_near_is_refused_and_a_candidate_is_not(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """Angles in degrees drive the linearised model to infinity."""
-    lost = SimpleNamespace(about=SimpleNamespace(velocity=np.full((2, 1), np.nan)))
-    monkeypatch.setattr("morph.inference.refit.observed", lambda *given, **more: lost)
-    monkeypatch.setattr("morph.inference.refit.acting", lambda *given: (None, []))
-    run = cast(Episode, SimpleNamespace(name="swing"))
-    nominal = cast(Hypothesis, SimpleNamespace(robot=None))
-    with pytest.raises(RecordingError, match="no finite motion") as refusal:
-        seen(nominal, np.zeros(0), [run])
-    assert "swing" in str(refusal.value)
-    assert seen(nominal, np.zeros(0), [run], [cast(Observed, lost)]) == [lost]
