@@ -202,7 +202,7 @@ class Diagnosis:
         said = [finding.statement for finding in self.findings]
         if self.unexplained.probability > 0.5:
             said.append(
-                f"A force of {100.0 * self.unexplained.share:.2g} % of the inertial force "
+                f"A force of {round(100.0 * self.unexplained.share, 1):g} % of the inertial force "
                 "remains, and no effect that was tried explains it: something else is missing."
             )
         elif self.verdict == "unknown":
