@@ -13,12 +13,11 @@ from morph.inference.columns import Columns
 from morph.inference.observed import Observed, missing, settled
 from morph.inference.rank import ranked
 from morph.inference.refit import seen
-from morph.model.episodes import Episode, episode
+from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis
 from morph.model.knobs import knobs
 from morph.physics.joint.coulomb_friction import CoulombFriction
-from morph.record.recording import Channel, Recording
-from tests.morph.inference.dry_disc import INERTIA, STEP, turned
+from tests.morph.inference.dry_disc import INERTIA, STEP, pushed
 
 SAMPLES, NOISE, COULOMB = 1500, 1e-4, 0.3
 TRUSTED = {"mass": 0.0, "com": 0.0, "inertia": 0.0, "joint": 0.1, "gain": 0.1}
@@ -43,18 +42,7 @@ def right(tmp_path_factory: pytest.TempPathFactory) -> Hypothesis:
 
 @pytest.fixture(scope="module")
 def episodes(right: Hypothesis) -> list[Episode]:
-    rng, time, episodes = np.random.default_rng(0), STEP * np.arange(SAMPLES), []
-    for number in range(4):
-        push = 0.5 * np.sin((5.0 + number) * time) * (np.sin(1.1 * time + number) > 0.0)
-        sent = list(push.round(6))
-        read = turned(sent, lambda u, q, v: u, coulomb=COULOMB)
-        channels = {
-            "axle.position": Channel(time=time, value=read + NOISE * rng.normal(size=SAMPLES)),
-            "motor.command": Channel(time=time, value=np.array(sent), hold=True),
-        }
-        recording = Recording(name=f"run_{number}", channels=channels)
-        episodes.append(episode(recording, right.robot, STEP))
-    return episodes
+    return pushed(right.robot, coulomb=COULOMB, samples=SAMPLES, noise=NOISE)
 
 
 @pytest.fixture(scope="module")

@@ -24,13 +24,12 @@ from morph.inference.rank import ranked
 from morph.inference.refit import Refit, seen
 from morph.inference.search import Prior
 from morph.inference.validate import Validation
-from morph.model.episodes import Episode, episode
+from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis
 from morph.model.knobs import knobs
 from morph.physics.joint.coulomb_friction import CoulombFriction
 from morph.physics.joint.viscous_friction import ViscousFriction
-from morph.record.recording import Channel, Recording
-from tests.morph.inference.dry_disc import INERTIA, STEP, turned
+from tests.morph.inference.dry_disc import INERTIA, STEP, pushed, pushes, turned
 
 SAMPLES, NOISE, COULOMB, WRONG = 1500, 1e-4, 0.3, 1.3
 MOTOR = f"""
@@ -41,16 +40,9 @@ MOTOR = f"""
 """
 
 
-def commands(number: int) -> list[float]:
-    """Return torques that move the disc now and then: friction holds it for half the time."""
-    time = STEP * np.arange(SAMPLES)
-    push = 0.5 * np.sin((5.0 + number) * time) * (np.sin(1.1 * time + number) > 0.0)
-    return list(push.round(6))
-
-
 def sticking(number: int) -> list[bool]:
     """Return whether the disc rests over the whole step that follows each command."""
-    angle = np.array(turned(commands(number), lambda u, q, v: u, coulomb=COULOMB))
+    angle = np.array(turned(pushes(number, SAMPLES), lambda u, q, v: u, coulomb=COULOMB))
     return list(np.diff(angle, append=angle[-1]) == 0.0)
 
 
@@ -65,18 +57,7 @@ def nominal(tmp_path_factory: pytest.TempPathFactory) -> Hypothesis:
 
 @pytest.fixture(scope="module")
 def episodes(nominal: Hypothesis) -> list[Episode]:
-    rng, episodes = np.random.default_rng(0), []
-    time = STEP * np.arange(SAMPLES)
-    for number in range(4):
-        sent = commands(number)
-        read = turned(sent, lambda u, q, v: u, coulomb=COULOMB)
-        channels = {
-            "axle.position": Channel(time=time, value=read + NOISE * rng.normal(size=SAMPLES)),
-            "motor.command": Channel(time=time, value=np.array(sent), hold=True),
-        }
-        recording = Recording(name=f"run_{number}", channels=channels)
-        episodes.append(episode(recording, nominal.robot, STEP))
-    return episodes
+    return pushed(nominal.robot, coulomb=COULOMB, samples=SAMPLES, noise=NOISE)
 
 
 @pytest.fixture(scope="module")
