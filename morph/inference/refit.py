@@ -98,7 +98,7 @@ def seen(
                 "no finite motion of the described robot comes near its readings",
                 where=f"recording {run.name}",
                 fix="see that angles are in rad and do not jump by 2 pi, lengths in m and times in "
-                "s; say other units in recording.toml",
+                "s, or list every column with its unit in recording.toml",
             )
         return found
 
