@@ -23,6 +23,7 @@ from morph.model.usable import (
     check_motion,
     check_recordings,
     check_settings,
+    check_signs,
     check_tree,
 )
 from morph.physics.effect import Effect
@@ -84,6 +85,7 @@ def diagnose(
     step = step_for(parts.train, robot)
     train, aside = (_laid(part, robot, step) for part in (parts.train, parts.held_out))
     check_falls((*train, *aside), robot)
+    check_signs(train, robot)
     scored = scored_segments(aside, horizon)
     nominal = Hypothesis(robot=robot, step=step, knobs=knobs(robot, vary))
     say("refitting the description's own figures", 0.05)

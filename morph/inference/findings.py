@@ -119,6 +119,9 @@ def estimates(about: LogPosterior) -> tuple[list[Estimate], Mask]:
     folds = len(about.grams)
     steps = np.stack([about.without_fold(fold).step(moving)[0] for fold in range(folds)])
     jackknife = (folds - 1) / folds * np.sum((steps - steps.mean(axis=0)) ** 2, axis=0)
+    # Without the run of a push nothing is known of it.
+    passing = [e.passing for e in hypothesis.effects_at(point) for _ in e.free()]
+    jackknife[len(hypothesis.knobs) :][passing] = 0.0
     width = NORMAL90 * np.sqrt(np.maximum(TEMPERATURE * variance, jackknife))
     trust = information(hypothesis)
     # What the prior alone says leaves its own variance.

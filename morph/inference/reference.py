@@ -48,8 +48,8 @@ def reference(
         model: The model.
         run: What was commanded and read.
         guess: Positions to begin with, shape (samples, nq).
-        before: The result of a similar model, to begin with instead of `guess`. Readings that it
-            left out stay out.
+        before: The result of a similar model, to begin with instead of `guess`. The readings that
+            it left out are left out, and no others: evidences are of the same readings.
     """
     space = run.measurement.coordinates
     if before is None:
@@ -71,7 +71,8 @@ def reference(
         if space.balls:
             # Rotations add up to the first order in the error alone.
             velocity[1:] = space.apart(position[1:], position[:-1]) / run.step
-        run = replace(run, valid=run.valid & ~outliers(found.error / run.noise, run.valid))
+        if before is None:
+            run = replace(run, valid=run.valid & ~outliers(found.error / run.noise, run.valid))
         found = replace(_along(model, run, position, velocity, force, known), spread=spread)
     if before is not None:
         return found

@@ -14,6 +14,7 @@ from morph.model.hypothesis import Hypothesis
 from morph.physics.apply import apply
 from morph.physics.effect import Effect
 from morph.record.recording import Recording
+from morph.record.spikes import spikes
 
 
 def corrected(hypothesis: Hypothesis, point: Array) -> tuple[tuple[Effect, ...], str]:
@@ -74,10 +75,18 @@ def notes(
                 f"{recording.name}: left out; an episode takes {SHORTEST:g} s, and a piece between "
                 f"gaps {SHORTEST_PIECE:g} s"
             )
-        positions = [
-            each for name, each in recording.channels.items() if name.endswith(".position")
-        ]
-        holes = {gap for channel in positions for gap in gaps(channel.time - recording.start)}
+        positions = {n: c for n, c in recording.channels.items() if n.endswith(".position")}
+        for name, channel in positions.items():
+            if count := int(spikes(channel).sum()):
+                said.append(
+                    f"{recording.name}: {count} of {len(channel.time)} readings of {name} jump out "
+                    "of its motion and back; they are left out"
+                )
+        holes = {
+            gap
+            for channel in positions.values()
+            for gap in gaps(channel.time - recording.start)
+        }
         said += [
             f"{recording.name}: no reading for {end - begin:.3g} s after {begin:.3g} s"
             for begin, end in sorted(holes)

@@ -11,6 +11,7 @@ from morph.body.robot import Robot
 from morph.errors import DiagnosisError
 from morph.record.quantities import WXYZ, XYZ
 from morph.record.recording import Channel, Recording
+from morph.record.spikes import without_spikes
 from morph.sim.tangent import FREE, HINGE, SLIDE, Coordinates, conjugate, product, rotation, turned
 
 KINDS = {"hinge": HINGE, "slide": SLIDE, "free": FREE}
@@ -86,7 +87,7 @@ class Measurement:
         return (*self.recorded, *(name for names in self.quaternions for name in names))
 
     def tracks(self, recording: Recording) -> list[Channel]:
-        """Return the channels that are needed; quaternions do not change their sign.
+        """Return the channels that are needed, less spikes; quaternions do not change their sign.
 
         Raises:
             RecordingError: A channel is missing.
@@ -99,7 +100,7 @@ class Measurement:
             sign = np.cumprod(np.where(flipped, -1.0, 1.0))
             whole[1:] *= sign[:, None]
             found += [Channel(time=parts[0].time, value=values) for values in whole.T]
-        return found
+        return [without_spikes(track) for track in found]
 
     def spread(self, tracked: Array) -> Array:
         """Return values of the tracks by degree of freedom, rotations zero, (..., nv)."""

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.ndimage import uniform_filter1d
 
 from morph.arrays import Array
-from morph.physics.effect import Simulations, parameter
+from morph.physics.effect import Effect, Simulations, parameter
 from morph.physics.kinds import BodyEffect
 from morph.physics.motion import Motion
 
@@ -119,6 +119,11 @@ class ExternalPush(BodyEffect):
     def passing(self) -> bool:
         """Whether it is an event of one run."""
         return bool(self.run)
+
+    def beside(self, other: Effect) -> bool:
+        """Return whether another effect may act too: what seems a second push of a run is the first
+        where it acts."""
+        return not (isinstance(other, ExternalPush) and other.run == self.run)
 
     def within(self, run: str, begin: float) -> ExternalPush:
         """Return a push of a part of a run, which begins at a time of it, as one of the run."""

@@ -21,6 +21,7 @@ from morph.model.usable import (
     check_motion,
     check_recordings,
     check_settings,
+    check_signs,
     check_tree,
 )
 from morph.record.recording import Channel, Recording
@@ -219,3 +220,21 @@ def test_a_link_that_something_holds_up_is_refused_and_one_that_falls_is_not() -
     check_falls([episode(falls, robot, 0.005)], robot)
     with pytest.raises(DiagnosisError, match="does not fall as it would alone"):
         check_falls([episode(stands, robot, 0.005)], robot)
+
+
+@pytest.mark.parametrize("wrong", ["hinge.position", "hinge.command", ""])
+def test_a_sign_that_is_wrong_is_named_and_a_right_one_is_not(
+    pendulum: Robot, recorded: Recorded, wrong: str
+) -> None:
+    run = recorded(pendulum, start={"hinge": 0.7}, command=lambda t: 0.5 + np.sin(3.0 * t))
+    channels = {
+        name: replace(each, value=-each.value) if name == wrong else each
+        for name, each in run.channels.items()
+    }
+    runs = [episode(replace(run, channels=channels), pendulum, 0.004)]
+    if not wrong:
+        check_signs(runs, pendulum)
+        return
+    # A pendulum is its own mirror image: its position and its command are turned alike.
+    with pytest.raises(DiagnosisError, match=r"hinge.position or hinge.command is wrong"):
+        check_signs(runs, pendulum)
