@@ -268,14 +268,18 @@ class EffectSelection:
             c = effect.coefficients[:1]
             rivals += [(gain, at, o.with_strengths(c)) for o, gain in others if o.label == simple]
         for _, at, other in sorted(rivals, key=lambda one: -one[0])[:REPLACED]:
-            effects = (*best.effects[:at], *([other] if other else []), *best.effects[at + 1 :])
-            start = replace(best.refit.hypothesis, effects=effects)
-            own = len(start.knobs)
-            point = np.concatenate([best.refit.point[:own], start.start[own:]])
-            new = self.refitted(start, point, best.refit.runs)
+            new = self.exchanged(best, at, other)
             if self.prefers(best, new, best.effects[at], other):
                 return self.reduced(new)
         return None
+
+    def exchanged(self, best: Finalist, at: int, other: Effect | None) -> Finalist:
+        """Return a set with another effect in the place of one, or none there, refitted."""
+        effects = (*best.effects[:at], *([other] if other else []), *best.effects[at + 1 :])
+        start = replace(best.refit.hypothesis, effects=effects)
+        own = len(start.knobs)
+        point = np.concatenate([best.refit.point[:own], start.start[own:]])
+        return self.refitted(start, point, best.refit.runs)
 
     def prefers(self, best: Finalist, new: Finalist, effect: Effect, other: Effect | None) -> bool:
         """Return whether a set is better with another law in the place of an effect, or none.

@@ -187,8 +187,8 @@ def _table(errors: Mapping[str, Array], scored: Segments) -> dict[str, dict[str,
 def _residual(ranking: Ranking, parts: DiagnosisRuns) -> LearnedResidual | None:
     """Return a residual learned beside the best model, if it surely lowers the error of rollouts.
 
-    Training runs alone decide: each is predicted by a residual learned from the others, and where
-    there are too few of them none is kept.
+    Training runs alone decide: each is predicted by a model and a residual fitted to the others,
+    and where there are too few of them none is kept.
     """
     refit, validation = ranking.best.refit, ranking.validation
     if validation.blocks > 1 or not hinges_and_slides(refit.hypothesis.robot):
@@ -196,14 +196,15 @@ def _residual(ranking: Ranking, parts: DiagnosisRuns) -> LearnedResidual | None:
     episodes, losses = validation.segments.episodes, np.array(ranking.best.losses)
     for fold in np.unique(validation.fold):
         rest = sorted({int(e) for e in validation.segments.episode[validation.fold != fold]})
+        point = ranking.best.about.without_fold(int(fold)).idle(range(len(refit.effects)))
         force = learned(
             refit.hypothesis,
-            refit.point,
+            point,
             stretches([episodes[at] for at in rest], RESIDUAL_SECONDS),
             parts.seed,
         )
         more = replace(refit.hypothesis, effects=(*refit.hypothesis.effects, force))
-        points = [refit.point] * (int(validation.fold.max()) + 1)
+        points = [point] * validation.folds
         inside = validation.fold == fold
         losses[inside] = validation.losses(more, [points], refit.runs)[0, inside]
     if not validation.sure(ranking.best.losses, losses):

@@ -83,9 +83,7 @@ def notes(
                     "of its motion and back; they are left out"
                 )
         holes = {
-            gap
-            for channel in positions.values()
-            for gap in gaps(channel.time - recording.start)
+            gap for channel in positions.values() for gap in gaps(channel.time - recording.start)
         }
         said += [
             f"{recording.name}: no reading for {end - begin:.3g} s after {begin:.3g} s"

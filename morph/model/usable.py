@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from morph.arrays import Array
 from morph.body.robot import Robot
 from morph.body.spec import spec_of
 from morph.errors import DiagnosisError, RecordingError
@@ -102,15 +103,24 @@ def check_channels(recording: Recording, robot: Robot, measured: Sequence[str]) 
         RecordingError: A channel is missing, or holds what cannot be.
     """
     for name in measured:
-        channel = recording.channel(name)
+        if name not in recording.channels:
+            raise RecordingError(
+                f"there is no channel {name!r}; there are {', '.join(sorted(recording.channels))}",
+                where=f"recording {recording.name}",
+                fix="bind it in recording.toml: a diagnosis needs the position of every joint; a "
+                "joint without an encoder that is held still can be welded in the description",
+            )
+        channel = recording.channels[name]
         _within(recording, name, channel, FARTHEST)
         gap = np.diff(channel.time)
         if len(gap) and np.median(gap) > SLOWEST:
             raise RecordingError(
                 f"readings come {np.median(gap):.3g} s apart",
                 where=f"recording {recording.name}, {name}",
-                fix='say the unit of times in recording.toml, as time = { column = "time", unit = '
-                f'"ms" }}, or record every {SLOWEST} s or faster',
+                fix="if the clock is not in seconds, say so in a recording.toml that binds every "
+                'column: [columns] with time = { column = "time", unit = "ms" } and a line such as '
+                f'"{name}" = {{ column = "{name}", unit = "rad" }} for each of the others; else '
+                f"record every {SLOWEST} s or faster",
             )
         if len(gap) and gap.max() > LONGEST_GAP:
             raise RecordingError(
@@ -197,7 +207,8 @@ def check_signs(episodes: Sequence[Episode], robot: Robot) -> None:
         joints = np.array([-1.0 if name == turned else 1.0 for name in measurement.channels])
         places = np.ones(space.positions)
         places[space.straight] = joints[space.dof]
-        drives = [-1.0 if f"{each.name}.command" == turned else 1.0 for each in robot.actuators]
+        commands = [f"{actuator.name}.command" for actuator in robot.actuators]
+        drives = np.array([-1.0 if name == turned else 1.0 for name in commands])
         force = supplied(
             model, places * position, joints * velocity, joints * acceleration, drives * command
         )

@@ -53,10 +53,15 @@ def clean(
         )
         keep = keep[first]
     if len(keep) < FEWEST:
+        again = int((~first).sum())
         raise RecordingError(
-            f"{len(keep)} samples are left of {len(time)}; an episode needs at least {FEWEST}",
+            f"{len(keep)} samples are left of {len(time)}; an episode needs at least {FEWEST}"
+            + f"; {again} repeat a time stamp" * bool(again),
             where=str(table.path),
-            fix="record a longer episode, or leave this file out",
+            fix="write times as 64-bit floats or as seconds from the start: a 32-bit float has "
+            "seven digits"
+            if again > len(first) // 2
+            else "record a longer episode, or leave this file out",
         )
     return time[keep], {name: value[keep] for name, value in values.items()}, tuple(notes)
 
@@ -87,6 +92,7 @@ def _without_missing(signals: Mapping[str, Array], table: Table) -> tuple[Intege
         raise RecordingError(
             f"{what}; at most {allowed} may be dropped",
             where=where,
-            fix="fill or remove these samples, or leave the channel out of the binding",
+            fix="remove these samples from the file, or interpolate them; a channel that is not "
+            "needed can be left out of recording.toml",
         )
     return keep, [Note(what=f"{what}; these samples are dropped", where=where, dropped=count)]

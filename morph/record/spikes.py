@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.ndimage import median_filter, percentile_filter
 
-from morph.arrays import Array, Mask
+from morph.arrays import Mask
 from morph.record.noise import noise
 from morph.record.recording import Channel
 

@@ -121,8 +121,7 @@ class ExternalPush(BodyEffect):
         return bool(self.run)
 
     def beside(self, other: Effect) -> bool:
-        """Return whether another effect may act too: what seems a second push of a run is the first
-        where it acts."""
+        """Return whether another effect may act too: of pushes one a run."""
         return not (isinstance(other, ExternalPush) and other.run == self.run)
 
     def within(self, run: str, begin: float) -> ExternalPush:
