@@ -149,6 +149,18 @@ def test_a_reading_far_from_its_neighbours_is_left_out(model: mujoco.MjModel) ->
     assert list(left) == [wrong[0], wrong[3]]
 
 
+def test_a_similar_model_leaves_out_what_the_first_left_out(model: mujoco.MjModel) -> None:
+    case = swing(lambda t: 0.0)
+    run, reading = case["run"], case["run"].reading.copy()
+    wrong = np.flatnonzero(run.valid[:, 0])[[50, 500]]
+    reading[wrong[0], 0] += 12.0 * NOISE
+    first = reference(model, replace(run, reading=reading), guess(case))
+    reading[wrong[1], 0] -= 12.0 * NOISE
+    again = reference(model, replace(run, reading=reading), guess(case), before=first)
+    left = np.flatnonzero(run.valid[:, 0] & ~again.tangent.valid[:, 0])
+    assert list(left) == [wrong[0]]
+
+
 def test_an_outlier_is_judged_by_the_errors_around_it() -> None:
     rng = np.random.default_rng(0)
     error = rng.normal(size=(400, 1)) * np.where(np.arange(400)[:, None] < 200, 1.0, 10.0)

@@ -222,19 +222,22 @@ def test_a_link_that_something_holds_up_is_refused_and_one_that_falls_is_not() -
         check_falls([episode(stands, robot, 0.005)], robot)
 
 
-@pytest.mark.parametrize("wrong", ["hinge.position", "hinge.command", ""])
-def test_a_sign_that_is_wrong_is_named_and_a_right_one_is_not(
-    pendulum: Robot, recorded: Recorded, wrong: str
+@pytest.mark.parametrize(
+    "wrong", ["shoulder.position", "elbow.position", "elbow_motor.command", ""]
+)
+def test_an_encoder_that_counts_the_wrong_way_is_refused_and_no_other(
+    arm: Callable[..., Robot], recorded: Recorded, wrong: str
 ) -> None:
-    run = recorded(pendulum, start={"hinge": 0.7}, command=lambda t: 0.5 + np.sin(3.0 * t))
+    robot = arm()
+    run = recorded(robot, start={"shoulder": 0.7}, command=lambda t: 2.0 * np.sin(3.0 * t))
     channels = {
         name: replace(each, value=-each.value) if name == wrong else each
         for name, each in run.channels.items()
     }
-    runs = [episode(replace(run, channels=channels), pendulum, 0.004)]
-    if not wrong:
-        check_signs(runs, pendulum)
+    runs = [episode(replace(run, channels=channels), robot, 0.004)]
+    if not wrong.endswith("position"):
+        check_signs(runs, robot)  # A motor that turns the other way is a finding.
         return
-    # A pendulum is its own mirror image: its position and its command are turned alike.
-    with pytest.raises(DiagnosisError, match=r"hinge.position or hinge.command is wrong"):
-        check_signs(runs, pendulum)
+    with pytest.raises(DiagnosisError, match=f"the sign of {wrong} is wrong") as caught:
+        check_signs(runs, robot)
+    assert "scale = -1" in caught.value.fix

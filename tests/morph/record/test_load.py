@@ -94,7 +94,7 @@ def test_more_missing_samples_than_one_percent_are_refused(tmp_path: Path) -> No
     with pytest.raises(RecordingError, match="in 4 of 300 samples; at most 3") as caught:
         load(save(tmp_path / "run.csv", rows))
     assert caught.value.where.endswith("lines 11, 12, 13, 14")
-    assert "fill or remove" in caught.value.fix
+    assert "remove these samples" in caught.value.fix
 
 
 def test_blank_lines_do_not_shift_the_line_that_an_error_names(tmp_path: Path) -> None:
