@@ -20,7 +20,7 @@ from morph.physics.fluid.drag import Drag
 from morph.physics.fluid.fluid_current import FluidCurrent
 from morph.physics.joint.coulomb_friction import CoulombFriction
 from morph.physics.motion import Motion
-from morph.sim.drive import received
+from morph.sim.drive import all_received
 from morph.sim.tangent import HINGE, SLIDE
 
 NUDGE = 1e-3
@@ -155,11 +155,8 @@ class Columns:
 
     def _commanded(self, effect: Effect, seen: Observed) -> Array:
         """Return the actuators' generalized force by commands that one effect alone changed."""
-        command = [
-            received([effect], actuator.name, seen.sent[:, at], seen.run.step)
-            for at, actuator in enumerate(self.hypothesis.robot.actuators)
-        ]
-        return driven(self.model, replace(seen.motion, command=np.stack(command, axis=1)))
+        command = all_received([effect], self.hypothesis.robot, seen.sent, seen.run.step)
+        return driven(self.model, replace(seen.motion, command=command))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

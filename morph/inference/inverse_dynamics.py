@@ -27,7 +27,7 @@ from morph.model.hypothesis import Hypothesis
 from morph.physics.body_motion import body_motions
 from morph.physics.dynamics import supplied
 from morph.physics.effect import Effect
-from morph.sim.drive import received
+from morph.sim.drive import all_received
 from morph.sim.threads import each
 
 BAND = 5.0
@@ -85,11 +85,7 @@ def force_rows(columns: Columns, seen: Observed, grids: Sequence[tuple[Effect, .
     """
     hypothesis, model, run = columns.hypothesis, columns.model, seen.run
     _, beside = acting(hypothesis, columns.point)
-    sent = [
-        received(beside, actuator.name, seen.sent[:, at], run.step)
-        for at, actuator in enumerate(hypothesis.robot.actuators)
-    ]
-    command = np.stack(sent, axis=1) if sent else seen.motion.command
+    command = all_received(beside, hypothesis.robot, seen.sent, run.step)
     motion = replace(seen.motion, command=command)
     seen = replace(seen, motion=motion)
     lacking = -supplied(model, motion.qpos, motion.velocity, motion.acceleration, command)

@@ -22,7 +22,7 @@ from morph.physics.body_motion import BodyMotion, body_motions, times
 from morph.physics.drives import Transmission, actuator_forces
 from morph.physics.effect import Effect
 from morph.physics.motion import Motion
-from morph.sim.drive import received
+from morph.sim.drive import all_received
 
 NUDGE = 1e-7
 """Step of a difference, rad or m, and per s: small beside what limits and gaps are wide."""
@@ -68,11 +68,7 @@ def observed(
         KernelError: There is no C compiler for the filter, or it fails.
     """
     run, guess = _sampled(read)
-    commands = [
-        received(effects, actuator.name, run.command[:, at], run.step)
-        for at, actuator in enumerate(robot.actuators)
-    ]
-    run = replace(run, command=np.stack(commands, axis=1) if commands else run.command)
+    run = replace(run, command=all_received(effects, robot, run.command, run.step))
     if before is None:
         about = reference(model, run, guess)
         motion = _motion(model, robot, about, run, read.name)

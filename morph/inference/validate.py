@@ -19,7 +19,7 @@ from morph.model.recalled import recalled
 from morph.model.segments import Segments, cut
 from morph.physics.effect import Effect
 from morph.physics.joint.motor_side import MotorSideEffect
-from morph.sim.drive import received
+from morph.sim.drive import all_received
 from morph.sim.rollout import rollout
 from morph.sim.trapezoid import trapezoidal
 
@@ -139,7 +139,8 @@ class Validation:
         which = self.fold + folds * np.arange(count)[:, None]
         command = np.empty((count, len(segments), segments.steps, len(hypothesis.robot.actuators)))
         for at, variant in enumerate(variants):
-            sent = [self._received(variant.effects, hypothesis, e) for e in segments.episodes]
+            effects, robot, step = variant.effects, hypothesis.robot, segments.step
+            sent = [all_received(effects, robot, e.command, step) for e in segments.episodes]
             inside = which[at // folds] == at
             command[at // folds, inside] = segments.command(sent)[inside]
         begin = list(zip(segments.episode, segments.first, strict=True))
@@ -160,15 +161,6 @@ class Validation:
             moved = found[candidate, inside]
             read[candidate, inside] = shown(variant.effects, segments, moved, inside)
         return np.nan_to_num(read, nan=1e3, posinf=1e3, neginf=-1e3)
-
-    def _received(
-        self, effects: Sequence[Effect], hypothesis: Hypothesis, episode: Episode
-    ) -> Array:
-        columns = [
-            received(effects, actuator.name, episode.command[:, at], self.segments.step)
-            for at, actuator in enumerate(hypothesis.robot.actuators)
-        ]
-        return np.stack(columns, axis=1) if columns else episode.command
 
     def sure(self, before: Array, after: Array) -> bool:
         """Return whether losses fall materially, surely, and not in some folds alone.

@@ -18,7 +18,7 @@ from morph.physics import EFFECTS
 from morph.physics.body_motion import body_motions
 from morph.physics.fluid.kernel import flowing
 from morph.physics.motion import Motion, actuator_moments
-from morph.sim.drive import received, unsensed
+from morph.sim.drive import all_received, unsensed
 from morph.sim.rollout import Variant
 from morph.sim.simulator import compiled
 
@@ -80,20 +80,10 @@ def needed(
     space = measurement.coordinates
     for at, dof in zip(space.straight, space.dof, strict=True):
         pose[:, at] = unsensed(variant.effects, measurement.channels[dof], pose[:, at])
+    sent = all_received(variant.effects, hypothesis.robot, episode.command, episode.step)
+    grid = episode.step * np.arange(len(sent))
     command = (
-        np.stack(
-            [
-                _at(
-                    received(variant.effects, a.name, episode.command[:, i], episode.step),
-                    time,
-                    episode.step,
-                )
-                for i, a in enumerate(hypothesis.robot.actuators)
-            ],
-            axis=1,
-        )
-        if hypothesis.robot.actuators
-        else np.zeros((len(time), 0))
+        np.array([np.interp(time, grid, column) for column in sent.T]).reshape(-1, len(time)).T
     )
     velocity = episode.velocity[::stride]
     acceleration = episode.acceleration[::stride]
@@ -138,10 +128,6 @@ def _within(found: Needed) -> Needed:
         command=whole.command[inside],
     )
     return replace(found, time=found.time[inside], motion=motion, missing=found.missing[inside])
-
-
-def _at(command: Array, time: Array, step: float) -> Array:
-    return np.interp(time, step * np.arange(len(command)), command)
 
 
 def _forces(

@@ -13,7 +13,7 @@ from morph.model.segments import Segments
 from morph.physics.drives import Transmission, actuator_forces
 from morph.physics.effect import Effect
 from morph.physics.motion import Motion
-from morph.sim.drive import received
+from morph.sim.drive import all_received
 from morph.sim.rollout import Variant
 
 
@@ -58,11 +58,7 @@ def _motion(hypothesis: Hypothesis, variant: Variant, episode: Episode) -> Motio
     measurement = episode.measurement
     pose, velocity = np.split(state, [measurement.coordinates.positions], axis=1)
     position = measurement.scalars(pose)
-    sent = [
-        received(variant.effects, actuator.name, episode.command[:, at], episode.step)
-        for at, actuator in enumerate(robot.actuators)
-    ]
-    command = np.stack(sent, axis=1) if sent else episode.command
+    command = all_received(variant.effects, robot, episode.command, episode.step)
     transmission = Transmission.along(model, pose)
     force = actuator_forces(model, transmission, velocity, command)
     drive = transmission.moment * force[..., None]

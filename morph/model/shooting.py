@@ -12,7 +12,7 @@ from morph.model.hypothesis import Hypothesis
 from morph.model.readings import shown
 from morph.model.recalled import recalled
 from morph.model.segments import Segments
-from morph.sim.drive import received, stamped, unsensed
+from morph.sim.drive import all_received, stamped, unsensed
 from morph.sim.rollout import Variant, rollout
 from morph.sim.trapezoid import trapezoidal
 
@@ -62,14 +62,10 @@ def predict(
 
 
 def _commands(hypothesis: Hypothesis, segments: Segments, variant: Variant) -> Array:
-    whole = []
-    for episode in segments.episodes:
-        changed = [
-            received(variant.effects, actuator.name, episode.command[:, index], segments.step)
-            for index, actuator in enumerate(hypothesis.robot.actuators)
-        ]
-        whole.append(np.stack(changed, axis=1) if changed else episode.command)
-    return segments.command(whole)
+    effects, robot, step = variant.effects, hypothesis.robot, segments.step
+    return segments.command(
+        [all_received(effects, robot, each.command, step) for each in segments.episodes]
+    )
 
 
 def _predict(

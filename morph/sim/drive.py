@@ -10,6 +10,7 @@ from scipy.interpolate import PchipInterpolator
 from scipy.ndimage import uniform_filter1d
 
 from morph.arrays import Array
+from morph.body.robot import Robot
 from morph.physics.effect import Effect
 from morph.record.recording import Channel
 
@@ -83,6 +84,21 @@ def received(effects: Sequence[Effect], actuator: str, command: Array, step: flo
     for effect in effects:
         command = effect.command(actuator, command, step)
     return command
+
+
+def all_received(effects: Sequence[Effect], robot: Robot, command: Array, step: float) -> Array:
+    """Return what all actuators receive of commands under effects, shape (..., steps, actuators).
+
+    Args:
+        effects: What may change commands on their way.
+        robot: Whose actuators they are told, in the order of their columns.
+        command: Shape (..., steps, actuators).
+        step: Seconds a step.
+    """
+    given = np.array(command)
+    for at, actuator in enumerate(robot.actuators):
+        given[..., at] = received(effects, actuator.name, command[..., at], step)
+    return given
 
 
 def sensed(effects: Sequence[Effect], channel: str, reading: Array) -> Array:
