@@ -66,7 +66,11 @@ def notes(
         still: Joints that no training run moves.
     """
     said = [f"{note.where}: {note.what}" for each in recordings for note in each.notes]
-    said += [f"Joint {joint} does not move in any run that was fitted." for joint in still]
+    said += [
+        f"Joint {joint} does not move in any run that was fitted: it is held, or its encoder is "
+        "stuck, and then forces at the other joints are wrong."
+        for joint in still
+    ]
     if any(name.endswith(".velocity") for each in recordings for name in each.channels):
         said.append("Velocities were recorded; a diagnosis reads positions alone.")
     for recording in recordings:

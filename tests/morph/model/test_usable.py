@@ -98,7 +98,7 @@ def test_one_still_joint_among_others_is_told_and_stops_nothing(recorded: Record
         runs.append(replace(run, channels={**run.channels, "elbow.position": dead}))
     assert check_motion(runs, ("shoulder.position", "elbow.position")) == ("elbow",)
     found = diagnose(robot, runs, budget=2.0)
-    assert "Joint elbow does not move in any run that was fitted." in found.notes
+    assert any("Joint elbow does not move in any run" in note for note in found.notes)
     assert all(np.isfinite(list(row.values())).all() for row in found.held_out_rmse.values())
 
 
