@@ -13,7 +13,7 @@ import numpy as np
 from morph.arrays import Array
 from morph.inference.dictionary import search_beside
 from morph.inference.finalist import CERTAIN, Finalist, better, gains, labels, under
-from morph.inference.inverse_dynamics import by_forces
+from morph.inference.inverse_dynamics import force_error
 from morph.inference.observed import Observed, missing, settled
 from morph.inference.output_error import output_error
 from morph.inference.quadratic import quadratic
@@ -112,7 +112,7 @@ class EffectSelection:
             origin: A refit of the same hypothesis less its last effects.
         """
         if self.by_rollouts:
-            least = functools.partial(by_forces, runs=runs) if self.by_forces else output_error
+            least = functools.partial(force_error, runs=runs) if self.by_forces else output_error
             about = least(hypothesis, point, self.validation, self.deadline)
             smoothed = each(settled, seen(hypothesis, about.point, self.episodes, runs))
             refit = Refit(

@@ -253,7 +253,7 @@ def force_levels(
     return levels
 
 
-def by_forces(
+def force_error(
     hypothesis: Hypothesis,
     point: Array,
     validation: Validation,
