@@ -18,6 +18,8 @@ DRIVES = (
     "jnt_actfrcrange",
 )  # fmt: skip
 """What a model says of its actuators' forces."""
+LINKS = ("body_mass", "body_ipos", "body_inertia", "body_iquat")
+"""And of its links' inertia."""
 
 
 def forces_between(one: mujoco.MjModel, others: Sequence[mujoco.MjModel], motion: Motion) -> Array:
@@ -35,7 +37,7 @@ def forces_between(one: mujoco.MjModel, others: Sequence[mujoco.MjModel], motion
         N m or N, shape (samples, dofs, others).
     """
     force = np.zeros((*motion.position.shape, len(others)))
-    base = None
+    base, spring = None, _spring(one, motion)
     for at, other in enumerate(others):
         if not all(np.array_equal(getattr(one, name), getattr(other, name)) for name in DRIVES):
             base = driven(one, motion) if base is None else base
@@ -50,13 +52,17 @@ def forces_between(one: mujoco.MjModel, others: Sequence[mujoco.MjModel], motion
         for joint, dof in motion.joints.items():
             if friction[dof]:
                 force[:, dof, at] -= friction[dof] * motion.sign(joint)
-        force[:, :, at] += _spring(other, motion) - _spring(one, motion)
+        force[:, :, at] += _spring(other, motion) - spring
     for name, body in motion.bodies.items():
-        before = _inertia(one, name)
-        changes = [_inertia(other, name) - before for other in others]
-        changed = [at for at, change in enumerate(changes) if change.any()]
+        link, before = one.body(name).id, _inertia(one, name)
+        changed = [
+            at
+            for at, other in enumerate(others)
+            if any((getattr(one, each)[link] != getattr(other, each)[link]).any() for each in LINKS)
+        ]
         if changed:
-            force[:, :, changed] += pull(body, [changes[at] for at in changed])
+            changes = [_inertia(others[at], name) - before for at in changed]
+            force[:, :, changed] += pull(body, changes)
     return force
 
 

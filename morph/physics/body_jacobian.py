@@ -39,5 +39,7 @@ def jacobian_of(
 
 
 def cross_matrix(x: Array) -> Array:
-    """Return the matrix (3, 3) that multiplies by x from the left as the cross product does."""
-    return np.array([[0.0, -x[2], x[1]], [x[2], 0.0, -x[0]], [-x[1], x[0], 0.0]])
+    """Return what multiplies by x from the left as the cross product does, shape (..., 3, 3)."""
+    found = np.zeros((*np.shape(x), 3))
+    found[..., 2, 1], found[..., 0, 2], found[..., 1, 0] = np.moveaxis(np.asarray(x), -1, 0)
+    return found - np.swapaxes(found, -1, -2)

@@ -41,16 +41,19 @@ def pull(body: BodyMotion, inertias: list[Array]) -> Array:
     Returns:
         Shape (samples, degrees of freedom, inertias).
     """
-    v, w = body.velocity[:, :3], body.velocity[:, 3:]
+    moving, turning = (cross_matrix(body.velocity[:, part]) for part in (slice(3), slice(3, 6)))
     # Gravity is an acceleration of the frame; it turns with the link and adds no spin.
     felt = body.acceleration.copy()
     felt[:, :3] -= body.gravity
-    load = np.empty((len(v), 6, len(inertias)))
-    for index, inertia in enumerate(inertias):
-        momentum, rate = body.velocity @ inertia.T, felt @ inertia.T
-        p, h = momentum[:, :3], momentum[:, 3:]
-        load[:, :3, index] = -rate[:, :3] - np.cross(w, p)
-        load[:, 3:, index] = -rate[:, 3:] - np.cross(w, h) - np.cross(v, p)
+    inertia = np.stack(inertias)
+    momentum, rate = (
+        np.moveaxis(np.tensordot(each, inertia, axes=(1, 2)), 1, 2)
+        for each in (body.velocity, felt)
+    )
+    p, h = momentum[:, :3], momentum[:, 3:]
+    load = -rate
+    load[:, :3] -= turning @ p
+    load[:, 3:] -= turning @ h + moving @ p
     return body.forces(load)
 
 
