@@ -69,23 +69,11 @@ def conclude(nominal: Hypothesis, ranking: Ranking, parts: DiagnosisRuns) -> Dia
     if residual is not None:
         more = replace(best.hypothesis, effects=(*best.hypothesis.effects, residual))
         models[WITH_RESIDUAL] = (more, best.point)
-    predicted = rollouts(models, parts.scored)
-    errors = {name: rmse(parts.scored, values) for name, values in predicted.items()}
-    unit = np.maximum(errors["nominal"], parts.scored.noise)
-
-    def size(model: str) -> float:
-        return float(np.mean((errors[model] / unit) ** 2))
-
-    # Never worse than the nominal model on runs that neither has seen.
-    worse = size("corrected") > size("nominal")
+    predicted, errors, worse = _scored(models, parts.scored)
     # The training runs speak for the findings and the held-out runs against them.
     refuted = worse and bool(found)
     found = tuple(map(_halved, found)) if refuted else found
-    if worse:
-        predicted["corrected"], errors["corrected"] = predicted["nominal"], errors["nominal"]
-        # It was learned beside the corrected model, and goes with it. No other held-out error
-        # decides about it: an error that chose a model is no measure of that model.
-        errors.pop(WITH_RESIDUAL, None)
+    unit = np.maximum(errors["nominal"], parts.scored.noise)
     before, after = (by_segment(parts.scored, predicted[m], unit) for m in ("nominal", "corrected"))
     beside, mjcf = corrected(*models["nominal" if worse else "corrected"])
     if worse:
@@ -133,6 +121,26 @@ def conclude(nominal: Hypothesis, ranking: Ranking, parts: DiagnosisRuns) -> Dia
         corrected_effects=beside,
         residual=residual.content() if residual is not None and WITH_RESIDUAL in errors else {},
     )
+
+
+def _scored(
+    models: Mapping[str, tuple[Hypothesis, Array]], scored: Segments
+) -> tuple[dict[str, Array], dict[str, Array], bool]:
+    """Return predictions and errors of models over held-out runs, by the models' names.
+
+    The corrected model is never worse than the description on runs that neither has seen: where it
+    would be, which is the third thing returned, the description stands for it.
+    """
+    predicted = rollouts(models, scored)
+    errors = {name: rmse(scored, values) for name, values in predicted.items()}
+    unit = np.maximum(errors["nominal"], scored.noise)
+    nominal, own = (np.mean((errors[name] / unit) ** 2) for name in ("nominal", "corrected"))
+    if worse := bool(own > nominal):
+        predicted["corrected"], errors["corrected"] = predicted["nominal"], errors["nominal"]
+        # It was learned beside the corrected model, and goes with it. No other held-out error
+        # decides about it: an error that chose a model is no measure of that model.
+        errors.pop(WITH_RESIDUAL, None)
+    return predicted, errors, worse
 
 
 def _overstated(best: Refit) -> tuple[str, ...]:
