@@ -247,8 +247,10 @@ def richer(task: EffectSelection, found: Finalist) -> Finalist:
             strengths = np.zeros(len(law.strengths))
             strengths[: len(effect.strengths)] = effect.coefficients
             more.append(law.at(effect.where).with_strengths(strengths))
-        same, *tried = [rollouts.exchanged(found, at, each) for each in more]
-        best = min(tried, key=lambda each: each.losses.mean())
+        again, *tried = [rollouts.exchanged(found, at, each) for each in more]
+        same, best = (
+            min(some, key=lambda each: each.losses.mean()) for some in ((found, again), tried)
+        )
         gain = float((same.losses - best.losses).mean())
         if gain > RICHER and task.validation.sure(same.losses, best.losses):
             found = replace(best, refit=replace(best.refit, evidence=found.refit.evidence))
