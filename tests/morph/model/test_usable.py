@@ -27,6 +27,10 @@ from morph.model.usable import (
 from morph.record.recording import Channel, Recording
 
 Recorded = Callable[..., Recording]
+BRICK = """
+<mujoco model="brick"><worldbody><body name="brick"><freejoint name="free"/>
+  <inertial pos="0 0 0" mass="1" diaginertia="0.01 0.01 0.01"/></body></worldbody></mujoco>
+"""
 
 
 @pytest.fixture(scope="module")
@@ -241,3 +245,15 @@ def test_an_encoder_that_counts_the_wrong_way_is_refused_and_no_other(
     with pytest.raises(DiagnosisError, match=f"the sign of {wrong} is wrong") as caught:
         check_signs(runs, robot)
     assert "scale = -1" in caught.value.fix
+
+
+def test_a_body_that_falls_alone_has_no_sign_to_turn(body: Callable[[str], Robot]) -> None:
+    robot, time = body(BRICK), np.linspace(0.0, 1.0, 201)
+    measurement = Measurement.of(robot)
+    channels = dict.fromkeys(measurement.needed, 0.0 * time)
+    channels[measurement.recorded[2]] = -4.905 * time**2
+    channels[measurement.quaternions[0][0]] = 1.0 + 0.0 * time
+    run = Recording(
+        name="falls", channels={k: Channel(time=time, value=v) for k, v in channels.items()}
+    )
+    check_signs([episode(run, robot, 0.005)], robot)
