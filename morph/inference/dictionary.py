@@ -65,11 +65,8 @@ def search_beside(
     hypothesis, point, runs = base.hypothesis, base.point, base.runs
     taken = {effect.label for effect in base.effects}
     grids = [
-        tuple(shape for shape in grid if all(shape.beside(other) for other in base.effects))
-        for grid in dictionary(hypothesis.robot, runs, known)
-        if grid[0].label not in taken
+        grid for grid in dictionary(hypothesis.robot, runs, known) if grid[0].label not in taken
     ]
-    grids = [grid for grid in grids if grid]
     joints = set(hypothesis.robot.driven)
     own = Columns.of(hypothesis, point)
     whole = _prior(grids, joints, wet=_in_water(hypothesis.robot, known))
@@ -86,7 +83,7 @@ def search_beside(
     return Search(
         columns=columns,
         prior=whole,
-        known=frozenset(taken),
+        found=base.effects,
         groups=tuple(_drive_laws(columns, joints)),
         levels=tuple(
             WhitenedLevel(

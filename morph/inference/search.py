@@ -67,8 +67,8 @@ class Search:
     """How many readings there are."""
     prior: Prior
     """How probable sets are beforehand."""
-    known: frozenset[str] = frozenset()
-    """Labels of effects found before, whose parameters are own figures here."""
+    found: tuple[Effect, ...] = ()
+    """Effects found before, whose parameters are own figures here."""
     groups: tuple[tuple[int, ...], ...] = ()
     """Entries that may be added in one step."""
 
@@ -127,7 +127,8 @@ class Search:
         """
         held = self._fitted(()).best.evidence - 0.5 * len(entries) * math.log(self.readings)
         levels = tuple(level.fixed(entries, change) for level in self.levels)
-        without = replace(self, levels=levels, known=self.known - {label}, groups=())
+        rest = tuple(effect for effect in self.found if effect.label != label)
+        without = replace(self, levels=levels, found=rest, groups=())
         none = without._fitted(()).best.evidence
         others = [each for each in without.sets(1) if len(each.effects) == 1]
         return none - held, [(each.effects[0], each.gain + none - held) for each in others]
@@ -140,7 +141,8 @@ class Search:
 
     def price(self, members: Collection[int]) -> float:
         """Return the price of the effects found before and some entries, nats."""
-        return self.prior.price(self.known | {self.columns[at].label for at in members})
+        labels = {effect.label for effect in self.found}
+        return self.prior.price(labels | {self.columns[at].label for at in members})
 
     def _fitted(self, members: tuple[int, ...]) -> _Candidate:
         columns, price = [self.columns[each] for each in members], self.price(members)
@@ -153,7 +155,7 @@ class Search:
         What an addition gains without its bounds is the most that it can gain within them: those
         that cannot be among the best are not fitted.
         """
-        there = base.best.effects
+        there = (*self.found, *base.best.effects)
         taken = {effect.label for effect in there}
         steps = [*((at,) for at in range(len(self.columns))), *self.groups]
         options: list[tuple[int, ...]] = []

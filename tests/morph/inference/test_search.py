@@ -154,7 +154,7 @@ def test_odds_of_another_in_the_place_of_an_effect(unseen: int) -> None:
                 gram=whole.T @ whole, logarithm=0.0, low=np.full(own, -9.0), high=np.full(own, 9.0)
             ),
         ),
-        known=frozenset({EFFECTS_TRIED[0].label}),
+        found=EFFECTS_TRIED[:1],
     )
     none, instead = search.instead(EFFECTS_TRIED[0].label, np.arange(own), np.zeros(own))
     held = gain(table, error, 0, (0,))
@@ -190,3 +190,28 @@ def test_what_is_not_fitted_could_not_be_the_best(
     few = {each.members: each.gain for each in search.sets(1)}
     assert few[best] == pytest.approx(every[best], rel=1e-12)
     assert len(few) < len(every)
+
+
+def test_what_excludes_an_effect_found_before_is_not_added_and_is_its_rival(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    kind = KINDS["ViscousFriction"]
+    monkeypatch.setattr(kind, "beside", lambda self, other: not isinstance(other, kind))
+    rng = np.random.default_rng(6)
+    table = columns(rng, 0)
+    alone = searched(table, table @ [0.3, 0.0, 0.5, 0.0] + rng.normal(size=READINGS), 0)
+    assert not any(len(each.members) > 1 and {0, 2} <= {*each.members} for each in alone.sets(3))
+    # The first of them was found: its column is an own figure, and the rest is the dictionary.
+    (level,) = alone.levels
+    whole = replace(level, low=np.full(1, -9.0), high=np.full(1, 9.0))
+    others = enumerate(alone.columns[1:], 1)
+    search = replace(
+        alone,
+        columns=tuple(replace(each, place=slice(i, i + 1)) for i, each in others),
+        levels=(whole,),
+        found=EFFECTS_TRIED[:1],
+    )
+    added = {effect.label for each in search.sets(2) for effect in each.effects}
+    assert EFFECTS_TRIED[2].label not in added
+    _, rivals = search.instead(EFFECTS_TRIED[0].label, np.array([0]), np.zeros(1))
+    assert EFFECTS_TRIED[2].label in {effect.label for effect, _ in rivals}

@@ -11,6 +11,7 @@ from morph.body.robot import Robot
 from morph.body.spec import spec_of
 from morph.model.corrected import split
 from morph.physics.body.external_push import ExternalPush
+from morph.physics.joint.coulomb_friction import CoulombFriction
 from morph.physics.motion import Motion
 from morph.sim.simulator import Simulator
 
@@ -112,3 +113,10 @@ def test_a_push_of_a_part_of_a_run_is_told_in_times_of_the_whole() -> None:
     assert push.within("r1", 30.0) == ExternalPush(
         body="arm", run="r1", start=31.0, end=31.2, y=0.3
     )
+
+
+def test_a_run_has_one_push_and_two_runs_have_two() -> None:
+    push = ExternalPush(body="arm", run="r1", y=0.3)
+    assert not push.beside(ExternalPush(body="hand", run="r1", z=0.1))
+    assert push.beside(ExternalPush(body="hand", run="r2", z=0.1))
+    assert push.beside(CoulombFriction(joint="hinge", c=0.1))
