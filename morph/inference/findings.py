@@ -98,7 +98,7 @@ def estimates(about: LogPosterior) -> tuple[list[Estimate], Mask]:
 
     The interval is the wider of two: by the curvature of the log posterior at its `TEMPERATURE`,
     and by the jackknife over folds, which holds where errors are not as the model of the
-    disturbance says.
+    disturbance says. Of what acts in one run alone, as a push, it is that by the curvature.
 
     Source: Efron 1982, The jackknife, the bootstrap and other resampling plans, eq. 3.5.
 

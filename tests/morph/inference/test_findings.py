@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
-from morph.inference.findings import _idle_within, _in_units, _shifted
+from morph.body.robot import Robot
+from morph.inference.findings import _idle_within, _in_units, _shifted, estimates
+from morph.inference.quadratic import LogPosterior
 from morph.model.diagnosis import Estimate
+from morph.model.hypothesis import Hypothesis
 from morph.physics.actuator.torque_saturation import TorqueSaturation
 from morph.physics.body.external_push import ExternalPush
 from morph.physics.body.payload import Payload
@@ -48,3 +52,23 @@ def test_a_finding_may_be_nothing_where_all_its_strengths_may_be_none() -> None:
     weight = Payload(body="disc", m=1.0)
     assert _idle_within(weight, {"m": entry(0.0, 9.0), **place})
     assert not _idle_within(weight, {"m": entry(0.5, 1.5), **place})
+
+
+@pytest.mark.parametrize("run", ["r1", ""])
+def test_the_interval_of_what_acts_once_is_that_of_its_run(pendulum: Robot, run: str) -> None:
+    push = ExternalPush(body=pendulum.links[-1].name, run=run, y=1.0)
+    hypothesis = Hypothesis(robot=pendulum, step=0.004, knobs=(), effects=(push,))
+    entries = len(push.free())
+    # One run tells of it; by what little is left of the others it is 30 away from there.
+    grams = np.zeros((4, 1 + entries, 1 + entries))
+    grams[0, 1:, 1:] = 1e4 * np.eye(entries)
+    grams[1:, 1:, 1:] = 1e-4 * np.eye(entries)
+    grams[1:, 0, 1:] = grams[1:, 1:, 0] = 30e-4
+    about = LogPosterior(hypothesis=hypothesis, point=hypothesis.start, grams=grams, readings=1000)
+    (*_, last), _ = estimates(about)
+    # A standard deviation of 0.01 at a temperature of 2, or of tens.
+    width = 1.645 * np.sqrt(2.0) * 0.01
+    if run:
+        assert last.high90 - last.low90 == pytest.approx(2.0 * width, rel=1e-3)
+    else:
+        assert last.high90 - last.low90 > 10.0
