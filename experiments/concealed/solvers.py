@@ -64,12 +64,13 @@ def solve_by_morph(folder: Path, seed: int) -> JSON:
         }
         for finding in said["findings"]
     ]
+    named = {(finding["effect"], finding["where"]) for finding in findings}
     rivals = [
-        {"effect": rival["effect"], "where": rival["where"]["name"],
-         "probability": float(rival["probability"])}
-        for finding in said["findings"]
-        for rival in finding["rivals"]
-    ]  # fmt: skip
+        {"effect": effect, "where": where, "probability": float(probability)}
+        for label, probability in said["probabilities"].items()
+        for effect, at, where in [label.partition("@")]
+        if at and (effect, where) not in named
+    ]
     return submission(
         known["name"], "morph", seconds=time.process_time() - begin, findings=findings,
         rivals=rivals, none=float(said["probabilities"].get("none", 0.0)),

@@ -21,7 +21,7 @@ TEMPERATURE = 2.0
 """By what differences of evidence are divided: laws in tables are not those of robots, and errors
 are not normal."""
 MOST_RIVALS = 3
-"""Rivals of a finding that are listed."""
+"""Rivals of a finding that are listed, and single effects where there is none."""
 SURE, DOUBTED = 0.85, 0.75
 """Most probability of a finding, as laws that are not compared may do as well; and with a parameter
 at a bound or known beforehand alone. Set by hand on opened cases of `experiments.concealed`."""
@@ -91,6 +91,24 @@ def findings(ranking: Ranking, remains: Remains) -> tuple[Finding, ...]:
             )
         )
     return tuple(sorted(listed, key=lambda finding: -finding.gain))
+
+
+def suspects(ranking: Ranking) -> dict[str, float]:
+    """Return how probable each of the likeliest single effects is where none was found.
+
+    If one of the dictionary is missing after all; by the label, likeliest first.
+
+    Args:
+        ranking: Sets of effects of which the best is empty.
+    """
+    singles = [each for each in ranking.search.sets(1) if len(each.effects) == 1]
+    gains = np.array([each.gain for each in singles])
+    odds = np.exp((gains - gains.max(initial=-np.inf)) / TEMPERATURE)
+    total = float(odds.sum())
+    return {
+        each.effects[0].label: float(odd) / total
+        for each, odd in zip(singles[:MOST_RIVALS], odds, strict=False)
+    }
 
 
 def estimates(about: LogPosterior) -> tuple[list[Estimate], Mask]:

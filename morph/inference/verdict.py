@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from morph.arrays import Array
-from morph.inference.findings import factors, findings
+from morph.inference.findings import factors, findings, suspects
 from morph.inference.rank import Ranking
 from morph.inference.refit import Refit
 from morph.inference.remains import MOST_UNKNOWN, Remains, remaining
@@ -91,7 +91,7 @@ def conclude(nominal: Hypothesis, ranking: Ranking, parts: DiagnosisRuns) -> Dia
             parts.scored,
             predicted["refitted"],
         ),
-        probabilities=_probabilities(found, remains, refuted=refuted),
+        probabilities=_probabilities(ranking, found, remains, refuted=refuted),
         unexplained=Unexplained(
             probability=remains.probability,
             share=remains.share,
@@ -171,7 +171,7 @@ def _verdict(found: Sequence[Finding], remains: Remains, *, refuted: bool) -> st
 
 
 def _probabilities(
-    found: Sequence[Finding], remains: Remains, *, refuted: bool
+    ranking: Ranking, found: Sequence[Finding], remains: Remains, *, refuted: bool
 ) -> dict[str, float]:
     """Return the posterior of each effect, of `none` and of `unknown`."""
     unknown = max(remains.probability, MOST_UNKNOWN if refuted else 0.0)
@@ -184,6 +184,8 @@ def _probabilities(
             chances[label] = max(chances.get(label, 0.0), rival.probability)
     if not found:
         chances["none"] = min(NONE, 1.0 - remains.any_physics)
+        missed = 1.0 - chances["none"] - unknown
+        chances |= {label: missed * share for label, share in suspects(ranking).items()}
     return chances
 
 

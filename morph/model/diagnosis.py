@@ -151,7 +151,7 @@ class Diagnosis:
     located: Located
     """Where the two part."""
     probabilities: Mapping[str, float]
-    """Of none, unknown, each finding and its rivals."""
+    """Of none, unknown, each finding and its rivals; of likeliest effects where none is found."""
     unexplained: Unexplained = field(default_factory=Unexplained)
     """What the corrected model leaves."""
     horizon: float | None
@@ -198,7 +198,11 @@ class Diagnosis:
         if self.verdict == "consistent":
             return (EXPLAINED, *self.overstated)
         if not self.findings:
-            return (OUT_OF_TIME if self.stopped_short else UNNAMED,)
+            likeliest = [label.replace("@", " at ") for label in self.probabilities if "@" in label]
+            return (
+                OUT_OF_TIME if self.stopped_short else UNNAMED,
+                *([f"Likeliest of what was tried: {', '.join(likeliest)}."] if likeliest else ()),
+            )
         said = [finding.statement for finding in self.findings]
         if self.unexplained.probability > 0.5:
             said.append(

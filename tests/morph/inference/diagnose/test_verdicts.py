@@ -75,3 +75,12 @@ def test_what_no_effect_explains_is_unknown(windy: Diagnosis) -> None:
     # a hundred times the noise.
     errors = {model: row["hinge.position"] for model, row in windy.held_out_rmse.items()}
     assert errors["corrected"] > 30.0 * errors["noise_floor"]
+
+
+def test_the_likeliest_effects_are_listed_where_none_is_surely_missing(windy: Diagnosis) -> None:
+    listed = {label: p for label, p in windy.probabilities.items() if "@" in label}
+    assert len(listed) == 3
+    assert list(listed.values()) == sorted(listed.values(), reverse=True)
+    # With `none` and `unknown` they are no more than a posterior, whose rest is of other effects.
+    assert sum(windy.probabilities.values()) <= 1.0 + 1e-9
+    assert all(label.replace("@", " at ") in windy.summary()[1] for label in listed)
