@@ -135,10 +135,12 @@ def _parse(path: Path) -> Entry:
 def _columns(top: Entry) -> dict[str, Column]:
     table = top.table.get("columns")
     if not isinstance(table, dict) or not set(table) - {"time"}:
+        place = "to [columns]" if isinstance(table, dict) else "[columns] with"
         raise top.error(
-            "the binding binds no channel",
+            "the binding binds no channel: a file that it names is read by it alone",
             "columns",
-            'add [columns] with lines such as "hip.position" = { column = "q1", unit = "rad" }',
+            f"add {place} a line for each channel, such as "
+            '"hip.position" = { column = "q1", unit = "rad" }',
         )
     return {
         name: read_column(name, top.inner(value, "columns", key=name))

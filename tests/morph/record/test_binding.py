@@ -46,6 +46,17 @@ def test_columns_are_scaled_offset_and_turned_into_si(tmp_path: Path) -> None:
     assert run.channel("hip.command").hold
 
 
+def test_a_binding_of_the_clock_alone_is_told_where_channels_go(tmp_path: Path) -> None:
+    path, channel = rig(tmp_path, BINDING.split('"hip.position"')[0]), '"hip.position" = {'
+    with pytest.raises(RecordingError, match="binds no channel") as caught:
+        load_binding(path)
+    assert "add to [columns] a line" in caught.value.fix
+    # The line that the fix names, carried out.
+    line = caught.value.fix[caught.value.fix.index(channel) :].replace("q1", "q")
+    path.write_text(path.read_text() + line)
+    assert list(load_binding(path).columns) == ["time", "hip.position"]
+
+
 def test_the_root_given_by_the_caller_wins(tmp_path: Path) -> None:
     rig(tmp_path)
     moved = tmp_path / "moved.toml"
