@@ -31,7 +31,7 @@ from morph.body.load import load
 from morph.search.codesign import POPULATION, Design, sought
 from morph.search.family.family import Family
 from morph.search.family.gait import gait
-from morph.search.threads import one_thread
+from morph.sim.threads import one_thread
 from morph.study.cell import cells_of
 from morph.task.task import Task
 from morph.task.walk import walk

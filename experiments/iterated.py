@@ -10,7 +10,7 @@ import numpy as np
 from morph.arrays import JSON, Array
 from morph.body.load import load
 from morph.search.cmaes import Adapting
-from morph.search.threads import one_thread
+from morph.sim.threads import one_thread
 from morph.task.balance import balance
 from morph.task.push import Push
 from morph.transfer.body import Body, linear_law

@@ -32,7 +32,7 @@ from morph.physics.joint.coulomb_friction import CoulombFriction
 from morph.physics.joint.joint_stiffness import JointStiffness
 from morph.physics.joint.quadratic_damping import QuadraticDamping
 from morph.search.target import Simulated
-from morph.search.threads import one_thread
+from morph.sim.threads import one_thread
 from morph.task.swing_up import swing_up
 from morph.task.task import Task
 

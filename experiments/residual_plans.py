@@ -21,8 +21,8 @@ from morph.model.missing_force.fit import fit
 from morph.search.ddp import Plan
 from morph.search.search import Problem
 from morph.search.target import Simulated
-from morph.search.threads import one_thread
 from morph.sim.simulator import Simulator
+from morph.sim.threads import one_thread
 from morph.task.swing_up import swing_up
 from morph.task.task import Task
 

@@ -33,7 +33,7 @@ from morph.policy.adjusted import Adjusted
 from morph.policy.policy import Policy
 from morph.search.evaluate import evaluate
 from morph.search.target import Experience, Simulated
-from morph.search.threads import one_thread
+from morph.sim.threads import one_thread
 from morph.task.swing_up import swing_up
 from morph.transfer.adjustment.adjust import Made, Settings, adjusted, applied
 from morph.transfer.adjustment.pretended import most_promising

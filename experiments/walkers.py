@@ -15,7 +15,7 @@ from morph.search.family.gait import Gait
 from morph.search.family.paces import paces
 from morph.search.family.stride import Stride, stride
 from morph.search.generations.population import tried as population
-from morph.search.threads import one_thread
+from morph.sim.threads import one_thread
 from morph.task.crouch import crouch
 from morph.task.stand import stand
 from morph.task.task import Task

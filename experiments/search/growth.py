@@ -11,10 +11,10 @@ import numpy as np
 from morph.arrays import JSON
 from morph.body.load import load
 from morph.model.gp.fit import fit
-from morph.search.threads import one_thread
 from morph.search.trajectory.cost import TaskCost
 from morph.search.trajectory.ddp import Trajectories, ddp
 from morph.search.trajectory.plant import Plant
+from morph.sim.threads import one_thread
 from morph.task.task import Task
 from morph.task.tasks import task
 

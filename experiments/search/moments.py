@@ -19,7 +19,7 @@ from morph.search.belief.task import View, view_of
 from morph.search.mc_pilco import McPilco
 from morph.search.moments.moments import ProcessMoments
 from morph.search.target import Simulated
-from morph.search.threads import one_thread
+from morph.sim.threads import one_thread
 from morph.task.tasks import task
 
 PEER = 0.65

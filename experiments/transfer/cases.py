@@ -21,7 +21,7 @@ from morph.search.evaluate import Score, evaluate
 from morph.search.gp_ddp import LearnedPlans
 from morph.search.search import Problem
 from morph.search.target import Simulated
-from morph.search.threads import one_thread
+from morph.sim.threads import one_thread
 from morph.task.swing_up import swing_up
 from morph.task.task import Task
 from morph.transfer.adjustment.rounds import rounds, sources

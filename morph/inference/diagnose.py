@@ -29,11 +29,13 @@ from morph.model.usable import (
 from morph.physics.effect import Effect
 from morph.record.distinct import check_distinct, distinct
 from morph.record.recording import Recording
+from morph.sim.threads import one_thread
 
 MOST_SECONDS = 60.0
 """Seconds of training motion that are fitted; of longer recordings an even spread."""
 
 
+@one_thread()
 def diagnose(
     robot: Robot,
     recordings: Sequence[Recording],

@@ -27,17 +27,18 @@ INLINE void accelerate(int n, int width, int stride, const double *restrict J,
 		       const double *restrict x, double *restrict y)
 {
 	int N = 3 * n;
-	memset(y, 0, sizeof(double) * (size_t)n * width);
-	for (int i = 0; i < n; i++)
+	for (int i = 0; i < n; i++) {
+		double sum[width];
+		for (int c = 0; c < width; c++)
+			sum[c] = 0.0;
 		for (int k = 0; k < N; k++) {
 			double g = J[i * N + k];
-			if (g == 0.0)
-				continue;
 			const double *from = x + (size_t)k * stride;
-			double *to = y + (size_t)i * width;
 			for (int c = 0; c < width; c++)
-				to[c] += g * from[c];
+				sum[c] += g * from[c];
 		}
+		memcpy(y + (size_t)i * width, sum, sizeof sum);
+	}
 }
 
 /* x <- F x of `width` columns, input (n, width) or NULL added to the acceleration; rows of both are
@@ -70,6 +71,31 @@ INLINE void transpose(int N, double *P)
 			P[i * N + j] = P[j * N + i];
 			P[j * N + i] = kept;
 		}
+}
+
+/* P <- F P F' for a symmetric P. Force and vibration decay alone, so that of F P only the rows of
+ * position and velocity are multiplied by J again. The half below the diagonal mirrors the other. */
+INLINE void propagate(int n, int e, double h, double keep, double fade,
+		      const double *restrict J, double *restrict P)
+{
+	int N = 3 * n + e, both = 2 * n;
+	double turned[3 * n * both], a[n * both];
+	advance(n, e, N, N, h, keep, fade, J, NULL, P);
+	for (int k = 0; k < 3 * n; k++)
+		for (int i = 0; i < both; i++)
+			turned[k * both + i] = P[i * N + k];
+	accelerate(n, both, both, J, turned, a);
+	for (int i = 0; i < both; i++)
+		for (int j = 0; j < n; j++) {
+			P[i * N + n + j] += h * a[j * both + i];
+			P[i * N + j] += h * P[i * N + n + j];
+		}
+	for (int i = 0; i < N; i++)
+		for (int j = both; j < N; j++)
+			P[i * N + j] *= j < 3 * n ? keep : fade;
+	for (int i = 0; i < N; i++)
+		for (int j = 0; j < i; j++)
+			P[i * N + j] = P[j * N + i];
 }
 
 /* Update `width` columns by one sample's readings and advance them; rows are `stride` apart.
@@ -173,10 +199,7 @@ INLINE double filter(int n, int m, int e, int width, int64_t steps, double h, do
 			if (c < width)
 				COLUMNS(width - c);
 		}
-		/* F P F' = F (F P)' as P is symmetric. */
-		advance(n, e, N, N, h, keep, fade, now, NULL, P);
-		transpose(N, P);
-		advance(n, e, N, N, h, keep, fade, now, NULL, P);
+		propagate(n, e, h, keep, fade, now, P);
 		for (int i = 0; i < n + e; i++)
 			P[(2 * n + i) * N + 2 * n + i] += added[i];
 		for (int i = 0; jolt && i < n; i++) {
@@ -186,9 +209,6 @@ INLINE double filter(int n, int m, int e, int width, int64_t steps, double h, do
 			P[(n + i) * N + i] += h * s;
 			P[(n + i) * N + n + i] += s;
 		}
-		for (int i = 0; i < N; i++)
-			for (int j = 0; j < i; j++)
-				P[i * N + j] = P[j * N + i] = 0.5 * (P[i * N + j] + P[j * N + i]);
 	}
 	return logarithm;
 }
@@ -230,22 +250,29 @@ double morph_filter(int n, int m, int e, int width, int64_t steps, double h, dou
 	return logarithm;
 }
 
-/* x <- F' x, with F = I + ... of the semi-implicit step. */
-INLINE void retreat(int n, int e, double h, double keep, double fade, const double *restrict J,
-		    double *restrict x)
+/* x <- F' x of `width` columns, with F = I + ... of the semi-implicit step; rows of x (N, width) are
+ * side by side. */
+INLINE void retreat(int n, int e, int width, double h, double keep, double fade,
+		    const double *restrict J, double *restrict x)
 {
-	double next[n];
-	for (int i = 0; i < n; i++)
-		next[i] = h * (x[n + i] + h * x[i]);
-	for (int j = 0; j < n; j++) {
-		x[n + j] += h * x[j];
-		x[2 * n + j] *= keep;
+	double next[n * width];
+	for (int i = 0; i < n; i++) {
+		const double *q = x + i * width;
+		double *v = x + (n + i) * width, *f = x + (2 * n + i) * width;
+		for (int c = 0; c < width; c++) {
+			v[c] += h * q[c];
+			next[i * width + c] = h * v[c];
+			f[c] *= keep;
+		}
 	}
-	for (int j = 0; j < e; j++)
-		x[3 * n + j] *= fade;
-	for (int i = 0; i < n; i++)
-		for (int j = 0; j < 3 * n; j++)
-			x[j] += J[i * 3 * n + j] * next[i];
+	for (int i = 3 * n * width; i < (3 * n + e) * width; i++)
+		x[i] *= fade;
+	for (int k = 0; k < 3 * n; k++)
+		for (int i = 0; i < n; i++) {
+			double g = J[i * 3 * n + k];
+			for (int c = 0; c < width; c++)
+				x[k * width + c] += g * next[i * width + c];
+		}
 }
 
 /* Smooth the first column of a filter's run: the modified Bryson-Frazier form.
@@ -272,10 +299,10 @@ INLINE void smooth(int n, int m, int e, int64_t steps, double h, double keep, do
 		const double *now = J + t * n * 3 * n;
 		for (int i = 0; i < N; i++)
 			score[i] += adjoint[i] * adjoint[i] - L[i * N + i];
-		retreat(n, e, h, keep, fade, now, adjoint);
+		retreat(n, e, 1, h, keep, fade, now, adjoint);
+		/* F' L F = F' (F' L)' as L is symmetric. */
 		for (int side = 0; side < 2; side++) {
-			for (int i = 0; i < N; i++)
-				retreat(n, e, h, keep, fade, now, L + (size_t)i * N);
+			retreat(n, e, N, h, keep, fade, now, L);
 			transpose(N, L);
 		}
 		for (int r = m - 1; r >= 0; r--) {
@@ -288,7 +315,7 @@ INLINE void smooth(int n, int m, int e, int64_t steps, double h, double keep, do
 				moved -= k[i] * adjoint[i];
 			for (int j = 0; j < N; j++)
 				adjoint[j] += row[j] * moved;
-			/* (1 - k row)' L (1 - k row) + row' row / variance */
+			/* (1 - k row)' L (1 - k row) + row' row / variance, and most of row is zero. */
 			memset(along, 0, sizeof along);
 			for (int i = 0; i < N; i++)
 				for (int j = 0; j < N; j++)
@@ -296,9 +323,14 @@ INLINE void smooth(int n, int m, int e, int64_t steps, double h, double keep, do
 			for (int i = 0; i < N; i++)
 				both += along[i] * k[i];
 			score[2 * N + r] += moved * moved - both;
-			for (int i = 0; i < N; i++)
+			for (int i = 0; i < N; i++) {
+				if (row[i] == 0.0)
+					continue;
 				for (int j = 0; j < N; j++)
-					L[i * N + j] += row[i] * row[j] * both - row[i] * along[j] - along[i] * row[j];
+					L[i * N + j] -= row[i] * (along[j] - 0.5 * both * row[j]);
+				for (int j = 0; j < N; j++)
+					L[j * N + i] -= row[i] * (along[j] - 0.5 * both * row[j]);
+			}
 		}
 		for (int i = 0; x && i < N; i++) {
 			double moved = predicted[t * N + i];

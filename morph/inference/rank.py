@@ -220,11 +220,14 @@ def _freed(found: _Found) -> _Found:
 
     Joints that are described too stiff or damped move as under greater gains and masses.
     """
-    task, best = found.task, found.best
-    if not best.effects or task.late():
-        return found
+    task, best, own = found.task, found.best, found.none.refit
     nominal = task.nominal
-    freed = task.refitted(nominal.freed(), nominal.start, found.none.refit.runs)
+    low = nominal.low + 0.01 * (nominal.high - nominal.low)
+    held = [each.guessed for each in nominal.knobs] & (own.point < low)
+    # What no bound holds would stay where it is.
+    if not best.effects or task.late() or not held.any():
+        return found
+    freed = task.refitted(nominal.freed(), own.point, own.runs)
     if freed.evidence > best.evidence and not task.validation.worse(best.losses, freed.losses):
         return replace(found, best=freed, search=task.search(freed))
     return found

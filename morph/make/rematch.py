@@ -20,7 +20,7 @@ from morph.policy.policy import Policy
 from morph.policy.said import check_body
 from morph.search.evaluate import Score
 from morph.search.plan.best import FAILURE
-from morph.search.threads import one_thread
+from morph.sim.threads import one_thread
 from morph.task.task import Task
 from morph.transfer.retask import task_for
 

@@ -11,8 +11,8 @@ from morph.arrays import Array
 from morph.errors import SearchError
 from morph.policy.policy import Policy
 from morph.search.target import Experience, Target
-from morph.search.threads import one_thread
 from morph.sim.simulator import Simulator
+from morph.sim.threads import one_thread
 from morph.task.task import Task
 
 

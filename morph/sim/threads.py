@@ -1,11 +1,15 @@
-"""How many threads work on simulations and on runs."""
+"""How many threads work on simulations, on runs and on matrices."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable
+import sys
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from typing import TypeVar
+
+from threadpoolctl import threadpool_limits
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -39,3 +43,22 @@ def each(function: Callable[[Item], Result], items: Iterable[Item]) -> list[Resu
         return [function(item) for item in listed]
     with ThreadPoolExecutor(threads) as pool:
         return list(pool.map(function, listed))
+
+
+@contextmanager
+def one_thread() -> Iterator[None]:
+    """Keep BLAS, OpenMP and torch to one thread; simulations keep theirs.
+
+    Searches and filters work on matrices of some hundred rows. Threads that wait for each other on
+    those take five times as long as one, as soon as anything else runs on the machine.
+    """
+    torch = sys.modules.get("torch")
+    before = None if torch is None else torch.get_num_threads()
+    with threadpool_limits(1):
+        try:
+            if torch is not None:
+                torch.set_num_threads(1)
+            yield
+        finally:
+            if torch is not None:
+                torch.set_num_threads(before)

@@ -10,7 +10,7 @@ import numpy as np
 from morph.policy.policy import Policy
 from morph.search.evaluate import evaluate
 from morph.search.plan.best import FAILURE
-from morph.search.threads import one_thread
+from morph.sim.threads import one_thread
 from morph.transfer.repair import Model
 
 ROWS = 32

@@ -8,7 +8,7 @@ from morph.model.hypothesis import Hypothesis
 from morph.model.kwik.judge import Verdict, judge
 from morph.model.latent.run import Run
 from morph.model.latent.unknowns import unknowns
-from morph.search.threads import one_thread
+from morph.sim.threads import one_thread
 from morph.task.task import Task
 from morph.transfer.repair import Model, noise_of
 

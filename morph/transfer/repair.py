@@ -17,8 +17,8 @@ from morph.model.latent.unknowns import unknowns, with_knobs
 from morph.model.missing_force.corrected import Corrected
 from morph.model.missing_force.fit import fit
 from morph.physics.effect import Effect
-from morph.search.threads import one_thread
 from morph.sim.simulator import Simulator
+from morph.sim.threads import one_thread
 from morph.task.task import Task
 from morph.transfer.retask import task_for
 

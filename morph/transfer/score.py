@@ -15,7 +15,7 @@ from morph.search.plan.again import STAGES, again
 from morph.search.search import Problem
 from morph.search.searches import default, search
 from morph.search.target import Simulated
-from morph.search.threads import one_thread
+from morph.sim.threads import one_thread
 
 JUDGING = 2**31 - 2
 """Names the chance of the runs that judge, so that it is that of no trial."""

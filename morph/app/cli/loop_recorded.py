@@ -21,7 +21,7 @@ from morph.model.latent.unknowns import unknowns
 from morph.record.load import load
 from morph.run_folder import lock_run_folder
 from morph.search.target import Experience
-from morph.search.threads import one_thread
+from morph.sim.threads import one_thread
 from morph.task.task import Task
 from morph.transfer.live.recorded import Recorded
 from morph.transfer.repair import MOST_RUNS, noise_of, repaired

@@ -18,10 +18,10 @@ from morph.search.plan.policy import track_of
 from morph.search.plan.recalled import recalled
 from morph.search.plan.seeds import SWING_SHARE, Ground, led, swung
 from morph.search.search import Learned, Problem, Trial
-from morph.search.threads import one_thread
 from morph.search.trajectory.line import is_late
 from morph.search.trajectory.plant import Plant
 from morph.sim.simulator import Simulator
+from morph.sim.threads import one_thread
 from morph.task.task import Task
 
 

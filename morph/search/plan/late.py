@@ -21,11 +21,11 @@ from morph.search.plan.policy import track_of
 from morph.search.plan.recalled import recalled
 from morph.search.plan.seeds import Ground, led, swung
 from morph.search.search import Learned, Problem, Trial
-from morph.search.threads import one_thread
 from morph.search.trajectory.backward import backward
 from morph.search.trajectory.ddp import DAMPING, LENGTHS, Trajectories
 from morph.search.trajectory.line import Line, prompt
 from morph.sim.simulator import Simulator
+from morph.sim.threads import one_thread
 from morph.task.task import Task
 
 KINDS = (

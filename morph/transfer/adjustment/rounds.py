@@ -13,7 +13,7 @@ from morph.policy.policy import Policy
 from morph.search.ddp import Plan
 from morph.search.search import Problem
 from morph.search.target import Experience, Target
-from morph.search.threads import one_thread
+from morph.sim.threads import one_thread
 from morph.transfer.adjustment.adjust import Made, Settings, adjusted, applied
 from morph.transfer.adjustment.pretended import most_promising
 from morph.transfer.adjustment.source import Source

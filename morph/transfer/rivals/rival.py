@@ -17,7 +17,7 @@ from morph.search.dream.memory import Memory
 from morph.search.dream.plans import Effort
 from morph.search.search import Trial
 from morph.search.target import Target
-from morph.search.threads import one_thread
+from morph.sim.threads import one_thread
 from morph.transfer.rivals.source import Source
 
 LIGHT = Effort(

@@ -20,8 +20,8 @@ def test_it_agrees_with_the_columns_themselves(seed: int, width: float) -> None:
     exact = lsq_linear(columns, goal, bounds=(low, high), method="bvls", tol=1e-14).x
     found, rank = bounded(columns.T @ columns, columns.T @ goal, low, high)
     assert rank == 4
-    # A Gram matrix squares the condition, about 1e1 here once columns are scaled.
-    assert found * [1.0, 1e-4, 30.0, 1.0] == pytest.approx(exact * [1.0, 1e-4, 30.0, 1.0], abs=1e-9)
+    # The ridge of 1e-9 takes that much of entries of about 1, over the least eigenvalue, 0.5.
+    assert found * [1.0, 1e-4, 30.0, 1.0] == pytest.approx(exact * [1.0, 1e-4, 30.0, 1.0], abs=1e-8)
 
 
 def test_equal_columns_count_once_and_share() -> None:
@@ -30,8 +30,28 @@ def test_equal_columns_count_once_and_share() -> None:
     columns, wide = np.column_stack([one, 2.0 * one, other]), np.full(3, np.inf)
     goal = 5.0 * one + other
     found, rank = bounded(columns.T @ columns, columns.T @ goal, -wide, wide)
-    # Scaled columns are equal, so each explains half.
-    assert (rank, found) == (2, pytest.approx([2.5, 1.25, 1.0], abs=1e-7))
+    # Scaled columns are equal, so each explains half, but for rounding (1e-16 of products of about
+    # 250) over the ridge (1e-9).
+    assert (rank, found) == (2, pytest.approx([2.5, 1.25, 1.0], abs=1e-5))
+
+
+def test_many_active_bounds_are_found() -> None:
+    rng = np.random.default_rng(3)
+    # Nearly alike columns with narrow bounds, on which exchanges of all entries at once may cycle.
+    columns = rng.normal(size=(300, 1)) + 0.1 * rng.normal(size=(300, 60))
+    goal, low, high = 30.0 * rng.normal(size=300), np.full(60, -0.5), np.full(60, 1.0)
+    inner, along = columns.T @ columns, columns.T @ goal
+    found, rank = bounded(inner, along, low, high)
+    slope, slack = along - inner @ found, 1e-6
+    below, above = found <= low + 1e-9, found >= high - 1e-9
+    assert rank == 60
+    assert below.sum() > 10
+    assert above.sum() > 10
+    # The conditions of Karush, Kuhn and Tucker, which hold at the minimum alone: slopes are about
+    # 1e3, ridges change them by 1e-9 of a column's square (300) times an entry.
+    assert np.all(slope[below] < slack)
+    assert np.all(slope[above] > -slack)
+    assert np.abs(slope[~(below | above)]).max() < slack
 
 
 def test_a_zero_column_stays_at_the_bound_nearest_to_zero() -> None:

@@ -12,7 +12,7 @@ from morph.model.jointed.draws import draw
 from morph.model.jointed.fit import Settings, fit
 from morph.model.jointed.jointed import Jointed
 from morph.model.jointed.transition import Transitions
-from morph.search.threads import one_thread
+from morph.sim.threads import one_thread
 
 PERIOD = 0.05
 SETTINGS = Settings(turning=(0,), command_size=(1.0,), names=("hinge",))

@@ -10,7 +10,7 @@ from morph.body.load import load
 from morph.search.ddp import Plan
 from morph.search.search import Problem
 from morph.search.target import Experience
-from morph.search.threads import one_thread
+from morph.sim.threads import one_thread
 from morph.task.task import Task
 from morph.task.tasks import task
 from morph.transfer.rivals.source import Source

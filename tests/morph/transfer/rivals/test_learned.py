@@ -12,7 +12,7 @@ from morph.arrays import Array
 from morph.model.jointed.jointed import Jointed
 from morph.search.dream.memory import Memory
 from morph.search.target import Experience
-from morph.search.threads import one_thread
+from morph.sim.threads import one_thread
 from morph.transfer.rivals.alone import Alone
 from morph.transfer.rivals.carried import Carried
 from morph.transfer.rivals.ladder import share_expected
