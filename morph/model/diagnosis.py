@@ -197,14 +197,11 @@ class Diagnosis:
         """Return the answer in words, a sentence each."""
         if self.verdict == "consistent":
             return (EXPLAINED, *self.overstated)
-        if not self.findings:
-            likeliest = [label.replace("@", " at ") for label in self.probabilities if "@" in label]
-            return (
-                OUT_OF_TIME if self.stopped_short else UNNAMED,
-                *([f"Likeliest of what was tried: {', '.join(likeliest)}."] if likeliest else ()),
-            )
         said = [finding.statement for finding in self.findings]
-        if self.unexplained.probability > 0.5:
+        if not said:
+            said = [OUT_OF_TIME if self.stopped_short else UNNAMED]
+            said += (f"Perhaps {x.replace('@', ' at ')}." for x in self.probabilities if "@" in x)
+        elif self.unexplained.probability > 0.5:
             said.append(
                 f"A force of {round(100.0 * self.unexplained.share, 1):g} % of the inertial force "
                 "remains, and no effect that was tried explains it: something else is missing."

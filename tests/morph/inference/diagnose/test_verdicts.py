@@ -83,4 +83,4 @@ def test_the_likeliest_effects_are_listed_where_none_is_surely_missing(windy: Di
     assert list(listed.values()) == sorted(listed.values(), reverse=True)
     # With `none` and `unknown` they are no more than a posterior, whose rest is of other effects.
     assert sum(windy.probabilities.values()) <= 1.0 + 1e-9
-    assert all(label.replace("@", " at ") in windy.summary()[1] for label in listed)
+    assert windy.summary()[1:] == tuple(f"Perhaps {x.replace('@', ' at ')}." for x in listed)
