@@ -223,7 +223,7 @@ def _freed(found: _Found) -> _Found:
     task, best, own = found.task, found.best, found.none.refit
     nominal = task.nominal
     low = nominal.low + 0.01 * (nominal.high - nominal.low)
-    held = [each.guessed for each in nominal.knobs] & (own.point < low)
+    held = np.array([each.guessed for each in nominal.knobs], dtype=bool) & (own.point < low)
     # What no bound holds would stay where it is.
     if not best.effects or task.late() or not held.any():
         return found
