@@ -77,7 +77,7 @@ def test_the_model_rebuilt_from_what_is_written_scores_as_the_diagnosis_says(
 
 def test_the_finding_at_the_wrong_joint_is_worse(slice_of_c0: tuple[Diagnosis, Path]) -> None:
     found, aside = slice_of_c0
-    # Its frictions: twelve seconds also show a cogging, held unlikely, that the held-out run refutes.
+    # Friction alone: a cogging at a probability of 0.24 is found too, and worsens this run.
     friction = replace(corrected(found), effects=())
     right = errors(friction, aside, 1.0)
     wrong = errors(moved_to_the_wrong_joint(friction), aside, 1.0)
