@@ -70,7 +70,11 @@ def _pivoted(inner: Array, along: Array, low: Array, high: Array) -> Array:
         best = np.where(below, low, np.where(above, high, 0.0))
         if free.any():
             left = (along - inner[:, ~free] @ best[~free])[free]
-            best[free] = lapack.dposv(inner[np.ix_(free, free)], left, lower=1)[1]
+            block = inner[np.ix_(free, free)]
+            _, best[free], failed = lapack.dposv(block, left, lower=1)
+            if failed:
+                # Rounding of what is left of nearly dependent columns outweighs the ridge.
+                best[free] = np.linalg.lstsq(block, left, rcond=RANK_TOLERANCE)[0]
         slope = along - inner @ best
         under, over = free & (best < low), free & (best > high)
         wrong = under | over | (below & (slope > SLOPE)) | (above & (slope < -SLOPE))
