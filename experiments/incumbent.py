@@ -168,7 +168,7 @@ def _sequences(robot: Robot, segments: Segments) -> Any:
         # The last is never applied: a rollout has one state more than it has commands.
         held = np.concatenate([command, command[-1:]])
         controls.append(sysid.TimeSeries.from_control_names(clock, held, model))
-        there = segments.valid[row]
+        there = segments.valid[row].all(axis=1)
         when: Array = (segments.before[row] + segments.part[row])[there] * segments.step
         readings.append(
             sysid.TimeSeries.from_names(when, segments.reading[row][there], model, names)

@@ -11,10 +11,11 @@ from morph.inference.rank import Progress, ranked
 from morph.inference.verdict import DiagnosisRuns, conclude
 from morph.model.commanded import by_effort
 from morph.model.diagnosis import Diagnosis
-from morph.model.episodes import Episode, episode, pieces, step_for, stretches
+from morph.model.episodes import step_for
 from morph.model.hypothesis import Hypothesis
 from morph.model.knobs import knobs
 from morph.model.measurement import Measurement
+from morph.model.pieces import all_pieces, stretches
 from morph.model.segments import scored_segments
 from morph.model.split import split
 from morph.model.usable import (
@@ -85,8 +86,8 @@ def diagnose(
     parts = split(recordings, held_out)
     still = check_motion(parts.train, measured)
     step = step_for(parts.train, robot)
-    train, aside = (_laid(part, robot, step) for part in (parts.train, parts.held_out))
-    check_falls((*train, *aside), robot)
+    train, aside = (all_pieces(part, robot, step) for part in (parts.train, parts.held_out))
+    check_falls(train, robot)
     check_signs(train, robot)
     scored = scored_segments(aside, horizon)
     nominal = Hypothesis(robot=robot, step=step, knobs=knobs(robot, vary))
@@ -113,13 +114,3 @@ def diagnose(
             started=started,
         ),
     )
-
-
-def _laid(recordings: Sequence[Recording], robot: Robot, step: float) -> list[Episode]:
-    """Return the pieces of recordings that are long enough.
-
-    Raises:
-        DiagnosisError: None is.
-    """
-    laid = [piece for recording in recordings for piece in pieces(recording, robot, step)]
-    return laid or [episode(recording, robot, step) for recording in recordings]

@@ -33,6 +33,7 @@ from morph.physics.effect import Effect
 from morph.physics.fluid.thrust import Thrust
 from morph.physics.fluid.wet import WetEffect
 from morph.physics.motion import Motion
+from morph.record.noise import MOVES
 
 ODDS = 3.0
 """Prior log odds against one more effect, nats."""
@@ -132,10 +133,10 @@ def dictionary(
 
 
 def _moves(joint: str, seen: Observed) -> bool:
-    """Return whether the readings of a joint change."""
+    """Return whether the readings of a joint change by more than their noise."""
     at = seen.motion.channels[f"{joint}.position"]
     readings = seen.run.reading[seen.run.valid[:, at], at]
-    return len(readings) > 0 and float(np.ptp(readings)) > 0.0
+    return len(readings) > 0 and float(np.ptp(readings)) > MOVES * float(seen.run.noise[at])
 
 
 def _shapes(effect: Effect, motion: Motion) -> tuple[Effect, ...]:

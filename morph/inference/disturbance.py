@@ -54,9 +54,7 @@ def likeliest_disturbance(about: Reference, *, steps: int) -> Disturbance:
         )
 
     def cost(point: Array) -> float:
-        column = about.error[:, :, None]
-        found = whitened(tangent, at(point), column, -about.acceleration[:, :, None])
-        return -found.likelihood()
+        return -log_likelihood(about, at(point))
 
     def slope(point: Array) -> tuple[float, Array]:
         found = scored(tangent, at(point), about.error, about.acceleration)
@@ -92,6 +90,12 @@ def likeliest_disturbance(about: Reference, *, steps: int) -> Disturbance:
         forced = np.log([*[FORCED] * dofs, *[VIBRATIONS[0]] * channels, 0.2, 1.0])
         best = min(best, descended(forced), key=lambda each: float(each.fun))
     return replace(at(best.x), jolt=whole.jolt)
+
+
+def log_likelihood(about: Reference, disturbance: Disturbance) -> float:
+    """Return the log likelihood of the readings under a disturbance, nats."""
+    read, moved = about.error[:, :, None], -about.acceleration[:, :, None]
+    return whitened(about.tangent, disturbance, read, moved).likelihood()
 
 
 def _middle(about: Reference, samples: int) -> Reference:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from itertools import chain
 
 import numpy as np
 
@@ -83,7 +84,8 @@ def plan(
         knobs=knobs(robot, vary),
     )
     strongest = _seen(nominal, shown[0], noise)
-    grids = sized(robot, laws, strongest)
+    others = (_seen(nominal, each, noise) for each in shown[1:])
+    grids = sized(robot, laws, chain([strongest], others))
     tables = []
     for number, each in enumerate(shown):
         progress(f"looking at motion {number + 1} of {len(shown)}: {each.kind}")

@@ -216,7 +216,7 @@ INLINE double filter(int n, int m, int e, int width, int64_t steps, double h, do
 /* `CALL(n, e, width)` with numbers known to the compiler where they are small: loops of known length
  * are several times as fast, and a likelihood is evaluated thousands of times. */
 #define DISPATCH(CALL, alone) \
-	switch (!(alone) || (e && e != n) ? 0 : e ? 10 + n : n) { \
+	switch (!(alone) || n > 7 || (e && e != n) ? 0 : e ? 10 + n : n) { \
 	case 1: CALL(1, 0, 1); break; \
 	case 2: CALL(2, 0, 1); break; \
 	case 3: CALL(3, 0, 1); break; \

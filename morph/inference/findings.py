@@ -125,11 +125,13 @@ def estimates(about: LogPosterior) -> tuple[list[Estimate], Mask]:
     """
     hypothesis, point = about.hypothesis, about.point
     low, high = hypothesis.low, hypothesis.high
-    free = low < high
+    free, trust = low < high, information(hypothesis)
     slack = 1e-3 * np.minimum(high - low, np.abs(point) + 1e-9)
     at_bound = free & ((point <= low + slack) | (point >= high - slack))
     moving = free & ~at_bound
-    inner = about.inner()
+    # What neither readings nor a prior tell may be anything within its bounds, evenly.
+    even = np.where(free & (trust == 0.0), 12.0 / np.maximum(high - low, 1e-150) ** 2, 0.0)
+    inner = about.inner() + np.diag(even)
     scale = np.sqrt(np.maximum(np.diag(inner), 1e-300))[moving]
     inverse = np.linalg.pinv(inner[np.ix_(moving, moving)] / np.outer(scale, scale), hermitian=True)
     variance = np.zeros(len(point))
@@ -141,9 +143,8 @@ def estimates(about: LogPosterior) -> tuple[list[Estimate], Mask]:
     passing = [e.passing for e in hypothesis.effects_at(point) for _ in e.free()]
     jackknife[len(hypothesis.knobs) :][passing] = 0.0
     width = NORMAL90 * np.sqrt(np.maximum(TEMPERATURE * variance, jackknife))
-    trust = information(hypothesis)
     # What the prior alone says leaves its own variance.
-    prior_only = moving & (trust > 0.0) & (variance * trust > 0.9)
+    prior_only = moving & (variance * (trust + even) > 0.9)
     stiff = np.maximum(np.diag(inner), 1e-300)
     width = np.where(at_bound, NORMAL90 * np.sqrt(TEMPERATURE / stiff), width)
     found = [

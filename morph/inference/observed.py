@@ -111,8 +111,13 @@ def settled(seen: Observed) -> Observed:
 
 def missing(runs: Sequence[Observed]) -> float:
     """Return the missing force over the inertial force, RMS, of the worst joint."""
+    return float(missing_by_joint(runs).max())
+
+
+def missing_by_joint(runs: Sequence[Observed]) -> Array:
+    """Return the missing force over the inertial force, RMS over runs, shape (dofs,)."""
     squared = [(run.about.disturbance.scale / run.about.inertial) ** 2 for run in runs]
-    return float(np.sqrt(np.mean(squared, axis=0).max()))
+    return np.asarray(np.sqrt(np.mean(squared, axis=0)))
 
 
 class _Bodies(Mapping[str, BodyMotion]):
@@ -180,16 +185,19 @@ def _shift_slope_of(effects: Sequence[Effect], motion: Motion) -> Array:
 
 def _sampled(read: Episode) -> tuple[SampledRun, Array]:
     """Return an episode on the simulation's grid, and a first guess of positions on it."""
-    samples, dofs = len(read.command), read.reading.shape[1]
-    at = np.rint(read.time / read.step).astype(int)
-    there = at < samples
-    reading, valid = np.zeros((samples, dofs)), np.zeros((samples, dofs), dtype=bool)
+    samples = len(read.command)
+    shape = samples, read.reading.shape[1]
+    reading, offset, valid = np.zeros(shape), np.zeros(shape), np.zeros(shape, dtype=bool)
     attitude = np.tile(np.eye(4)[0], (samples, read.attitude.shape[1], 1))
-    attitude[at[there]] = read.attitude[there]
     # A reading between two samples belongs to the nearer one.
-    offset = np.zeros((samples, 1))
-    offset[at[there], 0] = (read.time - at * read.step)[there]
-    reading[at[there]], valid[at[there]] = read.reading[there], True
+    at = np.rint(read.time / read.step).astype(int)
+    row, channel = np.nonzero(read.valid & (at < samples)[:, None])
+    there = at[row], channel
+    reading[there], valid[there] = read.reading[row, channel], True
+    offset[there] = (read.time - at * read.step)[row]
+    for ball, (_, turn) in enumerate(read.measurement.coordinates.balls):
+        turned = row[channel == turn]
+        attitude[at[turned], ball] = read.attitude[turned, ball]
     grid = read.step * np.arange(samples)
     guess = np.stack([np.interp(grid, read.time, track) for track in read.position.T], axis=1)
     for place, _ in read.measurement.coordinates.balls:

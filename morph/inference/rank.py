@@ -113,9 +113,8 @@ def ranked(
     if not found.task.by_rollouts:
         # By rollouts each law of friction was tried at all driven joints.
         found = _freed(_replaced(found))
-    stopped = found.task.late()
     none, best = found.none, found.best
-    if not stopped and not found.task.by_forces and not at_noise(best.refit.runs):
+    if not found.task.late() and not found.task.by_forces and not at_noise(best.refit.runs):
         if not found.task.by_rollouts:
             none, best = (to_rollouts(found.task, each) for each in (none, best))
         best = richer(found.task, best)
@@ -128,7 +127,7 @@ def ranked(
         tried=tuple(sorted([*found.tried, none], key=lambda each: -each.evidence)),
         validation=found.task.validation,
         search=found.search,
-        stopped=stopped,
+        stopped=found.task.late(),
     )
 
 

@@ -117,17 +117,7 @@ def _along(
     dofs, axes = space.dofs, axes_of(space, position)
     local = _interpolated(model, position, velocity, run)
     mobility = local[:, :, 2 * dofs :]
-    sticking = np.broadcast_to(run.sticking, velocity.shape)
-    modelled = accelerations(model, position, velocity, run.command)
-    modelled += times(mobility, run.force - sticking * velocity)
-    slope = np.zeros_like(velocity)
-    slope[:-1] = np.diff(velocity, axis=0) / run.step
-    jacobian, acceleration = _stepped(local, modelled, sticking, run)
-    acceleration -= slope
-    # Nothing follows the last sample that its acceleration could be compared with.
-    acceleration[-1] = 0.0
-    acceleration = along_parent(space, axes, acceleration)
-    jacobian = jacobian_along_parent(space, axes, velocity, jacobian)
+    jacobian, acceleration, error = _errors(model, run, position, velocity, axes, local)
     inertia = np.asarray(np.linalg.inv(mobility), np.float64)
     needed = times(inertia, np.gradient(velocity, run.step, axis=0))
     inertial = np.sqrt(np.mean(needed**2, axis=0)) + 1e-12
@@ -147,7 +137,7 @@ def _along(
         spread=np.zeros_like(velocity),
         force=force,
         acceleration=acceleration,
-        sticking=sticking,
+        sticking=np.broadcast_to(run.sticking, velocity.shape),
         axes=axes,
         local=local,
         tangent=Tangent(
@@ -157,9 +147,39 @@ def _along(
             valid=run.valid,
         ),
         disturbance=replace(known, jolt=_jolt(model, run, position, jacobian[:, :, 2 * dofs :])),
-        error=np.where(run.valid, run.reading - _predicted(run, position, velocity, axes), 0.0),
+        error=error,
         sensed=run.noise,
         inertial=inertial,
+    )
+
+
+def _errors(
+    model: mujoco.MjModel, run: SampledRun, position: Array, velocity: Array, axes: Axes,
+    local: Array,
+) -> tuple[Array, Array, Array]:  # fmt: skip
+    """Return a model's Jacobian along a motion, and its errors of accelerations and of readings.
+
+    Args:
+        model: The model.
+        run: What was commanded and read.
+        position: Shape (samples, nq).
+        velocity: Shape (samples, dofs).
+        axes: Of its orientations.
+        local: The derivatives of the model, or of a similar one, shape (samples, dofs, 3 dofs).
+    """
+    space = run.measurement.coordinates
+    sticking = np.broadcast_to(run.sticking, velocity.shape)
+    modelled = accelerations(model, position, velocity, run.command)
+    modelled += times(local[:, :, 2 * space.dofs :], run.force - sticking * velocity)
+    jacobian, acceleration = _stepped(local, modelled, sticking, run)
+    acceleration[:-1] -= np.diff(velocity, axis=0) / run.step
+    # Nothing follows the last sample that its acceleration could be compared with.
+    acceleration[-1] = 0.0
+    shown = np.where(run.valid, run.reading - _predicted(run, position, velocity, axes), 0.0)
+    return (
+        jacobian_along_parent(space, axes, velocity, jacobian),
+        along_parent(space, axes, acceleration),
+        shown,
     )
 
 
@@ -202,22 +222,15 @@ def _moved(before: Reference, model: mujoco.MjModel, run: SampledRun) -> Referen
 
     A smoother that is iterated once more needs them only roughly.
     """
-    position, velocity, axes = before.position, before.velocity, before.axes
-    space = run.measurement.coordinates
-    sticking = np.broadcast_to(run.sticking, velocity.shape)
-    modelled = accelerations(model, position, velocity, run.command)
-    modelled += times(before.mobility, run.force - sticking * velocity)
-    jacobian, acceleration = _stepped(before.local, modelled, sticking, run)
-    acceleration[:-1] -= np.diff(velocity, axis=0) / run.step
-    acceleration[-1] = 0.0
-    acceleration = along_parent(space, axes, acceleration)
-    jacobian = jacobian_along_parent(space, axes, velocity, jacobian)
+    jacobian, acceleration, error = _errors(
+        model, run, before.position, before.velocity, before.axes, before.local
+    )
     return replace(
         before,
         acceleration=acceleration,
-        sticking=sticking,
+        sticking=np.broadcast_to(run.sticking, before.velocity.shape),
         tangent=replace(before.tangent, jacobian=jacobian, reads=run.reads),
-        error=np.where(run.valid, run.reading - _predicted(run, position, velocity, axes), 0.0),
+        error=error,
     )
 
 

@@ -12,9 +12,9 @@ import numpy as np
 from morph.arrays import Array, Integers
 from morph.errors import RecordingError
 from morph.inference.columns import acting
+from morph.inference.disturbance import log_likelihood
 from morph.inference.observed import Observed, missing, observed, settled
 from morph.inference.quadratic import information, offset, quadratic
-from morph.inference.whitened import Whitened, whitened
 from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis
 from morph.physics.effect import Effect
@@ -223,16 +223,9 @@ def _judged(hypothesis: Hypothesis, point: Array, runs: Sequence[Observed], rank
     """Return a point with its evidence, given the rank of all columns."""
     at = offset(hypothesis, point)
     evidence = -0.5 * float(at @ (information(hypothesis) * at))
-    for level in each(_errors, runs):
-        evidence -= 0.5 * (float(level.gram[0, 0]) + level.logarithm)
+    evidence += sum(each(lambda run: log_likelihood(run.about, run.about.disturbance), runs))
     evidence -= 0.5 * max(0, rank - hypothesis.free_knobs) * math.log(readings(runs))
     return Refit(hypothesis=hypothesis, point=point, runs=runs, evidence=evidence, rank=rank)
-
-
-def _errors(run: Observed) -> Whitened:
-    about = run.about
-    shown, moved = about.error[:, :, None], -about.acceleration[:, :, None]
-    return whitened(about.tangent, about.disturbance, shown, moved)
 
 
 def readings(runs: Sequence[Observed]) -> int:

@@ -8,12 +8,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from morph.inference.filter import Disturbance
+from morph.inference.disturbance import VIBRATIONS, log_likelihood
 from morph.inference.finalist import Finalist
-from morph.inference.observed import Observed
-from morph.inference.sampled import Reference
+from morph.inference.observed import Observed, missing_by_joint
 from morph.inference.validate import Validation
-from morph.inference.whitened import whitened
 
 SHARE, NATS = 0.003, 400.0
 """Where what remains is as probably physics as not: share of the joints' force, and evidence."""
@@ -62,10 +60,7 @@ class Remains:
 def remaining(found: Finalist, validation: Validation) -> Remains:
     """Return what a refit leaves unexplained of the runs it was fitted to."""
     runs, channels = found.refit.runs, validation.segments.measurement.channels
-    squared = np.mean(
-        [(run.about.disturbance.scale / run.about.inertial) ** 2 for run in runs], axis=0
-    )
-    share = np.sqrt(squared)
+    share = missing_by_joint(runs)
     return Remains(
         share=float(share.max()),
         channels=dict(zip(channels, share.tolist(), strict=True)),
@@ -78,10 +73,5 @@ def remaining(found: Finalist, validation: Validation) -> Remains:
 def _over_floor(run: Observed) -> float:
     """Return by how much the readings are likelier than with no more than a floor of force."""
     about = run.about
-    least = replace(about.leaving(0.0), vibration=0.05 * about.sensed)
-    return _likelihood(about, about.disturbance) - _likelihood(about, least)
-
-
-def _likelihood(about: Reference, disturbance: Disturbance) -> float:
-    shown, moved = about.error[:, :, None], -about.acceleration[:, :, None]
-    return whitened(about.tangent, disturbance, shown, moved).likelihood()
+    least = replace(about.leaving(0.0), vibration=VIBRATIONS[0] * about.sensed)
+    return log_likelihood(about, about.disturbance) - log_likelihood(about, least)

@@ -33,7 +33,7 @@ class SampledRun:
     noise: Array
     """Standard deviation of each channel's noise, shape (channels,)."""
     time_offset: Array | float = 0.0
-    """Time of a reading less that of its sample, s, shape (samples, 1)."""
+    """Time of a reading less that of its sample, s, shape (samples, channels)."""
     unsure: Array | None = None
     """Standard deviation of each control's integral over a step, its unit times s, shape (samples,
     actuators). None: commands are known."""

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from itertools import chain
 
 import numpy as np
 
@@ -22,28 +23,33 @@ IDLE = 1e-6
 """Size of a law's column over that of its greatest, below which it does nothing here."""
 
 
-def sized(robot: Robot, laws: Sequence[Effect], seen: Observed) -> list[tuple[Effect, ...]]:
+def sized(
+    robot: Robot, laws: Sequence[Effect], runs: Iterable[Observed]
+) -> list[tuple[Effect, ...]]:
     """Return laws, each first at its size and then at other shapes that it might be taken for.
 
     Args:
         robot: The description.
-        laws: As they were asked for, neutral ones at a usual size; none for every law of the robot.
-        seen: A strong motion of all joints, by which sizes are set.
+        laws: As they were asked for, neutral ones at a usual size; none for every law of the robot,
+            whether it does anything or not.
+        runs: Motions, a strong one of all joints first, by which sizes are set; the size of a law
+            that does nothing there, by the next in which it does.
 
     Raises:
-        DiagnosisError: A law does nothing to this robot, whatever its shape.
+        DiagnosisError: A law that was asked for does nothing in any motion.
     """
-    there = {grid[0].label: grid for grid in dictionary(robot, [seen], tuple(laws))}
+    more = iter(runs)
+    tried = [next(more)]
+    there = {grid[0].label: grid for grid in dictionary(robot, tried, tuple(laws))}
     if not laws:
         # Pushes and cables come from outside: no laws of the robot. In air fluids hardly act.
         wet = robot.card is not None and robot.card.water is not None
-        kept = [
-            (_sized(grid[len(grid) // 2], seen),)
+        return [
+            (_sized(grid[len(grid) // 2], tried[0]),)
             for grid in there.values()
             if not (grid[0].of_a_run or isinstance(grid[0], Tether))
             and (wet or not isinstance(grid[0], WetEffect))
         ]
-        return [grid for grid in kept if _acts(grid[0], seen)]
     found = []
     for law in laws:
         grid = there.get(law.label, (law,))
@@ -53,11 +59,14 @@ def sized(robot: Robot, laws: Sequence[Effect], seen: Observed) -> list[tuple[Ef
                 where="--separate",
                 fix="name laws of joints, actuators, sensors, links or a fluid",
             )
-        told = law
-        if not law.coefficients.any():
-            # Parameters that are given stay; a law without any has the middle shape of its grid.
-            told = _sized(grid[len(grid) // 2] if law == type(law).at(law.where) else law, seen)
-        if not _acts(told, seen):
+        # Parameters that are given stay; a law without any has the middle shape of its grid.
+        shape = grid[len(grid) // 2] if law == type(law).at(law.where) else law
+        for seen in chain(tuple(tried), more):
+            tried = tried if seen in tried else [*tried, seen]
+            told = law if law.coefficients.any() else _sized(shape, seen)
+            if _acts(told, seen):
+                break
+        else:
             raise DiagnosisError(
                 f"{law.label} does nothing in any motion of this robot",
                 where="--separate",

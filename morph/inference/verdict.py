@@ -16,9 +16,10 @@ from morph.inference.refit import Refit
 from morph.inference.remains import MOST_UNKNOWN, Remains, remaining
 from morph.model.corrected import corrected, data, notes, provenance
 from morph.model.diagnosis import Diagnosis, Finding, Unexplained
-from morph.model.episodes import Episode, stretches
+from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis
 from morph.model.locate import locate
+from morph.model.pieces import stretches
 from morph.model.residual import LearnedResidual, hinges_and_slides, learned
 from morph.model.score import by_segment, improvement_low90, rmse, rollouts, traces
 from morph.model.segments import Segments
@@ -136,6 +137,7 @@ def _scored(
     unit = np.maximum(errors["nominal"], scored.noise)
     nominal, own = (np.mean((errors[name] / unit) ** 2) for name in ("nominal", "corrected"))
     if worse := bool(own > nominal):
+        errors["rejected"] = errors["corrected"]
         predicted["corrected"], errors["corrected"] = predicted["nominal"], errors["nominal"]
         # It was learned beside the corrected model, and goes with it. No other held-out error
         # decides about it: an error that chose a model is no measure of that model.

@@ -66,7 +66,7 @@ class Matched:
     seconds: float
     """How long judging and matching took, s."""
     seed: int
-    """Of every draw."""
+    """Random seed."""
     tried: tuple[Tried, ...] = field(default=())
     """Every way that was tried, in order."""
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import replace
 
 import numpy as np
@@ -17,15 +18,18 @@ def by_effort(recording: Recording, robot: Robot) -> Recording:
 
     Args:
         recording: What was recorded; each stand-in is noted.
-        robot: Its robot. An effort at a joint is a command times the motor's gear and gain.
+        robot: Its robot. An effort at a joint is a command times the motor's gear and gain. It
+            says nothing of two motors at one joint.
     """
     channels, notes = dict(recording.channels), []
+    motors = Counter(actuator.joint for actuator in robot.actuators)
     lacking = [
         (actuator, f"{actuator.name}.command", f"{actuator.joint}.effort")
         for actuator in robot.actuators
         if f"{actuator.name}.command" not in channels
         and actuator.kind == "motor"
         and actuator.joint
+        and motors[actuator.joint] == 1
     ]
     lacking = [each for each in lacking if each[2] in channels]
     if not lacking:

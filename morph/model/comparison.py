@@ -10,10 +10,11 @@ import numpy as np
 from morph.arrays import JSON
 from morph.body.robot import Robot
 from morph.model.commanded import by_effort, told_zero
-from morph.model.episodes import Episode, episode, pieces, step_for
+from morph.model.episodes import Episode, step_for
 from morph.model.hypothesis import Hypothesis
 from morph.model.measurement import Measurement
 from morph.model.motion import needed
+from morph.model.pieces import all_pieces
 from morph.model.score import rmse, rollouts
 from morph.model.segments import Segments, scored_segments
 from morph.model.usable import check_channels, check_recordings
@@ -121,8 +122,7 @@ def compare(
     for recording in recordings:
         check_channels(recording, robot, Measurement.of(robot).needed)
     step = step_for(recordings, robot)
-    laid = [piece for recording in recordings for piece in pieces(recording, robot, step)]
-    laid = laid or [episode(recording, robot, step) for recording in recordings]
+    laid = all_pieces(recordings, robot, step)
     if horizon is not None and max(len(each.command) for each in laid) * step < horizon:
         horizon = None
     segments = scored_segments(laid, horizon)
@@ -134,11 +134,11 @@ def compare(
         [needed(model, model.start, each, suspects=False).missing for each in laid]
     )
     errors = rmse(segments, predicted)
-    squared = np.where(segments.valid[..., None], (segments.reading - predicted) ** 2, 0.0)
+    squared = np.where(segments.valid, (segments.reading - predicted) ** 2, 0.0)
     space, count = segments.measurement.coordinates, segments.reading.shape[1]
     rested = np.repeat(segments.start[:, None, : space.positions], count, axis=1)
     motions = rmse(segments, segments.measurement.read(rested, segments.attitude))
-    by_rollout = np.sqrt(squared.sum(axis=1) / segments.valid.sum(axis=1)[:, None])
+    by_rollout = np.sqrt(squared.sum(axis=1) / segments.valid.sum(axis=1))
     channels = []
     for at, channel in enumerate(segments.measurement.channels):
         row = int(np.argmax(by_rollout[:, at]))

@@ -9,8 +9,9 @@ from typing import Any
 from morph.arrays import JSON, Array
 from morph.body.fulltext import fulltext
 from morph.body.robot import Robot
-from morph.model.episodes import SHORTEST, SHORTEST_PIECE, Episode, fills, gaps
+from morph.model.episodes import SHORTEST, Episode, fills
 from morph.model.hypothesis import Hypothesis
+from morph.model.pieces import SHORTEST_PIECE, gaps
 from morph.physics.apply import apply
 from morph.physics.effect import Effect
 from morph.record.recording import Recording
@@ -67,8 +68,8 @@ def notes(
     """
     said = [f"{note.where}: {note.what}" for each in recordings for note in each.notes]
     said += [
-        f"Joint {joint} does not move in any run that was fitted: it is held, or its encoder is "
-        "stuck, and then forces at the other joints are wrong."
+        f"Joint {joint} does not move in any run that was fitted beyond its noise: it is held, or "
+        "its encoder is stuck, and then forces at the other joints are wrong."
         for joint in still
     ]
     if any(name.endswith(".velocity") for each in recordings for name in each.channels):

@@ -52,7 +52,7 @@ class Finding:
     effect: Effect
     """The effect as fitted."""
     probability: float
-    """Posterior probability."""
+    """Posterior probability, tempered and at most .85; see docs/diagnosis.md."""
     episodes: tuple[str, ...]
     """Training episodes that it explains better."""
     parameters: Mapping[str, Estimate]
@@ -62,7 +62,8 @@ class Finding:
     separate_by: str
     """The experiment that would tell it from its likeliest rival."""
     gain: float
-    """Share of the training loss that it takes away."""
+    """By how much the geometric mean over channels of 1 + MSE / variance falls in rollouts of the
+    training runs: 1 - exp(-2 nats / channels)."""
     slide: bool = False
     """Whether its joint is a slide, so that forces are in N and lengths in m."""
 
@@ -131,6 +132,7 @@ class Trace:
 
 
 EXPLAINED = "The simulation explains these recordings: nothing was left out that shows."
+REJECTED = "The corrected model predicts held-out runs worse than the description: it is rejected."
 OUT_OF_TIME = "The budget ended before anything could be said surely."
 UNNAMED = (
     "The simulation does not explain these recordings, and no effect that was tried does so "
@@ -163,7 +165,8 @@ class Diagnosis:
     split: str
     """How they were set apart: by session, by episode, by time, or as named."""
     held_out_rmse: Mapping[str, Mapping[str, float]]
-    """Error by model and channel."""
+    """Error by model and channel. `rejected` is a corrected model that predicts them worse than the
+    description, which then stands for it."""
     improvement_low90: float
     """Share of the nominal squared error taken away, lower end of a 90 % interval."""
     refit: Mapping[str, Estimate]
@@ -181,7 +184,7 @@ class Diagnosis:
     seconds: float
     """How long it took."""
     seed: int
-    """Of every draw."""
+    """Random seed."""
     candidates_tried: int
     """Effects at places that were looked at, over all rounds."""
     stopped_short: bool = False
@@ -206,50 +209,42 @@ class Diagnosis:
                 f"A force of {round(100.0 * self.unexplained.share, 1):g} % of the inertial force "
                 "remains, and no effect that was tried explains it: something else is missing."
             )
-        elif self.verdict == "unknown":
-            said.append("The corrected model is no better on held-out runs: nothing was changed.")
+        if "rejected" in self.held_out_rmse:
+            said.append(REJECTED)
         return (*said, *self.overstated)
 
     def as_json(self) -> JSON:
         """Return the content of `diagnosis.json`."""
-        return {
+        times = [
+            {"episode": each.episode, "start_s": each.start, "end_s": each.end, "share": each.share}
+            for each in self.located.times
+        ]
+        content = {
             "schema": SCHEMA,
             "robot": self.robot,
             "verdict": self.verdict,
             "summary": list(self.summary()),
             "findings": [_finding(f) for f in self.findings],
             "located": {
-                "channels": [
-                    {"channel": c, "share": _round(s)} for c, s in self.located.channels.items()
-                ],
-                "times": [
-                    {
-                        "episode": s.episode,
-                        "start_s": _round(s.start),
-                        "end_s": _round(s.end),
-                        "share": _round(s.share),
-                    }
-                    for s in self.located.times
-                ],
+                # Largest first: a list keeps the order where an object may not.
+                "channels": [{"channel": c, "share": s} for c, s in self.located.channels.items()],
+                "times": times,
                 "states": self.located.states,
             },
-            "probabilities": {k: _round(v) for k, v in self.probabilities.items()},
+            "probabilities": dict(self.probabilities),
             "unexplained": {
-                "probability": _round(self.unexplained.probability),
-                "share": _round(self.unexplained.share),
-                "channels": {k: _round(v) for k, v in self.unexplained.channels.items()},
-                "in_noise": _round(self.unexplained.in_noise),
+                "probability": self.unexplained.probability,
+                "share": self.unexplained.share,
+                "channels": dict(self.unexplained.channels),
+                "in_noise": self.unexplained.in_noise,
             },
             "fit": {
                 "horizon_s": self.horizon if self.horizon is not None else "full",
                 "train": list(self.train),
                 "held_out": list(self.held_out),
                 "split": self.split,
-                "held_out_rmse": {
-                    model: {c: _round(v) for c, v in by.items()}
-                    for model, by in self.held_out_rmse.items()
-                },
-                "improvement_low90": _round(self.improvement_low90),
+                "held_out_rmse": {model: dict(by) for model, by in self.held_out_rmse.items()},
+                "improvement_low90": self.improvement_low90,
                 "refit": {name: _estimate(e) for name, e in self.refit.items()},
             },
             "provenance": self.provenance,
@@ -260,13 +255,14 @@ class Diagnosis:
             "candidates_tried": self.candidates_tried,
             "stopped_short": self.stopped_short,
         }
+        return dict(_rounded(content))
 
 
 def _finding(finding: Finding) -> JSON:
     return {
         "effect": finding.effect.name,
         "where": {"kind": finding.effect.kind, "name": finding.effect.where},
-        "probability": _round(finding.probability),
+        "probability": finding.probability,
         "onset_s": None,
         "interval_s": None,
         "episodes": list(finding.episodes),
@@ -275,7 +271,7 @@ def _finding(finding: Finding) -> JSON:
             {
                 "effect": rival.effect,
                 "where": {"kind": rival.kind, "name": rival.where},
-                "probability": _round(rival.probability),
+                "probability": rival.probability,
             }
             for rival in finding.rivals
         ],
@@ -285,16 +281,16 @@ def _finding(finding: Finding) -> JSON:
 
 
 def _estimate(estimate: Estimate) -> JSON:
-    return {
-        "value": _round(estimate.value),
-        "low90": _round(estimate.low90),
-        "high90": _round(estimate.high90),
-        "unit": estimate.unit,
-        **({"bounded": True} if estimate.bounded else {}),
-        **({"prior_only": True} if estimate.prior_only else {}),
-    }
+    flags = {"bounded": estimate.bounded, "prior_only": estimate.prior_only}
+    ends = {"low90": estimate.low90, "high90": estimate.high90}
+    given = {name: True for name, holds in flags.items() if holds}
+    return {"value": estimate.value, **ends, "unit": estimate.unit, **given}
 
 
-def _round(value: float) -> float:
-    """Return a value with six figures: what follows differs from machine to machine."""
-    return float(f"{value:.6g}")
+def _rounded(value: Any) -> Any:
+    """Return JSON with six figures: what follows differs from machine to machine."""
+    if isinstance(value, float):
+        return float(f"{value:.6g}")
+    if isinstance(value, Mapping):
+        return {name: _rounded(each) for name, each in value.items()}
+    return [_rounded(each) for each in value] if isinstance(value, list) else value

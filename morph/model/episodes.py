@@ -7,11 +7,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from morph.arrays import Array
+from morph.arrays import Array, Mask
 from morph.body.robot import Robot
 from morph.errors import DiagnosisError
 from morph.model.measurement import Measurement
-from morph.model.split import between
 from morph.record.noise import noise
 from morph.record.recording import Channel, Recording
 from morph.record.slopes import slopes
@@ -21,13 +20,8 @@ MOST_HERTZ = 100.0
 """Readings are thinned to about this rate: what a rollout of a second can tell apart."""
 QUIETEST = 1e-5
 """rad or m: least noise that a sensor is credited with."""
-STRETCH = 5.0
-"""Seconds of the stretches that stand for recordings too long to look at whole."""
-SHORTEST, SHORTEST_PIECE = 0.5, 2.0
-"""Least seconds of an episode, as in less friction does not show, and of a piece between gaps: the
-rollouts by which models are compared are no longer than half of the shortest."""
-FEWEST = 20
-"""Readings below which a stretch is left out."""
+SHORTEST = 0.5
+"""Least seconds of an episode: in less friction does not show."""
 STATE_HERTZ = 15.0
 """Band of the motion that a rollout's start is read from."""
 
@@ -68,15 +62,17 @@ class Episode:
     time: Array
     """When readings were taken, s from the start, shape (readings,)."""
     reading: Array
-    """What each channel reads, shape (readings, channels)."""
+    """What each channel reads, shape (readings, channels); interpolated where not `valid`."""
+    valid: Mask
+    """Which channels were read then, same shape: each has its own clock, and may lose samples."""
     attitude: Array
     """Measured orientations of what moves freely, shape (readings, balls, 4)."""
     noise: Array
     """Standard deviation of each reading's noise, shape (channels,)."""
     state: Array
     """Positions, then velocities, lightly smoothed, shape (readings, nq + nv)."""
-    state_cutoff: float
-    """Frequency, Hz, above which motion is taken for noise in `state`."""
+    state_cutoff: Array
+    """Frequency, Hz, above which motion is taken for noise in `state`, shape (channels,)."""
     position: Array
     """Positions smoothed to the band of the motion, shape (readings, nq)."""
     velocity: Array
@@ -101,14 +97,15 @@ class Episode:
 
 
 def step_for(recordings: Sequence[Recording], robot: Robot) -> float:
-    """Return the seconds a step: whole parts or multiples of the clock's median period.
+    """Return the seconds a step: whole parts or multiples of the fastest clock's median period.
 
     About 4 ms, 2.5 ms where servos add stiff damping: with the starts fitted, the
     error of a semi-implicit step is of second order, (w h)^2 / 24 of the period of a
     motion at w rad/s, below 1e-4 at 10 rad/s.
     """
-    first = Measurement.of(robot).needed[0]
-    period = float(np.median([np.median(np.diff(r.channel(first).time)) for r in recordings]))
+    measurement = Measurement.of(robot)
+    periods = [min(map(_period, measurement.clocks(each))) for each in recordings]
+    period = float(np.median(periods))
     wanted = 0.0025 if any(a.kind == "position" for a in robot.actuators) else 0.004
     if period > wanted:
         return period / float(np.ceil(period / wanted - 0.1))
@@ -133,14 +130,13 @@ def episode(recording: Recording, robot: Robot, step: float) -> Episode:
             where=f"recording {recording.name}",
             fix="record for longer; without --held-out a quarter of a recording is set aside",
         )
-    clock = tracks[0].time
-    clock = clock[(clock >= start) & (clock <= end)]
-    period = float(np.median(np.diff(clock)))
-    light = min(0.2 / period, STATE_HERTZ)
-    cutoff = min(light, max(band(track) for track in tracks))
-    kept = clock[:: max(1, int(1.0 / period / MOST_HERTZ + 0.01))]
+    clocks = [_thinned(clock, start, end) for clock in measurement.clocks(recording)]
+    kept = np.unique(np.concatenate(clocks))
+    light = np.minimum([0.2 / _period(track.time) for track in tracks], STATE_HERTZ)
+    cutoff = np.minimum(light, max(band(track) for track in tracks))
     quick, smooth = (_moving(measurement, tracks, kept, hertz) for hertz in (light, cutoff))
     raw = np.stack([np.interp(kept, track.time, track.value) for track in tracks], axis=1)
+    read = np.stack([np.isin(kept, track.time) for track in tracks], axis=1).astype(float)
     steps = int((end - start) / step + 1e-6)
     # A semi-implicit step is a leapfrog: the force of step n carries the velocity from
     # half a step before it to half a step after, so its command is centred on it.
@@ -160,22 +156,35 @@ def episode(recording: Recording, robot: Robot, step: float) -> Episode:
         time=kept - start,
         measurement=measurement,
         reading=measurement.spread(raw),
+        valid=measurement.by_channel(read) > 0.0,
         attitude=measurement.attitude(raw),
         noise=_floored(measurement.noise(np.array([noise(t.time, t.value) for t in tracks]))),
         state=np.concatenate(quick[:2], axis=1),
-        state_cutoff=light,
+        state_cutoff=measurement.by_channel(light),
         position=smooth[0],
         velocity=smooth[1],
         acceleration=smooth[2],
-        cutoff=cutoff,
+        cutoff=float(cutoff.max()),
     )
 
 
+def _period(clock: Array) -> float:
+    return float(np.median(np.diff(clock)))
+
+
+def _thinned(clock: Array, start: float, end: float) -> Array:
+    """Return the times of a clock from one to another, at most about `MOST_HERTZ`."""
+    clock = clock[(clock >= start) & (clock <= end)]
+    if len(clock) < 2:
+        return clock
+    return clock[:: max(1, int(1.0 / _period(clock) / MOST_HERTZ + 0.01))]
+
+
 def _moving(
-    measurement: Measurement, tracks: Sequence[Channel], times: Array, cutoff: float
+    measurement: Measurement, tracks: Sequence[Channel], times: Array, cutoffs: Array
 ) -> tuple[Array, Array, Array]:
     """Return smoothed positions, velocities and accelerations at some times."""
-    parts = [slopes(track.time, track.value, cutoff) for track in tracks]
+    parts = [slopes(t.time, t.value, hertz) for t, hertz in zip(tracks, cutoffs, strict=True)]
     columns = [
         np.stack(
             [np.interp(times, t.time, p[k]) for t, p in zip(tracks, parts, strict=True)], axis=1
@@ -190,89 +199,8 @@ def _floored(noises: Array) -> Array:
     return np.maximum(noises, max(QUIETEST, 0.01 * float(noises.max())))
 
 
-def gaps(time: Array) -> list[tuple[float, float]]:
-    """Return where readings are missing: the times of the last before and the first after, s."""
-    step = np.diff(time)
-    long = step > max(20.0 * float(np.median(step)), 0.2)
-    return list(zip(time[:-1][long].tolist(), time[1:][long].tolist(), strict=True))
-
-
-def pieces(recording: Recording, robot: Robot, step: float) -> list[Episode]:
-    """Return what lies between a recording's gaps, each piece as an episode.
-
-    What a robot does without readings for long tells little, and is told badly by a linearised
-    model. Pieces of less than `SHORTEST_PIECE` seconds, and whole recordings of less than
-    `SHORTEST`, are left out: there may be none.
-
-    Raises:
-        RecordingError: A joint's position or an actuator's command is missing.
-    """
-    channels = [recording.channel(name) for name in Measurement.of(robot).needed]
-    start = max(float(channel.time[0]) for channel in channels)
-    end = min(float(channel.time[-1]) for channel in channels)
-    missing = sorted(gap for channel in channels for gap in gaps(channel.time))
-    begins, ends = [start], []
-    for last, first in missing:
-        ends.append(last)
-        begins.append(max(first, begins[-1]))
-    found = [
-        (begin, until)
-        for begin, until in zip(begins, [*ends, end], strict=True)
-        if until - begin >= (SHORTEST_PIECE if missing else SHORTEST)
-    ]
-    if not missing:
-        return [episode(recording, robot, step)] if found else []
-    laid = (episode(between(recording, *each), robot, step) for each in found)
-    return [
-        replace(piece, recording=recording, begin=begin - start)
-        for piece, (begin, _) in zip(laid, found, strict=True)
-    ]
-
-
 def fills(episode: Episode) -> list[str]:
     """Return in how many places commands were interpolated, as the logger lost them, in words."""
     lost = (episode.unsure > 0.0).any(axis=1)
     count = int(np.count_nonzero(np.diff(lost, prepend=False) & lost))
     return [f"commands that the logger lost are interpolated, gaps: {count}"] if count else []
-
-
-def part(whole: Episode, begin: float, end: float) -> Episode:
-    """Return an episode from one time to another, s; its own times count from there."""
-    inside = (whole.time >= begin) & (whole.time <= end)
-    first = round(begin / whole.step)
-    steps = slice(first, first + round((end - begin) / whole.step) + 1)
-    return replace(
-        whole,
-        begin=(whole.begin or 0.0) + first * whole.step,
-        command=whole.command[steps],
-        unsure=whole.unsure[steps],
-        time=whole.time[inside] - first * whole.step,
-        reading=whole.reading[inside],
-        attitude=whole.attitude[inside],
-        state=whole.state[inside],
-        position=whole.position[inside],
-        velocity=whole.velocity[inside],
-        acceleration=whole.acceleration[inside],
-    )
-
-
-def stretches(episodes: Sequence[Episode], seconds: float) -> list[Episode]:
-    """Return stretches of episodes, evenly spread, that last about `seconds` together.
-
-    Episodes that are short enough together are returned as they are.
-    """
-    total = sum(float(e.time[-1]) for e in episodes)
-    if total <= seconds:
-        return list(episodes)
-    count = max(1, round(seconds / STRETCH))
-    chosen = []
-    for begin in np.linspace(0.0, total - STRETCH, count):
-        for e in episodes:
-            if begin < float(e.time[-1]):
-                break
-            begin -= float(e.time[-1])
-        begin = min(begin, max(0.0, float(e.time[-1]) - STRETCH))
-        stretch = part(e, begin, begin + STRETCH)
-        if len(stretch.time) >= FEWEST:
-            chosen.append(stretch)
-    return chosen

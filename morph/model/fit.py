@@ -187,8 +187,8 @@ def measure(segments: Segments, predicted: Array) -> tuple[Array, Array]:
     Returns:
         Units (joints,) and weights (segments,).
     """
-    squared = np.where(segments.valid[..., None], (segments.reading - predicted) ** 2, 0.0)
-    of_segments = squared.sum(axis=1) / segments.valid.sum(axis=1, keepdims=True)
+    squared = np.where(segments.valid, (segments.reading - predicted) ** 2, 0.0)
+    of_segments = squared.sum(axis=1) / segments.valid.sum(axis=1)
     weight = np.ones(len(segments))
     for _ in range(5):
         mean = (weight[:, None] * of_segments).sum(axis=0) / weight.sum()
@@ -196,7 +196,8 @@ def measure(segments: Segments, predicted: Array) -> tuple[Array, Array]:
         weight = 1.0 / (1.0 + in_units / (3.0 * max(float(np.median(in_units)), 1e-12))) ** 2
         weight = weight / weight.max()
     scale = np.maximum(np.sqrt(mean), segments.noise)
-    rate = segments.valid.sum() / (len(segments) * segments.steps * segments.step)
+    seconds = len(segments) * segments.steps * segments.step
+    rate = segments.valid.sum() / segments.valid.shape[2] / seconds
     band = max(episode.cutoff for episode in segments.episodes)
     white = float(np.mean((segments.noise / scale) ** 2))
     return scale, weight * float(np.clip(white, min(1.0, 2.0 * band / rate), 1.0))

@@ -61,7 +61,8 @@ class Knob:
         f = self.fraction
         if self.freed:
             return math.log(LEAST_OF_JOINT), math.log1p(f)
-        return (math.log1p(-f) if f < 0.5 else -math.log1p(f)), math.log1p(f)
+        # Half and twice, and no less for more, then one over it.
+        return min(math.log1p(-min(f, 0.5)), -math.log1p(f)), math.log1p(f)
 
     @property
     def spread(self) -> float:

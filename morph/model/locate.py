@@ -37,7 +37,7 @@ def locate(
         segments: Their rollouts.
         predicted: What the model predicts there, (segments, readings, channels).
     """
-    error = np.where(segments.valid[..., None], segments.reading - predicted, 0.0)
+    error = np.where(segments.valid, segments.reading - predicted, 0.0)
     squared = (error / segments.noise) ** 2
     total = float(squared.sum()) + 1e-30
     names = segments.measurement.channels

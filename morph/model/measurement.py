@@ -11,7 +11,7 @@ from morph.body.robot import Robot
 from morph.errors import DiagnosisError
 from morph.record.quantities import WXYZ, XYZ
 from morph.record.recording import Channel, Recording
-from morph.record.spikes import without_spikes
+from morph.record.spikes import spikes, without_spikes
 from morph.sim.tangent import FREE, HINGE, SLIDE, Coordinates, conjugate, product, rotation, turned
 
 KINDS = {"hinge": HINGE, "slide": SLIDE, "free": FREE}
@@ -89,18 +89,43 @@ class Measurement:
     def tracks(self, recording: Recording) -> list[Channel]:
         """Return the channels that are needed, less spikes; quaternions do not change their sign.
 
+        Those of a quaternion are on the clock of its first.
+
         Raises:
             RecordingError: A channel is missing.
         """
-        found = [recording.channel(name) for name in self.recorded]
+        found = [without_spikes(recording.channel(name)) for name in self.recorded]
         for names in self.quaternions:
             parts = [recording.channel(name) for name in names]
             whole = np.stack([part.at(parts[0].time) for part in parts], axis=1)
             flipped = np.sum(whole[1:] * whole[:-1], axis=1) < 0.0
             sign = np.cumprod(np.where(flipped, -1.0, 1.0))
             whole[1:] *= sign[:, None]
-            found += [Channel(time=parts[0].time, value=values) for values in whole.T]
-        return [without_spikes(track) for track in found]
+            turns = [Channel(time=parts[0].time, value=values) for values in whole.T]
+            kept = ~np.any([spikes(turn) for turn in turns], axis=0)
+            found += [Channel(time=turn.time[kept], value=turn.value[kept]) for turn in turns]
+        return found
+
+    def clocks(self, recording: Recording) -> list[Array]:
+        """Return the different clocks of these channels, spikes and all, s."""
+        names = (*self.recorded, *(first for first, *_ in self.quaternions))
+        times = [recording.channel(name).time for name in names]
+        return list({time.tobytes(): time for time in times}.values())
+
+    def by_channel(self, tracked: Array) -> Array:
+        """Return values of the tracks by channel, a quaternion's first for its rotation.
+
+        Args:
+            tracked: Shape (..., tracks).
+        """
+        if not self.coordinates.balls:
+            return tracked
+        scalars = len(self.recorded)
+        found = np.empty((*tracked.shape[:-1], self.coordinates.dofs), dtype=tracked.dtype)
+        found[..., self.coordinates.dof] = tracked[..., :scalars]
+        for ball, (_, turn) in enumerate(self.coordinates.balls):
+            found[..., turn : turn + 3] = tracked[..., scalars + 4 * ball, None]
+        return found
 
     def spread(self, tracked: Array) -> Array:
         """Return values of the tracks by degree of freedom, rotations zero, (..., nv)."""

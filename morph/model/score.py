@@ -26,14 +26,14 @@ def rollouts(models: Models, segments: Segments) -> dict[str, Array]:
 
 def rmse(segments: Segments, predicted: Array) -> Array:
     """Return the root mean square error of each channel, shape (channels,)."""
-    squared = np.where(segments.valid[..., None], (segments.reading - predicted) ** 2, 0.0)
-    return np.asarray(np.sqrt(squared.sum(axis=(0, 1)) / segments.valid.sum()))
+    squared = np.where(segments.valid, (segments.reading - predicted) ** 2, 0.0)
+    return np.asarray(np.sqrt(squared.sum(axis=(0, 1)) / segments.valid.sum(axis=(0, 1))))
 
 
 def by_segment(segments: Segments, predicted: Array, unit: Array) -> Array:
     """Return each segment's squared error in units of `unit` squared, shape (segments,)."""
     squared = ((segments.reading - predicted) / unit) ** 2
-    return np.asarray(np.where(segments.valid[..., None], squared, 0.0).sum(axis=(1, 2)))
+    return np.asarray(np.where(segments.valid, squared, 0.0).sum(axis=(1, 2)))
 
 
 def improvement_low90(before: Array, after: Array, seed: int) -> float:
@@ -64,7 +64,7 @@ def traces(segments: Segments, predicted: Mapping[str, Array]) -> tuple[Trace, .
             def joined(values: Array, rows: Integers = rows, column: int = column) -> Array:
                 parts = []
                 for row in rows:
-                    inside = segments.valid[row]
+                    inside = segments.valid[row, :, column]
                     line = values[row, :, column] if values.ndim == 3 else values[row]
                     parts += [line[inside], [np.nan]]
                 return np.concatenate(parts)

@@ -38,7 +38,7 @@ class Segments:
     part: Array
     """How far towards the next step each reading lies, 0 to 1; same shape."""
     valid: Mask
-    """Which readings exist; rows are padded; same shape."""
+    """Which readings exist; rows are padded; shape (segments, readings, channels)."""
     reading: Array
     """What each channel reads, shape (segments, readings, channels)."""
     attitude: Array
@@ -167,8 +167,9 @@ def _segments(episodes: Sequence[Episode], where: list[tuple[int, int]], steps: 
         start = [np.interp(t, e.time, column) for t, column in zip(when, e.state.T, strict=True)]
         rows.append((inside, (e.time[inside] - begin) / step, e, start))
     # A gap in the log leaves rollouts with few readings or none: they tell nothing.
-    typical = float(np.median([len(row[0]) for row in rows]))
-    kept = [i for i, row in enumerate(rows) if len(row[0]) >= max(2.0, 0.5 * typical)]
+    counts = np.array([e.valid[inside].sum(axis=0) for inside, _, e, _ in rows])
+    enough = np.maximum(2.0, 0.5 * np.median(counts, axis=0))
+    kept = np.flatnonzero(np.all(counts >= enough, axis=1)).tolist()
     if not kept:
         raise DiagnosisError(
             f"no stretch of {steps * step:g} s holds enough readings",
@@ -177,12 +178,12 @@ def _segments(episodes: Sequence[Episode], where: list[tuple[int, int]], steps: 
         )
     where, rows = [where[i] for i in kept], [rows[i] for i in kept]
     most = max(len(inside) for inside, _, _, _ in rows)
-    valid = np.zeros((len(rows), most), dtype=bool)
     offset, reading = np.zeros((len(rows), most)), np.zeros((len(rows), most, space.dofs))
+    valid = np.zeros(reading.shape, dtype=bool)
     attitude = np.zeros((len(rows), most, len(space.balls), 4))
     attitude[..., 0] = 1.0
     for row, (inside, where_in, e, _) in enumerate(rows):
-        valid[row, : len(inside)] = True
+        valid[row, : len(inside)] = e.valid[inside]
         offset[row, : len(inside)] = where_in
         reading[row, : len(inside)] = e.reading[inside]
         attitude[row, : len(inside)] = e.attitude[inside]
@@ -214,8 +215,9 @@ def _normal(start: Array, space: Coordinates) -> Array:
 
 def _start_trust(episodes: Sequence[Episode], noise: Array) -> Array:
     """Return how far smoothed starts may be trusted: noise let through, and motion cut off."""
-    period = float(np.median(np.diff(episodes[0].time)))
-    cutoff = episodes[0].state_cutoff
+    first = episodes[0]
+    period = np.array([np.median(np.diff(first.time[there])) for there in first.valid.T])
+    cutoff = first.state_cutoff
     rates = [e.state[:, e.measurement.coordinates.positions :] for e in episodes]
     speed = np.sqrt(np.mean(np.concatenate([rate**2 for rate in rates]), axis=0))
     passed = noise * np.sqrt(2.0 * cutoff * period)

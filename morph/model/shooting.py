@@ -133,7 +133,7 @@ class Quadratic:
 def residual(segments: Segments, predicted: Array, scale: Array) -> Array:
     """Return readings minus predictions in units of `scale`, padded readings zero."""
     difference = (segments.reading - predicted) / scale
-    return np.where(segments.valid[..., None], difference, 0.0)
+    return np.where(segments.valid, difference, 0.0)
 
 
 def loss(segments: Segments, predicted: Array, start: Array, scale: Array) -> Array:

@@ -13,6 +13,7 @@ from morph.body.spec import spec_of
 from morph.errors import DiagnosisError, RecordingError
 from morph.model.episodes import Episode
 from morph.physics.dynamics import supplied
+from morph.record.noise import moves
 from morph.record.recording import Channel, Recording
 
 FARTHEST = 1e4
@@ -145,7 +146,7 @@ def check_channels(recording: Recording, robot: Robot, measured: Sequence[str]) 
 
 
 def check_motion(recordings: Sequence[Recording], measured: Sequence[str]) -> tuple[str, ...]:
-    """Return the joints that no recording moves.
+    """Return the joints that no recording moves beyond their sensors' noise.
 
     Args:
         recordings: Those to be fitted.
@@ -154,7 +155,11 @@ def check_motion(recordings: Sequence[Recording], measured: Sequence[str]) -> tu
     Raises:
         DiagnosisError: Nothing moves at all.
     """
-    still = [name for name in measured if not any(np.ptp(each[name]) > 0.0 for each in recordings)]
+    still = [
+        name
+        for name in measured
+        if not any(moves(each.channel(name).time, each[name]) for each in recordings)
+    ]
     if len(still) == len(measured):
         raise DiagnosisError(
             "nothing moves in any recording that is to be fitted",

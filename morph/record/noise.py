@@ -9,8 +9,20 @@ import numpy as np
 from morph.arrays import Array, Mask
 from morph.errors import RecordingError
 
+FEWEST = 10
+"""Least number of samples."""
 POINTS = 4
 """Samples that are compared at a time: no parabola shows in their third differences."""
+
+MOVES = 10.0
+"""Standard deviations of the noise over which a moving joint's readings spread: those of a joint at
+rest, of 1e5 of a normal distribution, over 9, and of a counter between two steps over 3.5."""
+
+
+def moves(time: Array, value: Array) -> bool:
+    """Return whether readings change by more than their noise."""
+    spread = float(np.ptp(value)) if len(value) else 0.0
+    return spread > (MOVES * noise(time, value) if len(value) >= FEWEST else 0.0)
 
 
 def noise(time: Array, value: Array) -> float:
@@ -30,11 +42,11 @@ def noise(time: Array, value: Array) -> float:
         value: Shape (samples,).
 
     Raises:
-        RecordingError: There are fewer than 10 samples.
+        RecordingError: There are fewer than `FEWEST` samples.
     """
-    if len(value) < 10:
+    if len(value) < FEWEST:
         raise RecordingError(
-            f"noise needs at least 10 samples, there are {len(value)}",
+            f"noise needs at least {FEWEST} samples, there are {len(value)}",
             where="morph.record.noise",
             fix="use a longer recording",
         )

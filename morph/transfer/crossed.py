@@ -58,7 +58,7 @@ class Asked:
     scratch: int = 0
     """Rounds of a search from scratch beside it; 0: none."""
     seed: int = 0
-    """Of every draw."""
+    """Random seed."""
 
 
 def crossed(

@@ -24,7 +24,7 @@ class RelayRecord:
     policy: bool
     """Whether a policy of the last body is kept beside it."""
     seed: int
-    """Of every draw."""
+    """Random seed."""
     seconds: float
     """Time that was spent, s."""
     command: str

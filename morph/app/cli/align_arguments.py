@@ -37,7 +37,7 @@ class Align:
     out: Annotated[str | None, tyro.conf.arg(metavar="DIR")] = None
     """Folder for align.json, report.html and the map; without one nothing is written."""
     seed: int = 0
-    """Of every draw."""
+    """Random seed."""
     fresh: bool = False
     """Replace what an earlier alignment left in the folder."""
     json: bool = False
@@ -79,7 +79,7 @@ class Transfer:
     scratch: Annotated[int, tyro.conf.arg(metavar="N")] = 12
     """Rounds of 8 runs in which each target is also learned from scratch; 0: it is not."""
     seed: int = 0
-    """Of every draw."""
+    """Random seed."""
     fresh: bool = False
     """Begin anew in a folder that holds an earlier transfer."""
     json: bool = False

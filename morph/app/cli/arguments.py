@@ -40,7 +40,7 @@ class Diagnose:
     budget: float | None = None
     """Seconds after which the best answer so far is written (exit status 3)."""
     seed: int = 0
-    """Of every draw."""
+    """Random seed."""
     json: bool = False
     """Print diagnosis.json instead of words."""
     quiet: bool = False
@@ -208,7 +208,7 @@ class Learn:
     trials: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
     """Most trials, generations or rounds; by default the search's own number."""
     seed: int = 0
-    """Of every draw."""
+    """Random seed."""
     world: Annotated[str | None, tyro.conf.arg(metavar="NAME")] = None
     """Where it learns, if not where the task says: as `morph simulate --world`."""
     effect: Annotated[Many, tyro.conf.arg(metavar="NAME@WHERE:PARAM=VALUE,...")] = ()
@@ -267,7 +267,7 @@ class Loop:
     trials: Annotated[int, tyro.conf.arg(metavar="N")] = 5
     """Most trials on the target, that of the source's policy included."""
     seed: int = 0
-    """Of every draw but the sealed one."""
+    """Random seed of all but the sealed truth."""
     world: Annotated[str | None, tyro.conf.arg(metavar="NAME")] = None
     """Where both are, if not where the task says: as `morph simulate --world`."""
     base: Literal["fixed", "floating", "board"] | None = None

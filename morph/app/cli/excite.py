@@ -20,7 +20,7 @@ MOST_LISTED = 20
 
 
 def run_excite(asked: Excite) -> int:
-    """ExperimentPlan as asked and return the exit status.
+    """Plan an experiment as asked and return the exit status.
 
     Raises:
         MorphError: An input cannot be used or a file cannot be written.

@@ -39,7 +39,7 @@ class Excite:
     vary: Annotated[tuple[str, ...], tyro.conf.arg(metavar="NAME=FRACTION ...")] = ()
     """By how much figures of the description may be wrong: as `morph diagnose --vary`."""
     seed: int = 0
-    """Of the motions."""
+    """Random seed of the motions."""
     json: bool = False
     """Print experiment.json instead of words."""
     quiet: bool = False

@@ -50,7 +50,7 @@ class Print:
     folder: Path | None = None
     """Folder outside which nothing is read; by default the description's own."""
     seed: int = 0
-    """Of every draw."""
+    """Random seed."""
     json: bool = False
     """Print package.json instead of words."""
     quiet: bool = False

@@ -57,7 +57,7 @@ class View:
     folder: Path | None = None
     """Folder outside which nothing of a description is read; by default its own."""
     seed: int | None = None
-    """Of every draw; 0 unless a saved view says otherwise."""
+    """Random seed; 0 unless a saved view says otherwise."""
     json: bool = False
     """Print where it is served as one line of JSON, by the schema morph.viewing/1."""
     quiet: bool = False

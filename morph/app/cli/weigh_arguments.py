@@ -32,7 +32,7 @@ class Weigh:
     seconds: float = 60.0
     """Longest that matching the policy may take."""
     seed: int = 0
-    """Of every draw."""
+    """Random seed."""
     json: bool = False
     """Print package.json instead of words."""
     quiet: bool = False

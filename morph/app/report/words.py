@@ -12,6 +12,7 @@ MODELS = {
     "refitted": "refitted",
     "corrected": "corrected",
     "corrected_plus_residual": "with learned rest",
+    "rejected": "corrected, rejected",
     "noise_floor": "sensor noise",
 }
 """What a model is called on the page, in the order in which they are shown."""

@@ -35,7 +35,7 @@ class Given:
     seconds: float | None = None
     """How long."""
     seed: int = 0
-    """Of every draw."""
+    """Random seed."""
     base: str | None = None
     """How bodies stand in the world, where a description does not say."""
     folder: Path | None = None

@@ -174,6 +174,19 @@ def test_as_many_channels_as_joints_vibrate_alike_in_compiled_sizes() -> None:
         assert alone.logarithm == pytest.approx(whole.logarithm, rel=1e-12)
 
 
+@pytest.mark.parametrize("dofs", [7, 8, 11, 12])
+def test_one_column_without_vibration_is_whitened_as_among_others(dofs: int) -> None:
+    # Loops of fixed length serve up to 7 joints, with and without as many that vibrate.
+    given = case(8, dofs=dofs)
+    given["disturbance"] = replace(given["disturbance"], scale=np.linspace(0.5, 2.0, dofs))
+    tangent, disturbance = given["tangent"], given["disturbance"]
+    whole = whitened(tangent, disturbance, given["readings"])
+    for at in range(3):
+        alone = whitened(tangent, disturbance, given["readings"][:, :, at : at + 1])
+        assert alone.gram[0, 0] == pytest.approx(whole.gram[at, at], rel=1e-9)
+        assert alone.logarithm == pytest.approx(whole.logarithm, rel=1e-12)
+
+
 def test_blocks_of_a_run_add_up_to_it() -> None:
     given = vibrating(case(3))
     whole, parts = whitened(**given), whitened_blocks(**given, blocks=3)

@@ -15,6 +15,7 @@ from morph.model.hypothesis import Hypothesis
 from morph.physics.actuator.torque_saturation import TorqueSaturation
 from morph.physics.body.external_push import ExternalPush
 from morph.physics.body.payload import Payload
+from morph.physics.joint.stribeck_friction import StribeckFriction
 
 
 def test_the_interval_of_a_limit_is_that_of_one_over_it() -> None:
@@ -72,3 +73,20 @@ def test_the_interval_of_what_acts_once_is_that_of_its_run(pendulum: Robot, run:
         assert last.high90 - last.low90 == pytest.approx(2.0 * width, rel=1e-3)
     else:
         assert last.high90 - last.low90 > 10.0
+
+
+def test_what_no_reading_tells_may_be_anything_within_its_bounds(pendulum: Robot) -> None:
+    law = StribeckFriction(joint="hinge", c=0.1, s=0.2, vs=0.2)
+    hypothesis = Hypothesis(robot=pendulum, step=0.004, knobs=(), effects=(law,))
+    gram = np.diag([1.0, 1e6, 1e6, 0.0])
+    about = LogPosterior(
+        hypothesis=hypothesis, point=hypothesis.start, grams=np.stack([gram] * 4), readings=400
+    )
+    found, sure = estimates(about)
+    assert [known.name for known in law.free()] == ["c", "s", "vs"]
+    assert sure.tolist() == [True, True, False]
+    assert found[0].high90 - found[0].low90 < 0.01
+    assert found[2].prior_only
+    # A uniform distribution over the bounds has a twelfth of their distance squared as variance.
+    low, high = hypothesis.low[2], hypothesis.high[2]
+    assert found[2].high90 - found[2].low90 > 0.5 * (high - low)

@@ -121,14 +121,15 @@ def test_a_reading_that_is_late_is_predicted_late(pendulum: Robot, episodes: lis
     at = (segments.before + segments.part) * segments.step
     for row in range(len(segments)):
         # The first 50 ms are those before the rollout's start.
-        inside = segments.valid[row] & (at[row] > 0.06)
+        there = segments.valid[row, :, 0]
+        inside = there & (at[row] > 0.06)
         due = np.interp(at[row] - 0.05, at[row], same[row, :, 0])
         # Lines between readings 10 ms apart: (0.01)^2 / 8 of an acceleration of at most 20.
         assert np.abs(read[row, inside, 0] - due[inside]).max() < 3e-4
         # What was read before goes on backwards as the parabola through the first 60 ms does: over
         # 0.11 s that is (0.11)^3 / 6 of 0.5 (4.4)^3 rad/s3. It does not stay at the start: 0.1 rad.
         parabola = np.polyfit(at[row, inside][:6], read[row, inside, 0][:6], 2)
-        before = segments.valid[row] & (at[row] < 0.05)
+        before = there & (at[row] < 0.05)
         assert read[row, before, 0] == pytest.approx(
             np.polyval(parabola, at[row, before]), abs=0.01
         )

@@ -56,3 +56,10 @@ def test_without_effort_or_command_a_motor_is_told_zero(body: Callable[[str], Ro
     found = told_zero(given, robot)
     assert not found.channel("motor.command").at(TIME).any()
     assert "told 0" in found.notes[0].what
+
+
+def test_an_effort_is_not_told_to_two_motors_of_its_joint(body: Callable[[str], Robot]) -> None:
+    second = '<motor name="second" joint="hinge"/></actuator>'
+    robot = body(GEARED.replace("</actuator>", second))
+    given = recording(hinge_effort=np.ones(11))
+    assert by_effort(given, robot) is given

@@ -105,3 +105,11 @@ def test_a_turned_knob_multiplies_its_figure(
     spec = spec_of(cartpole)
     knob.edit(spec, math.log(1.07))
     assert figure(spec.compile()) == pytest.approx(1.07 * nominal, rel=1e-9)
+
+
+def test_more_doubt_allows_no_less() -> None:
+    fractions = (0.1, 0.25, 0.49, 0.5, 0.6, 0.99, 1.0, 3.0)
+    bounds = [Knob(kind="mass", part="pole", what="mass", fraction=f).bounds for f in fractions]
+    lows, highs = np.exp(np.array(bounds)).T
+    assert lows == pytest.approx([0.9, 0.75, 0.51, 0.5, 0.5, 0.5, 0.5, 0.25])
+    assert highs == pytest.approx([1.0 + f for f in fractions])

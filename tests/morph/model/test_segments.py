@@ -1,14 +1,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from morph.body.load import load
 from morph.body.robot import Robot
 from morph.errors import DiagnosisError, RecordingError
-from morph.model.episodes import Episode, episode, step_for, stretches
+from morph.inference.observed import _sampled
+from morph.model.episodes import Episode, episode, step_for
 from morph.model.hypothesis import Hypothesis
+from morph.model.pieces import stretches
 from morph.model.segments import cut
 from morph.model.shooting import predict
 from morph.physics.sensor.sensor_scale import SensorScale
@@ -68,7 +72,7 @@ def test_a_segment_holds_the_readings_after_its_start_up_to_its_end(
     episodes: list[Episode],
 ) -> None:
     segments = cut(episodes, 1.0)
-    rows, readings = segments.valid.shape
+    rows, readings, _ = segments.valid.shape
     # Readings are thinned to 100 Hz: 100 in a second.
     assert (rows, readings) == (6, 100)
     assert segments.reading.shape == (rows, readings, 2)
@@ -77,10 +81,11 @@ def test_a_segment_holds_the_readings_after_its_start_up_to_its_end(
     for row in range(rows):
         e = episodes[segments.episode[row]]
         begin, end = segments.seconds(row)
-        when = begin + (segments.before[row] + segments.part[row])[segments.valid[row]] * 0.0025
+        there = segments.valid[row].all(axis=1)
+        when = begin + (segments.before[row] + segments.part[row])[there] * 0.0025
         inside = (e.time > begin + 1e-6) & (e.time < end + 1e-6)
         assert when == pytest.approx(e.time[inside], abs=1e-9)
-        assert np.array_equal(segments.reading[row][segments.valid[row]], e.reading[inside])
+        assert np.array_equal(segments.reading[row][there], e.reading[inside])
     assert segments.before.min() >= 0
     assert segments.before.max() < segments.steps
     assert segments.part.min() >= 0.0
@@ -187,3 +192,56 @@ def test_rollouts_of_a_scaled_sensor_start_at_the_truth(
     # one would turn the hinge by 0.2 rad in a second.
     assert errors[1] < 1.5 * 1.2 * errors[0]
     assert errors[0] < 0.01
+
+
+def test_stretches_of_many_runs_share_no_reading(pendulum: Robot, recorded: Recorded) -> None:
+    run = recorded(pendulum, seconds=7.0, start={"hinge": 1.0}, noise=0.0)
+    whole = episode(run, pendulum, step_for([run], pendulum))
+    runs = [replace(whole, recording=replace(run, name=f"run {at}")) for at in range(10)]
+    found = stretches(runs, 60.0)
+    # One stretch of 5 s of each: a second would share readings with the first.
+    assert len({each.recording.name for each in found}) == len(found) == 10
+
+
+def test_many_short_runs_are_not_all_left_out(pendulum: Robot) -> None:
+    # 30 Hz and 0.6 s are 19 readings, of which a long run would tell too little.
+    time = np.arange(0.0, 0.601, 1.0 / 30.0)
+    channels = {
+        "hinge.position": Channel(time=time, value=np.sin(time)),
+        "hinge.command": Channel(time=time, value=0.0 * time),
+    }
+    run = Recording(name="short", channels=channels)
+    whole = episode(run, pendulum, step_for([run], pendulum))
+    assert len(stretches([whole] * 110, 60.0)) == pytest.approx(100, abs=5)
+
+
+def test_joints_are_read_on_their_own_clocks() -> None:
+    robot = load("double_pendulum")
+    quick, slow = np.arange(0.0, 4.0, 0.01), 0.003 + np.arange(0.0, 3.9, 0.05)
+    swing = {"shoulder": lambda t: np.sin(3.0 * t), "elbow": lambda t: np.cos(4.0 * t)}
+    jumped = swing["shoulder"](quick)
+    jumped[200] += 3.0
+    channels = {
+        "shoulder.position": Channel(time=quick, value=jumped),
+        "elbow.position": Channel(time=slow, value=swing["elbow"](slow)),
+    }
+    still = Channel(time=quick, value=np.zeros(len(quick)))
+    channels |= {f"{each.name}.command": still for each in robot.actuators}
+    run = Recording(name="clocks", channels=channels)
+    found = episode(run, robot, step_for([run], robot))
+    # Every reading is one that was taken, at its time: none is interpolated; the jump is left out.
+    begin = max(quick[0], slow[0])
+    for at, (joint, clock) in enumerate((("shoulder", quick), ("elbow", slow))):
+        there = found.valid[:, at]
+        taken = clock[(clock >= begin) & (clock <= slow[-1])]
+        taken = taken[taken != quick[200]]
+        assert begin + found.time[there] == pytest.approx(taken, abs=1e-12)
+        assert found.reading[there, at] == pytest.approx(swing[joint](taken), abs=1e-12)
+    # A segment has the readings of both, none twice.
+    segments = cut([found], 1.0)
+    assert segments.valid.sum(axis=1).min(axis=0).tolist() == [99, 20]
+    run_on_grid, _ = _sampled(found)
+    for at, joint in enumerate(swing):
+        samples = np.flatnonzero(run_on_grid.valid[:, at])
+        time = begin + samples * found.step + run_on_grid.time_offset[samples, at]
+        assert run_on_grid.reading[samples, at] == pytest.approx(swing[joint](time), abs=1e-9)

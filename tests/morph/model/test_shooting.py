@@ -21,7 +21,7 @@ def made_up(rng: np.random.Generator) -> tuple[Segments, Sensitivity]:
         steps=12,
         before=np.zeros((5, 12), dtype=int),
         part=np.zeros((5, 12)),
-        valid=np.arange(12) < np.array([[12], [12], [12], [12], [7]]),
+        valid=(np.arange(12) < np.array([[12], [12], [12], [12], [7]]))[..., None],
         reading=rng.normal(size=(5, 12, 1)),
         start=start,
         start_trust=np.array([3.0, 0.5]),

@@ -12,8 +12,9 @@ from morph.body.robot import Robot
 from morph.errors import DiagnosisError, RecordingError
 from morph.inference.diagnose import diagnose
 from morph.model.corrected import notes
-from morph.model.episodes import episode, fills, gaps, pieces
+from morph.model.episodes import episode, fills
 from morph.model.measurement import Measurement
+from morph.model.pieces import gaps, pieces
 from morph.model.segments import cut
 from morph.model.usable import (
     check_channels,

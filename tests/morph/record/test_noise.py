@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from morph.record.noise import noise, quantum
+from morph.record.noise import moves, noise, quantum
 
 
 @pytest.mark.parametrize("jitter", [0.0, 0.3])
@@ -39,3 +39,14 @@ def test_a_smooth_signal_has_no_quantum() -> None:
 
 def test_a_constant_has_no_noise() -> None:
     assert noise(np.arange(20.0), np.full(20, 3.0)) == 0.0
+
+
+def test_a_counter_that_toggles_at_rest_does_not_move() -> None:
+    rng = np.random.default_rng(5)
+    time, count = np.arange(2000) * 0.01, 2.0 * np.pi / 4096.0
+    toggles = count * rng.integers(0, 2, 2000)
+    assert not moves(time, toggles)
+    assert not moves(time, rng.normal(scale=1e-3, size=2000))
+    assert not moves(time, np.zeros(2000))
+    # Twenty counts in twenty seconds is a motion.
+    assert moves(time, count * np.round(time))

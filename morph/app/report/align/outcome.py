@@ -46,7 +46,7 @@ class Aligned:
     held_out: int
     """Transitions of the target on which it was judged."""
     seed: int
-    """Of every draw."""
+    """Random seed."""
     seconds: float
     """Time that was spent, s."""
     command: str

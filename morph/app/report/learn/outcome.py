@@ -44,7 +44,7 @@ class Outcome:
     why_not: str
     """What the search says if it does not."""
     seed: int
-    """Of every draw."""
+    """Random seed."""
     asked: int | None
     """Most trials that were asked for; None for the search's own number."""
     experience: float

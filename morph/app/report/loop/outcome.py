@@ -46,7 +46,7 @@ class Outcome:
     stopped: str = ""
     """Why it ended before its time; empty if it did not."""
     seed: int
-    """Of every draw."""
+    """Random seed."""
     command: str
     """The command that led to it."""
     notes: tuple[str, ...] = ()

@@ -80,7 +80,7 @@ def pictured(segments: Segments, predicted: Array, measured: Array) -> Array:
     starts = measurement.scalars(segments.start[:, : space.positions])
     when = np.arange(len(measured)) / RATE
     for row in range(len(segments)):
-        inside = segments.valid[row]
+        inside = segments.valid[row].any(axis=1)
         begin, _ = segments.seconds(row)
         offset = segments.before[row, inside] + segments.part[row, inside]
         times = np.concatenate([[begin], begin + segments.step * offset])

@@ -42,7 +42,9 @@ def test_a_model_worse_than_the_description_is_never_accepted(refuted: Diagnosis
 
 def test_what_held_out_runs_speak_against_is_said_and_counts_half(refuted: Diagnosis) -> None:
     assert [finding.effect.label for finding in refuted.findings] == ["coulomb_friction@hinge"]
-    assert "no better on held-out runs" in refuted.summary()[-1]
+    assert refuted.summary()[-1].endswith("worse than the description: it is rejected.")
+    errors = refuted.held_out_rmse
+    assert errors["rejected"]["hinge.position"] > errors["nominal"]["hinge.position"]
     assert refuted.probabilities["unknown"] == pytest.approx(0.55)
     assert refuted.probabilities["coulomb_friction@hinge"] <= 0.5
     for finding in refuted.findings:
