@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from threadpoolctl import threadpool_info, threadpool_limits
 
 from morph.arrays import Array
 from morph.body.robot import Robot
@@ -184,3 +185,15 @@ def test_a_copy_among_the_fitted_is_left_out_and_told(pendulum: Robot, run: Reco
     found = diagnose(pendulum, [run, replace(run, name="copy")], budget=0.5)
     assert any("recording 'copy' is identical to 'run'" in note for note in found.notes)
     assert "copy" not in (*found.train, *found.held_out)
+
+
+def test_linear_algebra_has_one_thread(
+    pendulum: Robot, recorded: Recorded, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def looked(*_: Any, **__: Any) -> None:
+        raise InterruptedError({each["num_threads"] for each in threadpool_info()})
+
+    monkeypatch.setattr("morph.inference.diagnose.ranked", looked)
+    with threadpool_limits(2), pytest.raises(InterruptedError) as caught:
+        diagnose(pendulum, runs(pendulum, recorded))
+    assert caught.value.args == ({1},)
