@@ -10,7 +10,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from morph.arrays import Array
-from morph.inference.findings import factors, findings, suspects
+from morph.inference.findings import findings, suspects
+from morph.inference.intervals import factors
 from morph.inference.rank import Ranking
 from morph.inference.refit import Refit
 from morph.inference.remains import MOST_UNKNOWN, Remains, remaining

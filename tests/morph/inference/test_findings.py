@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from morph.body.robot import Robot
-from morph.inference.findings import _idle_within, _in_units, _shifted, estimates
+from morph.inference.findings import _idle_within
+from morph.inference.intervals import estimates, in_units, shifted
 from morph.inference.quadratic import LogPosterior
 from morph.model.diagnosis import Estimate
 from morph.model.hypothesis import Hypothesis
@@ -21,19 +22,19 @@ from morph.physics.joint.stribeck_friction import StribeckFriction
 def test_the_interval_of_a_limit_is_that_of_one_over_it() -> None:
     known = next(each for each in TorqueSaturation.free() if each.name == "limit")
     entry = Estimate(value=0.2, low90=0.16, high90=0.25, unit="-", bounded=False, prior_only=False)
-    stated = _in_units(entry, known, False)
+    stated = in_units(entry, known, False)
     assert (stated.low90, stated.value, stated.high90) == pytest.approx((4.0, 5.0, 6.25))
     # An entry of nothing is no limit.
-    none = _in_units(replace(entry, low90=0.0), known, False)
+    none = in_units(replace(entry, low90=0.0), known, False)
     assert none.high90 == known.high
 
 
 def test_intervals_of_an_event_shift_with_its_times() -> None:
     push = ExternalPush(body="disc", run="a from 30 s", start=1.0, end=1.2)
     entry = Estimate(value=1.0, low90=0.9, high90=1.1, unit="s")
-    told = _shifted(entry, push.within("a", 30.0), push, "start")
+    told = shifted(entry, push.within("a", 30.0), push, "start")
     assert (told.low90, told.value, told.high90) == pytest.approx((30.9, 31.0, 31.1))
-    assert _shifted(entry, push, push, "start") is entry
+    assert shifted(entry, push, push, "start") is entry
 
 
 def test_a_finding_may_be_nothing_where_all_its_strengths_may_be_none() -> None:
