@@ -20,10 +20,10 @@ from experiments.figures.save_options import Save, parse_and_save
 from morph.arrays import JSON
 from morph.body.load import load
 from morph.body.robot import Robot
+from morph.experiment_design.excitation import excitations
+from morph.experiment_design.plan import plan
+from morph.experiment_design.separation import POWER, PlannedRun
 from morph.inference.diagnose import diagnose
-from morph.inference.excitation import excitations
-from morph.inference.experiment import plan
-from morph.inference.separation import POWER, PlannedRun
 from morph.physics import EFFECTS
 from morph.physics.effect import Effect
 from morph.record.recording import Channel, Recording

@@ -1,1 +1,1 @@
-"""Diagnosis by one linearisation along a recording: columns, whitened by a Kalman filter."""
+"""Diagnosis: laws as columns along smoothed motions, sets of them refitted, compared and judged."""

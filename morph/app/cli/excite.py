@@ -12,7 +12,7 @@ from morph.app.cli.excite_arguments import Excite
 from morph.errors import DiagnosisError
 
 if TYPE_CHECKING:
-    from morph.inference.separation import ExperimentPlan, Separation
+    from morph.experiment_design.separation import ExperimentPlan, Separation
 
 MARKER = "experiment.json"
 MOST_LISTED = 20
@@ -30,7 +30,7 @@ def run_excite(asked: Excite) -> int:
     from morph.app.cli.stages import stages
     from morph.app.report.files import check_folder
     from morph.body.load import load
-    from morph.inference.separation import SCHEMA
+    from morph.experiment_design.separation import SCHEMA
 
     # Whatever the command line got wrong is told before any work is done.
     vary = fractions(asked.vary)
@@ -48,7 +48,7 @@ def run_excite(asked: Excite) -> int:
         robot = load(asked.robot)
         laws = [parsed(text, robot, option="--separate") for text in asked.separate or ()]
         # Late: it loads all that a diagnosis needs.
-        from morph.inference.experiment import plan
+        from morph.experiment_design.plan import plan
 
         found = plan(
             robot,
@@ -69,8 +69,8 @@ def _write(found: ExperimentPlan, out: Path) -> str:
     """Write a plan into a folder, replaced whole or not at all, and return its record's text."""
     from morph.app.report.files import check_folder
     from morph.atomic_directory import atomic_directory
+    from morph.experiment_design.separation import SCHEMA
     from morph.files import write_whole
-    from morph.inference.separation import SCHEMA
     from morph.record.write import write
 
     files = [f"run_{number + 1}.csv" for number in range(len(found.runs))]

@@ -12,14 +12,14 @@ import numpy as np
 from morph.arrays import Array
 from morph.body.robot import Robot
 from morph.errors import DiagnosisError
+from morph.experiment_design.effect_size import sized
+from morph.experiment_design.excitation import Excitation, excitations
+from morph.experiment_design.separation import POWER, ExperimentPlan, PlannedRun, Separation, power
 from morph.inference.columns import Columns
 from morph.inference.design_matrix import believed, effect_columns, whitened_levels
-from morph.inference.excitation import Excitation, excitations
 from morph.inference.level import projected
 from morph.inference.observed import Observed, observed
 from morph.inference.quadratic import information, offset
-from morph.inference.separation import POWER, ExperimentPlan, PlannedRun, Separation, power
-from morph.inference.sized import sized
 from morph.model.episodes import episode, step_for
 from morph.model.hypothesis import Hypothesis
 from morph.model.knobs import knobs

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from morph.body.load import load
-from morph.inference.excitation import excitations
-from morph.inference.experiment import separations_of
-from morph.inference.separation import power
+from morph.experiment_design.excitation import excitations
+from morph.experiment_design.plan import separations_of
+from morph.experiment_design.separation import power
 from morph.physics.effect import Effect
 from morph.physics.joint.coulomb_friction import CoulombFriction
 from morph.physics.joint.stribeck_friction import StribeckFriction

@@ -10,7 +10,7 @@ from scipy.stats import norm
 
 from morph.arrays import JSON
 from morph.body.robot import Robot
-from morph.inference.excitation import Excitation
+from morph.experiment_design.excitation import Excitation
 from morph.record.recording import Channel, Recording
 
 SCHEMA = "morph.experiment/1"
