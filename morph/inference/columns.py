@@ -185,6 +185,6 @@ def forces_by(shapes: Sequence[Effect], motion: Motion, beside: Sequence[Effect]
         motion: The motion.
         beside: Effects that are there.
     """
-    if isinstance(shapes[0], FluidCurrent):
+    if type(shapes[0]) is FluidCurrent:
         return shapes[0].through([each for each in beside if isinstance(each, Drag)], motion)
     return shapes[0].regressors(shapes, motion)

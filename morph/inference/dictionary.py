@@ -27,6 +27,7 @@ from morph.inference.observed import Observed
 from morph.inference.quadratic import information, offset
 from morph.inference.refit import Refit
 from morph.inference.search import Prior, Search
+from morph.inference.streaming import Streaming, streams
 from morph.physics import EFFECTS
 from morph.physics.body.tether import Tether
 from morph.physics.effect import Effect
@@ -68,13 +69,15 @@ def search_beside(
     grids = [
         grid for grid in dictionary(hypothesis.robot, runs, known) if grid[0].label not in taken
     ]
-    joints = set(hypothesis.robot.driven)
+    joints, wet = set(hypothesis.robot.driven), _in_water(hypothesis.robot, known)
     own = Columns.of(hypothesis, point)
-    whole = _prior(grids, joints, wet=_in_water(hypothesis.robot, known))
+    whole = _prior(grids, joints, wet=wet)
     if prior is not None:
         # A push may stand out only once other effects are found.
         whole = replace(prior, alone={**whole.alone, **prior.alone})
     grids = screened(own, grids, runs, by_forces=by_forces)
+    if wet:
+        grids += streams(grids)
     if by_forces:
         levels = force_levels(own, grids, runs, blocks, LEVELS)
     else:
@@ -86,6 +89,7 @@ def search_beside(
         prior=whole,
         found=base.effects,
         groups=tuple(_drive_laws(columns, joints)),
+        needs=_drags_of_streams(columns),
         levels=tuple(
             WhitenedLevel(
                 gram=believed(np.sum([fold.gram for fold in folds], axis=0), trust, at),
@@ -187,6 +191,16 @@ def _prior(grids: Sequence[tuple[Effect, ...]], joints: Set[str], *, wet: bool) 
             groups[frozenset(members | viscous)] = groups[frozenset(members)] = whole
     ordered = sorted(groups.items(), key=lambda each: -len(each[0]))
     return Prior(alone=alone, together=tuple(ordered))
+
+
+def _drags_of_streams(columns: Sequence[EffectColumn]) -> dict[int, int]:
+    """Return the entries of currents through one drag, and the entry of that drag."""
+    effects = [column.effect for column in columns]
+    return {
+        at: effects.index(effect.drag)
+        for at, effect in enumerate(effects)
+        if isinstance(effect, Streaming)
+    }
 
 
 def _drive_laws(columns: Sequence[EffectColumn], joints: Set[str]) -> Iterator[tuple[int, ...]]:

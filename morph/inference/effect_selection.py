@@ -188,7 +188,7 @@ class EffectSelection:
         first, as stiction mimics lost torque; where forces tell it, with the likeliest set.
         """
         some = [one for one in sets if one.effects and one.gain > 0.0]
-        alone = [one for one in some if len(one.members) == 1]
+        alone = [one for one in some if search.single(one)]
         groups = [one for one in search.together() if self.by_rollouts or one.gain > GROUP]
         by_labels = {labels(one.effects): one for one in groups[::-1]}
         listed = {
@@ -207,10 +207,15 @@ class EffectSelection:
         by_rollouts = sorted(listed.values(), key=lambda one: losses[one.members])
         # A stiff spring diverges in long steps. So may the likeliest set, far from the base.
         most = now + DIVERGED * len(base.refit.runs[0].motion.channels)
-        stable = [one for one in by_rollouts if losses[one.members] < most][:FINALISTS]
+        stable = [one for one in by_rollouts if losses[one.members] < most]
         likeliest = sorted(by_rollouts, key=lambda one: -one.gain)[: int(self.believed)]
         if not self.by_rollouts:
-            return [list({one.members: one for one in [*likeliest, *stable]}.values())]
+            # Sets that share effects often end as the same one.
+            taken = frozenset().union(*(labels(one.effects) for one in [*likeliest, *stable[:1]]))
+            others = [one for one in stable[1:] if not taken & labels(one.effects)]
+            chosen = [*likeliest, *stable[:1], *(others or stable[1:])[: FINALISTS - 1]]
+            return [list({one.members: one for one in chosen}.values())]
+        stable = stable[:FINALISTS]
         dry = bool(DRY & {effect.name for effect in base.effects})
         drives = []
         for name, one in by_labels.items():
@@ -255,7 +260,7 @@ class EffectSelection:
         """
         rivals: list[tuple[float, int, Effect | None]] = []
         for at, effect in enumerate(best.effects):
-            none, every = search.instead(effect.label, *best.refit.removal(at))
+            none, every = search.instead(effect.label, *best.refit.removal([at]))
             lost = TWIN_LOST if any(o.name in effect.twins for o in best.effects) else LOST
             rivals += [(none, at, None)] if none > -lost and len(best.effects) > 1 else []
             others = [one for one in every if one[0].label not in gone]

@@ -11,6 +11,7 @@ import numpy as np
 
 from morph.arrays import Array, Integers, Mask
 from morph.inference.bounded import RANK_TOLERANCE, bounded
+from morph.inference.streaming import resolved
 from morph.physics.effect import Effect
 
 
@@ -130,7 +131,7 @@ class WhitenedLevel:
         price = 0.5 * (rank - count) * math.log(readings) + prior
         slack = 1e-3 * (self.high - self.low)
         return LevelFit(
-            effects=effects,
+            effects=resolved(effects),
             evidence=-0.5 * float(square + self.logarithm) - price,
             own=own,
             held=(own < self.low + slack) | (own > self.high - slack),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -53,16 +53,18 @@ class Refit:
         """The effects at the point."""
         return self.hypothesis.effects_at(self.point)
 
-    def removal(self, at: int) -> tuple[Integers, Array]:
-        """Return the entries of an effect's parameters, and what takes them to neutral.
+    def removal(self, gone: Collection[int]) -> tuple[Integers, Array]:
+        """Return the entries of some effects' parameters, and what takes them to neutral.
 
         Args:
-            at: Index of the effect.
+            gone: Indices of the effects.
         """
         effects = self.effects
-        first = len(self.hypothesis.knobs) + sum(len(each.free()) for each in effects[:at])
-        entries = np.arange(first, first + len(effects[at].free()))
-        idle = (*effects[:at], effects[at].neutral(), *effects[at + 1 :])
+        ends = len(self.hypothesis.knobs) + np.cumsum([len(each.free()) for each in effects])
+        entries = np.concatenate(
+            [np.arange(ends[at] - len(effects[at].free()), ends[at]) for at in sorted(gone)]
+        )
+        idle = tuple(e.neutral() if at in gone else e for at, e in enumerate(effects))
         neutral = replace(self.hypothesis, effects=idle).start[entries]
         return entries, neutral - self.point[entries]
 

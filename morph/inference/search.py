@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -71,6 +71,8 @@ class Search:
     """Effects found before, whose parameters are own figures here."""
     groups: tuple[tuple[int, ...], ...] = ()
     """Entries that may be added in one step."""
+    needs: Mapping[int, int] = field(default_factory=dict)
+    """Entries that act through another one alone, and which: a current through a drag."""
 
     def sets(self, most: int) -> list[Explanation]:
         """Return sets of effects, the best first; the empty set is among them.
@@ -97,8 +99,11 @@ class Search:
             beam = ordered[:BEAM_WIDTH]
         best = max(tried.values(), key=lambda each: each.best.evidence)
         while best.members:
+            through = {self.needs.get(at) for at in best.members}
             fewer = [
-                self._fitted(tuple(m for m in best.members if m != gone)) for gone in best.members
+                self._fitted(tuple(m for m in best.members if m != gone))
+                for gone in best.members
+                if gone not in through
             ]
             tried |= {each.members: each for each in fewer}
             shorter = max(fewer, key=lambda each: each.best.evidence)
@@ -106,6 +111,11 @@ class Search:
                 break
             best = shorter
         return sorted((each.beside(none) for each in tried.values()), key=lambda each: -each.gain)
+
+    def single(self, found: Explanation) -> bool:
+        """Return whether a set is one effect, or a current and the drag through which it acts."""
+        through = {self.needs.get(at) for at in found.members}
+        return len(set(found.members) - through) == 1
 
     def together(self) -> list[Explanation]:
         """Return the groups as sets of effects, the best first."""
@@ -157,8 +167,14 @@ class Search:
         """
         there = (*self.found, *base.best.effects)
         taken = {effect.label for effect in there}
-        steps = [*((at,) for at in range(len(self.columns))), *self.groups]
+        alone = ((at,) for at in range(len(self.columns)) if at not in self.needs)
+        steps = [*alone, *self.groups]
         options: list[tuple[int, ...]] = []
+        for at, through in self.needs.items():
+            if through in base.members:
+                steps.append((at,))
+            elif not taken & {self.columns[at].label, self.columns[through].label}:
+                steps.append((through, at))
         for step in steps:
             added = tuple(at for at in step if self.columns[at].label not in taken)
             others = [self.columns[at].effect for at in added]

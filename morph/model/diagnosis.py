@@ -52,7 +52,7 @@ class Finding:
     effect: Effect
     """The effect as fitted."""
     probability: float
-    """Posterior probability, tempered and at most .85; see docs/diagnosis.md."""
+    """Posterior probability, tempered and at most .75; see docs/diagnosis.md."""
     episodes: tuple[str, ...]
     """Training episodes that it explains better."""
     parameters: Mapping[str, Estimate]

@@ -13,10 +13,13 @@ from morph.arrays import Array
 from morph.body.robot import Robot
 from morph.body.spec import spec_of
 from morph.model.knobs import Knob
+from morph.physics.body.point import PointEffect
 from morph.physics.effect import Effect, Parameter
 from morph.sim.rollout import Variant
 from morph.sim.simulator import compiled
 
+POINT = ("cx", "cy", "cz")
+"""Parameters that say where on its link an effect acts."""
 BARE: dict[tuple[str, str, float], Any] = {}
 """Specs without what does not move a robot, by hash and name of the robot and step."""
 
@@ -86,14 +89,31 @@ class Hypothesis:
     @cached_property
     def low(self) -> Array:
         """The least value of each entry."""
-        least = [entry(k, k.high if k.reciprocal else k.low) for _, k in self._slots]
+        ends = [(k, *self._ends(at, k)) for at, k in self._slots]
+        least = [entry(k, high if k.reciprocal else low) for k, low, high in ends]
         return np.array([self._bounds(k)[0] for k in self.knobs] + least)
 
     @cached_property
     def high(self) -> Array:
         """The greatest value of each entry."""
-        most = [entry(k, k.low if k.reciprocal else k.high) for _, k in self._slots]
+        ends = [(k, *self._ends(at, k)) for at, k in self._slots]
+        most = [entry(k, low if k.reciprocal else high) for k, low, high in ends]
         return np.array([self._bounds(k)[1] for k in self.knobs] + most)
+
+    def _ends(self, at: int, known: Parameter) -> tuple[float, float]:
+        """Return the least and the greatest value of a parameter of an effect, by its index.
+
+        A point of a link lies no farther from its origin than the robot is large: of a farther one
+        only the moment would show.
+        """
+        if known.name in POINT and isinstance(self.effects[at], PointEffect):
+            return -self._size, self._size
+        return known.low, known.high
+
+    @cached_property
+    def _size(self) -> float:
+        """The size of the robot, m."""
+        return float(bare_spec(self.robot, self.step).copy().compile().stat.extent)
 
     def _bounds(self, knob: Knob) -> tuple[float, float]:
         # What an effect says of a link, its own figure need not say too: the two together

@@ -12,8 +12,11 @@ from morph.physics.effect import Simulations, parameter
 from morph.physics.kinds import JointEffect
 from morph.physics.motion import Motion
 
-WAVES = tuple(map(float, (*range(1, 25), *range(26, 51, 2))))
-"""Wave numbers to try: one in a turn, teeth of a gear, poles times slots of a motor."""
+WAVES = tuple(map(float, (*range(2, 25), *range(26, 51, 2))))
+"""Wave numbers to try: teeth of a gear, poles and slots of a motor."""
+LEAST = 2.0
+"""Least waves in a turn: the least common multiple of poles and slots. One wave is that of gravity,
+of buoyancy or of a steady flow."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -21,7 +24,7 @@ class Cogging(JointEffect):
     """The magnets draw a joint to where they rest: tau = a sin(n q + phase), in both directions.
 
     Source: Holtz and Springob 1996, IEEE Trans. Industrial Electronics 43(2), with one
-    harmonic of the series.
+    harmonic of the series; Zhu and Howe 2000, IEEE Trans. Energy Conversion 15(4) (wave numbers).
     """
 
     name: ClassVar[str] = "cogging"
@@ -41,7 +44,7 @@ class Cogging(JointEffect):
     """Joint it acts on."""
     a: float = parameter(0.0, unit="N m", low=0.0, high=1e4, neutral=0.0)
     """Greatest torque (N on a slide)."""
-    n: float = parameter(1.0, unit="1/rad", low=0.01, high=1e4, scan=WAVES)
+    n: float = parameter(LEAST, unit="1/rad", low=LEAST, high=1e4, scan=WAVES)
     """Wave number: waves in 2 pi rad (in 2 pi m on a slide)."""
     phase: float = parameter(0.0, unit="-", low=-2.0 * np.pi, high=2.0 * np.pi)
     """Angle of the wave where the joint is at zero, rad also on a slide."""

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from morph.body.robot import Robot
+from morph.inference.disturbance import log_likelihood
 from morph.inference.observed import observed
-from morph.inference.refit import _errors
 from morph.model.episodes import Episode, episode, step_for
 from morph.model.hypothesis import Hypothesis
 from morph.physics.actuator.actuator_delay import ActuatorDelay
@@ -69,12 +69,11 @@ def test_a_sensor_that_reads_half_loses_no_evidence(
     scale = SensorScale(channel="hinge.position", gain=0.5)
     found = observed(model, pendulum, halved, effects=[scale], before=before)
     assert found.about.tangent.reads == pytest.approx(np.array([[0.5, 0.0]]), abs=1e-6)
-    whole = _errors(observed(model, pendulum, read, before=first))
-    scaled = _errors(found)
+    whole, scaled = observed(model, pendulum, read, before=first).about, found.about
     # Readings half as large are twice as dense: ln 2 for each. A slope by differences of 1e-7
     # errs by 1e-9, of a square that is about one for each of the readings.
-    gain = scaled.likelihood() - whole.likelihood()
-    assert gain == pytest.approx(whole.readings * np.log(2.0), abs=1e-3)
+    gain = log_likelihood(scaled, scaled.disturbance) - log_likelihood(whole, whole.disturbance)
+    assert gain == pytest.approx(whole.tangent.valid.sum() * np.log(2.0), abs=1e-3)
 
 
 def test_a_late_reading_sees_the_velocity(

@@ -215,3 +215,20 @@ def test_what_excludes_an_effect_found_before_is_not_added_and_is_its_rival(
     assert EFFECTS_TRIED[2].label not in added
     _, rivals = search.instead(EFFECTS_TRIED[0].label, np.array([0]), np.zeros(1))
     assert EFFECTS_TRIED[2].label in {effect.label for effect, _ in rivals}
+
+
+def test_what_acts_through_another_is_added_with_it_and_never_stands_alone() -> None:
+    rng = np.random.default_rng(7)
+    table = columns(rng, 0)
+    error = table @ [0.3, 0.0, 1.5, 0.0] + rng.normal(size=READINGS)
+    search = replace(searched(table, error, 0), needs={2: 0})
+    found = search.sets(2)
+    # One step adds both, though a step adds one effect.
+    assert (0, 2) in {each.members for each in search.sets(1)}
+    assert found[0].members == (0, 2)
+    assert all(0 in each.members for each in found if 2 in each.members)
+    assert search.single(found[0])
+    assert not search.single(next(each for each in found if each.members == (0, 1)))
+    # Beside the one through which it acts it is one step more.
+    began = replace(search, needs={2: 0, 3: 1}).sets(2)
+    assert (0, 1, 2, 3) in {each.members for each in began}
