@@ -29,26 +29,25 @@ from morph.sim.threads import each
 
 SEARCHED = 20.0
 """Seconds of runs in which effects are searched where only rollouts decide."""
-SIMULATED = 6
-"""How many of the likeliest sets, and of the likeliest single effects, are simulated."""
-SPARSE = 3
-"""Every how many stretches sets are simulated by where rollouts decide."""
+SIMULATED, SPARSE = 6, 3
+"""How many of the likeliest sets, and of the likeliest single effects, are simulated; and every how
+many stretches of them where rollouts decide."""
 FINALISTS = 2
 """How many of those with the least error are refitted, beside the likeliest."""
 DRY = {"coulomb_friction", "stribeck_friction", "load_dependent_friction"}
 SPRINGS = {"series_elasticity"}
-"""Laws of real drives, each of which is refitted to rollouts at all driven joints: dry friction
-until one is found, springs where they lower the error."""
+"""Laws that are refitted to rollouts at all driven joints: dry friction until one is found, springs
+where they lower the error."""
 GROUP = -5.0
 """Least gain of a law of friction at all driven joints that is simulated, nats."""
 DIVERGED = 0.5
-"""By how much a set may raise the mean loss before it is refitted, nats a stretch and channel."""
-RIVAL = 10.0
-"""Least nats that another law in the place of one gains in Gram space to be tried there; of twins
-it is minus `CERTAIN`."""
+"""Most rise of the mean loss by a set before it is refitted, nats a stretch and channel."""
+RIVAL, TWIN = 10.0, 60.0
+"""Least nats that another law in the place of one gains in Gram space to be tried there; and most
+that a twin may lose: where readings are precise its second order shows."""
 REPLACED, LOST, TWIN_LOST = 3, 200.0, 1000.0
-"""Most laws that are tried in the place of others; and nats that an effect which is left out, also
-beside a twin, may cost in Gram space: a refit of the others may make up for it."""
+"""Most laws that are tried in the place of others; and nats that an effect which is left out may
+cost in Gram space, also beside a twin: a refit may make up for it."""
 ROUNDS = 2
 """Most Gauss-Newton steps of a refit under one estimate of the disturbances."""
 
@@ -175,9 +174,8 @@ class EffectSelection:
                     base = new
             if gained:
                 break
-        if not gained:
-            return tried, base
-        return tried, functools.reduce(lambda a, b: better(a, b, self.validation), gained)
+        pick = functools.partial(better, validation=self.validation)
+        return tried, functools.reduce(pick, gained or [base])
 
     def proposals(
         self, search: Search, sets: Sequence[Explanation], base: Finalist
@@ -266,13 +264,13 @@ class EffectSelection:
             others = [one for one in every if one[0].label not in gone]
             rivals += [(gain, at, other) for other, gain in others[:1] if gain > RIVAL]
             # The linearisation says little of a time's twins, and nothing of a push's.
-            least = -math.inf if effect.of_a_run else -CERTAIN
+            least = -math.inf if effect.of_a_run else -TWIN
             twins = [(gain, at, o) for o, gain in others if o.name in effect.twins]
             rivals += [one for one in twins[:1] if least < one[0] <= RIVAL]
-            simple = f"{effect.simpler}@{effect.where}"
-            c = effect.coefficients[:1]
-            rivals += [(gain, at, o.with_strengths(c)) for o, gain in others if o.label == simple]
-        for _, at, other in sorted(rivals, key=lambda one: -one[0])[:REPLACED]:
+            simple = [o for o, _ in others if o.label == f"{effect.simpler}@{effect.where}"]
+            rivals += [(math.inf, at, effect.simplified(o)) for o in simple]
+        most = REPLACED + sum(gain == math.inf for gain, _, _ in rivals)
+        for _, at, other in sorted(rivals, key=lambda one: -one[0])[:most]:
             new = self.exchanged(best, at, other)
             if self.prefers(best, new, best.effects[at], other):
                 return self.reduced(new)

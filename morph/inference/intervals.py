@@ -35,7 +35,8 @@ def estimates(about: LogPosterior) -> tuple[list[Estimate], Mask]:
     free, trust = low < high, information(hypothesis)
     slack = 1e-3 * np.minimum(high - low, np.abs(point) + 1e-9)
     at_bound = free & ((point <= low + slack) | (point >= high - slack))
-    moving = free & ~at_bound
+    # An own figure at its bound is still as uncertain as its prior: what shares a scale with it is.
+    moving = free & ~(at_bound & (trust == 0.0))
     # What neither readings nor a prior tell may be anything within its bounds, evenly.
     even = np.where(free & (trust == 0.0), 12.0 / np.maximum(high - low, 1e-150) ** 2, 0.0)
     inner = about.inner() + np.diag(even)

@@ -201,6 +201,8 @@ class Search:
             gain = float(np.max(evidence[:, 0] + [self._gain(rest, added) for rest in rests]))
             labels = tuple(entry.label for entry in entries)
             members = tuple(sorted({*base.members, *added}))
+            if gain == -math.inf:
+                continue
             new = (gain - float(prices[at]), members)
             best[labels] = max(best.get(labels, new), new)
             if len(best) >= wanted:
@@ -243,6 +245,8 @@ class Search:
         columns = self._place(added)
         along, inner = rest[columns, 0], rest[np.ix_(columns, columns)]
         strengths, rank = bounded(inner, along, *all_bounds([self.columns[at] for at in added]))
+        if not rank:
+            return -math.inf  # It does nothing here.
         gain = strengths @ along - 0.5 * strengths @ inner @ strengths
         return float(gain - 0.5 * rank * math.log(self.readings))
 

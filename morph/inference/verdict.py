@@ -31,6 +31,8 @@ RESIDUAL_SECONDS = 80.0
 NONE = 0.65
 """Most probability that nothing is missing: masses and gains within their uncertainty may hide what
 is. Set by hand on opened cases of `experiments.concealed`."""
+LEAST = 0.01
+"""Least probability of a single effect that is listed where none is found."""
 WITH_RESIDUAL = "corrected_plus_residual"
 """Name of the corrected model with a learned residual."""
 
@@ -188,7 +190,8 @@ def _probabilities(
     if not found:
         chances["none"] = min(NONE, 1.0 - remains.any_physics)
         missed = 1.0 - chances["none"] - unknown
-        chances |= {label: missed * share for label, share in suspects(ranking).items()}
+        some = {label: missed * share for label, share in suspects(ranking).items()}
+        chances |= {label: chance for label, chance in some.items() if chance >= LEAST}
     return chances
 
 

@@ -62,8 +62,7 @@ class Finding:
     separate_by: str
     """The experiment that would tell it from its likeliest rival."""
     gain: float
-    """By how much the geometric mean over channels of 1 + MSE / variance falls in rollouts of the
-    training runs: 1 - exp(-2 nats / channels)."""
+    """By how much the geometric mean over channels of 1 + MSE / variance falls in rollouts."""
     slide: bool = False
     """Whether its joint is a slide, so that forces are in N and lengths in m."""
 
@@ -71,6 +70,12 @@ class Finding:
     def statement(self) -> str:
         """The finding in one plain sentence."""
         return self.effect.statement(slide=self.slide)
+
+    @property
+    def said(self) -> str:
+        """The same, below a probability of one half with that."""
+        doubt = f"Perhaps (probability {self.probability:.2g}): " if self.probability < 0.5 else ""
+        return f"{doubt}{self.statement}"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -165,8 +170,7 @@ class Diagnosis:
     split: str
     """How they were set apart: by session, by episode, by time, or as named."""
     held_out_rmse: Mapping[str, Mapping[str, float]]
-    """Error by model and channel. `rejected` is a corrected model that predicts them worse than the
-    description, which then stands for it."""
+    """Error by model and channel. For one that is `rejected` the description stands."""
     improvement_low90: float
     """Share of the nominal squared error taken away, lower end of a 90 % interval."""
     refit: Mapping[str, Estimate]
@@ -200,7 +204,7 @@ class Diagnosis:
         """Return the answer in words, a sentence each."""
         if self.verdict == "consistent":
             return (EXPLAINED, *self.overstated)
-        said = [finding.statement for finding in self.findings]
+        said = [finding.said for finding in self.findings]
         if not said:
             said = [OUT_OF_TIME if self.stopped_short else UNNAMED]
             said += (f"Perhaps {x.replace('@', ' at ')}." for x in self.probabilities if "@" in x)
@@ -226,7 +230,6 @@ class Diagnosis:
             "summary": list(self.summary()),
             "findings": [_finding(f) for f in self.findings],
             "located": {
-                # Largest first: a list keeps the order where an object may not.
                 "channels": [{"channel": c, "share": s} for c, s in self.located.channels.items()],
                 "times": times,
                 "states": self.located.states,

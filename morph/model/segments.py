@@ -71,6 +71,23 @@ class Segments:
         moved = space.moved_by(position, change[:, : space.dofs])
         return np.concatenate([moved, velocity + change[:, space.dofs :]], axis=1)
 
+    def grown(self, entry: int, later: Array) -> Array:
+        """Return by how much an entry of each smoothed start changes by a later time.
+
+        Args:
+            entry: Its index.
+            later: How much later, s, shape (segments,).
+        """
+        found = np.zeros(len(self))
+        for row in np.flatnonzero(later):
+            whole = self.episodes[int(self.episode[row])]
+            begin = float(self.first[row]) * self.step
+            if entry >= self.measurement.coordinates.positions:
+                begin -= 0.5 * self.step
+            now, then = np.interp([begin, begin + later[row]], whole.time, whole.state[:, entry])
+            found[row] = then - now
+        return found
+
     def change(self, start: Array, origin: Array) -> Array:
         """Return what leads from some starts to others, shape (segments, 2 nv)."""
         space = self.measurement.coordinates

@@ -82,12 +82,12 @@ def _predict(
         true, time = start.copy(), segments.step * segments.first.astype(float)
         for index, dof in zip(space.straight, space.dof, strict=True):
             channel = channels[dof]
-            rate, place = start[:, size + dof], start[:, index]
-            before, after = (unsensed(variant.effects, channel, p) for p in (place, place + rate))
-            # What is stamped late was read before.
             late = stamped(variant.effects, channel, time) - time
-            true[:, size + dof] = after - before
-            true[:, index] = before + late * (after - before)
+            # What is stamped late was read before: at that stamp there stands what is now.
+            rate = start[:, size + dof] + segments.grown(size + dof, late)
+            place = start[:, index] + segments.grown(index, late)
+            before, after = (unsensed(variant.effects, channel, p) for p in (place, place + rate))
+            true[:, size + dof], true[:, index] = after - before, before
         begin.append(true)
     start = np.concatenate(begin)
     which = np.repeat(np.arange(len(variants)), count)

@@ -287,13 +287,14 @@ class Effect(ABC):
         low = np.array([p.low - neutral for p, neutral in pairs])
         return low, np.array([p.high - neutral for p, neutral in pairs])
 
+    def simplified(self, law: Some) -> Some:
+        """Return the law of the name `simpler` as it stands for this one, to begin a fit with."""
+        return law.with_strengths(self.coefficients[:1])
+
     def with_strengths(self: Some, coefficients: Array) -> Some:
         """Return the effect with strengths read off a linear fit, kept in bounds."""
-        known = {p.name: p for p in self.parameters()}
-        values = {
-            name: float(
-                np.clip((known[name].neutral or 0.0) + value, known[name].low, known[name].high)
-            )
-            for name, value in zip(self.strengths, coefficients, strict=True)
-        }
+        known, values = {p.name: p for p in self.parameters()}, {}
+        for name, value in zip(self.strengths, coefficients, strict=True):
+            p = known[name]
+            values[name] = float(np.clip((p.neutral or 0.0) + value, p.low, p.high))
         return replace(self, **values)  # type: ignore[type-var]

@@ -37,7 +37,7 @@ def check_distinct(recordings: Iterable[Recording]) -> None:
     """Refuse recordings with the same bytes, over one load or several.
 
     Two are the same if their files are, byte by byte, or if all their channels
-    are: a copy that was only compressed or renamed is still a copy.
+    hold the same values: a copy that was compressed, renamed or put on another clock is a copy.
 
     Raises:
         RecordingError: Two recordings are identical.
@@ -51,12 +51,11 @@ def check_distinct(recordings: Iterable[Recording]) -> None:
 
 
 def contents(recording: Recording) -> str:
-    """Return a hash of a recording's channels, whatever file they came from."""
+    """Return a hash of a recording's values, whatever file they came from and clock they are on."""
     digest = hashlib.sha256()
     for name in sorted(recording.channels):
         channel = recording.channels[name]
         digest.update(name.encode())
-        digest.update(channel.time.tobytes())
         digest.update(channel.value.tobytes())
     return digest.hexdigest()
 

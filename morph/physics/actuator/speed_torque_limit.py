@@ -10,7 +10,7 @@ import numpy as np
 from morph.arrays import Array
 from morph.body.robot import Robot
 from morph.physics.actuator.limit import LimitEffect
-from morph.physics.effect import UNLIMITED, Simulations, parameter
+from morph.physics.effect import UNLIMITED, Simulations, Some, parameter
 from morph.physics.motion import Motion
 
 STALLS = (0.02, 0.05, 0.1, 0.2, 0.5, 0.8, 1.2, 2.0)
@@ -56,6 +56,10 @@ class SpeedTorqueLimit(LimitEffect):
             high, low = stall * np.clip(1.0 - share, 0, 1), -stall * np.clip(1.0 + share, 0, 1)
         free = np.isinf(stall)
         return np.where(free, -np.inf, low), np.where(free, np.inf, high)
+
+    def simplified(self, law: Some) -> Some:
+        """Return a limit at the torque at stall."""
+        return replace(law, limit=self.tau0)  # type: ignore[type-var]
 
     @classmethod
     def places(cls, robot: Robot) -> tuple[str, ...]:

@@ -43,6 +43,12 @@ def read(
     """
     name = path.name.lower()
     if not readable(path):
+        if not path.exists():
+            raise RecordingError(
+                "there is no such file or folder",
+                where=str(path),
+                fix="see that the path is right, from the folder in which the command runs",
+            )
         raise RecordingError(
             f"the ending of {path.name!r} is unknown; files end in {', '.join(ENDINGS)}",
             where=str(path),

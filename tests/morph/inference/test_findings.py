@@ -13,9 +13,11 @@ from morph.inference.intervals import estimates, in_units, shifted
 from morph.inference.quadratic import LogPosterior
 from morph.model.diagnosis import Estimate
 from morph.model.hypothesis import Hypothesis
+from morph.model.knobs import Knob
 from morph.physics.actuator.torque_saturation import TorqueSaturation
 from morph.physics.body.external_push import ExternalPush
 from morph.physics.body.payload import Payload
+from morph.physics.joint.coulomb_friction import CoulombFriction
 from morph.physics.joint.stribeck_friction import StribeckFriction
 
 
@@ -91,3 +93,18 @@ def test_what_no_reading_tells_may_be_anything_within_its_bounds(pendulum: Robot
     # A uniform distribution over the bounds has a twelfth of their distance squared as variance.
     low, high = hypothesis.low[2], hypothesis.high[2]
     assert found[2].high90 - found[2].low90 > 0.5 * (high - low)
+
+
+def test_a_figure_at_its_bound_is_still_as_uncertain_as_beforehand(pendulum: Robot) -> None:
+    # Gain and friction on one scale: readings tell their difference alone, to 1e-3.
+    gain = Knob(kind="gain", part="hinge", what="gain", fraction=0.05)
+    law = CoulombFriction(joint="hinge", c=1.0)
+    hypothesis = Hypothesis(robot=pendulum, step=0.004, knobs=(gain,), effects=(law,))
+    inner = 1e6 * np.array([[1.0, -1.0], [-1.0, 1.0]])
+    gram = np.zeros((3, 3))
+    gram[1:, 1:] = inner
+    grams, at = np.stack([gram / 4.0] * 4), np.array([hypothesis.high[0], 1.0])
+    about = LogPosterior(hypothesis=hypothesis, point=at, grams=grams, readings=400)
+    found, _ = estimates(about)
+    # The friction is as uncertain as the gain, 5 %, at a temperature of 2: sqrt(2) 1.645 5 %.
+    assert found[1].high90 - found[1].value == pytest.approx(np.sqrt(2.0) * 1.645 * 0.05, rel=0.02)

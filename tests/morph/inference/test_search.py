@@ -232,3 +232,11 @@ def test_what_acts_through_another_is_added_with_it_and_never_stands_alone() -> 
     # Beside the one through which it acts it is one step more.
     began = replace(search, needs={2: 0, 3: 1}).sets(2)
     assert (0, 1, 2, 3) in {each.members for each in began}
+
+
+def test_what_does_nothing_here_is_no_explanation() -> None:
+    rng = np.random.default_rng(8)
+    table = columns(rng, 0)
+    table[:, 1] = 0.0
+    search = searched(table, rng.normal(size=READINGS), 0)
+    assert all(1 not in each.members for each in search.sets(2))

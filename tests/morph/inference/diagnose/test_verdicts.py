@@ -81,8 +81,8 @@ def test_what_no_effect_explains_is_unknown(windy: Diagnosis) -> None:
 
 def test_the_likeliest_effects_are_listed_where_none_is_surely_missing(windy: Diagnosis) -> None:
     listed = {label: p for label, p in windy.probabilities.items() if "@" in label}
-    assert len(set(listed.values())) == len(listed) == 3
-    assert list(listed.values()) == sorted(listed.values(), reverse=True)
+    # A sensor's scale is likelier than all else by more than 7 nats: none of that has .01.
+    assert list(listed) == ["sensor_scale@hinge.position"]
     # With `none` and `unknown` they are no more than a posterior, whose rest is of other effects.
     assert sum(windy.probabilities.values()) <= 1.0 + 1e-9
     assert windy.summary()[1:] == tuple(f"Perhaps {x.replace('@', ' at ')}." for x in listed)
