@@ -14,6 +14,7 @@ from morph.inference.dictionary import dictionary
 from morph.inference.observed import Observed
 from morph.physics.body.tether import Tether
 from morph.physics.effect import Effect
+from morph.physics.fluid.fluid_current import FluidCurrent
 from morph.physics.fluid.wet import WetEffect
 
 FORCE, READING = 0.05, 0.01
@@ -31,7 +32,7 @@ def sized(
     Args:
         robot: The description.
         laws: As they were asked for, neutral ones at a usual size; none for every law of the robot,
-            whether it does anything or not.
+            also those that do nothing if others do.
         runs: Motions, a strong one of all joints first, by which sizes are set; the size of a law
             that does nothing there, by the next in which it does.
 
@@ -44,12 +45,13 @@ def sized(
     if not laws:
         # Pushes and cables come from outside: no laws of the robot. In air fluids hardly act.
         wet = robot.card is not None and robot.card.water is not None
-        return [
-            (_sized(grid[len(grid) // 2], tried[0]),)
+        every = [
+            _sized(grid[len(grid) // 2], tried[0])
             for grid in there.values()
             if not (grid[0].of_a_run or isinstance(grid[0], Tether))
-            and (wet or not isinstance(grid[0], WetEffect))
+            and (wet or not isinstance(grid[0], WetEffect | FluidCurrent))
         ]
+        return [(law,) for law in every] if any(_acts(law, tried[0]) for law in every) else []
     found = []
     for law in laws:
         grid = there.get(law.label, (law,))
