@@ -70,10 +70,11 @@ def sized(
                 break
         else:
             raise DiagnosisError(
-                f"{law.label} does nothing in any motion of this robot",
+                f"{law.label} does nothing in any motion of this robot that was tried",
                 where="--separate",
-                fix="name a law of a joint that moves or of an actuator that drives, or give its "
-                "parameters",
+                fix="give it parameters at which it acts within the robot's limits, as a lower "
+                "limit or a nearer stop, or name a law of a joint that moves or an actuator that "
+                "drives",
             )
         found.append((told, *grid))
     return found

@@ -116,9 +116,10 @@ def plan(
 
 
 def _check(laws: Sequence[Effect], seconds: float, rate: float, noise: float, seed: int) -> None:
-    if laws and (len(laws) != 2 or laws[0].label == laws[1].label):
+    different = len({law.label for law in laws})
+    if laws and (len(laws) != 2 or different != 2):
         raise DiagnosisError(
-            f"{len({law.label for law in laws})} laws are to be told apart",
+            f"two laws are told apart, and of different ones there are {different}",
             where="--separate",
             fix="name two different laws, as coulomb_friction@elbow viscous_friction@elbow",
         )

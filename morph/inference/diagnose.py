@@ -10,6 +10,7 @@ from morph.body.robot import Robot
 from morph.inference.rank import Progress, ranked
 from morph.inference.verdict import DiagnosisRuns, conclude
 from morph.model.commanded import by_effort
+from morph.model.conventions import check_signs, check_units
 from morph.model.diagnosis import Diagnosis
 from morph.model.episodes import step_for
 from morph.model.hypothesis import Hypothesis
@@ -24,7 +25,6 @@ from morph.model.usable import (
     check_motion,
     check_recordings,
     check_settings,
-    check_signs,
     check_tree,
 )
 from morph.physics.effect import Effect
@@ -84,13 +84,15 @@ def diagnose(
     say: Progress = progress or (lambda what, share: None)
     say("reading motion and noise", 0.02)
     parts = split(recordings, held_out)
-    still = check_motion(parts.train, measured)
+    still, every = check_motion(parts.train, measured), (*parts.train, *parts.held_out)
     step = step_for(parts.train, robot)
     train, aside = (all_pieces(part, robot, step) for part in (parts.train, parts.held_out))
     check_falls(train, robot)
+    check_units(train, robot)
     check_signs(train, robot)
     scored = scored_segments(aside, horizon)
-    nominal = Hypothesis(robot=robot, step=step, knobs=knobs(robot, vary))
+    held = tuple(name for name in still if name in check_motion(every, measured))
+    nominal = Hypothesis(robot=robot, step=step, knobs=knobs(robot, vary), held=held)
     say("refitting the description's own figures", 0.05)
     ranking = ranked(
         nominal,

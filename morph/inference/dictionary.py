@@ -112,7 +112,6 @@ def dictionary(
     motions = [run.motion for run in runs]
     longest = max(motions, key=lambda motion: len(motion.time))
     measured, told = set(longest.channels), {effect.label: effect for effect in known}
-    # Dry friction alone says anything of a joint that never moves, and nothing of its actuator.
     joints = [joint.name for joint in robot.joints if joint.kind in {"hinge", "slide"}]
     still = {name for name in joints if not any(_moves(name, run) for run in runs)}
     idle = {
@@ -121,8 +120,7 @@ def dictionary(
     }
     for kind in EFFECTS:
         places = kind.places(robot) if kind.strengths else ()
-        if not kind.holds:
-            places = tuple(place for place in places if place not in idle.get(kind.kind, ()))
+        places = tuple(place for place in places if place not in idle.get(kind.kind, ()))
         for place in places[:1] if kind.everywhere else places:
             if kind.kind != "sensor" or place in measured:
                 with suppress(EffectError):  # It needs what the description does not tell.

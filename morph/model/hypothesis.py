@@ -20,6 +20,8 @@ from morph.sim.simulator import compiled
 
 POINT = ("cx", "cy", "cz")
 """Parameters that say where on its link an effect acts."""
+HEAVY = 1e6
+"""Inertia that holds a joint, kg m2 or kg."""
 BARE: dict[tuple[str, str, float], Any] = {}
 """Specs without what does not move a robot, by hash and name of the robot and step."""
 
@@ -62,6 +64,8 @@ class Hypothesis:
     """Figures of the description that are refitted."""
     effects: tuple[Effect, ...] = ()
     """Effects whose parameters are fitted; their values are where a fit starts."""
+    held: tuple[str, ...] = ()
+    """Joints that never move, whatever forces act on them: what holds them is not the links."""
 
     @cached_property
     def _slots(self) -> tuple[tuple[int, Any], ...]:
@@ -173,6 +177,8 @@ class Hypothesis:
     def at(self, point: Array) -> Variant:
         """Return the simulation at a point; it moves as the whole one, and faster."""
         spec = self._turned(bare_spec(self.robot, self.step).copy(), point)
+        for name in self.held:
+            spec.joint(name).armature = HEAVY
         return compiled(spec, self.effects_at(point), self.robot)
 
     def _turned(self, spec: Any, point: Array) -> Any:

@@ -7,12 +7,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from morph.arrays import Array
 from morph.body.robot import Robot
 from morph.body.spec import spec_of
 from morph.errors import DiagnosisError, RecordingError
 from morph.model.episodes import Episode
-from morph.physics.dynamics import supplied
 from morph.record.noise import moves
 from morph.record.recording import Channel, Recording
 
@@ -26,15 +24,6 @@ HELD = 0.5
 """Mean acceleration of a free link less gravity, over gravity, from which something holds it."""
 LONGEST_GAP = 60.0
 """Seconds without a reading after which a clock has jumped."""
-TURNED = 1.0
-"""By how much the logarithms of the joints' missing forces fall together, and at one of them alone,
-where a sign is wrong. With right signs they rose on 61 of 62 simulated robots, and fell by 0.5 at
-one joint of the other, an arm with a load."""
-SAME = 0.1
-"""Of these logarithms, by which a position must do better than a command: a pendulum under a motor
-that turns the other way is the mirror image of one with such an encoder."""
-INSTANTS = 2000
-"""About how many instants of the runs are looked at for that."""
 
 
 def check_settings(horizon: float | None, budget: float | None, seed: int) -> None:
@@ -191,55 +180,6 @@ def check_falls(episodes: Sequence[Episode], robot: Robot) -> None:
                 fix="give runs of free flight; or describe a base that does not move as fixed, and "
                 "a robot in water with its `[water]` in the card",
             )
-
-
-def check_signs(episodes: Sequence[Episode], robot: Robot) -> None:
-    """Refuse runs that need far less missing force with the sign of a joint's position turned.
-
-    Raises:
-        DiagnosisError: An encoder counts the other way than its joint.
-    """
-    model, measurement = spec_of(robot).compile(), episodes[0].measurement
-    space = measurement.coordinates
-    every = max(1, sum(len(each.time) for each in episodes) // INSTANTS)
-    steps = [np.minimum(np.rint(e.time / e.step).astype(int), len(e.command) - 1) for e in episodes]
-    parts = [
-        (e.position, e.velocity, e.acceleration, e.command[at])
-        for e, at in zip(episodes, steps, strict=True)
-    ]
-    motion = [np.concatenate(part)[::every] for part in zip(*parts, strict=True)]
-
-    def missing(turned: str = "") -> Array:
-        """Return the logarithms of the joints' RMS missing force, one channel turned."""
-        position, velocity, acceleration, command = motion
-        joints = np.array([-1.0 if name == turned else 1.0 for name in measurement.channels])
-        places = np.ones(space.positions)
-        places[space.straight] = joints[space.dof]
-        commands = [f"{actuator.name}.command" for actuator in robot.actuators]
-        drives = np.array([-1.0 if name == turned else 1.0 for name in commands])
-        force = supplied(
-            model, places * position, joints * velocity, joints * acceleration, drives * command
-        )
-        return np.asarray(0.5 * np.log(np.mean(force**2, axis=0) + 1e-24))
-
-    held = missing()
-    turnable = [f"{each.name}.position" for each in robot.joints if each.kind != "free"]
-    if not turnable:
-        return
-    turnable += [f"{actuator.name}.command" for actuator in robot.actuators]
-    falls = {name: held - missing(name) for name in turnable}
-    wrong = max(turnable, key=lambda name: falls[name].sum())
-    fall, at = falls[wrong], int(falls[wrong].argmax())
-    drives = [falls[name].sum() + SAME for name in turnable if name.endswith(".command")]
-    # A motor that turns the other way is a finding: it has a gain of -1.
-    if fall.sum() > max([TURNED, *drives]) and fall[at] > TURNED:
-        raise DiagnosisError(
-            f"the sign of {wrong} is wrong: with it turned, the force that is missing in "
-            f"{measurement.channels[at]} falls to {math.exp(-fall[at]):.1%}",
-            where=", ".join(dict.fromkeys(each.name for each in episodes)),
-            fix=f"write scale = -1 in the line of {wrong} in recording.toml, or turn the joint's "
-            "axis in the description",
-        )
 
 
 def _within(recording: Recording, name: str, channel: Channel, most: float) -> None:

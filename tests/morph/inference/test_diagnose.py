@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
+import mujoco
 import numpy as np
 import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
@@ -197,3 +198,28 @@ def test_linear_algebra_has_one_thread(
     with threadpool_limits(2), pytest.raises(InterruptedError) as caught:
         diagnose(pendulum, runs(pendulum, recorded))
     assert caught.value.args == ({1},)
+
+
+def test_a_braked_joint_accuses_no_link(arm: Callable[..., Robot], recorded: Recorded) -> None:
+    # The brake holds the elbow, whose encoder toggles between two counts.
+    braked, described = arm(elbow='armature="1e6"'), arm()
+    rng, taken = np.random.default_rng(3), []
+    for k in range(3):
+        run = recorded(
+            braked,
+            start={"shoulder": 1.2 - 0.3 * k, "elbow": 0.5},
+            command=lambda times, k=k: 4.0 * np.sin((2.0 + k) * times),
+            seed=k,
+            name=f"run_{k}",
+            seconds=2.0,
+        )
+        elbow = run.channel("elbow.position")
+        counts = 0.5 + 2.0 * np.pi / 4096.0 * rng.integers(0, 2, len(elbow.value))
+        channels = {**run.channels, "elbow.position": replace(elbow, value=counts)}
+        taken.append(replace(run, channels=channels))
+    found = diagnose(described, taken)
+    assert not found.findings
+    assert any("Joint elbow does not move" in note for note in found.notes)
+    # The brake is no part of the model that is written.
+    model = mujoco.MjModel.from_xml_string(found.corrected)
+    assert model.dof_armature.max() < 1.0

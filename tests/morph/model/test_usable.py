@@ -22,16 +22,11 @@ from morph.model.usable import (
     check_motion,
     check_recordings,
     check_settings,
-    check_signs,
     check_tree,
 )
 from morph.record.recording import Channel, Recording
 
 Recorded = Callable[..., Recording]
-BRICK = """
-<mujoco model="brick"><worldbody><body name="brick"><freejoint name="free"/>
-  <inertial pos="0 0 0" mass="1" diaginertia="0.01 0.01 0.01"/></body></worldbody></mujoco>
-"""
 
 
 @pytest.fixture(scope="module")
@@ -225,36 +220,3 @@ def test_a_link_that_something_holds_up_is_refused_and_one_that_falls_is_not() -
     check_falls([episode(falls, robot, 0.005)], robot)
     with pytest.raises(DiagnosisError, match="does not fall as it would alone"):
         check_falls([episode(stands, robot, 0.005)], robot)
-
-
-@pytest.mark.parametrize(
-    "wrong", ["shoulder.position", "elbow.position", "elbow_motor.command", ""]
-)
-def test_an_encoder_that_counts_the_wrong_way_is_refused_and_no_other(
-    arm: Callable[..., Robot], recorded: Recorded, wrong: str
-) -> None:
-    robot = arm()
-    run = recorded(robot, start={"shoulder": 0.7}, command=lambda t: 2.0 * np.sin(3.0 * t))
-    channels = {
-        name: replace(each, value=-each.value) if name == wrong else each
-        for name, each in run.channels.items()
-    }
-    runs = [episode(replace(run, channels=channels), robot, 0.004)]
-    if not wrong.endswith("position"):
-        check_signs(runs, robot)  # A motor that turns the other way is a finding.
-        return
-    with pytest.raises(DiagnosisError, match=f"the sign of {wrong} is wrong") as caught:
-        check_signs(runs, robot)
-    assert "scale = -1" in caught.value.fix
-
-
-def test_a_body_that_falls_alone_has_no_sign_to_turn(body: Callable[[str], Robot]) -> None:
-    robot, time = body(BRICK), np.linspace(0.0, 1.0, 201)
-    measurement = Measurement.of(robot)
-    channels = dict.fromkeys(measurement.needed, 0.0 * time)
-    channels[measurement.recorded[2]] = -4.905 * time**2
-    channels[measurement.quaternions[0][0]] = 1.0 + 0.0 * time
-    run = Recording(
-        name="falls", channels={k: Channel(time=time, value=v) for k, v in channels.items()}
-    )
-    check_signs([episode(run, robot, 0.005)], robot)
