@@ -20,8 +20,8 @@ from morph.sim.simulator import compiled
 
 POINT = ("cx", "cy", "cz")
 """Parameters that say where on its link an effect acts."""
-HEAVY = 1e6
-"""Inertia that holds a joint, kg m2 or kg."""
+HEAVY, FADES = 1e6, 0.01
+"""Inertia that holds a joint, kg m2 or kg, and seconds in which its velocity fades."""
 BARE: dict[tuple[str, str, float], Any] = {}
 """Specs without what does not move a robot, by hash and name of the robot and step."""
 
@@ -178,7 +178,9 @@ class Hypothesis:
         """Return the simulation at a point; it moves as the whole one, and faster."""
         spec = self._turned(bare_spec(self.robot, self.step).copy(), point)
         for name in self.held:
-            spec.joint(name).armature = HEAVY
+            joint = spec.joint(name)
+            # Rates that noise seems to show fade.
+            joint.armature, joint.damping = HEAVY, HEAVY / FADES * (np.arange(3) == 0)
         return compiled(spec, self.effects_at(point), self.robot)
 
     def _turned(self, spec: Any, point: Array) -> Any:

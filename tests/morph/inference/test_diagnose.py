@@ -220,6 +220,8 @@ def test_a_braked_joint_accuses_no_link(arm: Callable[..., Robot], recorded: Rec
     found = diagnose(described, taken)
     assert not found.findings
     assert any("Joint elbow does not move" in note for note in found.notes)
+    # An elbow that were free would fall; held, it is off by no more than a count, 1.5e-3 rad.
+    assert found.held_out_rmse["corrected"]["elbow.position"] < 2e-3
     # The brake is no part of the model that is written.
     model = mujoco.MjModel.from_xml_string(found.corrected)
     assert model.dof_armature.max() < 1.0
