@@ -25,8 +25,8 @@ def distinct(recordings: Iterable[Recording]) -> tuple[Recording, ...]:
             kept.append(recording)
         else:
             copy = Note(
-                what=f"recording {recording.name!r} is identical to {kept[at].name!r}, byte by "
-                "byte, and was left out",
+                what=f"recording {recording.name!r} is identical to {kept[at].name!r} in all "
+                "its values, and was left out",
                 where=", ".join(map(str, recording.sources)) or recording.name,
             )
             kept[at] = replace(kept[at], notes=(*kept[at].notes, copy))
@@ -63,7 +63,7 @@ def contents(recording: Recording) -> str:
 def _identical(one: Recording, other: Recording) -> RecordingError:
     files = [", ".join(map(str, each.sources)) or each.name for each in (one, other)]
     return RecordingError(
-        f"the recordings {one.name!r} and {other.name!r} are identical, byte by byte",
+        f"the recordings {one.name!r} and {other.name!r} are identical in all their values",
         where=f"{files[1]} and {files[0]}",
         fix="leave one of the two out; a copy makes a result look surer than it is",
     )

@@ -61,7 +61,10 @@ def test_the_same_array_under_two_keys_is_one_episode_twice(tmp_path: Path) -> N
     again = '[[episode]]\nfile = "swim.npz"\nkey = "6"\n\n[columns]'
     (tmp_path / "recording.toml").write_text(BINDING.replace("[columns]", again))
     (run,) = load(tmp_path)
-    assert "'swim_6' is identical to 'swim_7', byte by byte, and was left out" in run.notes[-1].what
+    assert (
+        "'swim_6' is identical to 'swim_7' in all its values, and was left out"
+        in run.notes[-1].what
+    )
 
 
 def test_a_velocity_in_the_body_frame_needs_an_orientation(tmp_path: Path) -> None:

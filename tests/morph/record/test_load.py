@@ -11,6 +11,7 @@ import pytest
 from morph.body.robot import Actuator, Joint, Link, Robot
 from morph.errors import RecordingError
 from morph.record.load import check_distinct, load
+from morph.record.recording import Channel, Recording
 
 HEADER = "time,hinge.position,hinge.command"
 
@@ -154,7 +155,7 @@ def test_of_two_identical_episodes_one_is_kept_even_if_one_is_compressed(tmp_pat
     one, other = load(tmp_path)
     assert [one.name, other.name] == ["a", "c"]
     (note,) = one.notes
-    assert "'b' is identical to 'a', byte by byte, and was left out" in note.what
+    assert "'b' is identical to 'a' in all its values, and was left out" in note.what
     assert note.where == str(copy)
     (tmp_path / "b.csv.gz").write_bytes(gzip.compress(copy.read_bytes()))
     copy.unlink()
@@ -182,3 +183,18 @@ def test_what_cannot_be_read_is_refused(tmp_path: Path, name: str) -> None:
         load(tmp_path / name)
     assert caught.value.where == str(tmp_path / name)
     assert caught.value.fix
+
+
+def test_a_copy_on_another_clock_is_a_copy() -> None:
+    time = np.linspace(0.0, 1.0, 50)
+    one, other = (
+        Recording(name=name, channels={"q.position": Channel(time=at, value=np.sin(time))})
+        for name, at in (("one", time), ("other", time + 100.0))
+    )
+    with pytest.raises(RecordingError, match="'one' and 'other' are identical"):
+        check_distinct((one, other))
+
+
+def test_a_path_without_anything_is_told_as_that(tmp_path: Path) -> None:
+    with pytest.raises(RecordingError, match="there is no such file or folder"):
+        load(tmp_path / "nothing")

@@ -7,6 +7,7 @@ import pytest
 
 from morph.body.robot import Robot
 from morph.physics.actuator.speed_torque_limit import SpeedTorqueLimit
+from morph.physics.actuator.torque_saturation import TorqueSaturation
 from morph.sim.simulator import Simulator
 
 LAW = SpeedTorqueLimit(actuator="axle", tau0=0.8, v0=2.5)
@@ -44,3 +45,9 @@ def test_a_small_torque_is_not_touched(wheels: Callable[..., Robot]) -> None:
 def test_nothing_drives_beyond_the_speed_without_load(wheels: Callable[..., Robot]) -> None:
     run = Simulator(wheels(), (LAW,)).run(seconds=0.5, speed={"axle": 3.0}, command={"axle": 5.0})
     assert run["axle.velocity"] == pytest.approx(3.0, abs=1e-12)
+
+
+def test_without_its_speed_it_is_a_limit_at_the_torque_at_stall() -> None:
+    line = SpeedTorqueLimit(actuator="motor", tau0=0.9, v0=500.0)
+    law = TorqueSaturation(actuator="motor", limit=3.0)
+    assert line.simplified(law) == TorqueSaturation(actuator="motor", limit=0.9)
