@@ -11,6 +11,7 @@ import numpy as np
 from morph.arrays import Array
 from morph.body.check.place import WORLD
 from morph.body.draft import Draft, DraftJoint, DraftLink, Shape
+from morph.body.follow import QUICK, RIGID
 from morph.body.mesh import Mesh, as_stl
 
 VISUAL_GROUP, COLLISION_GROUP = 1, 3
@@ -141,6 +142,8 @@ class _Builder:
                 name1=joint.name,
                 name2=joint.mimic.joint,
                 data=data,
+                solimp=np.array(RIGID),
+                solref=np.array(QUICK),
             )
 
     def link(self, body: Any, link: DraftLink) -> None:

@@ -8,6 +8,10 @@ import mujoco
 
 from morph.body.robot import Mimic
 
+RIGID, QUICK = (0.9999, 0.9999, 0.001, 0.5, 2.0), (0.005, 1.0)
+"""`solimp` and `solref` of gears as rigid as MuJoCo has them: by default it leaves out a tenth of the
+force that a constraint needs. Source: MuJoCo documentation, Modeling, solver parameters."""
+
 
 def followers(model: Any) -> tuple[dict[int, Mimic], list[str]]:
     """Return each joint that follows another in proportion, and the names of those tied otherwise.
@@ -29,6 +33,27 @@ def followers(model: Any) -> tuple[dict[int, Mimic], list[str]]:
         else:
             found[first] = Mimic(joint=model.joint(second).name, ratio=ratio, offset=offset)
     return found, others
+
+
+def leaders(model: Any) -> dict[int, tuple[int, float, float]]:
+    """Return each follower's leader that follows none, and its ratio and offset from zero.
+
+    By the joints' indices; see `Mimic`. Joints that follow each other in a ring are left out.
+    """
+    direct = {
+        joint: (model.joint(mimic.joint).id, from_zero(model, joint, mimic))
+        for joint, mimic in followers(model)[0].items()
+    }
+    found = {}
+    for joint, (leader, mimic) in direct.items():
+        ratio, offset, passed = mimic.ratio, mimic.offset, {joint}
+        while leader in direct and leader not in passed:
+            passed.add(leader)
+            leader, above = direct[leader]
+            ratio, offset = ratio * above.ratio, ratio * above.offset + offset
+        if leader not in passed:
+            found[joint] = leader, ratio, offset
+    return found
 
 
 def from_zero(model: Any, joint: int, mimic: Mimic) -> Mimic:

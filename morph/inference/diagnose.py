@@ -13,6 +13,7 @@ from morph.model.commanded import by_effort
 from morph.model.conventions import check_signs, check_units
 from morph.model.diagnosis import Diagnosis
 from morph.model.episodes import step_for
+from morph.model.followers import with_followers
 from morph.model.hypothesis import Hypothesis
 from morph.model.knobs import knobs
 from morph.model.measurement import Measurement
@@ -65,8 +66,8 @@ def diagnose(
         progress: Told what is being done and the share of the work behind.
 
     Raises:
-        DiagnosisError: Nothing to fit or to score, a setting out of range, or a robot whose joints
-            constrain each other.
+        DiagnosisError: Nothing to fit or to score, a setting out of range, or a robot with a
+            closed chain.
         RecordingError: A channel is missing, or two recordings are the same.
         KernelError: There is no C compiler for the Kalman filter.
     """
@@ -75,7 +76,8 @@ def diagnose(
     check_recordings(recordings, held_out)
     check_tree(robot)
     recordings, held_out = (
-        [by_effort(each, robot) for each in distinct(some)] for some in (recordings, held_out)
+        [with_followers(by_effort(each, robot), robot) for each in distinct(some)]
+        for some in (recordings, held_out)
     )
     measured = Measurement.of(robot).needed
     for recording in (*recordings, *held_out):

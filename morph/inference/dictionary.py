@@ -113,7 +113,9 @@ def dictionary(
     longest = max(motions, key=lambda motion: len(motion.time))
     measured, told = set(longest.channels), {effect.label: effect for effect in known}
     joints = [joint.name for joint in robot.joints if joint.kind in {"hinge", "slide"}]
-    still = {name for name in joints if not any(_moves(name, run) for run in runs)}
+    # A law at a joint that follows another is one at its leader.
+    still = {joint.name for joint in robot.joints if joint.mimic is not None}
+    still |= {name for name in joints if not any(_moves(name, run) for run in runs)}
     idle = {
         "joint": still,
         "actuator": {each.name for each in robot.actuators if each.joint in still},

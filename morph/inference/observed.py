@@ -13,7 +13,7 @@ from morph.arrays import Array
 from morph.body.robot import Robot
 from morph.inference.axes import along_body
 from morph.inference.disturbance import likeliest_disturbance
-from morph.inference.reference import FEWER_STEPS, reference
+from morph.inference.reference import FEWER_STEPS, inverse, reference
 from morph.inference.sampled import Reference, SampledRun
 from morph.inference.sticking import ending, friction, moved
 from morph.model.episodes import Episode
@@ -67,7 +67,7 @@ def observed(
     Raises:
         KernelError: There is no C compiler for the filter, or it fails.
     """
-    run, guess = _sampled(read)
+    run, guess = _sampled(read, robot)
     run = replace(run, command=all_received(effects, robot, run.command, run.step))
     if before is None:
         about = reference(model, run, guess)
@@ -183,8 +183,11 @@ def _shift_slope_of(effects: Sequence[Effect], motion: Motion) -> Array:
     return np.concatenate(parts, axis=1)
 
 
-def _sampled(read: Episode) -> tuple[SampledRun, Array]:
-    """Return an episode on the simulation's grid, and a first guess of positions on it."""
+def _sampled(read: Episode, robot: Robot) -> tuple[SampledRun, Array]:
+    """Return an episode on the simulation's grid, and a first guess of positions on it.
+
+    Joints that follow others have no readings: their leaders' say it all.
+    """
     samples = len(read.command)
     shape = samples, read.reading.shape[1]
     reading, offset, valid = np.zeros(shape), np.zeros(shape), np.zeros(shape, dtype=bool)
@@ -198,6 +201,9 @@ def _sampled(read: Episode) -> tuple[SampledRun, Array]:
     for ball, (_, turn) in enumerate(read.measurement.coordinates.balls):
         turned = row[channel == turn]
         attitude[at[turned], ball] = read.attitude[turned, ball]
+    names = read.measurement.channels
+    follow = [f"{joint.name}.position" for joint in robot.joints if joint.mimic is not None]
+    valid[:, [names.index(name) for name in follow]] = False
     grid = read.step * np.arange(samples)
     guess = np.stack([np.interp(grid, read.time, track) for track in read.position.T], axis=1)
     for place, _ in read.measurement.coordinates.balls:
@@ -251,6 +257,7 @@ def _motion(
     force = actuator_forces(model, transmission, velocity, run.command)
     rate = np.gradient(run.command, run.step, axis=0) * model.actuator_gainprm[:, 0]
     jacobian = about.tangent.jacobian
+    stiffness = -inverse(model, jacobian[:, :, 2 * dofs :]) @ jacobian[:, :, :dofs]
     links = [link.name for link in robot.links]
     return Motion(
         position=position,
@@ -259,7 +266,7 @@ def _motion(
         acceleration=acceleration,
         drive=moments * force[:, :, None],
         drive_rate=moments * rate[:, :, None],
-        stiffness=np.asarray(-np.linalg.solve(jacobian[:, :, 2 * dofs :], jacobian[:, :, :dofs])),
+        stiffness=stiffness,
         joints={joint.name: model.joint(joint.name).dofadr[0] for joint in robot.joints},
         actuators={actuator.name: at for at, actuator in enumerate(robot.actuators)},
         bodies=_Bodies(lambda: body_motions(model, links, about.position, velocity, acceleration)),

@@ -8,6 +8,7 @@ import mujoco
 import numpy as np
 
 from morph.arrays import Array, Mask
+from morph.body.follow import leaders
 from morph.inference.axes import Axes, along_body, along_parent, axes_of, jacobian_along_parent
 from morph.inference.disturbance import likeliest_disturbance
 from morph.inference.filter import Disturbance, Tangent, smoothed
@@ -71,6 +72,7 @@ def reference(
         if space.balls:
             # Rotations add up to the first order in the error alone.
             velocity[1:] = space.apart(position[1:], position[:-1]) / run.step
+        _follow(model, position, velocity)
         if before is None:
             run = replace(run, valid=run.valid & ~outliers(found.error / run.noise, run.valid))
         found = replace(_along(model, run, position, velocity, force, known), spread=spread)
@@ -118,17 +120,19 @@ def _along(
     local = _interpolated(model, position, velocity, run)
     mobility = local[:, :, 2 * dofs :]
     jacobian, acceleration, error = _errors(model, run, position, velocity, axes, local)
-    inertia = np.asarray(np.linalg.inv(mobility), np.float64)
-    needed = times(inertia, np.gradient(velocity, run.step, axis=0))
+    needed = times(inverse(model, mobility), np.gradient(velocity, run.step, axis=0))
+    needed = _carried(model, needed)
     inertial = np.sqrt(np.mean(needed**2, axis=0)) + 1e-12
     if known is None:
         path = space.apart(position, position[:1])
-        initial = np.concatenate([_initial_std(run, path), _initial_std(run, velocity)])
+        initial = np.stack([_initial_std(run, path), _initial_std(run, velocity)])
+        # A joint that follows another errs as that does: it is placed anew after each smoothing.
+        initial[:, model.jnt_dofadr[list(leaders(model))]] = 1e-12
         known = Disturbance(
             noise=run.noise,
             scale=0.05 * inertial,
             correlation_time=0.2,
-            initial=initial,
+            initial=initial.reshape(-1),
             vibration=run.noise,
         )
     return Reference(
@@ -151,6 +155,34 @@ def _along(
         sensed=run.noise,
         inertial=inertial,
     )
+
+
+def inverse(model: mujoco.MjModel, mobility: Array) -> Array:
+    """Return the inertia by a mobility, (samples, dofs, dofs): the pseudoinverse if joints follow."""
+    return np.asarray(np.linalg.pinv(mobility) if leaders(model) else np.linalg.inv(mobility))
+
+
+def _carried(model: mujoco.MjModel, force: Array) -> Array:
+    """Return forces of which each joint bears those of what follows it, (samples, dofs).
+
+    A follower's is what would do the same there.
+    """
+    whole, ties = force.copy(), leaders(model)
+    dof = model.jnt_dofadr
+    for joint, (leader, ratio, _) in ties.items():
+        whole[:, dof[leader]] += ratio * force[:, dof[joint]]
+    for joint, (leader, ratio, _) in ties.items():
+        whole[:, dof[joint]] = whole[:, dof[leader]] / ratio
+    return whole
+
+
+def _follow(model: mujoco.MjModel, position: Array, velocity: Array) -> None:
+    """Place joints that follow others where these put them."""
+    for joint, (leader, ratio, offset) in leaders(model).items():
+        place, at = model.jnt_qposadr[[joint, leader]]
+        position[:, place] = ratio * position[:, at] + offset
+        rate, speed = model.jnt_dofadr[[joint, leader]]
+        velocity[:, rate] = ratio * velocity[:, speed]
 
 
 def _errors(

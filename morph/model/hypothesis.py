@@ -10,6 +10,7 @@ import mujoco
 import numpy as np
 
 from morph.arrays import Array
+from morph.body.follow import QUICK, RIGID
 from morph.body.robot import Robot
 from morph.body.spec import spec_of
 from morph.model.knobs import Knob
@@ -30,7 +31,8 @@ def bare_spec(robot: Robot, step: float) -> Any:
     """Return a robot's `mujoco.MjSpec` without shapes that touch nothing; copy it to edit.
 
     Every step of MuJoCo places every shape, and looks for islands among constraints: on
-    small robots that takes a third of the time and changes no motion.
+    small robots that takes a third of the time and changes no motion. Joints that follow others
+    do so rigidly, as they do along a recording.
     """
     key = (robot.sha256 or robot.mjcf, robot.name, step)
     if key not in BARE:
@@ -44,6 +46,8 @@ def bare_spec(robot: Robot, step: float) -> Any:
         except ValueError:
             # A tendon or a pair refers to a shape: keep them all.
             spec = spec_of(robot, timestep=step)
+        for tie in (each for each in spec.equalities if each.type == mujoco.mjtEq.mjEQ_JOINT):
+            tie.solimp, tie.solref = RIGID, QUICK
         BARE[key] = spec
     return BARE[key]
 

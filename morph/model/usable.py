@@ -71,21 +71,18 @@ def check_recordings(train: Sequence[Recording], held_out: Sequence[Recording]) 
 
 
 def check_tree(robot: Robot) -> None:
-    """Refuse a robot whose joints constrain each other.
+    """Refuse a robot whose links form a closed chain.
 
     Raises:
-        DiagnosisError: It has a closed chain, or a joint that follows another.
+        DiagnosisError: They do.
     """
     loop = next((loop.name or " and ".join(loop.links) for loop in robot.loops), None)
-    follower = next((joint.name for joint in robot.joints if joint.mimic is not None), None)
-    if loop is not None or follower is not None:
+    if loop is not None:
         raise DiagnosisError(
-            f"the closed chain {loop} is not diagnosed: its forces on the joints are not modelled"
-            if loop is not None
-            else f"joint {follower} follows another, and that is not diagnosed",
+            f"the closed chain {loop} is not diagnosed: its forces on the joints are not modelled",
             where=f"robot {robot.name}",
-            fix="describe the robot as a tree for a diagnosis: cut the chain, and weld the joints "
-            "that only follow; `morph compare` takes it as it is",
+            fix="describe the robot as a tree for a diagnosis: cut the chain; `morph compare` takes "
+            "it as it is",
         )
 
 

@@ -2,6 +2,7 @@
  *
  * Called state by state from Python, most of the time would go into the calls.
  */
+#include <math.h>
 #include <stdint.h>
 #include <string.h>
 
@@ -30,14 +31,77 @@ static void set(const mjModel *m, mjData *d, int64_t t, const double *q, const d
 	memcpy(d->ctrl, u + t * m->nu, sizeof(double) * m->nu);
 }
 
+/* Joints that follow others in proportion, as URDF's mimic joints do: J qacc = 0 with a row of J for
+ * each, 1 at the follower and minus the ratio at its leader. MuJoCo's own constraint is soft.
+ * Returns how many; `joint` (neq, 2) receives both degrees of freedom and `ratio` the ratios. */
+static int followers(const mjModel *m, int *joint, double *ratio)
+{
+	int count = 0;
+	for (int e = 0; e < m->neq; e++) {
+		if (m->eq_type[e] != mjEQ_JOINT || !m->eq_active0[e] || m->eq_obj2id[e] < 0)
+			continue;
+		joint[2 * count] = m->jnt_dofadr[m->eq_obj1id[e]];
+		joint[2 * count + 1] = m->jnt_dofadr[m->eq_obj2id[e]];
+		ratio[count++] = m->eq_data[e * mjNEQDATA + 1];
+	}
+	return count;
+}
+
+/* M^-1 J' (rows, n) and the Cholesky factor of J M^-1 J' (rows, rows) at the state of `d`. */
+static void tie(const mjModel *m, mjData *d, int rows, const int *joint, const double *ratio,
+		double *along, double *factor)
+{
+	int n = m->nv;
+	double row[n];
+	for (int r = 0; r < rows; r++) {
+		memset(row, 0, sizeof row);
+		row[joint[2 * r]] = 1.0;
+		row[joint[2 * r + 1]] = -ratio[r];
+		solve(m, d, along + r * n, row, 1);
+	}
+	for (int r = 0; r < rows; r++)
+		for (int c = 0; c <= r; c++) {
+			double sum = along[c * n + joint[2 * r]] - ratio[r] * along[c * n + joint[2 * r + 1]];
+			for (int k = 0; k < c; k++)
+				sum -= factor[r * rows + k] * factor[c * rows + k];
+			factor[r * rows + c] = r == c ? sqrt(sum) : sum / factor[c * rows + c];
+		}
+}
+
+/* Gauss's principle: the acceleration nearest to x, in the metric of M, of which J x = 0. */
+static void project(int n, int rows, const int *joint, const double *ratio, const double *along,
+		    const double *factor, double *x)
+{
+	double force[rows + 1];
+	for (int r = 0; r < rows; r++) {
+		force[r] = x[joint[2 * r]] - ratio[r] * x[joint[2 * r + 1]];
+		for (int k = 0; k < r; k++)
+			force[r] -= factor[r * rows + k] * force[k];
+		force[r] /= factor[r * rows + r];
+	}
+	for (int r = rows - 1; r >= 0; r--) {
+		for (int k = r + 1; k < rows; k++)
+			force[r] -= factor[k * rows + r] * force[k];
+		force[r] /= factor[r * rows + r];
+	}
+	for (int r = 0; r < rows; r++)
+		for (int i = 0; i < n; i++)
+			x[i] -= along[r * n + i] * force[r];
+}
+
 /* Accelerations (states, nv). */
 void morph_forward(const mjModel *m, mjData *d, int64_t states, const double *q, const double *v,
 		   const double *u, double *found)
 {
+	int n = m->nv, joint[2 * m->neq + 1];
+	double ratio[m->neq + 1], along[m->neq * n + 1], factor[m->neq * m->neq + 1];
+	int rows = followers(m, joint, ratio);
 	for (int64_t t = 0; t < states; t++) {
 		set(m, d, t, q, v, u);
 		forward(m, d, mjSTAGE_NONE, 1);
-		memcpy(found + t * m->nv, d->qacc, sizeof(double) * m->nv);
+		tie(m, d, rows, joint, ratio, along, factor);
+		project(n, rows, joint, ratio, along, factor, d->qacc);
+		memcpy(found + t * n, d->qacc, sizeof(double) * n);
 	}
 }
 
@@ -60,16 +124,20 @@ void morph_supplied(const mjModel *m, mjData *d, int64_t states, const double *q
 void morph_jacobians(const mjModel *m, mjData *d, int64_t states, double nudge, const double *q,
 		     const double *v, const double *u, double *found)
 {
-	int n = m->nv;
+	int n = m->nv, joint[2 * m->neq + 1];
 	double above[n], axis[n], column[n];
+	double ratio[m->neq + 1], along[m->neq * n + 1], factor[m->neq * m->neq + 1];
+	int rows = followers(m, joint, ratio);
 	for (int64_t t = 0; t < states; t++) {
 		double *to = found + t * n * 3 * n;
 		set(m, d, t, q, v, u);
 		forward(m, d, mjSTAGE_NONE, 1);
+		tie(m, d, rows, joint, ratio, along, factor);
 		for (int k = 0; k < n; k++) {
 			memset(axis, 0, sizeof axis);
 			axis[k] = 1.0;
 			solve(m, d, column, axis, 1);
+			project(n, rows, joint, ratio, along, factor, column);
 			for (int i = 0; i < n; i++)
 				to[i * 3 * n + 2 * n + k] = column[i];
 		}
@@ -84,6 +152,9 @@ void morph_jacobians(const mjModel *m, mjData *d, int64_t states, double nudge, 
 				} else
 					d->qvel[k - n] += side * nudge;
 				forward(m, d, skipped, 1);
+				if (k < n)
+					tie(m, d, rows, joint, ratio, along, factor);
+				project(n, rows, joint, ratio, along, factor, d->qacc);
 				if (side > 0)
 					memcpy(above, d->qacc, sizeof above);
 				memcpy(d->qpos, q + t * m->nq, sizeof(double) * m->nq);
