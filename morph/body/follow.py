@@ -9,8 +9,8 @@ import mujoco
 from morph.body.robot import Mimic
 
 RIGID, QUICK = (0.9999, 0.9999, 0.001, 0.5, 2.0), (0.005, 1.0)
-"""`solimp` and `solref` of gears as rigid as MuJoCo has them: by default it leaves out a tenth of the
-force that a constraint needs. Source: MuJoCo documentation, Modeling, solver parameters."""
+"""`solimp` and `solref` of joints tied as rigidly as MuJoCo can: by default a tenth of the
+needed force is left out. Source: MuJoCo documentation, Modeling, solver parameters."""
 
 
 def followers(model: Any) -> tuple[dict[int, Mimic], list[str]]:

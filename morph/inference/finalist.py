@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+
+import numpy as np
 
 from morph.arrays import Array
 from morph.inference.quadratic import LogPosterior
 from morph.inference.refit import Refit
 from morph.inference.refit import under as refit_under
 from morph.inference.validate import Validation, evidence_decides
+from morph.physics import EFFECTS
 from morph.physics.effect import Effect
 
 CERTAIN = 20.0
@@ -68,6 +72,33 @@ def better(one: Finalist, other: Finalist, validation: Validation) -> Finalist:
     """Return the likelier of two, unless the other is surely better in rollouts."""
     first, second = sorted((one, other), key=lambda each: -each.evidence)
     return second if validation.sure(first.fitted, second.losses) else first
+
+
+def plain(found: Finalist) -> Finalist:
+    """Return a set with the simpler law in the place of each that does no more than it.
+
+    Of Stribeck friction that does not fade, Coulomb friction of the same level stays.
+    """
+    for at, effect in enumerate(found.effects):
+        simple = next((kind for kind in EFFECTS if kind.name == effect.simpler), None)
+        if simple is None or len(effect.coefficients) < 2 or effect.coefficients[1:].any():
+            continue
+        law = effect.simplified(simple.at(effect.where))
+        if law.label in labels(found.effects):
+            continue
+        refit, about, (first, *others) = found.refit, found.about, found.refit.removal([at])[0]
+        effects = (*found.effects[:at], law, *found.effects[at + 1 :])
+        hypothesis = replace(refit.hypothesis, effects=effects)
+        point = np.delete(refit.point, others)
+        point[first] = hypothesis.start[first]
+        gone = [1 + entry for entry in others]
+        grams = np.delete(np.delete(about.grams, gone, axis=1), gone, axis=2)
+        about = replace(about, hypothesis=hypothesis, point=point, grams=grams)
+        rank = about.step()[1]
+        evidence = refit.evidence + 0.5 * (refit.rank - rank) * math.log(about.readings)
+        refit = replace(refit, hypothesis=hypothesis, point=point, rank=rank, evidence=evidence)
+        found = replace(found, refit=refit, about=about)
+    return found
 
 
 def labels(effects: Sequence[Effect]) -> frozenset[str]:

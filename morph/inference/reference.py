@@ -158,7 +158,7 @@ def _along(
 
 
 def inverse(model: mujoco.MjModel, mobility: Array) -> Array:
-    """Return the inertia by a mobility, (samples, dofs, dofs): the pseudoinverse if joints follow."""
+    """Return the inertia by a mobility, (samples, dofs, dofs); a pseudoinverse if joints follow."""
     return np.asarray(np.linalg.pinv(mobility) if leaders(model) else np.linalg.inv(mobility))
 
 

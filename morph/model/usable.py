@@ -81,8 +81,8 @@ def check_tree(robot: Robot) -> None:
         raise DiagnosisError(
             f"the closed chain {loop} is not diagnosed: its forces on the joints are not modelled",
             where=f"robot {robot.name}",
-            fix="describe the robot as a tree for a diagnosis: cut the chain; `morph compare` takes "
-            "it as it is",
+            fix="describe the robot as a tree for a diagnosis: cut the chain; `morph compare` "
+            "takes it as it is",
         )
 
 

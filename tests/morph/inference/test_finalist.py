@@ -2,12 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
-from morph.inference.finalist import better, gains
+from morph.body.robot import Robot
+from morph.inference.finalist import Finalist, better, gains, plain
+from morph.inference.quadratic import LogPosterior
+from morph.inference.refit import Refit
+from morph.model.hypothesis import Hypothesis
+from morph.model.knobs import knobs
+from morph.physics.joint.stribeck_friction import StribeckFriction
+from morph.physics.joint.viscous_friction import ViscousFriction
 
 
 @pytest.mark.parametrize(("more", "gain", "taken"), [
@@ -44,3 +53,35 @@ def test_what_one_run_alone_determines_is_not_refuted_by_leaving_it_out(
     assert not gains(before, wrong, judge)
     assert better(before, right, judge) is right
     assert better(before, wrong, judge) is before
+
+
+@pytest.mark.parametrize("rest", [0.04, 0.1, 0.2])
+def test_friction_that_does_not_fade_is_coulombs(pendulum: Robot, rest: float) -> None:
+    effects = (
+        StribeckFriction(joint="hinge", c=0.1, s=rest, vs=1.0),
+        ViscousFriction(joint="hinge", b=0.3),
+    )
+    hypothesis = Hypothesis(robot=pendulum, step=0.01, knobs=knobs(pendulum), effects=effects)
+    own, point = len(hypothesis.knobs), hypothesis.start
+    rows = np.random.default_rng(0).normal(size=(40, 1 + len(point)))
+    about = LogPosterior(
+        hypothesis=hypothesis, point=point, grams=(rows.T @ rows)[None], readings=1000
+    )
+    refit = Refit(hypothesis=hypothesis, point=point, runs=(), evidence=7.0, rank=about.step()[1])
+    losses = np.zeros(4)
+    found = Finalist(refit=refit, price=0.0, losses=losses, fitted=losses, about=about)
+    new = plain(found)
+    if rest > 0.1:
+        assert new is found
+        return
+    assert [effect.label for effect in new.effects] == [
+        "coulomb_friction@hinge",
+        "viscous_friction@hinge",
+    ]
+    # What follows own figures: the level, and damping; friction at rest and its speed are gone.
+    assert new.refit.point[own:].tolist() == [0.1, 0.3]
+    kept = [*range(2 + own), 4 + own]
+    assert np.array_equal(new.about.grams[0], (rows.T @ rows)[np.ix_(kept, kept)])
+    gained = 0.5 * (refit.rank - new.refit.rank) * math.log(1000)
+    assert new.evidence == pytest.approx(7.0 + gained)
+    assert gained > 0.0

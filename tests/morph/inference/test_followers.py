@@ -1,4 +1,4 @@
-"""A crank and a rod that follows it, by their equation of motion: neither MuJoCo nor morph moves them."""
+"""A crank and a rod that follows it, moved by their own equation, without MuJoCo or morph."""
 
 from __future__ import annotations
 
