@@ -81,7 +81,7 @@ def plain(found: Finalist) -> Finalist:
     """
     for at, effect in enumerate(found.effects):
         simple = next((kind for kind in EFFECTS if kind.name == effect.simpler), None)
-        if simple is None or len(effect.coefficients) < 2 or effect.coefficients[1:].any():
+        if simple is None or not no_more(effect):
             continue
         law = effect.simplified(simple.at(effect.where))
         if law.label in labels(found.effects):
@@ -99,6 +99,11 @@ def plain(found: Finalist) -> Finalist:
         refit = replace(refit, hypothesis=hypothesis, point=point, rank=rank, evidence=evidence)
         found = replace(found, refit=refit, about=about)
     return found
+
+
+def no_more(effect: Effect) -> bool:
+    """Return whether a law does no more than its simpler one: its further strengths are zero."""
+    return bool(effect.simpler) and len(effect.strengths) > 1 and not effect.coefficients[1:].any()
 
 
 def labels(effects: Sequence[Effect]) -> frozenset[str]:

@@ -25,6 +25,7 @@ from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis
 from morph.physics import EFFECTS
 from morph.physics.effect import Effect
+from morph.physics.kinds import JointEffect
 
 Progress = Callable[[str, float], None]
 """Told what is being done and the share of the work that is behind, 0 to 1."""
@@ -110,6 +111,7 @@ def ranked(
     if found.task.by_rollouts and missing(found.best.refit.runs) < NEAR:
         found = _whitened(found, own, progress)
     progress("trying other laws", 0.85)
+    found = replace(found, best=restarted(found.task, found.best))
     if not found.task.by_rollouts:
         # By rollouts each law of friction was tried at all driven joints.
         found = _freed(_replaced(found))
@@ -213,6 +215,16 @@ def _replaced(found: _Found) -> _Found:
             found, best=other, search=found.task.search(other), tried=(*found.tried, other)
         )
     return found
+
+
+def restarted(task: EffectSelection, best: Finalist) -> Finalist:
+    """Return a set whose laws with several ends of a refit are at the likeliest of these."""
+    motions = [run.motion for run in best.refit.runs]
+    laws = [(at, law) for at, law in enumerate(best.effects) if isinstance(law, JointEffect)]
+    for at, other in [(at, other) for at, law in laws for other in law.restarts(motions)]:
+        new = best if task.late() else task.exchanged(best, at, other)
+        best = new if gains(best, new, task.validation) else best
+    return best
 
 
 def _freed(found: _Found) -> _Found:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Sequence
 from typing import TypeVar
 
 import numpy as np
@@ -39,6 +40,10 @@ class JointEffect(Effect):
     def extent(self, motion: Motion) -> float:
         """Return the range of the joint's positions."""
         return float(np.ptp(motion.place(self.joint)))
+
+    def restarts(self: Some, motions: Sequence[Motion]) -> tuple[Some, ...]:
+        """Return the effect where a refit that ended here may begin anew; by default nowhere."""
+        return ()
 
 
 class ActuatorEffect(Effect):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
@@ -14,6 +15,9 @@ from morph.physics.motion import Motion
 
 DEPTHS = (0.001, 0.0025, 0.005, 0.01, 0.02, 0.06, 0.15)
 """How far into a recording's range to try a stop, as shares of the range."""
+
+ELSEWHERE = (0.1, 0.3, 3.0)
+"""The same, as factors of the depth at which a refit ended."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,6 +80,16 @@ class EndStop(JointEffect):
         depths = [share * (high - low) for share in DEPTHS]
         above = tuple(replace(self, side=1.0, q_stop=high - depth) for depth in depths)
         return above + tuple(replace(self, side=-1.0, q_stop=low + depth) for depth in depths)
+
+    def restarts(self, motions: Sequence[Motion]) -> tuple[EndStop, ...]:
+        """Return stops that the joint runs less and more deeply into, and that push as much."""
+        side = 1.0 if self.side > 0.0 else -1.0
+        most = max(float(np.max(side * motion.place(self.joint))) for motion in motions)
+        depth = max(most - side * self.q_stop, 0.0)
+        return tuple(
+            replace(self, q_stop=side * (most - share * depth), k=min(self.k / share, 1e7))
+            for share in (ELSEWHERE if depth else ())
+        )
 
     def statement(self, *, slide: bool = False) -> str:
         """Return the finding in one plain sentence."""

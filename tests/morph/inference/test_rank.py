@@ -9,6 +9,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import mujoco
+import numpy as np
 import pytest
 
 from experiments.concealed.generate import TRUTHS, generate
@@ -26,6 +27,7 @@ from morph.model.episodes import episode, step_for
 from morph.model.hypothesis import Hypothesis
 from morph.model.knobs import knobs
 from morph.physics.effect import Effect
+from morph.physics.joint.end_stop import EndStop
 from morph.record.load import load as load_recordings
 from morph.sim.simulator import compiled
 
@@ -137,3 +139,24 @@ def test_a_set_refitted_to_rollouts_is_searched_again_and_sets_with_no_more_are_
     assert rolled == more[1:]
     task.late = lambda: True
     assert rank._beside(task, best) is best
+
+
+def test_a_stop_is_sought_at_other_depths(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(rank, "gains", lambda one, new, validation: new.evidence > one.evidence)
+    motion = SimpleNamespace(place=lambda joint: np.array([-0.2, 0.0, 0.5]))
+
+    def refitted(law: EndStop) -> Any:
+        # A likelihood with a narrow peak beside a broad one, as that of a stiff stop has.
+        peak = 100.0 if abs(law.q_stop - 0.48) < 0.01 else -abs(law.q_stop - 0.3)
+        refit = SimpleNamespace(runs=(SimpleNamespace(motion=motion),))
+        return SimpleNamespace(effects=(law,), evidence=peak, refit=refit)
+
+    task: Any = SimpleNamespace(
+        late=lambda: False, validation=None, exchanged=lambda best, at, other: refitted(other)
+    )
+    best = refitted(EndStop(joint="axle", q_stop=0.3, k=40.0))
+    found = rank.restarted(task, best)
+    assert found.effects[0].q_stop == pytest.approx(0.48)
+    assert found.effects[0].k == pytest.approx(400.0)
+    task.late = lambda: True
+    assert rank.restarted(task, best) is best

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -49,3 +50,19 @@ def test_a_damped_stop_takes_energy_and_never_pulls(wheels: Callable[..., Robot]
     assert velocity[-1] == pytest.approx(left, abs=2.0 * 8.0 * 2.0 / 0.25 * STEP)
     assert -1.5 < left < -0.5
     assert np.all(np.diff(velocity) < 1e-12)
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_refit_begins_anew_where_the_stop_pushes_as_much(side: float) -> None:
+    law = EndStop(joint="axle", q_stop=0.3 * side, side=side, k=400.0, d=8.0)
+    shallow, deep = (
+        SimpleNamespace(place=lambda joint, most=most: side * np.array([-0.9, 0.0, most]))
+        for most in (0.1, 0.5)
+    )
+    others = law.restarts([shallow, deep])  # type: ignore[list-item]
+    assert [side * other.q_stop for other in others] == pytest.approx([0.48, 0.44, -0.1])
+    # 0.2 rad into it: 80 N m.
+    pushes = [other.k * (0.5 - side * other.q_stop) for other in others]
+    assert pushes == pytest.approx([80.0] * 3)
+    # Of one that is not reached nothing is known.
+    assert law.restarts([shallow]) == ()  # type: ignore[list-item]
