@@ -13,6 +13,8 @@ from morph.body.load import load
 from morph.body.robot import Robot
 from morph.body.spec import spec_of
 from morph.inference.diagnose import diagnose
+from morph.inference.observed import observed
+from morph.model.episodes import episode
 from morph.model.followers import with_followers
 from morph.physics.dynamics import accelerations, jacobians
 from morph.record.recording import Channel, Recording
@@ -104,6 +106,16 @@ def test_followers_read_what_their_leaders_make_of_them(robot: Robot) -> None:
     assert "the joint follows crank" in again.notes[-1].what
 
 
+def test_a_follower_tells_nothing_that_its_leader_has_not_told(robot: Robot) -> None:
+    read = episode(with_followers(recorded(0, 0.0), robot), robot, STEP)
+    found = observed(spec_of(robot, timestep=STEP).compile(), robot, read)
+    crank, rod = (read.measurement.channels.index(f"{name}.position") for name in ("crank", "rod"))
+    assert found.run.valid[:, crank].sum() == len(read.time)
+    assert not found.run.valid[:, rod].any()
+    turned = found.about.position
+    assert np.array_equal(turned[:, rod], RATIO * turned[:, crank] + OFFSET)
+
+
 @pytest.mark.parametrize("coulomb", [0.0, 0.12])
 def test_a_law_at_a_leader_is_named(robot: Robot, coulomb: float) -> None:
     found = diagnose(robot, [recorded(number, coulomb) for number in range(4)], horizon=1.0)
@@ -112,6 +124,9 @@ def test_a_law_at_a_leader_is_named(robot: Robot, coulomb: float) -> None:
     if coulomb:
         # Its interval, and 5 % for what the readings' noise and 5 ms between them leave.
         assert found.findings[0].parameters["c"].value == pytest.approx(coulomb, rel=0.05)
+    # A force that is missing at one shows as much of it at both.
+    left = found.unexplained.channels
+    assert left["rod.position"] == pytest.approx(left["crank.position"], rel=0.01)
     errors = found.held_out_rmse["corrected"]
     # Over rollouts of 1 s from starts that noise of 0.2 mrad makes unsure.
     assert errors["crank.position"] < 0.01
