@@ -28,7 +28,7 @@ def followers(model: Any) -> tuple[dict[int, Mimic], list[str]]:
             continue
         first, second = int(model.eq_obj1id[index]), int(model.eq_obj2id[index])
         offset, ratio, *higher = model.eq_data[index, :5].tolist()
-        if second < 0 or any(higher):
+        if second < 0 or any(higher) or first in found:
             others.append(model.joint(first).name)
         else:
             found[first] = Mimic(joint=model.joint(second).name, ratio=ratio, offset=offset)

@@ -9,11 +9,10 @@ from collections.abc import Mapping, Sequence
 from morph.body.robot import Robot
 from morph.inference.rank import Progress, ranked
 from morph.inference.verdict import DiagnosisRuns, conclude
-from morph.model.commanded import by_effort
+from morph.model.commanded import by_effort, with_followers
 from morph.model.conventions import check_signs, check_units
 from morph.model.diagnosis import Diagnosis
 from morph.model.episodes import step_for
-from morph.model.followers import with_followers
 from morph.model.hypothesis import Hypothesis
 from morph.model.knobs import knobs
 from morph.model.measurement import Measurement

@@ -74,14 +74,14 @@ def better(one: Finalist, other: Finalist, validation: Validation) -> Finalist:
     return second if validation.sure(first.fitted, second.losses) else first
 
 
-def plain(found: Finalist) -> Finalist:
-    """Return a set with the simpler law in the place of each that does no more than it.
+def simplified(found: Finalist) -> Finalist:
+    """Return a set with the simpler law in the place of each that reduces to it.
 
     Of Stribeck friction that does not fade, Coulomb friction of the same level stays.
     """
     for at, effect in enumerate(found.effects):
         simple = next((kind for kind in EFFECTS if kind.name == effect.simpler), None)
-        if simple is None or not no_more(effect):
+        if simple is None or not reduces(effect):
             continue
         law = effect.simplified(simple.at(effect.where))
         if law.label in labels(found.effects):
@@ -101,8 +101,8 @@ def plain(found: Finalist) -> Finalist:
     return found
 
 
-def no_more(effect: Effect) -> bool:
-    """Return whether a law does no more than its simpler one: its further strengths are zero."""
+def reduces(effect: Effect) -> bool:
+    """Return whether a law reduces to its simpler one: its further strengths are zero."""
     return bool(effect.simpler) and len(effect.strengths) > 1 and not effect.coefficients[1:].any()
 
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from morph.body.robot import Robot
-from morph.inference.finalist import no_more
+from morph.inference.finalist import reduces
 from morph.inference.intervals import TEMPERATURE, estimates, in_units, shifted
 from morph.inference.rank import Ranking
 from morph.inference.remains import Remains
@@ -46,8 +46,8 @@ def findings(ranking: Ranking, remains: Remains) -> tuple[Finding, ...]:
         entries, _ = best.refit.removal([at])
         without = best.refit.removal(acting_together(best.effects, at))
         none, others = ranking.search.instead(effect.label, *without)
-        # A richer law that does no more is no rival.
-        others = [each for each in others if each[0].simpler != effect.name or not no_more(each[0])]
+        # A richer law that reduces to this one is no rival.
+        others = [each for each in others if each[0].simpler != effect.name or not reduces(each[0])]
         odds = np.exp(np.minimum([none, *(each[1] for each in others)], 0.0) / TEMPERATURE)
         chance = (1.0 - 0.5 * remains.probability) / (1.0 + float(odds.sum()))
         fewer = [each for each in range(len(best.effects)) if each != at]

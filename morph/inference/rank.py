@@ -17,7 +17,7 @@ import numpy as np
 
 from morph.body.robot import Robot
 from morph.inference.effect_selection import EffectSelection
-from morph.inference.finalist import Finalist, gains, labels, plain, under
+from morph.inference.finalist import Finalist, gains, labels, simplified, under
 from morph.inference.observed import missing
 from morph.inference.search import Prior, Search
 from morph.inference.validate import FAR, FARTHEST, Validation, at_noise
@@ -122,7 +122,7 @@ def ranked(
         best = richer(found.task, best)
         if not found.task.by_rollouts and missing(best.refit.runs) > NEAR:
             best = _beside(found.task, best)
-    best = plain(best)
+    best = simplified(best)
     if labels(best.effects) != labels(found.best.effects):
         found = replace(found, search=found.task.search(best))
     return Ranking(

@@ -1,4 +1,4 @@
-"""What drives a robot where a recording does not hold all commands."""
+"""What a recording does not hold and the description tells: commands, and joints that follow."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from morph.arrays import Array
+from morph.body.follow import leaders
 from morph.body.robot import Robot
 from morph.body.spec import spec_of
 from morph.record.recording import Channel, Note, Recording
@@ -67,3 +68,28 @@ def told_zero(recording: Recording, robot: Robot) -> Recording:
     )
     channels = {**told, **{f"{name}.command": zero for name in names}}
     return replace(recording, channels=channels, notes=(*recording.notes, note))
+
+
+def with_followers(recording: Recording, robot: Robot) -> Recording:
+    """Return a recording in which joints that follow others read what their leaders make of them.
+
+    They add nothing to what the leaders' readings tell; readings of their own are noted. A leader
+    without readings is left for others to refuse.
+    """
+    if all(joint.mimic is None for joint in robot.joints):
+        return recording
+    model, channels, notes = spec_of(robot).compile(), dict(recording.channels), []
+    for joint, (leader, ratio, offset) in leaders(model).items():
+        name, source = (f"{model.joint(each).name}.position" for each in (joint, leader))
+        if source not in recording.channels:
+            continue
+        if name in channels:
+            notes.append(
+                Note(
+                    what=f"{name} is not used: the joint follows {model.joint(leader).name}",
+                    where=f"recording {recording.name}",
+                )
+            )
+        read = recording.channels[source]
+        channels[name] = replace(read, value=ratio * read.value + offset)
+    return replace(recording, channels=channels, notes=(*recording.notes, *notes))

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from morph.body.follow import followers, leaders
 from morph.body.robot import Robot
 from morph.body.spec import spec_of
 from morph.errors import DiagnosisError, RecordingError
@@ -71,10 +72,11 @@ def check_recordings(train: Sequence[Recording], held_out: Sequence[Recording]) 
 
 
 def check_tree(robot: Robot) -> None:
-    """Refuse a robot whose links form a closed chain.
+    """Refuse a robot whose joints constrain each other otherwise than in proportion.
 
     Raises:
-        DiagnosisError: They do.
+        DiagnosisError: Its links form a closed chain, or a joint is tied by another law, twice, by
+            a ratio of zero, or to none that moves by itself.
     """
     loop = next((loop.name or " and ".join(loop.links) for loop in robot.loops), None)
     if loop is not None:
@@ -83,6 +85,18 @@ def check_tree(robot: Robot) -> None:
             where=f"robot {robot.name}",
             fix="describe the robot as a tree for a diagnosis: cut the chain; `morph compare` "
             "takes it as it is",
+        )
+    model = spec_of(robot).compile()
+    direct, tied = followers(model)
+    known = leaders(model)
+    tied += [model.joint(each).name for each in direct if each not in known or not known[each][1]]
+    if tied:
+        raise DiagnosisError(
+            f"joint {tied[0]} is tied otherwise than in proportion to one joint that moves by "
+            "itself, and that is not diagnosed",
+            where=f"robot {robot.name}",
+            fix="let it follow one joint by a ratio other than 0, or weld it; `morph compare` "
+            "takes the robot as it is",
         )
 
 

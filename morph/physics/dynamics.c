@@ -32,17 +32,20 @@ static void set(const mjModel *m, mjData *d, int64_t t, const double *q, const d
 }
 
 /* Joints that follow others in proportion, as URDF's mimic joints do: J qacc = 0 with a row of J for
- * each, 1 at the follower and minus the ratio at its leader. MuJoCo's own constraint is soft.
+ * each, 1 at the follower and minus the ratio at its leader. MuJoCo's own constraint is soft. Those
+ * tied otherwise are left out.
  * Returns how many; `joint` (neq, 2) receives both degrees of freedom and `ratio` the ratios. */
 static int followers(const mjModel *m, int *joint, double *ratio)
 {
 	int count = 0;
 	for (int e = 0; e < m->neq; e++) {
-		if (m->eq_type[e] != mjEQ_JOINT || !m->eq_active0[e] || m->eq_obj2id[e] < 0)
+		const double *poly = m->eq_data + e * mjNEQDATA;
+		if (m->eq_type[e] != mjEQ_JOINT || !m->eq_active0[e] || m->eq_obj2id[e] < 0 ||
+		    poly[2] != 0.0 || poly[3] != 0.0 || poly[4] != 0.0)
 			continue;
 		joint[2 * count] = m->jnt_dofadr[m->eq_obj1id[e]];
 		joint[2 * count + 1] = m->jnt_dofadr[m->eq_obj2id[e]];
-		ratio[count++] = m->eq_data[e * mjNEQDATA + 1];
+		ratio[count++] = poly[1];
 	}
 	return count;
 }

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from morph.body.robot import Robot
-from morph.inference.finalist import Finalist, better, gains, plain
+from morph.inference.finalist import Finalist, better, gains, simplified
 from morph.inference.quadratic import LogPosterior
 from morph.inference.refit import Refit
 from morph.model.hypothesis import Hypothesis
@@ -70,7 +70,7 @@ def test_friction_that_does_not_fade_is_coulombs(pendulum: Robot, rest: float) -
     refit = Refit(hypothesis=hypothesis, point=point, runs=(), evidence=7.0, rank=about.step()[1])
     losses = np.zeros(4)
     found = Finalist(refit=refit, price=0.0, losses=losses, fitted=losses, about=about)
-    new = plain(found)
+    new = simplified(found)
     if rest > 0.1:
         assert new is found
         return

@@ -53,6 +53,32 @@ def test_a_closed_chain_is_refused(tmp_path: Path) -> None:
     assert "cut the chain" in caught.value.fix
 
 
+@pytest.mark.parametrize(
+    ("ties", "joint"),
+    [
+        ('<joint joint1="rod" joint2="crank" polycoef="0 1 0.5 0 0"/>', "rod"),
+        ('<joint joint1="rod"/>', "rod"),
+        ('<joint joint1="rod" joint2="crank" polycoef="0.1 0 0 0 0"/>', "rod"),
+        ('<joint joint1="rod" joint2="crank"/><joint joint1="rod" joint2="crank"/>', "rod"),
+        ('<joint joint1="rod" joint2="crank"/><joint joint1="crank" joint2="rod"/>', "rod"),
+        ('<joint joint1="rod" joint2="crank" polycoef="0.1 -2 0 0 0"/>', ""),
+        ('<joint joint1="rod" joint2="crank" polycoef="0 1 0.5 0 0" active="false"/>', ""),
+    ],
+)
+def test_joints_may_follow_others_in_proportion_alone(
+    tmp_path: Path, ties: str, joint: str
+) -> None:
+    path = tmp_path / "chain.xml"
+    path.write_text(CHAIN.replace('<connect name="pin" site1="one" site2="other"/>', ties))
+    robot = load(path)
+    if not joint:
+        check_tree(robot)
+        return
+    with pytest.raises(DiagnosisError, match=f"joint {joint} is tied otherwise") as caught:
+        check_tree(robot)
+    assert "or weld it" in caught.value.fix
+
+
 def test_a_clock_that_jumps_is_refused_with_its_sample(pendulum: Robot, swing: Recording) -> None:
     channel = swing.channel("hinge.position")
     time = channel.time + np.where(np.arange(len(channel.time)) > 99, 1e7, 0.0)
