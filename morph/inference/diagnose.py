@@ -5,14 +5,19 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import mujoco
 
 from morph.body.robot import Robot
 from morph.inference.rank import Progress, ranked
+from morph.inference.refit import refitted
+from morph.inference.unmeasured import with_unmeasured
 from morph.inference.verdict import DiagnosisRuns, conclude
 from morph.model.commanded import by_effort, with_followers
 from morph.model.conventions import check_signs, check_units
 from morph.model.diagnosis import Diagnosis
-from morph.model.episodes import step_for
+from morph.model.episodes import Episode, step_for
 from morph.model.hypothesis import Hypothesis
 from morph.model.knobs import knobs
 from morph.model.measurement import Measurement
@@ -32,6 +37,8 @@ from morph.record.distinct import check_distinct, distinct
 from morph.record.recording import Recording
 from morph.sim.threads import one_thread
 
+GUESSES = 2
+"""Times that the motion of joints that were not read is guessed anew."""
 MOST_SECONDS = 60.0
 """Seconds of training motion that are fitted; of longer recordings an even spread."""
 
@@ -53,8 +60,9 @@ def diagnose(
 
     Args:
         robot: The nominal description.
-        recordings: What the robot did: every joint's position, the pose of each link that moves
-            freely, every actuator's command, or of motors the effort measured at their joint.
+        recordings: What the robot did: the positions of its joints, of which those of some are
+            estimated if they were not read, the pose of each link that moves freely, every
+            actuator's command, or of motors the effort measured at their joint.
         held_out: Recordings to open only after the choice; empty sets a quarter aside.
         horizon: Seconds of the open-loop rollouts that are scored, at least 0.1; None
             for whole episodes.
@@ -75,8 +83,8 @@ def diagnose(
     check_recordings(recordings, held_out)
     check_tree(robot)
     recordings, held_out = (
-        [with_followers(by_effort(each, robot), robot) for each in distinct(some)]
-        for some in (recordings, held_out)
+        [_completed(by_effort(each, robot), robot) for each in some]
+        for some in map(distinct, (recordings, held_out))
     )
     measured = Measurement.of(robot).needed
     for recording in (*recordings, *held_out):
@@ -88,6 +96,16 @@ def diagnose(
     still, every = check_motion(parts.train, measured), (*parts.train, *parts.held_out)
     step = step_for(parts.train, robot)
     train, aside = (all_pieces(part, robot, step) for part in (parts.train, parts.held_out))
+    for _ in range(GUESSES if any(each.guess.any() for each in train) else 0):
+        # What was not read is guessed anew by figures that are refitted to the readings.
+        say("estimating joints that were not read", 0.03)
+        model = _refitted(Hypothesis(robot=robot, step=step, knobs=knobs(robot, vary)), train)
+        parts = replace(
+            parts,
+            train=tuple(_completed(each, robot, model) for each in parts.train),
+            held_out=tuple(_completed(each, robot, model) for each in parts.held_out),
+        )
+        train, aside = (all_pieces(part, robot, step) for part in (parts.train, parts.held_out))
     check_falls(train, robot)
     check_units(train, robot)
     check_signs(train, robot)
@@ -117,3 +135,16 @@ def diagnose(
             started=started,
         ),
     )
+
+
+def _completed(
+    recording: Recording, robot: Robot, model: mujoco.MjModel | None = None
+) -> Recording:
+    """Return a recording with the positions of joints that were not read, guessed by a model."""
+    return with_followers(with_unmeasured(recording, robot, model), robot)
+
+
+def _refitted(nominal: Hypothesis, episodes: Sequence[Episode]) -> mujoco.MjModel:
+    """Return a description with its own figures refitted to some runs."""
+    found = refitted(nominal, nominal.start, stretches(episodes, MOST_SECONDS))
+    return nominal.at(found.point).model

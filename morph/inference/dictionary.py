@@ -111,7 +111,9 @@ def dictionary(
     """Yield each effect at each place, as a tuple over the shapes of its grid."""
     motions = [run.motion for run in runs]
     longest = max(motions, key=lambda motion: len(motion.time))
-    measured, told = set(longest.channels), {effect.label: effect for effect in known}
+    read = np.any([run.run.valid.any(axis=0) for run in runs], axis=0)
+    measured = {name for name, at in longest.channels.items() if read[at]}
+    told = {effect.label: effect for effect in known}
     joints = [joint.name for joint in robot.joints if joint.kind in {"hinge", "slide"}]
     # A law at a joint that follows another is one at its leader.
     still = {joint.name for joint in robot.joints if joint.mimic is not None}
@@ -137,8 +139,10 @@ def dictionary(
 
 
 def _moves(joint: str, seen: Observed) -> bool:
-    """Return whether the readings of a joint change by more than their noise."""
+    """Return whether a joint was not read, or its readings change by more than their noise."""
     at = seen.motion.channels[f"{joint}.position"]
+    if seen.run.guess[seen.motion.joints[joint]] > 0.0:
+        return True
     readings = seen.run.reading[seen.run.valid[:, at], at]
     return len(readings) > 0 and float(np.ptp(readings)) > MOVES * float(seen.run.noise[at])
 

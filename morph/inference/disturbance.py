@@ -20,6 +20,8 @@ VIBRATIONS = (0.05, 300.0)
 """Bounds of each channel's vibration, as factors of its known noise."""
 MOST_SCALE = 30.0
 """Most scale of the missing force, as a share of the RMS force that a joint's motion needs."""
+MOST_UNREAD = 0.1
+"""The same at a joint that was not read: more would let it move in any way."""
 FORCED = 0.3
 """Missing force as a share of the RMS force that a joint's motion needs, from which one search
 starts."""
@@ -62,7 +64,8 @@ def likeliest_disturbance(about: Reference, *, steps: int) -> Disturbance:
         by_time = -(cost(later) + found.likelihood) / NUDGE
         return -found.likelihood, -np.array([*found.scale, *found.vibration, by_time, found.noise])
 
-    limits = [(FLOOR, MOST_SCALE)] * dofs + [VIBRATIONS] * channels
+    most = np.where(tangent.valid.any(axis=0), MOST_SCALE, MOST_UNREAD)
+    limits = [*((FLOOR, each) for each in most), *[VIBRATIONS] * channels]
     bounds = np.log([*limits, CORRELATION_TIMES, NOISE_FACTORS])
     vibration = about.sensed if first.vibration is None else first.vibration
     start = np.log(

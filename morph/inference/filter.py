@@ -175,6 +175,15 @@ class FilterRun:
         )  # fmt: skip
         return white, log_determinant
 
+    def moved(self) -> tuple[Array, Array]:
+        """Return the mean of the state at the next sample, and its variance, shape (states,).
+
+        The filter goes on about the motion that is changed by this mean.
+        """
+        mean = -self._delta[:, 0]
+        self._delta[:] = 0.0
+        return mean, np.diag(self._covariance).copy()
+
     def smooth(self, reading: Array, acceleration: Array | None) -> tuple[Array, Array]:
         """Return the smoothed state and the standard deviation of its velocities."""
         (samples, channels), size = reading.shape, len(self._delta)

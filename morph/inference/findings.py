@@ -38,7 +38,7 @@ def findings(ranking: Ranking, remains: Remains) -> tuple[Finding, ...]:
         ranking: Sets of effects, refitted.
         remains: What the best of them leaves.
     """
-    best, channels = ranking.best, len(ranking.validation.segments.measurement.channels)
+    best, channels = ranking.best, len(ranking.validation.segments.read)
     robot = best.refit.hypothesis.robot
     estimated, sure = estimates(best.about)
     listed = []

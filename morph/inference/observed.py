@@ -13,9 +13,10 @@ from morph.arrays import Array
 from morph.body.robot import Robot
 from morph.inference.axes import along_body
 from morph.inference.disturbance import likeliest_disturbance
-from morph.inference.reference import FEWER_STEPS, inverse, reference
+from morph.inference.reference import FEWER_STEPS, reference
 from morph.inference.sampled import Reference, SampledRun
 from morph.inference.sticking import ending, friction, moved
+from morph.inference.ties import inverse
 from morph.model.episodes import Episode
 from morph.model.measurement import unit
 from morph.physics.body_motion import BodyMotion, body_motions, times
@@ -67,7 +68,7 @@ def observed(
     Raises:
         KernelError: There is no C compiler for the filter, or it fails.
     """
-    run, guess = _sampled(read, robot)
+    run, guess = _sampled(read)
     run = replace(run, command=all_received(effects, robot, run.command, run.step))
     if before is None:
         about = reference(model, run, guess)
@@ -183,11 +184,8 @@ def _shift_slope_of(effects: Sequence[Effect], motion: Motion) -> Array:
     return np.concatenate(parts, axis=1)
 
 
-def _sampled(read: Episode, robot: Robot) -> tuple[SampledRun, Array]:
-    """Return an episode on the simulation's grid, and a first guess of positions on it.
-
-    Joints that follow others have no readings: their leaders' say it all.
-    """
+def _sampled(read: Episode) -> tuple[SampledRun, Array]:
+    """Return an episode on the simulation's grid, and a first guess of positions on it."""
     samples = len(read.command)
     shape = samples, read.reading.shape[1]
     reading, offset, valid = np.zeros(shape), np.zeros(shape), np.zeros(shape, dtype=bool)
@@ -201,9 +199,6 @@ def _sampled(read: Episode, robot: Robot) -> tuple[SampledRun, Array]:
     for ball, (_, turn) in enumerate(read.measurement.coordinates.balls):
         turned = row[channel == turn]
         attitude[at[turned], ball] = read.attitude[turned, ball]
-    names = read.measurement.channels
-    follow = [f"{joint.name}.position" for joint in robot.joints if joint.mimic is not None]
-    valid[:, [names.index(name) for name in follow]] = False
     grid = read.step * np.arange(samples)
     guess = np.stack([np.interp(grid, read.time, track) for track in read.position.T], axis=1)
     for place, _ in read.measurement.coordinates.balls:
@@ -216,6 +211,7 @@ def _sampled(read: Episode, robot: Robot) -> tuple[SampledRun, Array]:
         attitude=attitude,
         valid=valid,
         noise=read.noise,
+        guess=read.guess,
         time_offset=offset,
         unsure=_unsure(read),
     )

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import mujoco
 import numpy as np
 
-from morph.arrays import Array, Mask
+from morph.arrays import Array
 from morph.body.follow import leaders
 from morph.inference.axes import Axes, along_body, along_parent, axes_of, jacobian_along_parent
 from morph.inference.disturbance import likeliest_disturbance
 from morph.inference.filter import Disturbance, Tangent, smoothed
-from morph.inference.sampled import Reference, SampledRun, later
+from morph.inference.sampled import Reference, SampledRun, later, outliers
+from morph.inference.ties import carried, follow, inverse
 from morph.physics.body_motion import times
 from morph.physics.drives import Transmission
 from morph.physics.dynamics import accelerations, jacobians
@@ -21,13 +23,12 @@ INTERVAL = 0.02
 """Seconds from one derivative of the model to the next: 3 rad/s turn a link by 0.06 rad."""
 ROUNDS = 3
 """Iterations of the smoother: smooth, then linearise again."""
+FAR, FAR_TIME = 0.1, 0.5
+"""rad or m by which a first one moves joints that were not read, over as many seconds."""
+FARTHER = 1.4 ** np.arange(20)
+"""Factors of it in those that follow."""
 STEPS, FEWER_STEPS = 30, 15
 """Most steps of L-BFGS to the likeliest disturbance: from anywhere, and from one nearby."""
-OUTLIER = 5.0
-"""Local standard deviations of the error at which a single reading is left out: its time stamp, or
-a bit of it, is wrong."""
-NEIGHBOURS = 20
-"""Readings on either side from which that standard deviation is estimated."""
 
 
 def reference(
@@ -64,46 +65,60 @@ def reference(
         found = _moved(before, model, run)
     if before is None:
         known = likeliest_disturbance(found, steps=STEPS)
-    for _ in range(ROUNDS if before is None else 1):
-        state, spread = smoothed(found.tangent, known, found.error, found.acceleration)
-        change, rate, force, _ = np.split(state, [n * space.dofs for n in (1, 2, 3)], axis=1)
-        position = space.moved_by(position, along_body(space, found.axes, change))
-        velocity = velocity + along_body(space, found.axes, rate)
-        if space.balls:
-            # Rotations add up to the first order in the error alone.
-            velocity[1:] = space.apart(position[1:], position[:-1]) / run.step
-        _follow(model, position, velocity)
-        if before is None:
-            run = replace(run, valid=run.valid & ~outliers(found.error / run.noise, run.valid))
-        found = replace(_along(model, run, position, velocity, force, known), spread=spread)
+    for trust in _trusts(run, anew=before is None):
+        if before is None and trust is None:
+            single = outliers(found.error / run.noise, run.valid)
+            run = replace(run, valid=run.valid & ~single)
+        found = _smoothed(model, run, found, known, trust)
     if before is not None:
         return found
     return replace(found, disturbance=likeliest_disturbance(found, steps=FEWER_STEPS))
 
 
-def outliers(error: Array, valid: Mask) -> Mask:
-    """Return which readings are single outliers: far off while those before and after are not.
+def _smoothed(
+    model: mujoco.MjModel,
+    run: SampledRun,
+    found: Reference,
+    known: Disturbance,
+    trust: float | None = None,
+) -> Reference:
+    """Return the motion of a linearised model, smoothed, and the model linearised along that.
 
     Args:
-        error: Readings less those of a smoothed motion, in units of their noise, shape (samples,
-            channels).
-        valid: Which readings there are, same shape.
+        model: The model.
+        run: What was commanded and read.
+        found: The model along another motion.
+        known: The disturbance.
+        trust: Standard deviation, rad or m, of readings of that motion by joints that were not
+            read; None for no such readings.
     """
-    found = np.zeros_like(valid)
-    for channel in range(error.shape[1]):
-        at = np.flatnonzero(valid[:, channel])
-        off = np.abs(error[at, channel])
-        if len(off) <= 2 * NEIGHBOURS:
-            continue
-        around = np.lib.stride_tricks.sliding_window_view(
-            np.pad(off, NEIGHBOURS, mode="reflect"), 2 * NEIGHBOURS + 1
-        )
-        # Of a normal distribution the median is 0.6745 standard deviations.
-        usual = np.maximum(np.median(around, axis=1) / 0.6745, 1.0)
-        padded = np.pad(off, 1)
-        alone = np.maximum(padded[:-2], padded[2:]) < 0.5 * off
-        found[at[(off > OUTLIER * usual) & alone], channel] = True
-    return found
+    space, tangent, disturbance = run.measurement.coordinates, found.tangent, known
+    if trust is not None:
+        unread = run.guess > 0.0
+        tangent = replace(tangent, valid=tangent.valid | unread)
+        disturbance = replace(known, noise=np.where(unread, trust, known.noise))
+    state, spread = smoothed(tangent, disturbance, found.error, found.acceleration)
+    change, rate, force, _ = np.split(state, [n * space.dofs for n in (1, 2, 3)], axis=1)
+    position = space.moved_by(found.position, along_body(space, found.axes, change))
+    velocity = found.velocity + along_body(space, found.axes, rate)
+    if space.balls:
+        # Rotations add up to the first order in the error alone.
+        velocity[1:] = space.apart(position[1:], position[:-1]) / run.step
+    follow(model, position, velocity)
+    return replace(_along(model, run, position, velocity, force, known), spread=spread)
+
+
+def _trusts(run: SampledRun, *, anew: bool) -> list[float | None]:
+    """Return how far each round moves joints that were not read: see `_smoothed`.
+
+    What these do is known roughly, and a model linearised there holds nearby.
+
+    Source: Sarkka and Svensson 2020, IEEE ICASSP, 5875-5879 (Levenberg-Marquardt smoothers).
+    """
+    if not run.guess.any():
+        return [None] * (ROUNDS if anew else 1)
+    unit = FAR * math.sqrt(FAR_TIME / run.step)
+    return [*(unit * FARTHER if anew else [unit]), None]
 
 
 def _along(
@@ -121,7 +136,7 @@ def _along(
     mobility = local[:, :, 2 * dofs :]
     jacobian, acceleration, error = _errors(model, run, position, velocity, axes, local)
     needed = times(inverse(model, mobility), np.gradient(velocity, run.step, axis=0))
-    needed = _carried(model, needed)
+    needed = carried(model, needed)
     inertial = np.sqrt(np.mean(needed**2, axis=0)) + 1e-12
     if known is None:
         path = space.apart(position, position[:1])
@@ -155,34 +170,6 @@ def _along(
         sensed=run.noise,
         inertial=inertial,
     )
-
-
-def inverse(model: mujoco.MjModel, mobility: Array) -> Array:
-    """Return the inertia by a mobility, (samples, dofs, dofs); a pseudoinverse if joints follow."""
-    return np.asarray(np.linalg.pinv(mobility) if leaders(model) else np.linalg.inv(mobility))
-
-
-def _carried(model: mujoco.MjModel, force: Array) -> Array:
-    """Return forces of which each joint bears those of what follows it, (samples, dofs).
-
-    A follower's is what would do the same there.
-    """
-    whole, ties = force.copy(), leaders(model)
-    dof = model.jnt_dofadr
-    for joint, (leader, ratio, _) in ties.items():
-        whole[:, dof[leader]] += ratio * force[:, dof[joint]]
-    for joint, (leader, ratio, _) in ties.items():
-        whole[:, dof[joint]] = whole[:, dof[leader]] / ratio
-    return whole
-
-
-def _follow(model: mujoco.MjModel, position: Array, velocity: Array) -> None:
-    """Place joints that follow others where these put them."""
-    for joint, (leader, ratio, offset) in leaders(model).items():
-        place, at = model.jnt_qposadr[[joint, leader]]
-        position[:, place] = ratio * position[:, at] + offset
-        rate, speed = model.jnt_dofadr[[joint, leader]]
-        velocity[:, rate] = ratio * velocity[:, speed]
 
 
 def _errors(
@@ -292,6 +279,9 @@ def _jolt(model: mujoco.MjModel, run: SampledRun, position: Array, mobility: Arr
 
 
 def _initial_std(run: SampledRun, values: Array) -> Array:
-    """Return how far the first values may be off: a tenth of their range, and tenfold noise."""
-    deviation: Array = 0.1 * np.ptp(values, axis=0) + 10.0 * run.noise.max()
-    return deviation
+    """Return how far the first values may be off: a tenth of their range, and tenfold noise.
+
+    Of joints that were not read they are guesses.
+    """
+    some = np.where(run.guess > 0.0, 1.0, 0.1)
+    return np.asarray(some * np.ptp(values, axis=0) + 10.0 * run.noise.max() + run.guess)

@@ -59,13 +59,13 @@ class Remains:
 
 def remaining(found: Finalist, validation: Validation) -> Remains:
     """Return what a refit leaves unexplained of the runs it was fitted to."""
-    runs, channels = found.refit.runs, validation.segments.measurement.channels
+    runs, segments = found.refit.runs, validation.segments
     share = missing_by_joint(runs)
     return Remains(
         share=float(share.max()),
-        channels=dict(zip(channels, share.tolist(), strict=True)),
+        channels=dict(zip(segments.measurement.channels, share.tolist(), strict=True)),
         nats=sum(_over_floor(run) for run in runs),
-        in_noise=float(np.expm1(2.0 * np.median(found.fitted) / len(channels))),
+        in_noise=float(np.expm1(2.0 * np.median(found.fitted) / len(segments.read))),
         named=bool(found.effects),
     )
 

@@ -12,6 +12,11 @@ from morph.model.measurement import Measurement
 
 FLOOR = 5e-4
 """Least scale of the missing force, as a share of the RMS force that a joint's motion needs."""
+OUTLIER = 5.0
+"""Local standard deviations of the error at which a single reading is left out: its time stamp, or
+a bit of it, is wrong."""
+NEIGHBOURS = 20
+"""Readings on either side from which that standard deviation is estimated."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -32,6 +37,8 @@ class SampledRun:
     """Which readings there are, shape (samples, channels)."""
     noise: Array
     """Standard deviation of each channel's noise, shape (channels,)."""
+    guess: Array
+    """Standard deviation of where joints that were not read begin, rad or m, else 0, (dofs,)."""
     time_offset: Array | float = 0.0
     """Time of a reading less that of its sample, s, shape (samples, channels)."""
     unsure: Array | None = None
@@ -113,3 +120,28 @@ def later(sticking: Array) -> Array:
         sticking: Damping by dry friction, shape (samples, dofs).
     """
     return np.where(np.any(sticking > 0.0, axis=1), 1.0, 0.5)[:, None, None]
+
+
+def outliers(error: Array, valid: Mask) -> Mask:
+    """Return which readings are single outliers: far off while those before and after are not.
+
+    Args:
+        error: Readings less those of a smoothed motion, in units of their noise, shape (samples,
+            channels).
+        valid: Which readings there are, same shape.
+    """
+    found = np.zeros_like(valid)
+    for channel in range(error.shape[1]):
+        at = np.flatnonzero(valid[:, channel])
+        off = np.abs(error[at, channel])
+        if len(off) <= 2 * NEIGHBOURS:
+            continue
+        around = np.lib.stride_tricks.sliding_window_view(
+            np.pad(off, NEIGHBOURS, mode="reflect"), 2 * NEIGHBOURS + 1
+        )
+        # Of a normal distribution the median is 0.6745 standard deviations.
+        usual = np.maximum(np.median(around, axis=1) / 0.6745, 1.0)
+        padded = np.pad(off, 1)
+        alone = np.maximum(padded[:-2], padded[2:]) < 0.5 * off
+        found[at[(off > OUTLIER * usual) & alone], channel] = True
+    return found

@@ -97,7 +97,7 @@ class Validation:
         segments = self.segments
         read = self.rollouts(hypothesis, candidates, runs)
         error = np.where(segments.valid, segments.reading - read, 0.0)
-        mean = (error**2).sum(axis=2) / segments.valid.sum(axis=1)
+        mean = (error**2).sum(axis=2) / segments.counts
         return np.asarray(0.5 * np.log1p(mean / segments.noise**2).sum(axis=2))
 
     def losses_of(

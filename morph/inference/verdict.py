@@ -13,7 +13,7 @@ from morph.arrays import Array
 from morph.inference.findings import findings, suspects
 from morph.inference.intervals import factors
 from morph.inference.rank import Ranking
-from morph.inference.refit import Refit
+from morph.inference.refit import Refit, seen
 from morph.inference.remains import MOST_UNKNOWN, Remains, remaining
 from morph.model.corrected import corrected, data, notes, provenance
 from morph.model.diagnosis import Diagnosis, Finding, Unexplained
@@ -135,7 +135,10 @@ def _scored(
     The corrected model is never worse than the description on runs that neither has seen: where it
     would be, which is the third thing returned, the description stands for it.
     """
-    predicted = rollouts(models, scored)
+    starts = {}
+    if scored.guess.any():
+        starts = {name: _smoothed_start(*model, scored) for name, model in models.items()}
+    predicted = rollouts(models, scored, starts)
     errors = {name: rmse(scored, values) for name, values in predicted.items()}
     unit = np.maximum(errors["nominal"], scored.noise)
     nominal, own = (np.mean((errors[name] / unit) ** 2) for name in ("nominal", "corrected"))
@@ -146,6 +149,19 @@ def _scored(
         # decides about it: an error that chose a model is no measure of that model.
         errors.pop(WITH_RESIDUAL, None)
     return predicted, errors, worse
+
+
+def _smoothed_start(hypothesis: Hypothesis, point: Array, scored: Segments) -> Array:
+    """Return starts of which joints that were not read are where a model smooths them to be."""
+    laws = tuple(each for each in hypothesis.effects if not isinstance(each, LearnedResidual))
+    runs = seen(replace(hypothesis, effects=laws), point, scored.episodes)
+    start, places = scored.start.copy(), scored.start.shape[1] - len(scored.guess)
+    unread = np.flatnonzero(scored.guess > 0.0)
+    for row, (episode, first) in enumerate(zip(scored.episode, scored.first, strict=True)):
+        about = runs[episode].about
+        start[row, unread] = about.position[first, unread]
+        start[row, places + unread] = about.velocity[first, unread]
+    return start
 
 
 def _overstated(best: Refit) -> tuple[str, ...]:
@@ -197,7 +213,7 @@ def _probabilities(
 
 def _table(errors: Mapping[str, Array], scored: Segments) -> dict[str, dict[str, float]]:
     names, rows = scored.measurement.channels, {**errors, "noise_floor": scored.noise}
-    return {model: dict(zip(names, map(float, row), strict=True)) for model, row in rows.items()}
+    return {model: {names[at]: float(row[at]) for at in scored.read} for model, row in rows.items()}
 
 
 def _residual(ranking: Ranking, parts: DiagnosisRuns) -> LearnedResidual | None:

@@ -83,7 +83,7 @@ def with_followers(recording: Recording, robot: Robot) -> Recording:
         name, source = (f"{model.joint(each).name}.position" for each in (joint, leader))
         if source not in recording.channels:
             continue
-        if name in channels:
+        if name in channels and channels[name].guess is None:
             notes.append(
                 Note(
                     what=f"{name} is not used: the joint follows {model.joint(leader).name}",
@@ -91,5 +91,6 @@ def with_followers(recording: Recording, robot: Robot) -> Recording:
                 )
             )
         read = recording.channels[source]
-        channels[name] = replace(read, value=ratio * read.value + offset)
+        guess = abs(ratio) * (read.guess or 0.0)
+        channels[name] = replace(read, value=ratio * read.value + offset, guess=guess)
     return replace(recording, channels=channels, notes=(*recording.notes, *notes))

@@ -138,7 +138,7 @@ def compare(
     space, count = segments.measurement.coordinates, segments.reading.shape[1]
     rested = np.repeat(segments.start[:, None, : space.positions], count, axis=1)
     motions = rmse(segments, segments.measurement.read(rested, segments.attitude))
-    by_rollout = np.sqrt(squared.sum(axis=1) / segments.valid.sum(axis=1))
+    by_rollout = np.sqrt(squared.sum(axis=1) / segments.counts)
     channels = []
     for at, channel in enumerate(segments.measurement.channels):
         row = int(np.argmax(by_rollout[:, at]))

@@ -77,7 +77,7 @@ def check_signs(episodes: Sequence[Episode], robot: Robot) -> None:
         DiagnosisError: An encoder counts the other way than its joint.
     """
     seen = _Instants.of(episodes, robot)
-    turnable = [f"{each.name}.position" for each in robot.joints if each.kind != "free"]
+    turnable = _read(episodes, robot, ("hinge", "slide"))
     if not turnable:
         return
     held = seen.missing({})
@@ -103,7 +103,7 @@ def check_units(episodes: Sequence[Episode], robot: Robot) -> None:
         DiagnosisError: Angles of a run are in degrees.
     """
     degree = math.pi / 180.0
-    angles = {f"{each.name}.position": degree for each in robot.joints if each.kind == "hinge"}
+    angles = dict.fromkeys(_read(episodes, robot, ("hinge",)), degree)
     if not angles:
         return
     for name in dict.fromkeys(each.name for each in episodes):
@@ -119,3 +119,11 @@ def check_units(episodes: Sequence[Episode], robot: Robot) -> None:
                 fix="write a recording.toml that binds every column with its unit: "
                 + ", ".join(f'"{c}" = {{ column = "{c}", unit = "deg" }}' for c in angles),
             )
+
+
+def _read(episodes: Sequence[Episode], robot: Robot, kinds: Sequence[str]) -> list[str]:
+    """Return the channels of joints of some kinds whose positions are no guesses in any run."""
+    names = episodes[0].measurement.channels
+    guessed = np.any([each.guess > 0.0 for each in episodes], axis=0)
+    told = [f"{joint.name}.position" for joint in robot.joints if joint.kind in kinds]
+    return [name for name in told if not guessed[names.index(name)]]

@@ -46,7 +46,7 @@ def band(channel: Channel) -> float:
 
 @dataclass(frozen=True, kw_only=True)
 class Episode:
-    """One recording of a robot whose joints are all measured."""
+    """One recording of a robot, with a guess of the motion of joints that were not measured."""
 
     measurement: Measurement
     """What its readings are of."""
@@ -65,6 +65,9 @@ class Episode:
     """What each channel reads, shape (readings, channels); interpolated where not `valid`."""
     valid: Mask
     """Which channels were read then, same shape: each has its own clock, and may lose samples."""
+    guess: Array
+    """Standard deviation of the positions of joints that no sensor read, which are guesses; 0 of
+    others, and of what follows from these; shape (dofs,)."""
     attitude: Array
     """Measured orientations of what moves freely, shape (readings, balls, 4)."""
     noise: Array
@@ -136,7 +139,7 @@ def episode(recording: Recording, robot: Robot, step: float) -> Episode:
     cutoff = np.minimum(light, max(band(track) for track in tracks))
     quick, smooth = (_moving(measurement, tracks, kept, hertz) for hertz in (light, cutoff))
     raw = np.stack([np.interp(kept, track.time, track.value) for track in tracks], axis=1)
-    read = np.stack([np.isin(kept, track.time) for track in tracks], axis=1).astype(float)
+    read = [np.isin(kept, track.time) & (track.guess is None) for track in tracks]
     steps = int((end - start) / step + 1e-6)
     # A semi-implicit step is a leapfrog: the force of step n carries the velocity from
     # half a step before it to half a step after, so its command is centred on it.
@@ -156,7 +159,8 @@ def episode(recording: Recording, robot: Robot, step: float) -> Episode:
         time=kept - start,
         measurement=measurement,
         reading=measurement.spread(raw),
-        valid=measurement.by_channel(read) > 0.0,
+        valid=measurement.by_channel(np.stack(read, axis=1).astype(float)) > 0.0,
+        guess=measurement.by_channel(np.array([track.guess or 0.0 for track in tracks])),
         attitude=measurement.attitude(raw),
         noise=_floored(measurement.noise(np.array([noise(t.time, t.value) for t in tracks]))),
         state=np.concatenate(quick[:2], axis=1),

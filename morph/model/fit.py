@@ -188,7 +188,7 @@ def measure(segments: Segments, predicted: Array) -> tuple[Array, Array]:
         Units (joints,) and weights (segments,).
     """
     squared = np.where(segments.valid, (segments.reading - predicted) ** 2, 0.0)
-    of_segments = squared.sum(axis=1) / segments.valid.sum(axis=1)
+    of_segments = squared.sum(axis=1) / segments.counts
     weight = np.ones(len(segments))
     for _ in range(5):
         mean = (weight[:, None] * of_segments).sum(axis=0) / weight.sum()
@@ -197,7 +197,7 @@ def measure(segments: Segments, predicted: Array) -> tuple[Array, Array]:
         weight = weight / weight.max()
     scale = np.maximum(np.sqrt(mean), segments.noise)
     seconds = len(segments) * segments.steps * segments.step
-    rate = segments.valid.sum() / segments.valid.shape[2] / seconds
+    rate = segments.valid.sum() / len(segments.read) / seconds
     band = max(episode.cutoff for episode in segments.episodes)
     white = float(np.mean((segments.noise / scale) ** 2))
     return scale, weight * float(np.clip(white, min(1.0, 2.0 * band / rate), 1.0))

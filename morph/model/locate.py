@@ -40,12 +40,12 @@ def locate(
     error = np.where(segments.valid, segments.reading - predicted, 0.0)
     squared = (error / segments.noise) ** 2
     total = float(squared.sum()) + 1e-30
-    names = segments.measurement.channels
+    names, read = segments.measurement.channels, set(segments.read.tolist())
     of_channel = squared.sum(axis=(0, 1)) / total
     of_segment = squared.sum(axis=(1, 2)) / total
     worst = np.argsort(-of_segment)[:WORST]
     return Located(
-        channels={names[i]: float(of_channel[i]) for i in np.argsort(-of_channel)},
+        channels={names[i]: float(of_channel[i]) for i in np.argsort(-of_channel) if i in read},
         times=tuple(
             Stretch(
                 episode=segments.episodes[segments.episode[index]].name,

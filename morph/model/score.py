@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from types import MappingProxyType
 
 import numpy as np
 
@@ -16,10 +17,18 @@ Models = Mapping[str, tuple[Hypothesis, Array]]
 """Each model's hypothesis and point, by name."""
 
 
-def rollouts(models: Models, segments: Segments) -> dict[str, Array]:
-    """Return what each model predicts, (segments, readings, channels), started as measured."""
+def rollouts(
+    models: Models, segments: Segments, starts: Mapping[str, Array] = MappingProxyType({})
+) -> dict[str, Array]:
+    """Return what each model predicts, (segments, readings, channels), started as measured.
+
+    Args:
+        models: Each model.
+        segments: The rollouts.
+        starts: Other starts of some models, by name, shape (segments, nq + nv).
+    """
     return {
-        name: predict(hypothesis, segments, [point], [segments.start])[0]
+        name: predict(hypothesis, segments, [point], [starts.get(name, segments.start)])[0]
         for name, (hypothesis, point) in models.items()
     }
 
@@ -27,7 +36,7 @@ def rollouts(models: Models, segments: Segments) -> dict[str, Array]:
 def rmse(segments: Segments, predicted: Array) -> Array:
     """Return the root mean square error of each channel, shape (channels,)."""
     squared = np.where(segments.valid, (segments.reading - predicted) ** 2, 0.0)
-    return np.asarray(np.sqrt(squared.sum(axis=(0, 1)) / segments.valid.sum(axis=(0, 1))))
+    return np.asarray(np.sqrt(squared.sum(axis=(0, 1)) / segments.counts.sum(axis=0)))
 
 
 def by_segment(segments: Segments, predicted: Array, unit: Array) -> Array:
@@ -59,7 +68,7 @@ def traces(segments: Segments, predicted: Mapping[str, Array]) -> tuple[Trace, .
         rows = np.flatnonzero(segments.episode == number)
         if not len(rows):
             continue
-        for column, channel in enumerate(measurement.channels):
+        for column in segments.read.tolist():
 
             def joined(values: Array, rows: Integers = rows, column: int = column) -> Array:
                 parts = []
@@ -73,7 +82,7 @@ def traces(segments: Segments, predicted: Mapping[str, Array]) -> tuple[Trace, .
             found.append(
                 Trace(
                     episode=episode.name,
-                    channel=channel,
+                    channel=measurement.channels[column],
                     unit=measurement.units[column],
                     time=joined(offset * segments.step),
                     measured=joined(segments.reading),

@@ -15,6 +15,8 @@ from morph.sim.tangent import Coordinates
 
 EDGE = 0.15
 """Seconds at the start of a held-out run in which no scored rollout starts."""
+QUICK = 5.0
+"""Rate, 1/s, at which a joint that was not read may move by as much as its guess is off."""
 MOST_SCORED = 240
 """Held-out rollouts; of longer recordings an even spread is scored."""
 
@@ -49,6 +51,8 @@ class Segments:
     """One over the variance of each start's entry, shape (2 nv,)."""
     noise: Array
     """Standard deviation of the readings' noise, shape (channels,)."""
+    guess: Array
+    """Standard deviation of the starting positions of joints that were not read, else 0, (nv,)."""
 
     def __len__(self) -> int:
         """Return the number of segments."""
@@ -58,6 +62,16 @@ class Segments:
     def step(self) -> float:
         """Seconds a step."""
         return self.episodes[0].step
+
+    @property
+    def counts(self) -> Integers:
+        """How many readings each segment has of each channel, at least 1, (segments, channels)."""
+        return np.asarray(np.maximum(self.valid.sum(axis=1), 1))
+
+    @property
+    def read(self) -> Integers:
+        """Indices of the channels that were read at all."""
+        return np.flatnonzero(self.valid.any(axis=(0, 1)))
 
     def moved(self, start: Array, change: Array) -> Array:
         """Return starts after a change of positions and velocities, shape (segments, nq + nv).
@@ -186,7 +200,8 @@ def _segments(episodes: Sequence[Episode], where: list[tuple[int, int]], steps: 
     # A gap in the log leaves rollouts with few readings or none: they tell nothing.
     counts = np.array([e.valid[inside].sum(axis=0) for inside, _, e, _ in rows])
     enough = np.maximum(2.0, 0.5 * np.median(counts, axis=0))
-    kept = np.flatnonzero(np.all(counts >= enough, axis=1)).tolist()
+    read = counts.any(axis=0)
+    kept = np.flatnonzero(np.all((counts >= enough)[:, read], axis=1)).tolist()
     if not kept:
         raise DiagnosisError(
             f"no stretch of {steps * step:g} s holds enough readings",
@@ -206,6 +221,7 @@ def _segments(episodes: Sequence[Episode], where: list[tuple[int, int]], steps: 
         attitude[row, : len(inside)] = e.attitude[inside]
     before = np.clip(offset.astype(np.int64), 0, steps - 1)
     noise = np.sqrt(np.mean([e.noise**2 for e in episodes], axis=0))
+    guess = np.max([e.guess for e in episodes], axis=0)
     return Segments(
         measurement=measurement,
         episodes=tuple(episodes),
@@ -218,8 +234,9 @@ def _segments(episodes: Sequence[Episode], where: list[tuple[int, int]], steps: 
         reading=reading,
         attitude=attitude,
         start=_normal(np.array([start for _, _, _, start in rows]), space),
-        start_trust=_start_trust(episodes, noise),
+        start_trust=_start_trust(episodes, noise, guess),
         noise=noise,
+        guess=guess,
     )
 
 
@@ -230,14 +247,20 @@ def _normal(start: Array, space: Coordinates) -> Array:
     return start
 
 
-def _start_trust(episodes: Sequence[Episode], noise: Array) -> Array:
-    """Return how far smoothed starts may be trusted: noise let through, and motion cut off."""
+def _start_trust(episodes: Sequence[Episode], noise: Array, guess: Array) -> Array:
+    """Return how far smoothed starts may be trusted: noise let through, and motion cut off.
+
+    Of joints that were not read they are guesses.
+    """
     first = episodes[0]
-    period = np.array([np.median(np.diff(first.time[there])) for there in first.valid.T])
+    clocks = [first.time[there] if there.any() else first.time for there in first.valid.T]
+    period = np.array([np.median(np.diff(clock)) for clock in clocks])
     cutoff = first.state_cutoff
     rates = [e.state[:, e.measurement.coordinates.positions :] for e in episodes]
     speed = np.sqrt(np.mean(np.concatenate([rate**2 for rate in rates]), axis=0))
     passed = noise * np.sqrt(2.0 * cutoff * period)
     of_position = np.maximum(noise, passed)
     of_velocity = 2.0 * np.pi * cutoff * passed + 0.02 * speed + 1e-6
-    return 1.0 / np.concatenate([of_position, of_velocity]) ** 2
+    unknown = np.concatenate([guess, np.where(guess > 0.0, speed + guess * QUICK, 0.0)])
+    spread: Array = np.concatenate([of_position, of_velocity]) + unknown
+    return 1.0 / spread**2

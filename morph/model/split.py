@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from morph.record.recording import Channel, Recording
+from morph.record.recording import Recording
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -65,7 +65,5 @@ def between(recording: Recording, start: float, end: float) -> Recording:
         if channel.hold:
             first = max(int(np.searchsorted(channel.time, start, side="right")) - 1, 0)
         keep = slice(first, max(last, first + 1))
-        channels[name] = Channel(
-            time=channel.time[keep], value=channel.value[keep], hold=channel.hold
-        )
+        channels[name] = replace(channel, time=channel.time[keep], value=channel.value[keep])
     return replace(recording, channels=channels)

@@ -155,12 +155,13 @@ def check_motion(recordings: Sequence[Recording], measured: Sequence[str]) -> tu
     Raises:
         DiagnosisError: Nothing moves at all.
     """
+    read = [n for n in measured if any(each.channel(n).guess is None for each in recordings)]
     still = [
         name
-        for name in measured
+        for name in read
         if not any(moves(each.channel(name).time, each[name]) for each in recordings)
     ]
-    if len(still) == len(measured):
+    if len(still) == len(read):
         raise DiagnosisError(
             "nothing moves in any recording that is to be fitted",
             where=", ".join(recording.name for recording in recordings),

@@ -22,6 +22,9 @@ class Channel:
     """What was read, SI, finite, shape (samples,)."""
     hold: bool = False
     """Whether the value holds until the next sample, as a command does."""
+    guess: float | None = None
+    """Of what no sensor read: standard deviation of how far it may be off, in its unit, 0 of what
+    follows from other channels. None of a reading."""
 
     def at(self, times: Array) -> Array:
         """Return the value at any times, s: held for commands, else interpolated.

@@ -15,8 +15,8 @@ from scipy.interpolate import CubicHermiteSpline
 from morph.arrays import Array
 from morph.body.load import load
 from morph.inference import reference as module
-from morph.inference.reference import outliers, reference
-from morph.inference.sampled import FLOOR, SampledRun
+from morph.inference.reference import reference
+from morph.inference.sampled import FLOOR, SampledRun, outliers
 from morph.model.measurement import Measurement
 
 H, NOISE = 0.004, 2e-3
@@ -55,6 +55,7 @@ def swing(missing: Callable[[float], float], seconds: float = 6.0) -> dict[str, 
             reading=found.y[:1].T + NOISE * rng.normal(size=(len(time), 1)),
             valid=valid,
             noise=np.array([NOISE]),
+            guess=np.zeros(1),
         ),
     }
 

@@ -240,7 +240,7 @@ def test_joints_are_read_on_their_own_clocks() -> None:
     # A segment has the readings of both, none twice.
     segments = cut([found], 1.0)
     assert segments.valid.sum(axis=1).min(axis=0).tolist() == [99, 20]
-    run_on_grid, _ = _sampled(found, robot)
+    run_on_grid, _ = _sampled(found)
     for at, joint in enumerate(swing):
         samples = np.flatnonzero(run_on_grid.valid[:, at])
         time = begin + samples * found.step + run_on_grid.time_offset[samples, at]

@@ -26,6 +26,7 @@ def made_up(rng: np.random.Generator) -> tuple[Segments, Sensitivity]:
         start=start,
         start_trust=np.array([3.0, 0.5]),
         noise=np.ones(1),
+        guess=np.zeros(1),
     )
     around = Sensitivity(
         error=rng.normal(size=(5, 12)),
