@@ -24,6 +24,11 @@ SMALLER = 0.3
 MARGIN = 0.02
 """Share of a joint's range that a motion keeps from either end; a hinge without one may turn half
 a turn either way."""
+PRESSED = 0.1
+"""Share of that margin by which a joint that begins at an end may be pressed into it."""
+INSIDE, MOVING = 0.25, 2.0
+"""Least share of its range from either end about which a servo moves, and seconds that it takes to
+go there from home."""
 FREE_SERVO = 1.0
 """How far a servo without a range is told to move either way, rad or m."""
 FREE_SLIDE = 1.0
@@ -57,7 +62,8 @@ def excitations(robot: Robot, seconds: float, step: float, seed: int) -> list[Ex
 
     Of each kind there are two, at the greatest share of the actuators' limits of `AMPLITUDES` at
     which the described robot keeps from the ends of its joints and under their greatest speeds, and
-    at a third of it. Kinds that are not safe at any are left out.
+    at a third of it. Kinds that are not safe at any are left out. Where home is near the end of a
+    servo's range, the motion goes on about a place inside.
 
     Args:
         robot: The description, at whose home position the motions begin.
@@ -71,16 +77,23 @@ def excitations(robot: Robot, seconds: float, step: float, seed: int) -> list[Ex
     """
     simulator = Simulator(robot, step=step)
     low, home, high = _room(simulator)
+    servos = np.array([each.kind == "position" for each in robot.actuators])
+    inside = np.clip(home, low + INSIDE * (high - low), high - INSIDE * (high - low))
+    middle = np.where(servos, inside, home)
     time: Array = np.asarray(step * np.arange(simulator.steps(seconds) + 1), dtype=float)
+    gone = np.minimum(time / MOVING, 1.0)[:, None]
+    about = home + gone * (middle - home)
     found: list[Excitation] = []
     for kind, wave in _waves(robot, time, seed):
         # A one-sided motor idles where a wave is below zero.
-        reach = np.where(wave > 0.0, high - home, home - low) * wave
+        # A command stays within its range on the way there.
+        wave = np.where(middle == home, 1.0, gone) * wave
+        reach = np.where(wave > 0.0, high - middle, middle - low) * wave
         for amplitude in AMPLITUDES:
-            made = _simulated(simulator, time, home + amplitude * reach)
+            made = _simulated(simulator, time, about + amplitude * reach)
             if made is not None:
                 small = SMALLER * amplitude
-                less = _simulated(simulator, time, home + small * reach)
+                less = _simulated(simulator, time, about + small * reach)
                 pairs = [(amplitude, made), (small, less)]
                 found += [Excitation(kind=kind, amplitude=a, recording=r) for a, r in pairs if r]
                 break
@@ -224,7 +237,9 @@ def _safe(robot: Robot, made: Recording) -> bool:
             far = math.pi if joint.kind == "hinge" else FREE_SLIDE
             low, high = place[0] - far, place[0] + far
         room = MARGIN * (high - low) if math.isfinite(high - low) else 0.0
-        if place.min() < low + room or place.max() > high - room:
+        # A motion may begin at an end, into which its weight presses it a little.
+        least, most = place[0] - PRESSED * room, place[0] + PRESSED * room
+        if place.min() < min(low + room, least) or place.max() > max(high - room, most):
             return False
         if joint.velocity is not None and np.abs(speed).max() > joint.velocity:
             return False

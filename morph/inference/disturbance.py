@@ -64,7 +64,7 @@ def likeliest_disturbance(about: Reference, *, steps: int) -> Disturbance:
         by_time = -(cost(later) + found.likelihood) / NUDGE
         return -found.likelihood, -np.array([*found.scale, *found.vibration, by_time, found.noise])
 
-    most = np.where(tangent.valid.any(axis=0), MOST_SCALE, MOST_UNREAD)
+    most = np.where(about.unread, MOST_UNREAD, MOST_SCALE)
     limits = [*((FLOOR, each) for each in most), *[VIBRATIONS] * channels]
     bounds = np.log([*limits, CORRELATION_TIMES, NOISE_FACTORS])
     vibration = about.sensed if first.vibration is None else first.vibration

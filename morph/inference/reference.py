@@ -168,6 +168,7 @@ def _along(
         disturbance=replace(known, jolt=_jolt(model, run, position, jacobian[:, :, 2 * dofs :])),
         error=error,
         sensed=run.noise,
+        unread=run.guess > 0.0,
         inertial=inertial,
     )
 

@@ -96,6 +96,8 @@ class Reference:
     """Readings less those of the motion, zero where there is none, shape (samples, channels)."""
     sensed: Array
     """Standard deviation of each channel's noise as known beforehand, shape (channels,)."""
+    unread: Mask
+    """Joints that no sensor read and that follow none, shape (dofs,)."""
     inertial: Array
     """RMS inertial force of the motion on each degree of freedom, N m or N, shape (dofs,)."""
 

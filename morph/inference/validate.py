@@ -151,7 +151,7 @@ class Validation:
             which.reshape(-1),
             np.tile(position, (count, 1)),
             np.tile(velocity, (count, 1)),
-            command.reshape(-1, *command.shape[2:]),
+            command.reshape(which.size, *command.shape[2:]),
             states=recalled(hypothesis, segments, variants, which),
         )
         found = found.reshape(*which.shape, *found.shape[1:])

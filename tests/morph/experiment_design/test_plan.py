@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -83,3 +85,27 @@ def test_motions_keep_within_the_limits_of_joints_and_actuators() -> None:
     again = excitations(robot, 4.0, 0.002, 3)
     for one, other in zip(made, again, strict=True):
         assert np.array_equal(one.recording["Elbow.command"], other.recording["Elbow.command"])
+
+
+GRIPPER = """
+<mujoco model="gripper"><compiler angle="radian"/><worldbody><body>
+ <joint name="finger" axis="0 1 0" range="0 {most}" damping="0.05"/>
+ <inertial pos="0 0 -0.05" mass="0.1" diaginertia="1e-4 1e-4 1e-4"/></body></worldbody>
+ <actuator><position name="servo" joint="finger" kp="2" ctrlrange="0 {most}"/></actuator></mujoco>
+"""
+
+
+def test_a_servo_at_the_end_of_its_range_moves_about_a_place_inside(tmp_path: Path) -> None:
+    path, most = tmp_path / "gripper.xml", 1.2
+    path.write_text(GRIPPER.format(most=most))
+    planned = excitations(load(path), 8.0, 0.005, 0)
+    assert {each.kind for each in planned} == {"quick", "slow", "steps"}
+    for each in planned:
+        place, told = (each.recording[name] for name in ("finger.position", "servo.command"))
+        time = each.recording.channels["servo.command"].time
+        assert place[0] == 0.0
+        assert told.min() >= 0.0
+        assert told.max() <= most
+        # A quarter of the range from its end; steps do not average out.
+        if each.kind == "quick":
+            assert told[time > 3.0].mean() == pytest.approx(0.25 * most, abs=0.05)

@@ -130,4 +130,5 @@ def test_a_law_at_a_leader_is_named(robot: Robot, coulomb: float) -> None:
     errors = found.held_out_rmse["corrected"]
     # Starts are unsure by 0.2 mrad and, over a tenth of a second, by 2 mrad/s: a second on, 2 mrad.
     assert errors["crank.position"] < 0.002
-    assert errors["rod.position"] == pytest.approx(abs(RATIO) * errors["crank.position"], rel=0.1)
+    # What follows has no readings of its own.
+    assert list(errors) == ["crank.position"]
