@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from morph.body.load import load
-from morph.experiment_design.excitation import excitations
+from morph.experiment_design.excitation import MARGIN, excitations
 from morph.experiment_design.plan import separations_of
 from morph.experiment_design.separation import power
 from morph.physics.effect import Effect
@@ -106,6 +106,7 @@ def test_a_servo_at_the_end_of_its_range_moves_about_a_place_inside(tmp_path: Pa
         assert place[0] == 0.0
         assert told.min() >= 0.0
         assert told.max() <= most
-        # A quarter of the range from its end; steps do not average out.
-        if each.kind == "quick":
-            assert told[time > 3.0].mean() == pytest.approx(0.25 * most, abs=0.05)
+        # About a quarter of the range from its end, and off that end once it is there.
+        there = time > 3.0
+        assert told[there].min() < 0.25 * most < told[there].max()
+        assert place[there].min() > MARGIN * most
