@@ -10,6 +10,7 @@ from dataclasses import replace
 import mujoco
 
 from morph.body.robot import Robot
+from morph.inference.contact import touches
 from morph.inference.rank import Progress, ranked
 from morph.inference.refit import refitted
 from morph.inference.unmeasured import with_unmeasured
@@ -39,6 +40,8 @@ from morph.sim.threads import one_thread
 
 GUESSES = 2
 """Times that the motion of joints that were not read is guessed anew."""
+IMPACT = 0.002
+"""Seconds of the longest step through an impact."""
 MOST_SECONDS = 60.0
 """Seconds of training motion that are fitted; of longer recordings an even spread."""
 
@@ -106,9 +109,14 @@ def diagnose(
             held_out=tuple(_completed(each, robot, model) for each in parts.held_out),
         )
         train, aside = (all_pieces(part, robot, step) for part in (parts.train, parts.held_out))
-    check_falls(train, robot)
-    check_units(train, robot)
-    check_signs(train, robot)
+    if touches(robot, train):
+        # What impacts do takes short steps, and is no force of inertia.
+        step = step_for(parts.train, robot, longest=IMPACT)
+        train, aside = (all_pieces(part, robot, step) for part in (parts.train, parts.held_out))
+    else:
+        check_falls(train, robot)
+        check_units(train, robot)
+        check_signs(train, robot)
     scored = scored_segments(aside, horizon)
     held = tuple(name for name in still if name in check_motion(every, measured))
     nominal = Hypothesis(robot=robot, step=step, knobs=knobs(robot, vary), held=held)

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from morph.arrays import Array
+from morph.inference.contact import likeliest_contact
 from morph.inference.dictionary import search_beside
 from morph.inference.finalist import CERTAIN, Finalist, better, gains, labels, under
 from morph.inference.inverse_dynamics import force_error
@@ -36,8 +37,7 @@ FINALISTS = 2
 """How many of those with the least error are refitted, beside the likeliest."""
 DRY = {"coulomb_friction", "stribeck_friction", "load_dependent_friction"}
 SPRINGS = {"series_elasticity"}
-"""Laws that are refitted to rollouts at all driven joints: dry friction until one is found, springs
-where they lower the error."""
+"""Laws refitted to rollouts at all driven joints: dry friction until one is found, and springs."""
 GROUP = -5.0
 """Least gain of a law of friction at all driven joints that is simulated, nats."""
 DIVERGED = 0.5
@@ -106,7 +106,7 @@ class EffectSelection:
 
         Args:
             hypothesis: Own figures and effects.
-            point: Where the refit begins, shape (entries,).
+            point: Where the refit begins, (entries,).
             runs: Smoothed by a similar hypothesis.
             origin: A refit of the same hypothesis less its last effects.
         """
@@ -222,10 +222,10 @@ class EffectSelection:
             bends = laws == SPRINGS and losses[one.members] < now
             if not inside and (bends or (len(laws) == 1 and laws <= DRY and not dry)):
                 drives.append(one)
-        far = missing(base.refit.runs) > FARTHEST
-        limit = likeliest_limit(base, validation, now, self.known) if far else None
-        if limit and limit[0] < min(losses.values()):
-            drives.append(limit[1])
+        other = likeliest_contact(base, validation, now)
+        if other is None and missing(base.refit.runs) > FARTHEST:
+            other = likeliest_limit(base, validation, now, self.known)
+        drives += [other[1]] if other and other[0] < min(losses.values(), default=now) else []
         return [[*likeliest, *drives], stable]
 
     def reduced(self, whole: Finalist) -> Finalist:

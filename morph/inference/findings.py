@@ -46,13 +46,16 @@ def findings(ranking: Ranking, remains: Remains) -> tuple[Finding, ...]:
         entries, _ = best.refit.removal([at])
         without = best.refit.removal(acting_together(best.effects, at))
         none, others = ranking.search.instead(effect.label, *without)
+        fewer = [each for each in range(len(best.effects)) if each != at]
+        (losses,) = ranking.validation.losses_of(best.about, best.refit.runs, [fewer])
+        gains = losses - best.losses
+        if effect.kind == "contact":
+            # No column tells of it: what a stretch's rollout gains is one reading.
+            none, others = -float(gains.sum()), []
         # A richer law that reduces to this one is no rival.
         others = [each for each in others if each[0].simpler != effect.name or not reduces(each[0])]
         odds = np.exp(np.minimum([none, *(each[1] for each in others)], 0.0) / TEMPERATURE)
         chance = (1.0 - 0.5 * remains.probability) / (1.0 + float(odds.sum()))
-        fewer = [each for each in range(len(best.effects)) if each != at]
-        (losses,) = ranking.validation.losses_of(best.about, best.refit.runs, [fewer])
-        gains = losses - best.losses
         fold = ranking.validation.segments.episode
         slide = _on_slide(robot, effect)
         rivals = [

@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from morph.body.robot import Robot
+from morph.inference.contact import touches
 from morph.inference.effect_selection import EffectSelection
 from morph.inference.finalist import Finalist, gains, labels, simplified, under
 from morph.inference.observed import missing
@@ -29,13 +30,11 @@ from morph.physics.kinds import JointEffect
 
 Progress = Callable[[str, float], None]
 """Told what is being done and the share of the work that is behind, 0 to 1."""
-MOST_FIRST = 4
-"""Most effects, or laws at every joint, that the first search adds."""
+MOST_FIRST, LATER = 4, 2
+"""Most effects, or laws at every joint, that the first search and each later one add."""
 NEAR = 0.3
 """The same of a set found by output error, below which the whitened likelihood refits it, to see
 whether readings are then explained to their noise."""
-LATER = 2
-"""Most that each later search adds."""
 MOST_ROUNDS, FAR_ROUNDS = 3, 1
 """Most of these searches, and most by output error, which takes long."""
 RICHER = 0.2
@@ -50,8 +49,7 @@ class Ranking:
     best: Finalist
     """The one that explains the runs best and of which every effect is needed."""
     tried: tuple[Finalist, ...]
-    """Those that were compared under one criterion, the best by evidence first; the empty set is
-    among them."""
+    """Those compared under one criterion, the likeliest first; the empty set is among them."""
     validation: Validation
     """The stretches on which they were compared."""
     search: Search
@@ -89,26 +87,28 @@ def ranked(
         deadline: Time of the monotonic clock, about that of the answer. No step of a refit begins
             after it, less what a last search and held-out scores take.
     """
+    validation = Validation.of(episodes, touching=touches(nominal.robot, episodes))
     task = EffectSelection(
         nominal=nominal,
         episodes=episodes,
         known=known,
-        validation=Validation.of(episodes),
+        validation=validation,
+        by_rollouts=validation.touching,
         prior=Prior(alone={}),
         deadline=deadline,
     )
-    # Whatever the time: without own figures refitted there is no answer.
+    # Whatever the time: without it there is no answer.
     own = replace(task, deadline=math.inf).refitted(nominal, nominal.start)
-    far = missing(own.refit.runs) >= (FAR if _told(nominal.robot) else FARTHEST)
+    most = 0.0 if validation.touching else FAR if _told(nominal.robot) else FARTHEST
+    far = missing(own.refit.runs) >= most
     found = _searched(_by_rollouts(task, own) if far else _begun(task, own), progress)
     if not far:
         own = functools.reduce(under, found.tried, own)
         found = replace(found, none=own)
         if not found.tried and not at_noise(own.refit.runs) and not found.task.late():
             # The model of the missing force is wrong: the search goes on by errors of rollouts.
-            task = replace(found.task, deadline=deadline)
-            found = _searched(_by_rollouts(task, own), progress)
-    if found.task.by_rollouts and missing(found.best.refit.runs) < NEAR:
+            found = _searched(_by_rollouts(replace(found.task, deadline=deadline), own), progress)
+    if found.task.by_rollouts and missing(found.best.refit.runs) < NEAR and not validation.touching:
         found = _whitened(found, own, progress)
     progress("trying other laws", 0.85)
     found = replace(found, best=restarted(found.task, found.best))
@@ -160,8 +160,8 @@ def _begun(task: EffectSelection, none: Finalist) -> _Found:
 
 def _by_rollouts(task: EffectSelection, own: Finalist) -> _Found:
     """Return a ranking by errors of rollouts before its first round."""
-    task = replace(task, by_rollouts=True, by_forces=_told(task.nominal.robot))
-    # Half of the time that is left, so that some is left for a round.
+    told = _told(task.nominal.robot) and not task.validation.touching
+    task = replace(task, by_rollouts=True, by_forces=told)
     half = replace(task, deadline=0.5 * (time.monotonic() + task.deadline))
     return _begun(task, half.refitted(task.nominal, own.refit.point, own.refit.runs))
 

@@ -15,6 +15,9 @@ from morph.inference.validate import Validation
 
 SHARE, NATS = 0.003, 400.0
 """Where what remains is as probably physics as not: share of the joints' force, and evidence."""
+UNTOLD = 0.45
+"""Probability for a robot in contact: impacts magnify small errors of a start, so that rollouts of
+the right model miss by far more than noise too."""
 STEEP = 2.0
 """How steeply probability rises with the logarithm of each."""
 MOST_UNKNOWN = 0.55
@@ -40,6 +43,8 @@ class Remains:
     """Mean squared error of the rollouts of a typical stretch over the noise's variance."""
     named: bool = False
     """Whether the model has effects."""
+    touching: bool = False
+    """Whether the robot is in contact, whose forces are among the missing."""
 
     @property
     def probability(self) -> float:
@@ -51,6 +56,8 @@ class Remains:
     def any_physics(self) -> float:
         """How probable it is that any physics is left, without a name or missed."""
         tiny = 1e-12
+        if self.touching:
+            return UNTOLD
         steep = STEEP * min(
             math.log(max(self.share, tiny) / SHARE), math.log(max(self.nats, tiny) / NATS)
         )
@@ -67,6 +74,7 @@ def remaining(found: Finalist, validation: Validation) -> Remains:
         nats=sum(_over_floor(run) for run in runs),
         in_noise=float(np.expm1(2.0 * np.median(found.fitted) / len(segments.read))),
         named=bool(found.effects),
+        touching=validation.touching,
     )
 
 

@@ -56,13 +56,22 @@ class Validation:
     """The stretches."""
     blocks: int
     """Into how many folds each run is divided."""
+    touching: bool = False
+    """Whether the robot is in contact with what does not move."""
 
     @classmethod
-    def of(cls, episodes: Sequence[Episode]) -> Validation:
-        """Return stretches of episodes."""
-        longest = 0.5 * min(len(e.command) for e in episodes) * episodes[0].step
+    def of(cls, episodes: Sequence[Episode], *, touching: bool = False) -> Validation:
+        """Return stretches of episodes.
+
+        Args:
+            episodes: The runs.
+            touching: Whether the robot is in contact: stretches begin with the run where they can,
+                as velocities are known poorly about an impact.
+        """
+        share = 0.95 if touching and len(episodes) >= FOLDS else 0.5
+        longest = share * min(len(e.command) for e in episodes) * episodes[0].step
         segments = cut(episodes, min(HORIZON, longest), most=MOST_ROLLOUTS)
-        return cls(segments=segments, blocks=-(-FOLDS // len(episodes)))
+        return cls(segments=segments, blocks=-(-FOLDS // len(episodes)), touching=touching)
 
     @cached_property
     def fold(self) -> Integers:

@@ -99,7 +99,7 @@ class Episode:
         return self.recording.session
 
 
-def step_for(recordings: Sequence[Recording], robot: Robot) -> float:
+def step_for(recordings: Sequence[Recording], robot: Robot, *, longest: float = 0.004) -> float:
     """Return the seconds a step: whole parts or multiples of the fastest clock's median period.
 
     About 4 ms, 2.5 ms where servos add stiff damping: with the starts fitted, the
@@ -110,6 +110,7 @@ def step_for(recordings: Sequence[Recording], robot: Robot) -> float:
     periods = [min(map(_period, measurement.clocks(each))) for each in recordings]
     period = float(np.median(periods))
     wanted = 0.0025 if any(a.kind == "position" for a in robot.actuators) else 0.004
+    wanted = min(wanted, longest)
     if period > wanted:
         return period / float(np.ceil(period / wanted - 0.1))
     return period * max(1.0, float(np.floor(wanted / period + 0.1)))

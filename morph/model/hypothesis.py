@@ -15,6 +15,9 @@ from morph.body.robot import Robot
 from morph.body.spec import spec_of
 from morph.model.knobs import Knob
 from morph.physics.body.point import PointEffect
+from morph.physics.contact.contact_softness import ContactSoftness
+from morph.physics.contact.pairs import pairs_of
+from morph.physics.contact.spring import effective_masses
 from morph.physics.effect import Effect, Parameter
 from morph.sim.rollout import Variant
 from morph.sim.simulator import compiled
@@ -23,6 +26,10 @@ POINT = ("cx", "cy", "cz")
 """Parameters that say where on its link an effect acts."""
 HEAVY, FADES = 1e6, 0.01
 """Inertia that holds a joint, kg m2 or kg, and seconds in which its velocity fades."""
+EDGES, STABLE = (0.0, -1.0), 0.9
+"""Values at which laws of contact do nothing; and the stiffest, as a share of what a step takes."""
+ROUGH = 0.1
+"""Step of differences by a parameter of a contact, as a share of it: impacts have edges."""
 BARE: dict[tuple[str, str, float], Any] = {}
 """Specs without what does not move a robot, by hash and name of the robot and step."""
 
@@ -116,6 +123,17 @@ class Hypothesis:
         """
         if known.name in POINT and isinstance(self.effects[at], PointEffect):
             return -self._size, self._size
+        effect = self.effects[at]
+        if effect.kind == "contact" and known.neutral in EDGES:
+            # Beyond its edge a law of contact does nothing; none is stiffer than the step allows.
+            most = known.high
+            if isinstance(effect, ContactSoftness):
+                rate = STABLE / self.step
+                spec = bare_spec(self.robot, self.step).copy()
+                pairs = pairs_of(spec, effect.contact, effect.label)
+                mass = min(effective_masses(spec, pairs, effect.label))
+                most = mass * (rate**2 if known.name == "stiffness" else rate)
+            return 0.0, most
         return known.low, known.high
 
     @cached_property
@@ -159,6 +177,8 @@ class Hypothesis:
         # Bounds may lie as good as nowhere: a step is no share of those.
         wide = 0.001 * np.abs(point[len(knobs) :]) + 1e-5 * np.minimum(widths, 1.0)
         # Of what links weigh only sums show: a coarse step would seem to tell them apart.
+        rough = [self.effects[i].kind == "contact" for i, _ in self._slots]
+        wide = np.where(rough, ROUGH * np.abs(point[len(knobs) :]) + 1e-4, wide)
         fine = np.array([1e-3 * (k.spread or 0.0) for _, k in self._slots])
         step = np.concatenate([knobs, np.where(fine > 0.0, fine, wide)])
         return np.where(point + step > self.high, -step, step)

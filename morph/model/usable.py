@@ -187,10 +187,10 @@ def check_falls(episodes: Sequence[Episode], robot: Robot) -> None:
         if np.linalg.norm(falls - gravity) > HELD * np.linalg.norm(gravity):
             link = episodes[0].measurement.channels[turn].removesuffix(".rotation.x")
             raise DiagnosisError(
-                f"link {link} does not fall as it would alone: contact is not diagnosed",
+                f"link {link} does not fall as it would alone, and nothing is described there",
                 where=", ".join(dict.fromkeys(each.name for each in episodes)),
-                fix="give runs of free flight; or describe a base that does not move as fixed, and "
-                "a robot in water with its `[water]` in the card",
+                fix="describe the floor as a plane, a base that does not move as fixed, a robot in "
+                "water with its `[water]` in the card; or give runs of free flight",
             )
 
 

@@ -1,0 +1,144 @@
+"""What acts where a robot touches the floor, found by simulating the runs from their starts.
+
+No column tells of it: forces of contact depend on depths that no recording holds.
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import mujoco
+import numpy as np
+
+from morph.arrays import Array
+from morph.body.robot import Robot
+from morph.body.spec import spec_of
+from morph.errors import EffectError
+from morph.inference.finalist import Finalist
+from morph.inference.search import Explanation
+from morph.inference.validate import MATERIAL, Validation
+from morph.model.episodes import Episode
+from morph.physics.contact.contact_friction import ContactFriction
+from morph.physics.contact.contact_softness import ContactSoftness
+from morph.physics.contact.restitution import Restitution
+from morph.physics.effect import Effect
+
+INSTANTS, LEAST = 100, 0.02
+"""Instants of each run at which contacts are looked for; and the share of them that touch in runs
+of a robot in contact."""
+ANYWHERE = "any+floor"
+"""Every link with the floor."""
+FIRST = {"mu": 0.4, "stiffness": 3000.0, "damping": 30.0, "e": 0.3}
+"""Where each parameter begins: rubber on wood, a hard foot, half of a bounce's energy and more."""
+GREATEST = {"e": 0.95}
+"""The greatest value that is tried."""
+FACTOR, NARROWER, TURNS = 2.0, 0.7, 8
+"""By which a parameter changes first, the power of that factor from one turn to the next, and the
+turns of a search."""
+
+
+def touches(robot: Robot, episodes: Sequence[Episode]) -> bool:
+    """Return whether a robot touches what does not move, as recorded, in a share of the runs."""
+    model = spec_of(robot).compile()
+    data, found = mujoco.MjData(model), []
+    moves = model.body_weldid[model.geom_bodyid] > 0
+    for episode in episodes:
+        at = np.linspace(0, len(episode.position) - 1, INSTANTS).astype(int)
+        for position in episode.position[at]:
+            data.qpos[:] = position
+            mujoco.mj_fwdPosition(model, data)
+            pairs = data.contact.geom[: data.ncon]
+            found.append(len(pairs) > 0 and bool((moves[pairs].sum(axis=1) == 1).any()))
+    return float(np.mean(found)) > LEAST
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Floor:
+    """Laws of contact under trial beside a set of effects, and the error of rollouts with them."""
+
+    laws: tuple[Effect, ...]
+    loss: float
+    """Mean over the stretches, nats."""
+
+
+def likeliest_contact(
+    base: Finalist, validation: Validation, now: float
+) -> tuple[float, Explanation] | None:
+    """Return laws of the floor beside a set with which rollouts err least, and their mean loss.
+
+    Friction, softness and restitution are tried alone, then beside the best of them. Parameters
+    are searched one by one, as what impacts do has edges where no derivative holds.
+
+    Source: Hooke and Jeeves 1961, Journal of the ACM 8(2), 212-229 (pattern search).
+
+    Args:
+        base: A set of effects.
+        validation: The stretches that are simulated.
+        now: Mean loss of the set over them.
+
+    Returns:
+        None if none gains anything, or the robot is not in contact.
+    """
+    if not validation.touching:
+        return None
+    taken = {effect.label for effect in base.effects}
+    kinds = (ContactFriction, ContactSoftness, Restitution)
+    best = _Floor(laws=(), loss=now)
+    for _ in range(2):
+        tried = []
+        for kind in kinds:
+            law = kind.at(ANYWHERE)
+            named = {law.name, *(each.name for each in best.laws)}
+            # Restitution decides on damping: beside softness it says the same twice.
+            if law.label in taken | {e.label for e in best.laws} or named >= {
+                "contact_softness", "restitution"
+            }:  # fmt: skip
+                continue
+            begun = _with(law, {k: v for k, v in FIRST.items() if hasattr(law, k)})
+            tried.append(_searched(base, validation, (*best.laws, begun)))
+        better = min(tried, key=lambda each: each.loss, default=best)
+        if not better.loss < best.loss - MATERIAL:
+            break
+        best = better
+    if not best.laws:
+        return None
+    own = np.zeros(len(base.refit.point))
+    return best.loss, Explanation(effects=best.laws, gain=0.0, own=own, members=(), level=0)
+
+
+def _searched(base: Finalist, validation: Validation, laws: tuple[Effect, ...]) -> _Floor:
+    """Return laws at the parameters with which rollouts err least."""
+    loss = functools.partial(_loss, base, validation)
+    best, factor = _Floor(laws=laws, loss=loss(laws)), FACTOR
+    names = [(at, k) for at, law in enumerate(laws) for k in FIRST if hasattr(law, k)]
+    for _ in range(TURNS):
+        for at, name in names:
+            value = getattr(best.laws[at], name)
+            for power in (-1.0, -0.5, 0.5, 1.0):
+                there = min(value * factor**power, GREATEST.get(name, np.inf))
+                law = _with(best.laws[at], {name: there})
+                moved = (*best.laws[:at], law, *best.laws[at + 1 :])
+                found = _Floor(laws=moved, loss=loss(moved))
+                best = min(best, found, key=lambda each: each.loss)
+        factor = factor**NARROWER
+    return best
+
+
+def _with(law: Effect, values: Mapping[str, float]) -> Effect:
+    """Return a law with other parameters."""
+    return replace(law, **values)  # type: ignore[type-var]
+
+
+def _loss(base: Finalist, validation: Validation, laws: tuple[Effect, ...]) -> float:
+    """Return the mean loss of rollouts with laws of contact beside a set; no end, if none can."""
+    hypothesis = base.refit.hypothesis
+    more = replace(hypothesis, effects=(*hypothesis.effects, *laws))
+    point: Array = np.r_[base.refit.point, more.start[len(base.refit.point) :]]
+    try:
+        (losses,) = validation.losses(more, [[point] * validation.folds], base.refit.runs)
+    except EffectError:
+        # Too stiff for the step of the simulation.
+        return float("inf")
+    return float(losses.mean())
