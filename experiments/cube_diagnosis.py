@@ -168,7 +168,7 @@ def main(arguments: list[str] | None = None) -> int:
         epilog=EXAMPLE,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("--first", type=int, default=400, help="first toss (default: 400)")
+    parser.add_argument("--first", type=int, default=200, help="first toss (default: 200)")
     parser.add_argument("--fitted", type=int, default=60, help="how many are fitted (default: 60)")
     parser.add_argument(
         "--judged", type=int, default=30, help="how many are held out (default: 30)"
