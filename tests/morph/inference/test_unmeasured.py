@@ -156,10 +156,12 @@ def test_a_filter_goes_on_about_the_motion_that_it_has_estimated() -> None:
         correlation_time=0.3,
         initial=np.array([0.4, 0.6]),
     )
-    reading = rng.normal(size=(samples, 1, 1))
+    reading = 1.0 + 0.02 * rng.normal(size=(samples, 1, 1))
     whole = FilterRun(tangent, disturbance, 1)
     whole.filter(slice(None), reading, None)
     expected, variance = whole.moved()
+    # Sixty readings of one, each to 0.02, and a step of a speed near none.
+    assert expected[0] == pytest.approx(1.0, abs=0.1)
     parts, state, keep = FilterRun(tangent, disturbance, 1), np.zeros(3), np.exp(-step / 0.3)
     for begin in range(0, samples, 15):
         seen = np.empty((15, 1, 1))
