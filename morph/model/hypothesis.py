@@ -125,7 +125,7 @@ class Hypothesis:
             return -self._size, self._size
         effect = self.effects[at]
         if effect.kind == "contact" and known.neutral in EDGES:
-            # Beyond its edge a law of contact does nothing; none is stiffer than the step allows.
+            # No contact is stiffer than the step allows.
             most = known.high
             if isinstance(effect, ContactSoftness):
                 rate = STABLE / self.step
@@ -133,7 +133,7 @@ class Hypothesis:
                 pairs = pairs_of(spec, effect.contact, effect.label)
                 mass = min(effective_masses(spec, pairs, effect.label))
                 most = mass * (rate**2 if known.name == "stiffness" else rate)
-            return 0.0, most
+            return known.low, most
         return known.low, known.high
 
     @cached_property

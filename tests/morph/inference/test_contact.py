@@ -69,8 +69,13 @@ def test_friction_of_the_floor_is_named_from_how_a_puck_slides(robot: Robot) -> 
 
 
 def test_contact_is_seen_where_shapes_touch_as_recorded(robot: Robot, tmp_path: Path) -> None:
+    # A base that overlaps the link on it is no floor.
+    base = '<geom type="box" size="9 9 0.2"/>'
+    above = tmp_path / "base.xml"
+    above.write_text(description(height=-0.5).replace("<worldbody>", "<worldbody>" + base))
     below = tmp_path / "below.xml"
     below.write_text(description(height=-0.5))
     run = [episode(slid(0), robot, 0.005)]
     assert touches(robot, run)
     assert not touches(load(below), run)
+    assert not touches(load(above), run)
