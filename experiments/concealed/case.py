@@ -60,6 +60,10 @@ class Case:
     """What happened in each run."""
     rng: np.random.Generator
     """What is left of its chance, for the logs."""
+    way: str = "read"
+    """Of `suites.WAYS`: how it was logged where joints were."""
+    hidden: int = 0
+    """The joint without an encoder where one has none."""
 
     @property
     def mechanism(self) -> Mechanism:
@@ -70,12 +74,16 @@ class Case:
 def draw_case(suite: str, seed: int, number: int, *, seconds: float = SECONDS) -> Case:
     """Return the case of a suite, a seed and a number; the same on every call."""
     about = SUITES[suite]
+    drawn, way = divmod(number, len(about.ways))
     for attempt in range(50):
-        rng = np.random.default_rng([about.number, seed, number, attempt])
+        rng = np.random.default_rng([about.number, seed, drawn, attempt])
         try:
-            return _try_case(suite, seed, number, rng, seconds)
+            case = _try_case(suite, seed, drawn, rng, seconds)
         except NoSize:
             continue
+        name = f"{suite}_{seed}_{number:04d}"
+        hidden = int(np.random.default_rng([7, seed, drawn]).integers(len(case.mechanism.joints)))
+        return replace(case, name=name, way=about.ways[way], hidden=hidden)
     raise NoSize(
         f"no case {number} of seed {seed} could be drawn", where=suite, fix="take another seed"
     )
@@ -126,8 +134,8 @@ def _wanted(
         return (), str(rng.choice(["six_joint_arm", "seven_joint_arm"]))
     count = about.count(seed, number)
     if count == 0:
-        return (), str(rng.choice(list(FAMILIES)))
-    library = about.outside_laws() if count < 0 else LAWS
+        return (), str(rng.choice([each for each in FAMILIES if _suits(about, each)]))
+    library = about.outside_laws() if count < 0 else about.laws()
     kin = sum((about.count(seed, each) < 0) == (count < 0) for each in range(number)
               if about.count(seed, each) != 0)  # fmt: skip
     turn, place = divmod(kin, len(library))
@@ -140,7 +148,8 @@ def _wanted(
     families = [
         family
         for family in FAMILIES
-        if (first.name not in wet or family == "submerged_arm")
+        if _suits(about, family)
+        and (first.name not in wet or family == "submerged_arm")
         and (first.name not in far or family not in small)
         and (first.name not in turning or family not in {"pendulum", "cart_pole"})
     ]
@@ -149,12 +158,17 @@ def _wanted(
     if first.needs:
         laws.insert(0, next(law for law in LAWS if law.name == first.needs))
     while count > 0 and len(laws) < count:
-        other = LAWS[int(rng.integers(len(LAWS)))]
+        other = about.laws()[int(rng.integers(len(about.laws())))]
         if other.name not in {law.name for law in laws} and other.needs is None:
             if other.name in wet and family != "submerged_arm":
                 continue
             laws.append(other)
     return tuple(laws), family
+
+
+def _suits(about: Suite, family: str) -> bool:
+    """Return whether a mechanism keeps an encoder where one is taken away."""
+    return len(about.ways) == 1 or family != "pendulum"
 
 
 def _perturb(

@@ -18,7 +18,14 @@ from experiments.concealed.case import SECONDS, Case, draw_case
 from experiments.concealed.mechanism import SERVO
 from experiments.concealed.mjcf import describe
 from experiments.concealed.plant import Array
-from experiments.concealed.readings import DIGITS, ideal_readings, write_down
+from experiments.concealed.readings import (
+    DIGITS,
+    POSE,
+    ideal_readings,
+    link_poses,
+    seen_by_camera,
+    write_down,
+)
 from experiments.concealed.seal import truth_of
 from experiments.concealed.simulate import GRID
 from experiments.concealed.truth import HORIZON, predict, replayed, window_starts
@@ -101,19 +108,30 @@ def _known(case: Case, recordings: Sequence[str], digest: str) -> dict[str, Any]
         "vary": dict(case.vary),
         "rate_hz": logger.rate_hz,
         "resolution": {
-            f"{joint}.position": float(f"{logger.count[i]:.6g}")
-            for i, joint in enumerate(mechanism.joints)
+            f"{mechanism.joints[i]}.position": float(f"{logger.count[i]:.6g}")
+            for i in _encoders(case)
         },
         "water": water if mechanism.submerged else None,
         "truth_sha256": digest,
     }
 
 
+def _encoders(case: Case) -> list[int]:
+    """Return the joints that have an encoder."""
+    if case.way == "tracked":
+        return []
+    joints = list(range(case.mechanism.plant.count))
+    return [i for i in joints if case.way == "read" or i != case.hidden]
+
+
 def _channels(case: Case, *, velocity: bool) -> list[str]:
     mechanism = case.mechanism
-    names = ["time", *(f"{joint}.position" for joint in mechanism.joints)]
+    joints = [mechanism.joints[i] for i in _encoders(case)]
+    names = ["time", *(f"{joint}.position" for joint in joints)]
     if velocity:
-        names += [f"{joint}.velocity" for joint in mechanism.joints]
+        names += [f"{joint}.velocity" for joint in joints]
+    if case.way == "tracked":
+        names += [f"{link}.{axis}" for link in mechanism.links for axis in POSE]
     return names + [f"{mechanism.actuator(i)}.command" for i in mechanism.driven]
 
 
@@ -124,8 +142,13 @@ def _write_recordings(case: Case, folder: Path) -> list[str]:
     binding, names = ['robot = "../robot.xml"'], []
     for number, run in enumerate(truth.runs[:-1]):
         log = write_down(run, case.motions[number], case.logger, case.rng, joints, truth.drift)
-        columns = [log.time[:, None], log.position]
-        columns += [] if log.velocity is None else [log.velocity]
+        encoders = _encoders(case)
+        columns = [log.time[:, None], log.position[:, encoders]]
+        columns += [] if log.velocity is None else [log.velocity[:, encoders]]
+        if case.way == "tracked":
+            where, _ = case.motions[number].at(run.ticks[log.kept])
+            poses = link_poses(case.mechanism.plant, where[:, :joints])
+            columns.append(seen_by_camera(poses, case.logger, case.rng))
         columns.append(log.command[:, driven])
         name = f"run_{number + 1}.csv.gz"
         write_whole(folder / name, _csv(header, np.hstack(columns)), durable=False)
@@ -186,8 +209,11 @@ def _column(case: Case, channel: str) -> str:
     mechanism = case.mechanism
     part, _, quantity = channel.rpartition(".")
     joint = part.removesuffix("_drive")
+    link, _, tracked = part.rpartition(".")
     if quantity == "time":
         unit = "s"
+    elif link in mechanism.links:
+        unit = "m" if tracked == "position" else "1"
     else:
         i = mechanism.joints.index(joint)
         slide, servo = mechanism.plant.slide[i], mechanism.plant.of_joint("drive")[i] == SERVO

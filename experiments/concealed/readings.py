@@ -7,11 +7,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from experiments.concealed.excite import Logger
+from experiments.concealed.mjcf import quaternion
 from experiments.concealed.plant import Array, Plant
 from experiments.concealed.simulate import GRID, Motion, Run
 
 DIGITS = 8
 """Decimals of readings in files."""
+POSE = (*(f"position.{axis}" for axis in "xyz"), *(f"orientation.{axis}" for axis in "wxyz"))
+"""Channels of a link that a camera tracks."""
+ARM = 0.3
+"""Length at whose end a camera knows a place as well as it knows an orientation, m."""
 
 
 def ideal_readings(plant: Plant, q: Array, ticks: Array, step: float, joints: int) -> Array:
@@ -32,6 +37,49 @@ def ideal_readings(plant: Plant, q: Array, ticks: Array, step: float, joints: in
         x = x + plant.of_joint("tooth")[i] * np.sin(plant.of_joint("tooth_n")[i] * x)
         out[:, i] = plant.of_joint("scale")[i] * x + plant.of_joint("bias")[i]
     return out
+
+
+def link_poses(plant: Plant, q: Array) -> tuple[Array, Array]:
+    """Return where links are and how they are turned, (samples, n, 3) and (samples, n, 3, 3).
+
+    Args:
+        plant: The plant.
+        q: Positions of its first n joints, shape (samples, n).
+    """
+    samples, n = q.shape
+    place, turn = np.zeros((samples, n, 3)), np.empty((samples, n, 3, 3))
+    for i in range(n):
+        before = int(plant.parent[i])
+        rooted = before < 0
+        root = np.broadcast_to(np.eye(3), (samples, 3, 3)) if rooted else turn[:, before]
+        still = root @ plant.rotation[i]
+        place[:, i] = root @ plant.origin[i] + (0.0 if rooted else place[:, before])
+        x, y, z = plant.axis[i]
+        if plant.slide[i]:
+            place[:, i] += q[:, i, None] * (still @ plant.axis[i])
+            turn[:, i] = still
+            continue
+        # Rodrigues' formula.
+        cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+        sine, cosine = np.sin(q[:, i, None, None]), np.cos(q[:, i, None, None])
+        turn[:, i] = still @ (np.eye(3) + sine * cross + (1.0 - cosine) * cross @ cross)
+    return place, turn
+
+
+def seen_by_camera(poses: tuple[Array, Array], logger: Logger, rng: np.random.Generator) -> Array:
+    """Return noisy places and unit quaternions of links, shape (samples, 7 links).
+
+    A camera knows an orientation as well as the usual encoder of this logger knows its joint,
+    and a place as well as that does at the end of an arm of `ARM`.
+    """
+    place, turn = poses
+    usual = float(np.median(logger.noise))
+    place = place + ARM * usual * rng.standard_normal(place.shape)
+    # A quaternion's imaginary part is half a small rotation.
+    turns = np.array([[quaternion(each) for each in row] for row in turn])
+    turns += 0.5 * usual * rng.standard_normal(turns.shape)
+    turns /= np.linalg.norm(turns, axis=-1, keepdims=True)
+    return np.concatenate([place, turns], axis=-1).reshape(len(place), -1).round(DIGITS)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -47,6 +47,7 @@ def score(answer: JSON, sealed: Sealed) -> JSON:
     row: JSON = {
         "case": truth["case"],
         "family": truth["family"],
+        "way": truth.get("way", "read"),
         "answer": truth["answer"],
         "truth": [f"{e['effect']}@{e['where']['name']}" for e in truth["effects"]],
         "effect_to_noise": [e["effect_to_noise"] for e in truth["effects"]],

@@ -12,6 +12,9 @@ from experiments.concealed.joint_laws import ACTUATOR_LAWS, JOINT_LAWS, SENSOR_L
 from experiments.concealed.law import Law
 from experiments.concealed.outside import OUTSIDE_LAWS
 
+WAYS = ("read", "hidden", "tracked")
+"""Every joint has an encoder; one, drawn at random, has none; none has one, and a camera tells the
+place and orientation of every link."""
 LAWS: tuple[Law, ...] = JOINT_LAWS + ACTUATOR_LAWS + SENSOR_LAWS + BODY_LAWS + WORLD_LAWS
 """Every law of `effects.md` that acts on a mechanism without contact and with a fixed base."""
 
@@ -32,6 +35,8 @@ class Suite:
     """Whether that physics is the half kept from development."""
     drives: bool = False
     """Whether all cases are industrial arms with the physics of real drives."""
+    ways: tuple[str, ...] = ("read",)
+    """Of which joints' positions logs tell, and by what; each case is logged in every way."""
 
     def count(self, seed: int, number: int) -> int:
         """Return how many effects of the library a case has; -1 for physics outside of it.
@@ -47,6 +52,10 @@ class Suite:
             chance -= share
         return -1
 
+    def laws(self) -> tuple[Law, ...]:
+        """Return the laws of the library that it uses: of sensors only where all are there."""
+        return tuple(law for law in LAWS if len(self.ways) == 1 or law.kind != "sensor")
+
     def outside_laws(self) -> tuple[Law, ...]:
         """Return the laws outside the library that it uses."""
         return tuple(law for law in OUTSIDE_LAWS if law.judge == self.judge)
@@ -59,5 +68,6 @@ SUITES: Mapping[str, Suite] = {
     "clean": Suite(number=4, clean=1.0),
     "outside": Suite(number=5, outside=1.0),
     "arms": Suite(number=6, drives=True),
+    "channels": Suite(number=7, counts=(0.5, 0.25, 0.0), clean=0.25, judge=True, ways=WAYS),
 }
 """Twins are among the cases with effects; their truth lists every answer that is as right."""

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Any
 
 import numpy as np
+
+from experiments.concealed.suites import WAYS
 
 JSON = dict[str, Any]
 Figure = Callable[[Sequence[JSON]], float | None]
@@ -135,6 +138,19 @@ def _worst(rows: Sequence[JSON]) -> float | None:
     return min((row["E"] for row in rows if row["E"] is not None), default=None)
 
 
+def _seconds(rows: Sequence[JSON], families: Collection[str]) -> float | None:
+    """Return the median CPU time of an answer to a case of some mechanisms, s."""
+    some = [row["seconds"] for row in rows if row["family"] in families]
+    return float(np.median(some)) if some else None
+
+
+def _logged(way: str, figure: Figure, rows: Sequence[JSON]) -> float | None:
+    """Return a figure of cases that were logged in one of several ways."""
+    if len({row["way"] for row in rows}) == 1:
+        return None
+    return figure([row for row in rows if row["way"] == way])
+
+
 FIGURES: Mapping[str, Figure] = {
     "first": lambda rows: _share(rows, "first", _effects),
     "first_three": lambda rows: _share(rows, "first_three", _effects),
@@ -161,7 +177,19 @@ FIGURES: Mapping[str, Figure] = {
     "coverage": _coverage,
     "E_median": _median,
     "E_worst": _worst,
-    "seconds_median": lambda rows: float(np.median([r["seconds"] for r in rows])) if rows else None,
+    "seconds_median": lambda rows: _seconds(rows, {row["family"] for row in rows}),
+    "seconds_two_joints": lambda rows: _seconds(rows, {"cart_pole", "double_pendulum"}),
+    "seconds_six_joints": lambda rows: _seconds(rows, {"six_joint_arm"}),
+    **{
+        f"{name}_where_{way}": functools.partial(_logged, way, figure)
+        for way in WAYS
+        for name, figure in {
+            "first": lambda rows: _share(rows, "first", _effects),
+            "place": lambda rows: _share(rows, "place", _effects),
+            "exact_set": lambda rows: _share(rows, "exact", _effects),
+            "clean_accused": _clean_accused,
+        }.items()
+    },
 }
 """Every figure of the table; None where no case or no answer bears on it."""
 

@@ -6,6 +6,7 @@ from typing import Any
 
 import mujoco
 
+from morph.arrays import Array
 from morph.body.robot import Mimic
 
 RIGID, QUICK = (0.9999, 0.9999, 0.001, 0.5, 2.0), (0.005, 1.0)
@@ -54,6 +55,15 @@ def leaders(model: Any) -> dict[int, tuple[int, float, float]]:
         if leader not in passed:
             found[joint] = leader, ratio, offset
     return found
+
+
+def follow(model: Any, position: Array, velocity: Array) -> None:
+    """Place joints that follow others where these put them, (samples, nq) and (samples, nv)."""
+    for joint, (leader, ratio, offset) in leaders(model).items():
+        place, at = model.jnt_qposadr[[joint, leader]]
+        position[:, place] = ratio * position[:, at] + offset
+        rate, speed = model.jnt_dofadr[[joint, leader]]
+        velocity[:, rate] = ratio * velocity[:, speed]
 
 
 def from_zero(model: Any, joint: int, mimic: Mimic) -> Mimic:

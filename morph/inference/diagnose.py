@@ -25,6 +25,7 @@ from morph.model.measurement import Measurement
 from morph.model.pieces import all_pieces, stretches
 from morph.model.segments import scored_segments
 from morph.model.split import split
+from morph.model.tracked_links import with_tracked_links
 from morph.model.usable import (
     check_channels,
     check_falls,
@@ -148,8 +149,12 @@ def diagnose(
 def _completed(
     recording: Recording, robot: Robot, model: mujoco.MjModel | None = None
 ) -> Recording:
-    """Return a recording with the positions of joints that were not read, guessed by a model."""
-    return with_followers(with_unmeasured(recording, robot, model), robot)
+    """Return a recording with the positions of joints that were not read.
+
+    They are those of links that were tracked, or guessed by a model.
+    """
+    tracked = with_tracked_links(recording, robot)
+    return with_followers(with_unmeasured(tracked, robot, model), robot)
 
 
 def _refitted(nominal: Hypothesis, episodes: Sequence[Episode]) -> mujoco.MjModel:

@@ -9,12 +9,12 @@ import mujoco
 import numpy as np
 
 from morph.arrays import Array
-from morph.body.follow import leaders
+from morph.body.follow import follow, leaders
 from morph.inference.axes import Axes, along_body, along_parent, axes_of, jacobian_along_parent
 from morph.inference.disturbance import likeliest_disturbance
 from morph.inference.filter import Disturbance, Tangent, smoothed
 from morph.inference.sampled import Reference, SampledRun, later, outliers
-from morph.inference.ties import carried, follow, inverse
+from morph.inference.ties import carried, inverse
 from morph.physics.body_motion import times
 from morph.physics.drives import Transmission
 from morph.physics.dynamics import accelerations, jacobians

@@ -26,12 +26,3 @@ def carried(model: mujoco.MjModel, force: Array) -> Array:
     for joint, (leader, ratio, _) in ties.items():
         whole[:, dof[joint]] = whole[:, dof[leader]] / ratio
     return whole
-
-
-def follow(model: mujoco.MjModel, position: Array, velocity: Array) -> None:
-    """Place joints that follow others where these put them."""
-    for joint, (leader, ratio, offset) in leaders(model).items():
-        place, at = model.jnt_qposadr[[joint, leader]]
-        position[:, place] = ratio * position[:, at] + offset
-        rate, speed = model.jnt_dofadr[[joint, leader]]
-        velocity[:, rate] = ratio * velocity[:, speed]

@@ -17,6 +17,7 @@ from morph.model.motion import needed
 from morph.model.pieces import all_pieces
 from morph.model.score import rmse, rollouts
 from morph.model.segments import Segments, scored_segments
+from morph.model.tracked_links import with_tracked_links
 from morph.model.usable import check_channels, check_recordings
 from morph.physics.effect import Effect
 from morph.record.recording import Recording
@@ -117,7 +118,9 @@ def compare(
         RecordingError: A channel is missing or holds what cannot be.
         DiagnosisError: A recording is shorter than half a second, or too few readings were taken.
     """
-    recordings = [told_zero(by_effort(each, robot), robot) for each in recordings]
+    recordings = [
+        with_tracked_links(told_zero(by_effort(each, robot), robot), robot) for each in recordings
+    ]
     check_recordings(recordings, ())
     for recording in recordings:
         check_channels(recording, robot, Measurement.of(robot).needed)
