@@ -19,8 +19,8 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
 from experiments.concealed.case import Case, draw_case
 from experiments.concealed.errors import BenchmarkError
-from experiments.concealed.generate import CASES, TRUTHS, write_case
-from experiments.concealed.seal import Sealed, open_seal
+from experiments.concealed.generate import write_case
+from experiments.concealed.seal import CASES, TRUTHS, Sealed, open_seal
 from experiments.concealed.suites import SUITES
 from morph.errors import MorphError
 from morph.files import sha256, write_whole
@@ -48,7 +48,7 @@ def main(arguments: list[str] | None = None) -> int:
         case = _recorded(asked.seed, asked.out, console)
         report = _diagnosed(case, asked.out, console)
         # Only now, with the answer written, is the seal opened.
-        truth = _in_words(open_seal(case.parents[1] / TRUTHS, case.name))
+        truth = _in_words(open_seal(case))
     except MorphError as error:
         sys.stderr.write(f"error: {error}\n")
         return 2

@@ -15,8 +15,8 @@ from pathlib import Path
 from typing import Any
 
 from experiments.concealed.errors import BenchmarkError
-from experiments.concealed.generate import TRUTHS, generate
-from experiments.concealed.score import score
+from experiments.concealed.generate import generate
+from experiments.concealed.score import score, unheard
 from experiments.concealed.seal import open_seal
 from experiments.concealed.solvers import SOLVERS, solver_of
 from experiments.concealed.submission import JSON, check, load_submission
@@ -75,7 +75,7 @@ def main(arguments: list[str] | None = None) -> int:
             answers = rows_of(cells, asked, name="concealed")
             parts = (answers[at : at + len(cases)] for at in range(0, len(answers), len(cases)))
             tables = dict(zip(asked.solver, parts, strict=True))
-        sealed = [open_seal(folder / TRUTHS, case.name) for case in cases]
+        sealed = [open_seal(case) for case in cases]
         rows = {
             name: [score(answer, truth) for answer, truth in zip(answers, sealed, strict=True)]
             for name, answers in tables.items()
@@ -83,6 +83,11 @@ def main(arguments: list[str] | None = None) -> int:
     except BenchmarkError as error:
         sys.stderr.write(f"error: {error}\n")
         return 2
+    for answers in tables.values():
+        for answer, truth in zip(answers, sealed, strict=True):
+            if names := unheard(answer, truth):
+                about = f"{answer['case']}: no case has such a law, or this one no such part"
+                sys.stderr.write(f"warning: {about}: {', '.join(names)}\n")
     figures = {name: summarise(scored) for name, scored in rows.items()}
     first = next(iter(rows))
     if save:

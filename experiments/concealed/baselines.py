@@ -13,7 +13,6 @@ import numpy as np
 from sklearn.exceptions import ConvergenceWarning
 from sklearn.linear_model import LassoLarsIC
 
-from experiments.concealed.generate import TRUTHS
 from experiments.concealed.predict import STEP, HeldOut, Predicted, predicted
 from experiments.concealed.seal import open_seal
 from experiments.concealed.submission import JSON, submission
@@ -171,7 +170,7 @@ def solve_by_inverse_dynamics(folder: Path, seed: int) -> JSON:
     Source: Swevers, Verdonck and De Schutter 2007, IEEE Control Systems 27(5), 58-71.
     """
     task = _Task.read(folder)
-    truth = open_seal(folder.parents[1] / TRUTHS, folder.name).about
+    truth = open_seal(folder).about
     acting = sorted((effect["effect"], effect["where"]["name"]) for effect in truth["effects"])
     kinds = {kind.name: kind for kind in EFFECTS}
     told = [kinds[name].at(where) for name, where in acting if name in {*DRY, "payload"}]
@@ -206,7 +205,7 @@ def solve_by_inverse_dynamics(folder: Path, seed: int) -> JSON:
 def solve_by_sysid(folder: Path, seed: int) -> JSON:
     """Return what `mujoco.sysid` fits that is told which law is missing, where it has that law."""
     task = _Task.read(folder)
-    truth = open_seal(folder.parents[1] / TRUTHS, folder.name).about
+    truth = open_seal(folder).about
     told = {TOLD.get(effect["effect"], "") for effect in truth["effects"]}
     fixed = [figure for figure in MOST if figure not in told]
     model, _ = by_sysid(

@@ -26,14 +26,12 @@ from experiments.concealed.readings import (
     seen_by_camera,
     write_down,
 )
-from experiments.concealed.seal import truth_of
+from experiments.concealed.seal import CASES, TRUTHS, truth_of
 from experiments.concealed.simulate import GRID
 from experiments.concealed.truth import HORIZON, predict, replayed, window_starts
 from morph.files import sha256, write_whole
 
 SCHEMA = "concealed.case/1"
-CASES, TRUTHS = "cases", "truth"
-"""Folders of what solvers may read, and of what only the scorer reads."""
 
 
 def generate(
@@ -83,7 +81,7 @@ def write_case(case: Case, folder: Path) -> Path:
     true, oracle, errors = _write_held_out(case, path / "held_out")
     arrays = _npz({"position": true, "oracle": oracle})
     write_whole(truths / f"{case.name}.npz", arrays, durable=False)
-    truth = json.dumps(truth_of(case, *errors), indent=1) + "\n"
+    truth = json.dumps(truth_of(case, arrays, *errors), indent=1) + "\n"
     write_whole(truths / f"{case.name}.json", truth, durable=False)
     write_whole(path / "robot.xml", describe(case.mechanism, case.name), durable=False)
     known = _known(case, recordings, sha256(truth))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -14,8 +15,11 @@ from experiments.concealed.case import Case
 from experiments.concealed.errors import BenchmarkError
 from experiments.concealed.plant import Array
 from experiments.concealed.ties import ties_of
+from morph.files import sha256
 
-SCHEMA = "concealed.truth/1"
+SCHEMA = "concealed.truth/2"
+CASES, TRUTHS = "cases", "truth"
+"""Folders of what solvers may read, and of what only the scorer reads."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,11 +34,14 @@ class Sealed:
     """The true plant's predictions of them, NaN outside of windows, same shape."""
 
 
-def truth_of(case: Case, nominal_error: float, oracle_error: float) -> dict[str, Any]:
+def truth_of(
+    case: Case, arrays: bytes, nominal_error: float, oracle_error: float
+) -> dict[str, Any]:
     """Return what is true of a case, as JSON.
 
     Args:
         case: The case.
+        arrays: The file of its arrays.
         nominal_error: RMS error of the description's predictions of the held-out run, in units of
             the readings' error.
         oracle_error: The same for the true plant.
@@ -78,26 +85,28 @@ def truth_of(case: Case, nominal_error: float, oracle_error: float) -> dict[str,
         "effects": effects,
         "parts": parts,
         "factors": {kind: list(each) for kind, each in case.factors.items()},
+        "arrays_sha256": sha256(arrays),
         "reading_error": [float(x) for x in truth.error],
         "nominal_error": float(f"{nominal_error:.6g}"),
         "oracle_error": float(f"{oracle_error:.6g}"),
     }
 
 
-def open_seal(folder: Path, name: str) -> Sealed:
-    """Return the truth of a case.
-
-    Args:
-        folder: The folder `truth` beside the cases.
-        name: Name of the case.
+def open_seal(case: Path) -> Sealed:
+    """Return the truth of the case in a folder.
 
     Raises:
-        BenchmarkError: There is no truth of that name, or it is damaged.
+        BenchmarkError: There is no truth of that name, it is damaged, or it is not that of which
+            the case has the hash.
     """
-    path = folder / f"{name}.json"
+    path = case.parents[1] / TRUTHS / f"{case.name}.json"
     try:
-        about = json.loads(path.read_text())
-        with np.load(folder / f"{name}.npz") as data:
+        text = path.read_text()
+        arrays = path.with_suffix(".npz").read_bytes()
+        about, known = json.loads(text), json.loads((case / "case.json").read_text())
+        if (known["truth_sha256"], about["arrays_sha256"]) != (sha256(text), sha256(arrays)):
+            raise ValueError("its SHA-256 is not the one that the case was sealed with")
+        with np.load(io.BytesIO(arrays)) as data:
             return Sealed(about=about, held_out=data["position"], oracle=data["oracle"])
     except (OSError, ValueError, KeyError) as error:
         raise BenchmarkError(

@@ -19,7 +19,6 @@ from experiments.concealed.baselines import (
     solve_by_sysid,
 )
 from experiments.concealed.errors import BenchmarkError
-from experiments.concealed.generate import TRUTHS
 from experiments.concealed.predict import predicted
 from experiments.concealed.seal import open_seal
 from experiments.concealed.submission import JSON, submission
@@ -166,7 +165,7 @@ def solve_by_trust(folder: Path, seed: int) -> JSON:
 
 def solve_by_oracle(folder: Path, seed: int) -> JSON:
     """Return the truth itself: the bound of what can be scored."""
-    sealed = open_seal(folder.parents[1] / TRUTHS, folder.name)
+    sealed = open_seal(folder)
     truth = sealed.about
     inside = truth["answer"] == "effects"
     findings = [

@@ -64,9 +64,9 @@ def diagnose(
 
     Args:
         robot: The nominal description.
-        recordings: What the robot did: the positions of its joints, of which those of some are
-            estimated if they were not read, the pose of each link that moves freely, every
-            actuator's command, or of motors the effort measured at their joint.
+        recordings: What the robot did: positions of joints, at least one, of which the others are
+            estimated, or poses of links that tell them; the pose of each link that moves freely;
+            every actuator's command, or of motors the effort measured at their joint.
         held_out: Recordings to open only after the choice; empty sets a quarter aside.
         horizon: Seconds of the open-loop rollouts that are scored, at least 0.1; None
             for whole episodes.
@@ -79,7 +79,8 @@ def diagnose(
     Raises:
         DiagnosisError: Nothing to fit or to score, a setting out of range, or a robot with a
             closed chain.
-        RecordingError: A channel is missing, or two recordings are the same.
+        RecordingError: A channel is missing or holds what cannot be, such as angles in degrees or
+            poses of another link; or two recordings are the same.
         KernelError: There is no C compiler for the Kalman filter.
     """
     started = time.monotonic()

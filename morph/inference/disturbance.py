@@ -61,8 +61,10 @@ def likeliest_disturbance(about: Reference, *, steps: int) -> Disturbance:
     def slope(point: Array) -> tuple[float, Array]:
         found = scored(tangent, at(point), about.error, about.acceleration)
         later = point + NUDGE * (np.arange(len(point)) == len(point) - 2)
-        by_time = -(cost(later) + found.likelihood) / NUDGE
-        return -found.likelihood, -np.array([*found.scale, *found.vibration, by_time, found.noise])
+        by_time = -(cost(later) + found.log_likelihood) / NUDGE
+        return -found.log_likelihood, -np.array(
+            [*found.scale, *found.vibration, by_time, found.noise]
+        )
 
     most = np.where(about.unread, MOST_UNREAD, MOST_SCALE)
     limits = [*((FLOOR, each) for each in most), *[VIBRATIONS] * channels]
@@ -98,7 +100,7 @@ def likeliest_disturbance(about: Reference, *, steps: int) -> Disturbance:
 def log_likelihood(about: Reference, disturbance: Disturbance) -> float:
     """Return the log likelihood of the readings under a disturbance, nats."""
     read, moved = about.error[:, :, None], -about.acceleration[:, :, None]
-    return whitened(about.tangent, disturbance, read, moved).likelihood()
+    return whitened(about.tangent, disturbance, read, moved).log_likelihood()
 
 
 def _middle(about: Reference, samples: int) -> Reference:

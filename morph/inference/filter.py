@@ -92,7 +92,7 @@ def smoothed(
 class Score:
     """A log likelihood, and its derivatives by the logarithms of what a disturbance consists of."""
 
-    likelihood: float
+    log_likelihood: float
     """Log likelihood of the readings, nats."""
     scale: Array
     """By the force's scale, shape (dofs,)."""
@@ -178,14 +178,20 @@ class FilterRun:
     def moved(self) -> tuple[Array, Array]:
         """Return the mean of the state at the next sample, and its variance, shape (states,).
 
-        The filter goes on about the motion that is changed by this mean.
+        The mean is zero after that: the filter goes on about the motion that it has changed.
         """
         mean = -self._delta[:, 0]
         self._delta[:] = 0.0
         return mean, np.diag(self._covariance).copy()
 
     def smooth(self, reading: Array, acceleration: Array | None) -> tuple[Array, Array]:
-        """Return the smoothed state and the standard deviation of its velocities."""
+        """Return the smoothed state, (samples, states), and the velocities' std, (samples, dofs).
+
+        Args:
+            reading: Readings less those of the motion, shape (samples, channels).
+            acceleration: The motion's acceleration less the model's, per s2, shape (samples, dofs,
+                1); None for zero.
+        """
         (samples, channels), size = reading.shape, len(self._delta)
         states = np.empty((samples, size, size)), np.empty((samples, size))
         gains = np.empty((samples, channels, size)), np.empty((samples, channels))
@@ -208,7 +214,7 @@ class FilterRun:
         by_scale = 2.0 * self._added * step[2 * dofs :]
         by_scale += 2.0 * self._spread[2 * dofs :] ** 2 * initial[2 * dofs :]
         return Score(
-            likelihood=-0.5 * (square + logarithm + constant),
+            log_likelihood=-0.5 * (square + logarithm + constant),
             scale=by_scale[:dofs],
             vibration=by_scale[dofs:],
             noise=float(2.0 * self._noise @ readings),

@@ -55,15 +55,8 @@ def findings(ranking: Ranking, remains: Remains) -> tuple[Finding, ...]:
         # A richer law that reduces to this one is no rival.
         others = [each for each in others if each[0].simpler != effect.name or not reduces(each[0])]
         odds = np.exp(np.minimum([none, *(each[1] for each in others)], 0.0) / TEMPERATURE)
-        chance = (1.0 - 0.5 * remains.probability) / (1.0 + float(odds.sum()))
         fold = ranking.validation.segments.episode
         slide = _on_slide(robot, effect)
-        rivals = [
-            Rival(effect=o.name, kind=o.kind, where=o.where, probability=chance * float(odd))
-            for (o, _), odd in zip(others[:MOST_RIVALS], odds[1:], strict=False)
-            if odd > 0.01
-        ]
-        nearest = rivals[0].effect if rivals else (effect.twins[0] if effect.twins else "")
         acting = [
             episode
             for number, episode in enumerate(ranking.validation.segments.episodes)
@@ -80,10 +73,18 @@ def findings(ranking: Ranking, remains: Remains) -> tuple[Finding, ...]:
             for known, entry in zip(effect.free(), entries, strict=True)
         }
         most = SURE if sure[entries].all() else DOUBTED
+        most = UNSURE if _idle_within(effect, parameters) else most
+        chance = min(most, (1.0 - 0.5 * remains.probability) / (1.0 + float(odds.sum())))
+        rivals = [
+            Rival(effect=o.name, kind=o.kind, where=o.where, probability=chance * float(odd))
+            for (o, _), odd in zip(others[:MOST_RIVALS], odds[1:], strict=False)
+            if odd > 0.01
+        ]
+        nearest = rivals[0].effect if rivals else (effect.twins[0] if effect.twins else "")
         listed.append(
             Finding(
                 effect=reported,
-                probability=min(chance, UNSURE if _idle_within(effect, parameters) else most),
+                probability=chance,
                 episodes=tuple(dict.fromkeys(episode.name for episode in acting)),
                 parameters=parameters,
                 rivals=tuple(rivals),

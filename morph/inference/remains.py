@@ -36,11 +36,12 @@ class Remains:
     share: float
     """Missing force over the inertial force, RMS over runs, of the worst joint."""
     channels: Mapping[str, float]
-    """The same by the channel of each degree of freedom."""
+    """The same by the channel of each degree of freedom that was read."""
     nats: float
     """By how much readings are likelier with missing force and vibration than at their floor."""
     in_noise: float
-    """Mean squared error of the rollouts of a typical stretch over the noise's variance."""
+    """Error of the rollouts of a typical segment: geometric mean over channels of 1 + MSE over the
+    noise's variance, less 1."""
     named: bool = False
     """Whether the model has effects."""
     touching: bool = False
@@ -54,7 +55,10 @@ class Remains:
 
     @property
     def any_physics(self) -> float:
-        """How probable it is that any physics is left, without a name or missed."""
+        """How probable it is that any physics is left, without a name or missed.
+
+        In contact it is a constant, of which these runs say nothing.
+        """
         tiny = 1e-12
         if self.touching:
             return UNTOLD
@@ -70,7 +74,9 @@ def remaining(found: Finalist, validation: Validation) -> Remains:
     share = missing_by_joint(runs)
     return Remains(
         share=float(share.max()),
-        channels=dict(zip(segments.measurement.channels, share.tolist(), strict=True)),
+        channels={
+            segments.measurement.channels[at]: float(share[at]) for at in segments.read.tolist()
+        },
         nats=sum(_over_floor(run) for run in runs),
         in_noise=float(np.expm1(2.0 * np.median(found.fitted) / len(segments.read))),
         named=bool(found.effects),

@@ -101,6 +101,7 @@ def conclude(nominal: Hypothesis, ranking: Ranking, parts: DiagnosisRuns) -> Dia
             share=remains.share,
             channels=remains.channels,
             in_noise=remains.in_noise,
+            contact=remains.touching,
         ),
         horizon=parts.horizon,
         train=_names(parts.train),

@@ -27,7 +27,7 @@ class Whitened:
     readings: int
     """How many readings there are."""
 
-    def likelihood(self, column: int = 0) -> float:
+    def log_likelihood(self, column: int = 0) -> float:
         """Return the log likelihood of the readings that one column holds, normalised."""
         square = float(self.gram[column, column])
         return -0.5 * (square + self.logarithm + self.readings * math.log(2.0 * math.pi))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from morph.arrays import JSON, Array
@@ -68,8 +68,10 @@ class Finding:
 
     @property
     def statement(self) -> str:
-        """The finding in one plain sentence."""
-        return self.effect.statement(slide=self.slide)
+        """The finding in one plain sentence, and which parameters it does not determine."""
+        free = [name for name, each in self.parameters.items() if each.prior_only]
+        rest = f" These runs do not determine {', '.join(free)}." if free else ""
+        return self.effect.statement(slide=self.slide) + rest
 
     @property
     def said(self) -> str:
@@ -97,7 +99,7 @@ class Located:
     """Where, when and in which states the description and the recordings part."""
 
     channels: Mapping[str, float]
-    """Share of the squared error by channel, largest first."""
+    """Share of the refitted description's squared error by channel, largest first."""
     times: tuple[Stretch, ...]
     """The worst stretches, worst first."""
     states: str
@@ -113,9 +115,12 @@ class Unexplained:
     share: float = 0.0
     """Missing force over the inertial force of the motion, RMS, of the worst joint."""
     channels: Mapping[str, float] = field(default_factory=dict)
-    """The same by each joint's position channel."""
+    """The same by each channel of a position that was read."""
     in_noise: float = 1.0
-    """Mean squared error of the rollouts of a typical stretch over the noise's variance."""
+    """Error of the rollouts of a typical segment: geometric mean over channels of 1 + MSE over the
+    noise's variance, less 1."""
+    contact: bool = False
+    """Whether forces of contact are among the missing, so that `probability` is a constant."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -211,7 +216,7 @@ class Diagnosis:
         elif self.unexplained.probability > 0.5:
             said.append(
                 f"A force of {round(100.0 * self.unexplained.share, 1):g} % of the inertial force "
-                "remains, and no effect that was tried explains it: something else is missing."
+                "remains, and no effect that was tried explains it."
             )
         if "rejected" in self.held_out_rmse:
             said.append(REJECTED)
@@ -235,12 +240,7 @@ class Diagnosis:
                 "states": self.located.states,
             },
             "probabilities": dict(self.probabilities),
-            "unexplained": {
-                "probability": self.unexplained.probability,
-                "share": self.unexplained.share,
-                "channels": dict(self.unexplained.channels),
-                "in_noise": self.unexplained.in_noise,
-            },
+            "unexplained": asdict(self.unexplained),
             "fit": {
                 "horizon_s": self.horizon if self.horizon is not None else "full",
                 "train": list(self.train),

@@ -111,8 +111,10 @@ def check_channels(recording: Recording, robot: Robot, measured: Sequence[str]) 
             raise RecordingError(
                 f"there is no channel {name!r}; there are {', '.join(sorted(recording.channels))}",
                 where=f"recording {recording.name}",
-                fix="bind it in recording.toml: a diagnosis needs the position of every joint; a "
-                "joint without an encoder that is held still can be welded in the description",
+                fix="bind it in recording.toml. Positions of joints that no encoder read are "
+                "estimated where another joint's is read, every command is recorded and no link "
+                "moves freely, or come from poses of links; a joint that is held still can be "
+                "welded in the description",
             )
         channel = recording.channels[name]
         _within(recording, name, channel, FARTHEST)

@@ -11,6 +11,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from morph.app.cli.arguments import Diagnose
+from morph.app.report import words
 from morph.body.load import load as load_robot
 from morph.body.robot import Robot
 from morph.errors import DiagnosisError
@@ -68,7 +69,7 @@ def in_words(found: Diagnosis, out: Path) -> str:
     lines = [f"{found.robot}: {found.verdict}", *(f"  {s}" for s in found.summary())]
     for finding in found.findings:
         fitted = ", ".join(
-            f"{name} = {e.value:.3g} [{e.low90:.3g}, {e.high90:.3g}] {e.unit}"
+            f"{name} = {e.value:.3g} [{e.low90:.3g}, {e.high90:.3g}] {e.unit}{words.limited(e)}"
             for name, e in finding.parameters.items()
         )
         lines.append(f"  {finding.effect.label}: {fitted} (probability {finding.probability:.2f})")
@@ -78,6 +79,7 @@ def in_words(found: Diagnosis, out: Path) -> str:
                 f"    rival {first.effect}@{first.where} ({first.probability:.2f}); "
                 f"to tell them apart: {finding.separate_by}"
             )
+    lines += [f"  remains: {sentence}" for sentence in words.remains(found)]
     span = "whole episodes" if found.horizon is None else f"{found.horizon:g} s rollouts"
     lines.append(f"  error on runs it never saw ({', '.join(found.held_out)}; {span}):")
     for channel, nominal in found.held_out_rmse["nominal"].items():

@@ -57,6 +57,7 @@ def _functions(diagnosis: Diagnosis) -> dict[str, Any]:
     return {
         "headline": words.headline(diagnosis),
         "improvement": words.improvement(diagnosis),
+        "remains": words.remains(diagnosis),
         "rollouts": words.rollouts(diagnosis.horizon),
         "refit": tracks.refit_intervals(diagnosis),
         "strips": tracks.strips(diagnosis),
@@ -94,7 +95,7 @@ def _finding(finding: Finding) -> JSON:
     effect = finding.effect
     return {
         "title": _place(effect.name, effect.kind, effect.where),
-        "statement": finding.statement,
+        "statement": finding.said,
         "probability": finding.probability,
         "gain": finding.gain,
         "intervals": tracks.parameter_intervals(finding),

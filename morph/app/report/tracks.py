@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from morph.app.report.words import number, percent
+from morph.app.report.words import limited, number, percent
 from morph.model.diagnosis import Diagnosis, Estimate, Finding, Stretch
 
 MOST_STRIPS = 12
@@ -153,7 +153,7 @@ def _interval(
     return Interval(
         name=name,
         text=f"{number(estimate.value)}{unit}  "
-        f"({number(estimate.low90)} to {number(estimate.high90)})",
+        f"({number(estimate.low90)} to {number(estimate.high90)}){limited(estimate)}",
         low=low,
         width=max(high - low, 0.0),
         best=at(estimate.value, 50.0),

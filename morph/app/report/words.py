@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from morph.model.diagnosis import Diagnosis
+from morph.model.diagnosis import Diagnosis, Estimate
 
 MODELS = {
     "nominal": "as given",
@@ -53,7 +53,7 @@ def plain(name: str) -> str:
 def answer(name: str) -> str:
     """Return one of the answers that have a probability, in words."""
     if name in {"none", "unknown"}:
-        return {"none": "nothing left out", "unknown": "something without a name"}[name]
+        return {"none": "nothing left out", "unknown": "something not explained"}[name]
     # Only the effect is of the vocabulary; the part keeps the name that its file gives it.
     effect, at, where = name.partition("@")
     return f"{plain(effect)} at {where}" if at else name
@@ -64,14 +64,16 @@ def headline(diagnosis: Diagnosis) -> str:
     if diagnosis.verdict == "consistent" and diagnosis.overstated:
         return "The simulation and the robot agree once a joint's figures are corrected"
     if diagnosis.verdict == "consistent":
-        return "The simulation and the robot agree"
+        return "No difference shows in these recordings"
     if diagnosis.verdict == "mismatch" and diagnosis.findings:
         pieces = counted(len(diagnosis.findings), "thing", "things")
         were = "was" if len(diagnosis.findings) == 1 else "were"
         return f"{pieces.capitalize()} {were} left out of the simulation"
-    if diagnosis.findings:
+    if "rejected" in diagnosis.held_out_rmse:
         return "They differ, and no correction holds on runs it never saw"
-    return "They differ, and what is missing has no name here yet"
+    if diagnosis.findings:
+        return "They differ by more than what was named"
+    return "They differ, and what is missing was not found"
 
 
 def units(diagnosis: Diagnosis) -> dict[str, str]:
@@ -99,7 +101,8 @@ def improvement(diagnosis: Diagnosis) -> tuple[str, ...]:
     if not diagnosis.held_out or "nominal" not in diagnosis.held_out_rmse:
         return ()
     runs = counted(len(diagnosis.held_out), "run", "runs")
-    changed = diagnosis.verdict == "mismatch" and "corrected" in diagnosis.held_out_rmse
+    rejected = "rejected" in diagnosis.held_out_rmse
+    changed = bool(diagnosis.findings) and not rejected and "corrected" in diagnosis.held_out_rmse
     model = "corrected" if changed else "nominal"
     name = "the corrected simulation" if changed else "the simulation as given"
     errors = [error for c in channels(diagnosis) if (error := _error(diagnosis, model, c))]
@@ -109,6 +112,41 @@ def improvement(diagnosis: Diagnosis) -> tuple[str, ...]:
         gone = percent(diagnosis.improvement_low90)
         lines.append(f"At least {gone} of the squared error is gone, with 90 % confidence.")
     return tuple(lines) if errors else ()
+
+
+def limited(estimate: Estimate) -> str:
+    """Return what a reader of an estimate has to know beside its interval, in brackets."""
+    if estimate.prior_only:
+        return " (not determined by these runs)"
+    return " (at its bound)" if estimate.bounded else ""
+
+
+def remains(diagnosis: Diagnosis) -> tuple[str, ...]:
+    """Return what the answer does not explain, in words."""
+    left, rmse = diagnosis.unexplained, diagnosis.held_out_rmse
+    unsure = percent(left.probability)
+    if left.contact:
+        said = [
+            "The robot touches a floor, whose forces are among the missing: these runs do not say "
+            f"whether other physics is left, and {unsure} stands for that."
+        ]
+    else:
+        said = [f"That physics is left which was not named has a probability of {unsure}."]
+        worst = sorted(left.channels.items(), key=lambda each: -each[1])[:NAMED]
+        forces = ", ".join(f"{number(100.0 * share)} % at {name}" for name, share in worst)
+        if forces:
+            said.append(f"Of the inertial force of the fitted runs is missing: {forces}.")
+    said.append(
+        f"Rollouts of a typical fitted segment err by {number(left.in_noise)} times the variance "
+        "of the sensors' noise."
+    )
+    noise, error = (rmse.get(model, {}) for model in ("noise_floor", "corrected"))
+    ratios = [error[name] / noise[name] for name in error if noise.get(name, 0.0) > 0.0]
+    if ratios:
+        low, high = number(min(ratios)), number(max(ratios))
+        span = low if low == high else f"{low} to {high}"
+        said.append(f"Held-out errors are {span} times that noise, RMS.")
+    return tuple(said)
 
 
 def _error(diagnosis: Diagnosis, model: str, channel: str) -> str:

@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 
 from experiments.concealed.case import Case, draw_case
-from experiments.concealed.generate import CASES, TRUTHS, generate
+from experiments.concealed.generate import generate
 from experiments.concealed.law import Law
 from experiments.concealed.plant import Array, Plant
-from experiments.concealed.seal import open_seal
+from experiments.concealed.seal import CASES, TRUTHS, open_seal
 from experiments.concealed.simulate import GRID, Run, moving_state, simulate
 from experiments.concealed.sizing import WEAKEST
 from experiments.concealed.submission import CASE_SCHEMA_FILE
@@ -78,7 +78,7 @@ def test_morph_reads_the_description_and_the_recordings(folder: Path) -> None:
 
 def test_a_clean_case_has_readings_that_its_true_plant_explains(folder: Path) -> None:
     (case,) = (folder / CASES).glob("clean*")
-    truth = open_seal(folder / TRUTHS, case.name).about
+    truth = open_seal(case).about
     assert truth["answer"] == "none"
     assert truth["effects"] == []
     # Rounded starts and a step twice as long: far below one reading's error.

@@ -12,7 +12,7 @@ from experiments.concealed.baselines import (
     solve_by_lasso,
     solve_by_sindy,
 )
-from experiments.concealed.generate import TRUTHS, generate
+from experiments.concealed.generate import generate
 from experiments.concealed.predict import predicted
 from experiments.concealed.score import score
 from experiments.concealed.seal import open_seal
@@ -30,7 +30,7 @@ def case(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_a_description_predicts_what_the_generator_says_of_it(case: Path) -> None:
     readings = predicted(case, load(case / "robot.xml"))
     answer = submission(case.name, "nominal", none=1.0, predicted=readings)
-    row = score(answer, open_seal(case.parents[1] / TRUTHS, case.name))
+    row = score(answer, open_seal(case))
     # E is 0 for the generator's own prediction by this description. Errors are of second order in
     # a step of 0.5 ms: (5e-4 * 20)^2 / 8 of a motion at 20 rad/s.
     assert row["E"] == pytest.approx(0.0, abs=1e-4)
@@ -39,7 +39,7 @@ def test_a_description_predicts_what_the_generator_says_of_it(case: Path) -> Non
 @pytest.mark.parametrize("solve", [refit_own_figures, solve_by_lasso, solve_by_sindy])
 def test_baselines_answer_and_predict(case: Path, solve: object) -> None:
     answer = check(solve(case, 1), where=case.name)  # type: ignore[operator]
-    row = score(answer, open_seal(case.parents[1] / TRUTHS, case.name))
+    row = score(answer, open_seal(case))
     # Here each gains over the description; none of them finds the payload.
     assert 0.0 < row["E"] < 0.9
     assert not row["exact"]
@@ -47,7 +47,7 @@ def test_baselines_answer_and_predict(case: Path, solve: object) -> None:
 
 def test_inverse_dynamics_that_is_told_the_load_finds_it(case: Path) -> None:
     answer = check(solve_by_inverse_dynamics(case, 1), where=case.name)
-    truth = open_seal(case.parents[1] / TRUTHS, case.name)
+    truth = open_seal(case)
     assert score(answer, truth)["exact"]
     (finding,), (effect,) = answer["findings"], truth.about["effects"]
     # Masses of 0.81 and 0.46 kg may be wrong by 5 %, and a load is told from them no better.

@@ -130,7 +130,7 @@ def test_the_likelihood_is_that_of_a_normal_distribution() -> None:
         reading[:, :, 0][tangent.valid]
     )
     found = whitened(tangent, given["disturbance"], reading)
-    assert found.likelihood() == pytest.approx(exact, rel=1e-9)
+    assert found.log_likelihood() == pytest.approx(exact, rel=1e-9)
 
 
 @pytest.mark.parametrize("vibrates", [False, True])
@@ -215,13 +215,13 @@ def test_the_score_is_the_derivative_of_the_likelihood(seed: int, vibrates: bool
 
     def likelihood(**changes: Array) -> float:
         changed = replace(disturbance, **changes)
-        return whitened(tangent, changed, reading[:, :, None], -push[:, :, None]).likelihood()
+        return whitened(tangent, changed, reading[:, :, None], -push[:, :, None]).log_likelihood()
 
     def slope(name: str, which: Array) -> float:
         up, down = (getattr(disturbance, name) * np.exp(s * 1e-4 * which) for s in (1.0, -1.0))
         return (likelihood(**{name: up}) - likelihood(**{name: down})) / 2e-4
 
-    assert found.likelihood == pytest.approx(likelihood(), rel=1e-12)
+    assert found.log_likelihood == pytest.approx(likelihood(), rel=1e-12)
     # Central differences of a likelihood of some 1e4 nats to 1e-12 of it: 1e-8 / 2e-4 = 5e-5 nats;
     # truncation is 1e-8 / 6 of the third derivative, of the size of the first.
     close = {"rel": 1e-6, "abs": 2e-4}

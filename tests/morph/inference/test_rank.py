@@ -12,7 +12,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from experiments.concealed.generate import TRUTHS, generate
+from experiments.concealed.generate import generate
 from experiments.concealed.seal import open_seal
 from experiments.concealed.solvers import paddle, solve_by_ranking
 from morph.body.load import load as load_robot
@@ -83,7 +83,7 @@ def test_nothing_is_found_where_nothing_is_missing(folder: Path) -> None:
 
 def test_backlash_stands_first(folder: Path) -> None:
     (case,) = generate("development", 1, [5], folder, seconds=2.0)
-    (effect,) = open_seal(folder / TRUTHS, case.name).about["effects"]
+    (effect,) = open_seal(case).about["effects"]
     found = solve_by_ranking(case, 0)["findings"]
     assert (found[0]["effect"], found[0]["where"]) == (effect["effect"], effect["where"]["name"])
 

@@ -90,7 +90,7 @@ def test_each_finding_names_rivals_and_the_experiment_that_tells_them_apart(
 def test_a_robot_that_agrees_is_told_so_without_findings_or_plots(consistent: Diagnosis) -> None:
     text = report_page(consistent)
     told = words(Page(text))
-    assert "The simulation and the robot agree" in told
+    assert "No difference shows in these recordings" in told
     assert "What was left out" not in told
     assert "corrected.xml" not in told
     # Without plots the page carries no scripts.
@@ -98,19 +98,22 @@ def test_a_robot_that_agrees_is_told_so_without_findings_or_plots(consistent: Di
     assert len(text) < 50_000
 
 
-def test_an_unknown_verdict_says_that_it_has_no_name_and_that_time_ran_out(
+def test_an_unknown_verdict_says_that_nothing_was_found_and_that_time_ran_out(
     unknown: Diagnosis,
 ) -> None:
     told = words(Page(report_page(unknown)))
-    assert "what is missing has no name" in told
+    assert "what is missing was not found" in told
     assert "Stopped short." in told
     assert "simulated over whole episodes" in told
 
 
 def test_findings_that_do_not_hold_are_only_suspected(mismatch: Diagnosis) -> None:
-    told = words(Page(report_page(replace(mismatch, verdict="unknown"))))
+    rmse = {**mismatch.held_out_rmse, "rejected": mismatch.held_out_rmse["corrected"]}
+    refuted = replace(mismatch, verdict="unknown", held_out_rmse=rmse)
+    told = words(Page(report_page(refuted)))
     assert "no correction holds on runs it never saw" in told
     assert "What was suspected" in told
+    assert "What remains unexplained" in told
     assert "the corrected simulation is off" not in told
 
 
@@ -210,5 +213,5 @@ def test_headings_step_down_one_level_at_a_time(mismatch: Diagnosis) -> None:
 def test_a_part_keeps_the_name_that_its_file_gives_it(mismatch: Diagnosis) -> None:
     probabilities = {"unknown": 0.2, "coulomb_friction@left_hip": 0.8}
     told = words(Page(report_page(replace(mismatch, probabilities=probabilities))))
-    assert "something without a name" in told
+    assert "something not explained" in told
     assert "Coulomb friction at left_hip" in told

@@ -6,8 +6,17 @@ from dataclasses import replace
 
 import pytest
 
-from morph.app.report.words import channels, counted, improvement, number, percent
-from morph.model.diagnosis import Diagnosis
+from morph.app.report.words import (
+    channels,
+    counted,
+    headline,
+    improvement,
+    limited,
+    number,
+    percent,
+    remains,
+)
+from morph.model.diagnosis import Diagnosis, Estimate, Unexplained
 
 SPACE = "\N{NO-BREAK SPACE}"
 
@@ -66,3 +75,42 @@ def test_channels_that_are_not_named_are_counted(mismatch: Diagnosis) -> None:
     assert channels(many) == tuple(names)
     # Three of five are named.
     assert improvement(many)[0].endswith(", and 2 more channels below.")
+
+
+def test_what_remains_is_told_in_forces_rollouts_and_held_out_errors(mismatch: Diagnosis) -> None:
+    left = Unexplained(
+        probability=0.55,
+        share=0.04,
+        channels={"shoulder.position": 0.04, "elbow.position": 0.002},
+        in_noise=9.25,
+    )
+    told = " ".join(remains(replace(mismatch, unexplained=left)))
+    assert f"has a probability of 55{SPACE}%" in told
+    assert "missing: 4 % at shoulder.position, 0.2 % at elbow.position." in told
+    assert "by 9.25 times the variance" in told
+    # 0.031 over 0.0011 is 28.2, and 0.052 over 0.0012 is 43.3.
+    assert "are 28.2 to 43.3 times that noise" in told
+    in_contact = " ".join(remains(replace(mismatch, unexplained=replace(left, contact=True))))
+    assert "inertial force" not in in_contact
+    assert "do not say whether other physics is left" in in_contact
+
+
+def test_a_correction_that_stands_is_told_also_beside_unknown(mismatch: Diagnosis) -> None:
+    unknown = replace(mismatch, verdict="unknown")
+    assert headline(unknown) == "They differ by more than what was named"
+    assert "the corrected simulation is off by" in improvement(unknown)[0]
+    rmse = {**mismatch.held_out_rmse, "rejected": mismatch.held_out_rmse["corrected"]}
+    rejected = replace(unknown, held_out_rmse=rmse)
+    assert headline(rejected) == "They differ, and no correction holds on runs it never saw"
+    assert "the simulation as given is off by" in improvement(rejected)[0]
+
+
+def test_a_parameter_that_the_runs_do_not_determine_is_marked(mismatch: Diagnosis) -> None:
+    known = Estimate(value=0.081, low90=0.077, high90=0.085, unit="N m")
+    assert limited(known) == ""
+    assert limited(replace(known, bounded=True)) == " (at its bound)"
+    unsure = replace(known, prior_only=True)
+    assert limited(unsure) == " (not determined by these runs)"
+    (first, *_) = mismatch.findings
+    said = replace(first, parameters={"c": unsure}).statement
+    assert said == f"{first.statement} These runs do not determine c."
