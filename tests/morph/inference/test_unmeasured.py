@@ -179,8 +179,8 @@ def test_a_run_may_begin_while_the_pole_swings(robot: Robot) -> None:
     runs = [begun(recorded(number, 0.35), 1.5) for number in range(3)]
     found = diagnose(robot, runs[:2], held_out=runs[2:])
     assert [each.effect.label for each in found.findings] == ["coulomb_friction@rail"]
-    # It is estimated from rest, 0.3 rad off: from there the cart errs by 0.14 m in the run.
-    assert found.held_out_rmse["corrected"]["rail.position"] < 0.05
+    # It was first guessed from rest, 0.3 rad off: from there the cart errs by 0.02 m in a second.
+    assert found.held_out_rmse["corrected"]["rail.position"] < 0.005
 
 
 def test_a_clean_cart_is_consistent_without_the_pole(robot: Robot) -> None:
