@@ -45,8 +45,9 @@ def acting(hypothesis: Hypothesis, point: Array) -> tuple[mujoco.MjModel, list[E
 
 def _smooth(effect: Effect, hypothesis: Hypothesis) -> bool:
     """Return whether MuJoCo's model can include an effect without a constraint."""
-    if effect.outside:
-        return False
+    if effect.outside or effect.kind == "contact":
+        # Laws of contact change no joint's constraints.
+        return not effect.outside
     spec = bare_spec(hypothesis.robot, hypothesis.step).copy()
     before = _constraints(spec)
     effect.with_strengths(np.ones(len(effect.strengths))).edit(spec)

@@ -6,6 +6,7 @@ No column tells of it: forces of contact depend on depths that no recording hold
 from __future__ import annotations
 
 import functools
+import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -25,16 +26,21 @@ from morph.physics.contact.contact_softness import ContactSoftness
 from morph.physics.contact.restitution import Restitution
 from morph.physics.effect import Effect
 
-INSTANTS, LEAST = 100, 0.02
-"""Instants of each run at which contacts are looked for; and the share of them that touch in runs
-of a robot in contact."""
+INSTANTS, LEAST = 1000, 0.003
+"""Most instants of each run at which contacts are looked for; and the share of them that touch in
+runs of a robot in contact: a stiff ball touches for some milliseconds of each bounce."""
 ANYWHERE = "any+floor"
 """Every link with the floor."""
-FIRST = {"mu": 0.4, "stiffness": 3000.0, "damping": 30.0, "e": 0.3}
-"""Where each parameter begins: rubber on wood, a hard foot, half of a bounce's energy and more."""
-GREATEST = {"e": 0.95}
+GRID = {
+    "mu": np.geomspace(0.05, 2.0, 12),
+    "stiffness": np.geomspace(100.0, 1e5, 6),
+    "damping": np.geomspace(1.0, 1e3, 6),
+    "e": np.linspace(0.05, 0.95, 10),
+}
+"""Values of each parameter, the best of which begin a search: there are many local minima."""
+GREATEST = {"mu": 5.0, "e": 0.95}
 """The greatest value that is tried."""
-FACTOR, NARROWER, TURNS = 2.0, 0.7, 8
+FACTOR, NARROWER, TURNS = 1.3, 0.7, 7
 """By which a parameter changes first, the power of that factor from one turn to the next, and the
 turns of a search."""
 
@@ -49,8 +55,7 @@ def touches(robot: Robot, episodes: Sequence[Episode]) -> bool:
     moves = model.body_weldid[model.geom_bodyid] > 0
     floor = ~moves & (model.geom_type == int(mujoco.mjtGeom.mjGEOM_PLANE))
     for episode in episodes:
-        at = np.linspace(0, len(episode.position) - 1, INSTANTS).astype(int)
-        for position in episode.position[at]:
+        for position in episode.position[:: -(-len(episode.position) // INSTANTS)]:
             data.qpos[:] = position
             mujoco.mj_fwdPosition(model, data)
             pairs = data.contact.geom[: data.ncon]
@@ -100,8 +105,12 @@ def likeliest_contact(
                 "contact_softness", "restitution"
             }:  # fmt: skip
                 continue
-            begun = _with(law, {k: v for k, v in FIRST.items() if hasattr(law, k)})
-            tried.append(_searched(base, validation, (*best.laws, begun)))
+            free = [name for name in GRID if hasattr(law, name)]
+            begun = [
+                (*best.laws, _with(law, dict(zip(free, values, strict=True))))
+                for values in itertools.product(*(GRID[name] for name in free))
+            ]
+            tried.append(_searched(base, validation, begun))
         better = min(tried, key=lambda each: each.loss, default=best)
         if not better.loss < best.loss - MATERIAL:
             break
@@ -112,11 +121,14 @@ def likeliest_contact(
     return best.loss, Explanation(effects=best.laws, gain=0.0, own=own, members=(), level=0)
 
 
-def _searched(base: Finalist, validation: Validation, laws: tuple[Effect, ...]) -> _Floor:
-    """Return laws at the parameters with which rollouts err least."""
+def _searched(
+    base: Finalist, validation: Validation, starts: Sequence[tuple[Effect, ...]]
+) -> _Floor:
+    """Return laws at the parameters with which rollouts err least, from the best of some starts."""
     loss = functools.partial(_loss, base, validation)
-    best, factor = _Floor(laws=laws, loss=loss(laws)), FACTOR
-    names = [(at, k) for at, law in enumerate(laws) for k in FIRST if hasattr(law, k)]
+    begun = [_Floor(laws=laws, loss=loss(laws)) for laws in starts]
+    best, factor = min(begun, key=lambda each: each.loss), FACTOR
+    names = [(at, k) for at, law in enumerate(best.laws) for k in GRID if hasattr(law, k)]
     for _ in range(TURNS):
         for at, name in names:
             value = getattr(best.laws[at], name)

@@ -101,7 +101,10 @@ def diagnose(
     still, every = check_motion(parts.train, measured), (*parts.train, *parts.held_out)
     step = step_for(parts.train, robot)
     train, aside = (all_pieces(part, robot, step) for part in (parts.train, parts.held_out))
+    deadline = math.inf if budget is None else started + 0.9 * budget
     for _ in range(GUESSES if any(each.guess.any() for each in train) else 0):
+        if time.monotonic() > started + 0.3 * (deadline - started):
+            break
         # What was not read is guessed anew by figures that are refitted to the readings.
         say("estimating joints that were not read", 0.03)
         model = _refitted(Hypothesis(robot=robot, step=step, knobs=knobs(robot, vary)), train)
@@ -128,7 +131,7 @@ def diagnose(
         stretches(train, MOST_SECONDS),
         known,
         progress=say,
-        deadline=math.inf if budget is None else started + 0.9 * budget,
+        deadline=deadline,
     )
     say("opening the held-out runs", 0.9)
     return conclude(

@@ -8,11 +8,12 @@ import numpy as np
 
 from morph.body.robot import Robot
 from morph.inference.finalist import reduces
-from morph.inference.intervals import TEMPERATURE, estimates, in_units, shifted
+from morph.inference.intervals import TEMPERATURE, estimates, in_units, shifted, widened
 from morph.inference.rank import Ranking
 from morph.inference.remains import Remains
 from morph.inference.streaming import acting_together
 from morph.model.diagnosis import Estimate, Finding, Rival
+from morph.model.segments import Segments
 from morph.physics import EFFECTS
 from morph.physics.body.external_push import ExternalPush
 from morph.physics.effect import Effect
@@ -24,8 +25,8 @@ SURE, DOUBTED = 0.75, 0.7
 at a bound or known beforehand alone. Set by hand on opened cases of `experiments.concealed`, of
 which 68 of 91 of the first kind were right (`judge`, seed 23)."""
 UNSURE = 0.4
-"""Most with intervals of all strengths that hold no effect: 6 of 18 of these were right on opened
-cases, 101 of 143 of the others."""
+"""Most with intervals of all strengths that hold no effect, of which 6 of 18 were right on opened
+cases (101 of 143 of the others), and at a joint that was not read where physics is left."""
 
 
 def findings(ranking: Ranking, remains: Remains) -> tuple[Finding, ...]:
@@ -41,6 +42,7 @@ def findings(ranking: Ranking, remains: Remains) -> tuple[Finding, ...]:
     best, channels = ranking.best, len(ranking.validation.segments.read)
     robot = best.refit.hypothesis.robot
     estimated, sure = estimates(best.about)
+    unread = _unread(ranking.validation.segments, robot)
     listed = []
     for at, effect in enumerate(best.effects):
         entries, _ = best.refit.removal([at])
@@ -72,8 +74,14 @@ def findings(ranking: Ranking, remains: Remains) -> tuple[Finding, ...]:
             )
             for known, entry in zip(effect.free(), entries, strict=True)
         }
+        if effect.kind == "contact":
+            wider = float(np.sqrt(1.0 + max(remains.in_noise, 0.0)))
+            parameters = {
+                known.name: widened(parameters[known.name], known, wider) for known in effect.free()
+            }
         most = SURE if sure[entries].all() else DOUBTED
-        most = UNSURE if _idle_within(effect, parameters) else most
+        estimated_there = remains.probability > 0.5 and effect.where in unread
+        most = UNSURE if estimated_there or _idle_within(effect, parameters) else most
         chance = min(most, (1.0 - 0.5 * remains.probability) / (1.0 + float(odds.sum())))
         rivals = [
             Rival(effect=o.name, kind=o.kind, where=o.where, probability=chance * float(odd))
@@ -123,6 +131,17 @@ def experiment(effect: Effect, rival: str) -> str:
             return kind.separate_by[effect.name]
     other = next((kind.excited_by for kind in EFFECTS if kind.name == rival), "")
     return effect.separate_by.get(rival, f"{effect.excited_by} {other}".strip())
+
+
+def _unread(segments: Segments, robot: Robot) -> set[str]:
+    """Return joints whose motion is estimated, and their actuators."""
+    space = segments.measurement
+    joints = {
+        name.removesuffix(".position")
+        for name, guess in zip(space.channels, segments.guess, strict=True)
+        if guess > 0.0
+    }
+    return joints | {each.name for each in robot.actuators if each.joint in joints}
 
 
 def _on_slide(robot: Robot, effect: Effect) -> bool:

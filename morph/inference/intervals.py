@@ -92,6 +92,21 @@ def shifted(estimate: Estimate, reported: Effect, effect: Effect, name: str) -> 
     return replace(estimate, value=value, low90=low, high90=high)
 
 
+def widened(estimate: Estimate, known: Parameter, factor: float) -> Estimate:
+    """Return an estimate whose interval is so many times as wide, within the parameter's bounds.
+
+    Errors that are larger than a model of the noise has them leave parameters less sure, by the
+    root of their ratio.
+
+    Source: McCullagh and Nelder 1989, Generalized Linear Models, section 9.2 (quasi-likelihood).
+    """
+    low, high = (
+        float(np.clip(estimate.value + factor * (end - estimate.value), known.low, known.high))
+        for end in (estimate.low90, estimate.high90)
+    )
+    return replace(estimate, low90=low, high90=high)
+
+
 def in_units(estimate: Estimate, known: Parameter, slide: bool) -> Estimate:
     """Return an estimate of an entry of a point in the unit of its parameter.
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 import mujoco
@@ -23,10 +22,6 @@ INTERVAL = 0.02
 """Seconds from one derivative of the model to the next: 3 rad/s turn a link by 0.06 rad."""
 ROUNDS = 3
 """Iterations of the smoother: smooth, then linearise again."""
-FAR, FAR_TIME = 0.1, 0.5
-"""rad or m by which a first one moves joints that were not read, over as many seconds."""
-FARTHER = 1.4 ** np.arange(20)
-"""Factors of it in those that follow."""
 STEPS, FEWER_STEPS = 30, 15
 """Most steps of L-BFGS to the likeliest disturbance: from anywhere, and from one nearby."""
 
@@ -65,11 +60,11 @@ def reference(
         found = _moved(before, model, run)
     if before is None:
         known = likeliest_disturbance(found, steps=STEPS)
-    for trust in _trusts(run, anew=before is None):
-        if before is None and trust is None:
+    for _ in range(ROUNDS if before is None else 1):
+        if before is None:
             single = outliers(found.error / run.noise, run.valid)
             run = replace(run, valid=run.valid & ~single)
-        found = _smoothed(model, run, found, known, trust)
+        found = _smoothed(model, run, found, known)
     if before is not None:
         return found
     return replace(found, disturbance=likeliest_disturbance(found, steps=FEWER_STEPS))
@@ -80,7 +75,6 @@ def _smoothed(
     run: SampledRun,
     found: Reference,
     known: Disturbance,
-    trust: float | None = None,
 ) -> Reference:
     """Return the motion of a linearised model, smoothed, and the model linearised along that.
 
@@ -89,15 +83,9 @@ def _smoothed(
         run: What was commanded and read.
         found: The model along another motion.
         known: The disturbance.
-        trust: Standard deviation, rad or m, of readings of that motion by joints that were not
-            read; None for no such readings.
     """
-    space, tangent, disturbance = run.measurement.coordinates, found.tangent, known
-    if trust is not None:
-        unread = run.guess > 0.0
-        tangent = replace(tangent, valid=tangent.valid | unread)
-        disturbance = replace(known, noise=np.where(unread, trust, known.noise))
-    state, spread = smoothed(tangent, disturbance, found.error, found.acceleration)
+    space = run.measurement.coordinates
+    state, spread = smoothed(found.tangent, known, found.error, found.acceleration)
     change, rate, force, _ = np.split(state, [n * space.dofs for n in (1, 2, 3)], axis=1)
     position = space.moved_by(found.position, along_body(space, found.axes, change))
     velocity = found.velocity + along_body(space, found.axes, rate)
@@ -106,19 +94,6 @@ def _smoothed(
         velocity[1:] = space.apart(position[1:], position[:-1]) / run.step
     follow(model, position, velocity)
     return replace(_along(model, run, position, velocity, force, known), spread=spread)
-
-
-def _trusts(run: SampledRun, *, anew: bool) -> list[float | None]:
-    """Return how far each round moves joints that were not read: see `_smoothed`.
-
-    What these do is known roughly, and a model linearised there holds nearby.
-
-    Source: Sarkka and Svensson 2020, IEEE ICASSP, 5875-5879 (Levenberg-Marquardt smoothers).
-    """
-    if not run.guess.any():
-        return [None] * (ROUNDS if anew else 1)
-    unit = FAR * math.sqrt(FAR_TIME / run.step)
-    return [*(unit * FARTHER if anew else [unit]), None]
 
 
 def _along(

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from morph.arrays import Array
 from morph.inference.disturbance import VIBRATIONS, log_likelihood
 from morph.inference.finalist import Finalist
 from morph.inference.observed import Observed, missing_by_joint
@@ -15,9 +16,10 @@ from morph.inference.validate import Validation
 
 SHARE, NATS = 0.003, 400.0
 """Where what remains is as probably physics as not: share of the joints' force, and evidence."""
-UNTOLD = 0.45
+UNTOLD, ROUGH = 0.45, 2.0
 """Probability for a robot in contact: impacts magnify small errors of a start, so that rollouts of
-the right model miss by far more than noise too."""
+the right model miss by more than noise too; and how many times what they make of such errors a
+model without a law may miss by."""
 STEEP = 2.0
 """How steeply probability rises with the logarithm of each."""
 MOST_UNKNOWN = 0.55
@@ -46,6 +48,8 @@ class Remains:
     """Whether the model has effects."""
     touching: bool = False
     """Whether the robot is in contact, whose forces are among the missing."""
+    by_starts: float = 0.0
+    """Of a robot in contact, `in_noise` as errors of the rollouts' starts alone make it."""
 
     @property
     def probability(self) -> float:
@@ -57,11 +61,11 @@ class Remains:
     def any_physics(self) -> float:
         """How probable it is that any physics is left, without a name or missed.
 
-        In contact it is a constant, of which these runs say nothing.
+        In contact it is a constant: runs that are explained to noise are not expected there.
         """
         tiny = 1e-12
         if self.touching:
-            return UNTOLD
+            return UNTOLD if self.named or self.in_noise < ROUGH * (1.0 + self.by_starts) else 1.0
         steep = STEEP * min(
             math.log(max(self.share, tiny) / SHARE), math.log(max(self.nats, tiny) / NATS)
         )
@@ -78,10 +82,33 @@ def remaining(found: Finalist, validation: Validation) -> Remains:
             segments.measurement.channels[at]: float(share[at]) for at in segments.read.tolist()
         },
         nats=sum(_over_floor(run) for run in runs),
-        in_noise=float(np.expm1(2.0 * np.median(found.fitted) / len(segments.read))),
+        in_noise=_typical(found.fitted, validation),
         named=bool(found.effects),
         touching=validation.touching,
+        by_starts=_by_starts(found, validation) if validation.touching else 0.0,
     )
+
+
+def _typical(losses: Array, validation: Validation) -> float:
+    """Return the error of a typical segment over the noise's variance, by all segments' losses."""
+    return float(np.expm1(2.0 * np.median(losses) / len(validation.segments.read)))
+
+
+def _by_starts(found: Finalist, validation: Validation) -> float:
+    """Return by how much rollouts of one model part that start as surely as starts are known."""
+    rng, segments, runs = np.random.default_rng(0), validation.segments, found.refit.runs
+    space, begun = segments.measurement.coordinates, []
+    for run in runs:
+        about = run.about
+        off = about.sensed * rng.standard_normal(about.velocity.shape)
+        rate = about.velocity + about.spread * rng.standard_normal(about.velocity.shape)
+        moved = replace(about, position=space.moved_by(about.position, off), velocity=rate)
+        begun.append(replace(run, about=moved))
+    points = [[found.about.point] * validation.folds]
+    hypothesis = found.about.hypothesis
+    one, other = (validation.rollouts(hypothesis, points, each)[0] for each in (runs, begun))
+    squared = np.where(segments.valid, (one - other) ** 2, 0.0).sum(axis=1) / segments.counts
+    return _typical(0.5 * np.log1p(squared / segments.noise**2).sum(axis=1), validation)
 
 
 def _over_floor(run: Observed) -> float:

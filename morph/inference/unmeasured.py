@@ -10,11 +10,13 @@ import mujoco
 import numpy as np
 
 from morph.arrays import Array, Integers, Mask
+from morph.body.follow import follow, leaders
 from morph.body.robot import Robot
 from morph.body.spec import spec_of
+from morph.errors import RecordingError
 from morph.inference.filter import Disturbance, FilterRun, Tangent
 from morph.model.episodes import STATE_HERTZ, band
-from morph.physics.dynamics import jacobians, supplied
+from morph.physics.dynamics import accelerations, jacobians, supplied
 from morph.record.noise import noise
 from morph.record.recording import Channel, Note, Recording
 from morph.record.slopes import slopes
@@ -50,6 +52,9 @@ def with_unmeasured(
         recording: What was recorded; older guesses are replaced.
         robot: Its robot.
         model: What the filter goes by; None for the description.
+
+    Raises:
+        RecordingError: The filter diverges.
     """
     told = {name for name, each in recording.channels.items() if not each.guess}
     lead = [each.name for each in robot.joints if each.mimic is None]
@@ -60,7 +65,16 @@ def with_unmeasured(
     if not (read and unread and known) or any(each.kind == "free" for each in robot.joints):
         return recording
     run = _Readings.of(recording, robot, read, model or spec_of(robot).compile())
-    position, spread = run.filtered()
+    with np.errstate(over="ignore", invalid="ignore"):
+        position, spread = run.filtered()
+    if not (np.isfinite(position).all() and np.isfinite(spread).all()):
+        raise RecordingError(
+            f"the position of {', '.join(unread)} was not read, and cannot be estimated from the "
+            "other joints: the filter diverges",
+            where=f"recording {recording.name}",
+            fix="record it, or begin at rest and move less fast; or weld that joint in the "
+            "description if it is held still",
+        )
     channels = dict(recording.channels)
     for name in unread:
         at = run.model.joint(name).dofadr[0]
@@ -149,53 +163,67 @@ class _Readings:
     def filtered(self) -> tuple[Array, Array]:
         """Return positions of all joints and their standard deviations, shape (steps, dofs)."""
         model, steps, dofs = self.model, len(self.time), self.model.nv
-        begin = self.rest()
-        still = np.tile(begin, (steps, 1))
-        still[:, self.dofs] = self.position
-        rates = np.zeros((2, steps, dofs))
-        rates[:, :, self.dofs] = self.velocity, self.acceleration
-        force = supplied(model, still, rates[0], rates[1], np.zeros_like(self.command))
-        # A joint whose own motion is not known bears as much as the least of the others.
-        usual = np.sqrt(np.mean(force**2, axis=0))
-        scale = UNTOLD * np.maximum(usual, 1e-3 * usual.max())
-        unread = np.ones(dofs, dtype=bool)
-        unread[self.dofs] = False
-        first = np.concatenate([np.where(unread, SPREAD, 0.0), np.where(unread, RATE, 0.0)])
-        first[self.dofs] = 10.0 * self.noise
-        first[dofs + self.dofs] = 0.1 * np.std(self.velocity, axis=0)
+        ties = leaders(model)
+        # The filter's state is of the joints that follow none; `whole` gives all by these.
+        own = np.delete(np.arange(dofs), list(ties))
+        whole, count, read = np.eye(dofs)[:, own], len(own), np.searchsorted(own, self.dofs)
+        for joint, (leader, ratio, _) in ties.items():
+            whole[joint] = ratio * whole[leader]
+        position, velocity = self.rest(), np.zeros(dofs)
+        velocity[self.dofs] = self.velocity[0]
+        velocity = whole @ velocity[own]
+        follow(model, position[None], velocity[None])
+        first = np.repeat([SPREAD, RATE], count)
+        first[read] = 10.0 * self.noise
+        first[count + read] = 0.1 * np.std(self.velocity, axis=0)
         tangent = Tangent(
             step=STEP,
-            jacobian=np.zeros((steps, dofs, 3 * dofs)),
-            reads=np.eye(2 * dofs)[self.dofs],
+            jacobian=np.zeros((steps, count, 3 * count)),
+            reads=np.eye(2 * count)[read],
             valid=self.valid,
         )
         disturbance = Disturbance(
-            noise=self.noise, scale=scale, correlation_time=CORRELATION_TIME, initial=first + 1e-9
+            noise=self.noise,
+            scale=UNTOLD * self.usual(position)[own],
+            correlation_time=CORRELATION_TIME,
+            initial=first + 1e-9,
         )
         run = FilterRun(tangent, disturbance, 1)
-        position, velocity = begin.copy(), rates[0, 0].copy()
-        untold, keep = np.zeros(dofs), float(np.exp(-STEP / CORRELATION_TIME))
+        untold, keep = np.zeros(count), float(np.exp(-STEP / CORRELATION_TIME))
         found, spread = np.empty((steps, dofs)), np.empty((steps, dofs))
-        free = copy.copy(model)
-        free.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONSTRAINT.value
-        data = mujoco.MjData(free)
         for begins in range(0, steps, EVERY):
             part = slice(begins, min(begins + EVERY, steps))
             (local,) = jacobians(model, position[None], velocity[None], self.command[part][:1])
-            damped = np.eye(dofs) - 0.5 * STEP * local[:, dofs : 2 * dofs]
-            tangent.jacobian[part] = np.linalg.solve(damped, local)
+            by_position, by_velocity, mobility = np.split(local, 3, axis=1)
+            damped = np.eye(dofs) - 0.5 * STEP * by_velocity
+            mobility = mobility[:, own]
+            local = np.hstack([by_position @ whole, by_velocity @ whole, mobility])
+            tangent.jacobian[part] = np.linalg.solve(damped, local)[own]
             for at in range(part.start, part.stop):
                 found[at] = position
-                data.qpos[:], data.qvel[:], data.ctrl[:] = position, velocity, self.command[at]
-                data.qfrc_applied[:] = untold
-                mujoco.mj_forward(free, data)
-                velocity = velocity + STEP * np.linalg.solve(damped, data.qacc)
+                (push,) = accelerations(
+                    model, position[None], velocity[None], self.command[at][None]
+                )
+                velocity = velocity + STEP * np.linalg.solve(damped, push + mobility @ untold)
                 position = position + STEP * velocity
                 untold = keep * untold
             error = self.position[part] - found[part][:, self.dofs]
             run.filter(part, error[:, :, None], None)
             change, variance = run.moved()
-            position, velocity = position + change[:dofs], velocity + change[dofs : 2 * dofs]
-            untold = untold + change[2 * dofs :]
-            spread[part] = np.sqrt(variance[:dofs])
+            position = position + whole @ change[:count]
+            velocity = velocity + whole @ change[count : 2 * count]
+            untold = untold + change[2 * count :]
+            spread[part] = np.sqrt(np.maximum(whole**2 @ variance[:count], 0.0))
         return found, spread
+
+    def usual(self, rest: Array) -> Array:
+        """Return the RMS force that the motion which was read needs, N m or N, shape (dofs,).
+
+        A joint whose own motion is not known bears as much as the least of the others.
+        """
+        still, rates = np.tile(rest, (len(self.time), 1)), np.zeros((2, len(self.time), len(rest)))
+        still[:, self.dofs] = self.position
+        rates[:, :, self.dofs] = self.velocity, self.acceleration
+        force = supplied(self.model, still, rates[0], rates[1], np.zeros_like(self.command))
+        found = np.sqrt(np.mean(force**2, axis=0))
+        return np.asarray(np.maximum(found, 1e-3 * found.max()))

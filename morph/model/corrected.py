@@ -66,7 +66,10 @@ def notes(
         episodes: Their pieces between gaps, those that are long enough.
         still: Joints that no training run moves.
     """
-    said = [f"{note.where}: {note.what}" for each in recordings for note in each.notes]
+    noted: dict[str, list[str]] = {}
+    for note in (note for each in recordings for note in each.notes):
+        noted.setdefault(note.what, []).append(note.where)
+    said = [f"{', '.join(dict.fromkeys(where))}: {what}" for what, where in noted.items()]
     said += [
         f"Joint {joint} does not move in any run that was fitted beyond its noise: it is held, or "
         "its encoder is stuck, and then forces at the other joints are wrong."

@@ -205,6 +205,9 @@ class Hypothesis:
             joint = spec.joint(name)
             # Rates that noise seems to show fade.
             joint.armature, joint.damping = HEAVY, HEAVY / FADES * (np.arange(3) == 0)
+        for body in spec.bodies:
+            # A centre of mass at a body's origin has a layout of its own, and a fit moves it.
+            body.simple = False
         return compiled(spec, self.effects_at(point), self.robot)
 
     def _turned(self, spec: Any, point: Array) -> Any:

@@ -76,7 +76,8 @@ def all_pieces(recordings: Sequence[Recording], robot: Robot, step: float) -> li
             f"none is long enough: one without gaps takes {SHORTEST:g} s, a piece between gaps "
             f"{SHORTEST_PIECE:g} s; friction shows only over as much",
             where=", ".join(recording.name for recording in recordings),
-            fix="record for longer, without gaps of more than 0.2 s in a log",
+            fix="record for longer, without gaps of more than 0.2 s in a log; without --held-out a "
+            "quarter is set aside, and of one recording that leaves two pieces",
         )
     return found
 

@@ -20,6 +20,9 @@ MODELS = {
 PEOPLE = {"coulomb", "stribeck", "maxwell", "coriolis"}
 """Words of the vocabulary that are names of people."""
 
+UNREAD = "was not read"
+"""What notes say of a joint's position that is estimated."""
+
 NAMED = 3
 """Channels named in a sentence; the table has them all."""
 
@@ -127,19 +130,27 @@ def remains(diagnosis: Diagnosis) -> tuple[str, ...]:
     unsure = percent(left.probability)
     if left.contact:
         said = [
-            "The robot touches a floor, whose forces are among the missing: these runs do not say "
-            f"whether other physics is left, and {unsure} stands for that."
+            "The robot touches a floor, whose forces are among the missing. That physics is left "
+            f"which was not named has a probability of {unsure}, by rollouts alone."
         ]
     else:
         said = [f"That physics is left which was not named has a probability of {unsure}."]
         worst = sorted(left.channels.items(), key=lambda each: -each[1])[:NAMED]
-        forces = ", ".join(f"{number(100.0 * share)} % at {name}" for name, share in worst)
+        forces = ", ".join(
+            f"{'over 100' if share > 1.0 else number(100.0 * share)} % at {name}"
+            for name, share in worst
+        )
         if forces:
             said.append(f"Of the inertial force of the fitted runs is missing: {forces}.")
     said.append(
         f"Rollouts of a typical fitted segment err by {number(left.in_noise)} times the variance "
         "of the sensors' noise."
     )
+    if any(UNREAD in note for note in diagnosis.notes):
+        said.append(
+            "The motion of joints that were not read is estimated: where the estimate is wrong it "
+            "looks like missing physics."
+        )
     noise, error = (rmse.get(model, {}) for model in ("noise_floor", "corrected"))
     ratios = [error[name] / noise[name] for name in error if noise.get(name, 0.0) > 0.0]
     if ratios:

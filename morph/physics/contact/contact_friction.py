@@ -47,11 +47,11 @@ class ContactFriction(ContactEffect):
         -1.0, unit="-", low=-1.0, high=5.0, neutral=-1.0, scan=(0.1, 0.2, 0.4, 0.8)
     )
     """Sliding friction coefficient; below 0 it is as the description has it."""
-    torsional: float = parameter(0.0, unit="m", low=0.0, high=0.1, neutral=0.0)
+    torsional: float = parameter(0.0, unit="m", low=0.0, high=0.1, neutral=0.0, free=False)
     """Twisting friction over pressing force; 0 for none beyond the description's."""
-    rolling: float = parameter(0.0, unit="m", low=0.0, high=0.1, neutral=0.0)
+    rolling: float = parameter(0.0, unit="m", low=0.0, high=0.1, neutral=0.0, free=False)
     """Rolling friction over pressing force; 0 for none beyond the description's."""
-    pyramid: float = parameter(0.0, unit="-", low=0.0, high=1.0, neutral=0.0)
+    pyramid: float = parameter(0.0, unit="-", low=0.0, high=1.0, neutral=0.0, free=False)
     """1 for MuJoCo's pyramid of four faces instead of the cone."""
 
     def edit(self, spec: Any) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from morph.inference.remains import MOST_UNKNOWN, NATS, SHARE, SMALL, STEEP, Remains
+from morph.inference.remains import MOST_UNKNOWN, NATS, SHARE, SMALL, STEEP, UNTOLD, Remains
 
 
 def chance(*, share: float, nats: float) -> float:
@@ -52,3 +52,17 @@ def test_a_force_must_be_more_than_rounding_and_sure(
     share: float, nats: float, unknown: bool
 ) -> None:
     assert (chance(share=share, nats=nats) > 0.5) == unknown
+
+
+@pytest.mark.parametrize(
+    ("named", "by_starts", "most"),
+    [(False, 10.0, MOST_UNKNOWN), (False, 60.0, UNTOLD), (True, 10.0, UNTOLD)],
+)
+def test_in_contact_errors_count_beside_those_of_the_starts(
+    named: bool, by_starts: float, most: float
+) -> None:
+    left = Remains(
+        share=30.0, channels={}, nats=1e6, in_noise=100.0, named=named, touching=True,
+        by_starts=by_starts,
+    )  # fmt: skip
+    assert left.probability == most

@@ -128,6 +128,29 @@ def test_a_pole_is_guessed_by_how_its_cart_moves(robot: Robot) -> None:
     assert "the position of hinge was not read" in guessed.notes[-1].what
 
 
+def test_a_joint_that_others_follow_is_guessed_with_them(tmp_path: Path) -> None:
+    # A flag of 0.1 g at the hinge hardly changes how the rod swings.
+    flag = f"""
+   <body name="flag" pos="0 0 {-LEVER}"><joint name="fold" axis="0 1 0"/>
+    <inertial pos="0 0 0" mass="1e-4" diaginertia="1e-8 1e-8 1e-8"/></body></body></body>"""
+    tied = '<equality><joint joint1="fold" joint2="hinge" polycoef="0.1 -0.5 0 0 0"/></equality>'
+    path = tmp_path / "flag.xml"
+    with_flag = description().replace("</body></body>", flag)
+    path.write_text(with_flag.replace("</mujoco>", tied + "</mujoco>"))
+    time, _, states = moved(0)
+    channel = with_unmeasured(recorded(0), load(path)).channels["hinge.position"]
+    error = channel.value - np.interp(channel.time, time, states[:, 1])
+    assert np.sqrt(np.mean(error**2)) < 0.02
+
+
+def test_a_filter_that_diverges_is_told(robot: Robot) -> None:
+    fast = recorded(0)
+    rail = fast.channels["rail.position"]
+    wild = {**fast.channels, "rail.position": replace(rail, value=1e100 * rail.value)}
+    with pytest.raises(RecordingError, match="the position of hinge was not read, and cannot be"):
+        with_unmeasured(replace(fast, channels=wild), robot)
+
+
 def test_what_was_read_is_no_guess(robot: Robot) -> None:
     whole = recorded(0, hinge=True)
     assert with_unmeasured(whole, robot) is whole
