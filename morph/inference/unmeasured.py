@@ -24,8 +24,8 @@ from morph.sim.drive import held
 
 STEP, EVERY = 0.002, 10
 """Seconds a step of the filter, and steps from one linearisation to the next."""
-HEAVY = 1e6
-"""Inertia of joints that were read, kg m2 or kg, while the others come to rest."""
+HEAVY = 1e3
+"""Inertia of joints that were read, over the largest of all, while the others come to rest."""
 RESTING, FADES = 10.0, 0.2
 """Seconds in which these come to rest, and in which their rates fade."""
 UNTOLD, CORRELATION_TIME = 0.3, 0.2
@@ -152,7 +152,7 @@ class _Readings:
         model = copy.copy(self.model)
         model.opt.timestep = STEP
         data = mujoco.MjData(model)
-        model.dof_armature[self.dofs] += HEAVY
+        model.dof_armature[self.dofs] += HEAVY * model.dof_M0.max()
         data.qpos[self.dofs], data.ctrl[:] = self.position[0], self.command[0]
         for _ in range(round(RESTING / STEP)):
             mujoco.mj_step(model, data)

@@ -14,6 +14,7 @@ from morph.body.robot import Robot
 from morph.body.spec import spec_of
 from morph.inference.diagnose import diagnose
 from morph.inference.observed import observed
+from morph.inference.ties import carried
 from morph.model.commanded import with_followers
 from morph.model.episodes import episode
 from morph.physics.dynamics import accelerations, jacobians
@@ -104,6 +105,16 @@ def test_followers_read_what_their_leaders_make_of_them(robot: Robot) -> None:
     again = with_followers(own, robot)
     assert np.array_equal(again["rod.position"], whole["rod.position"])
     assert "the joint follows crank" in again.notes[-1].what
+
+
+def test_a_leader_bears_what_its_follower_needs(robot: Robot) -> None:
+    # By virtual work: a motion of 1 rad at the crank is one of `RATIO` at the rod.
+    model = spec_of(robot).compile()
+    crank, rod = (int(model.joint(name).dofadr[0]) for name in ("crank", "rod"))
+    force = np.random.default_rng(0).normal(size=(5, model.nv))
+    borne = carried(model, force)
+    assert borne[:, crank] == pytest.approx(force[:, crank] + RATIO * force[:, rod], rel=1e-12)
+    assert RATIO * borne[:, rod] == pytest.approx(borne[:, crank], rel=1e-12)
 
 
 def test_a_follower_tells_nothing_that_its_leader_has_not_told(robot: Robot) -> None:
