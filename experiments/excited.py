@@ -169,7 +169,9 @@ def main(argv: list[str] | None = None) -> int:
     rows = [row for row in rows if "why" not in row]
     found = {**summary(rows), "refused": len(failed)}
     if save:
-        save(figures=found, controls={}, rows=rows, seeds=seeds)
+        ends = ("told", "named")
+        usual = {name: found[f"{name}_without_plan"] for name in ends}
+        save(figures=found, controls={"quick motion": usual}, rows=rows, seeds=seeds)
     print(json.dumps(found, indent=1))
     return 0
 
