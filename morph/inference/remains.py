@@ -61,7 +61,7 @@ class Remains:
     def any_physics(self) -> float:
         """How probable it is that any physics is left, without a name or missed.
 
-        In contact it is a constant: runs that are explained to noise are not expected there.
+        In contact it is by rollouts alone, beside what errors of their starts make of them.
         """
         tiny = 1e-12
         if self.touching:
