@@ -57,6 +57,12 @@ def leaders(model: Any) -> dict[int, tuple[int, float, float]]:
     return found
 
 
+def chains(model: Any) -> list[int]:
+    """Return the constraints that hold two points together, by their indices."""
+    pinned = model.eq_type == mujoco.mjtEq.mjEQ_CONNECT
+    return [int(at) for at in (pinned & (model.eq_active0 != 0)).nonzero()[0]]
+
+
 def follow(model: Any, position: Array, velocity: Array) -> None:
     """Place joints that follow others where these put them, (samples, nq) and (samples, nv)."""
     for joint, (leader, ratio, offset) in leaders(model).items():

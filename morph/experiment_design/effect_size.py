@@ -46,7 +46,7 @@ def sized(
         # Pushes and cables come from outside: no laws of the robot. In air fluids hardly act.
         wet = robot.card is not None and robot.card.water is not None
         every = [
-            _sized(grid[len(grid) // 2], tried[0])
+            at_share(grid[len(grid) // 2], tried[0])
             for grid in there.values()
             if not (grid[0].of_a_run or isinstance(grid[0], Tether))
             and (wet or not isinstance(grid[0], WetEffect | FluidCurrent))
@@ -65,7 +65,7 @@ def sized(
         shape = grid[len(grid) // 2] if law == type(law).at(law.where) else law
         for seen in chain(tuple(tried), more):
             tried = tried if seen in tried else [*tried, seen]
-            told = law if law.coefficients.any() else _sized(shape, seen)
+            told = law if law.coefficients.any() else at_share(shape, seen)
             if _acts(told, seen):
                 break
         else:
@@ -86,16 +86,23 @@ def _acts(effect: Effect, seen: Observed) -> bool:
     return bool((columns @ effect.coefficients).any())
 
 
-def _sized(effect: Effect, seen: Observed) -> Effect:
-    """Return a law at a usual size; see `FORCE` and `READING`."""
+def at_share(effect: Effect, seen: Observed, share: float | None = None) -> Effect:
+    """Return a law at a size relative to what moves the part on which it acts most.
+
+    Args:
+        effect: The law, at its shape.
+        seen: A motion.
+        share: Its force over that of the joint's actuators or the inertial one, whichever is more,
+            or its change of a reading over the motion, RMS; None for `FORCE` or `READING`.
+    """
     motion = seen.motion
     if effect.kind == "sensor":
         columns = effect.reading_regressor(motion)
-        usual = READING * np.std(motion.reading, axis=0)
+        usual = (share or READING) * np.std(motion.reading, axis=0)
     else:
         columns = effect.regressor(motion)
-        usual = FORCE * np.sqrt(np.mean(motion.drive.sum(axis=1) ** 2, axis=0))
-        usual = np.maximum(usual, FORCE * seen.about.inertial)
+        driven = np.sqrt(np.mean(motion.drive.sum(axis=1) ** 2, axis=0))
+        usual = (share or FORCE) * np.maximum(driven, seen.about.inertial)
     sizes = np.sqrt(np.mean(columns**2, axis=0))
     # The part on which it acts most is where its size counts; some strengths do nothing here.
     most, size = np.argmax(sizes, axis=0), sizes.max(axis=0)

@@ -15,6 +15,7 @@ from morph.inference.rank import Progress, ranked
 from morph.inference.refit import refitted
 from morph.inference.unmeasured import with_unmeasured
 from morph.inference.verdict import DiagnosisRuns, conclude
+from morph.model.chained import with_chains
 from morph.model.commanded import by_effort, with_followers
 from morph.model.conventions import check_signs, check_units
 from morph.model.diagnosis import Diagnosis
@@ -78,7 +79,7 @@ def diagnose(
 
     Raises:
         DiagnosisError: Nothing to fit or to score, a setting out of range, or a robot with a
-            closed chain.
+            closed chain that is welded.
         RecordingError: A channel is missing or holds what cannot be, such as angles in degrees or
             poses of another link; or two recordings are the same.
         KernelError: There is no C compiler for the Kalman filter.
@@ -155,9 +156,11 @@ def _completed(
 ) -> Recording:
     """Return a recording with the positions of joints that were not read.
 
-    They are those of links that were tracked, or guessed by a model.
+    They are those of links that were tracked, those at which chains close, or guessed by a model.
     """
     tracked = with_tracked_links(recording, robot)
+    if robot.loops:
+        tracked = with_chains(tracked, robot)
     return with_followers(with_unmeasured(tracked, robot, model), robot)
 
 

@@ -167,8 +167,11 @@ def _by_rollouts(task: EffectSelection, own: Finalist) -> _Found:
 
 
 def _told(robot: Robot) -> bool:
-    """Return whether all that drives a robot is told its force; that of a servo is a guess."""
-    return all(each.kind == "motor" for each in robot.actuators)
+    """Return whether all forces on a robot's joints are told.
+
+    Those of servos are guesses, and those in a closed chain are not known.
+    """
+    return all(each.kind == "motor" for each in robot.actuators) and not robot.loops
 
 
 def _searched(found: _Found, progress: Progress) -> _Found:

@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 
 from morph.arrays import Array
-from morph.body.follow import follow, leaders
+from morph.body.follow import chains, follow, leaders
 from morph.inference.axes import Axes, along_body, along_parent, axes_of, jacobian_along_parent
 from morph.inference.disturbance import likeliest_disturbance
 from morph.inference.filter import Disturbance, Tangent, smoothed
@@ -16,7 +16,7 @@ from morph.inference.sampled import Reference, SampledRun, later, outliers
 from morph.inference.ties import carried, inverse
 from morph.physics.body_motion import times
 from morph.physics.drives import Transmission
-from morph.physics.dynamics import accelerations, jacobians
+from morph.physics.dynamics import accelerations, closed, jacobians
 
 INTERVAL = 0.02
 """Seconds from one derivative of the model to the next: 3 rad/s turn a link by 0.06 rad."""
@@ -89,8 +89,11 @@ def _smoothed(
     change, rate, force, _ = np.split(state, [n * space.dofs for n in (1, 2, 3)], axis=1)
     position = space.moved_by(found.position, along_body(space, found.axes, change))
     velocity = found.velocity + along_body(space, found.axes, rate)
-    if space.balls:
-        # Rotations add up to the first order in the error alone.
+    chained = chains(model)
+    if chained:
+        position = closed(model, position)
+    if space.balls or chained:
+        # Rotations add up to the first order in the error alone, and chains close along curves.
         velocity[1:] = space.apart(position[1:], position[:-1]) / run.step
     follow(model, position, velocity)
     return replace(_along(model, run, position, velocity, force, known), spread=spread)

@@ -6,12 +6,23 @@ import mujoco
 import numpy as np
 
 from morph.arrays import Array
-from morph.body.follow import leaders
+from morph.body.follow import chains, leaders
+
+HELD = 1e-7
+"""Mobility along a direction, in units of the degrees' own, below which constraints hold it."""
 
 
 def inverse(model: mujoco.MjModel, mobility: Array) -> Array:
-    """Return the inertia by a mobility, (samples, dofs, dofs); a pseudoinverse if joints follow."""
-    return np.asarray(np.linalg.pinv(mobility) if leaders(model) else np.linalg.inv(mobility))
+    """Return the inertia by a mobility, (samples, dofs, dofs).
+
+    Where joints follow others or chains are closed it is a generalized inverse: it tells the least
+    force, over the roots of the degrees' own mobilities, of those that do the same.
+    """
+    if not leaders(model) and not chains(model):
+        return np.asarray(np.linalg.inv(mobility))
+    size = 1.0 / np.sqrt(np.linalg.norm(mobility, axis=2))
+    both = size[:, :, None] * size[:, None, :]
+    return np.asarray(both * np.linalg.pinv(both * mobility, rcond=HELD))
 
 
 def carried(model: mujoco.MjModel, force: Array) -> Array:

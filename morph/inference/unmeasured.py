@@ -62,7 +62,9 @@ def with_unmeasured(
     unread = [name for name in lead if name not in read]
     needed = [f"{actuator.name}.command" for actuator in robot.actuators]
     known = all(name in recording.channels for name in needed)
-    if not (read and unread and known) or any(each.kind == "free" for each in robot.joints):
+    if not (read and unread and known) or any(
+        each.kind in {"free", "ball"} for each in robot.joints
+    ):
         return recording
     run = _Readings.of(recording, robot, read, model or spec_of(robot).compile())
     with np.errstate(over="ignore", invalid="ignore"):

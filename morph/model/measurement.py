@@ -9,12 +9,22 @@ import numpy as np
 from morph.arrays import Array
 from morph.body.robot import Robot
 from morph.errors import DiagnosisError
-from morph.record.quantities import WXYZ, XYZ
+from morph.record.quantities import XYZ, pose_channels
 from morph.record.recording import Channel, Recording
 from morph.record.spikes import spikes, without_spikes
-from morph.sim.tangent import FREE, HINGE, SLIDE, Coordinates, conjugate, product, rotation, turned
+from morph.sim.tangent import (
+    BALL,
+    FREE,
+    HINGE,
+    SLIDE,
+    Coordinates,
+    conjugate,
+    product,
+    rotation,
+    turned,
+)
 
-KINDS = {"hinge": HINGE, "slide": SLIDE, "free": FREE}
+KINDS = {"hinge": HINGE, "slide": SLIDE, "ball": BALL, "free": FREE}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -23,7 +33,8 @@ class Measurement:
 
     A hinge or slide is read by its position, a free joint by the pose of its link: three channels
     of the place, in the world, and three of the rotation from the measured orientation to the
-    state's, a vector along the world's axes. Those read zero, whatever was measured.
+    state's, a vector along the world's axes. Those read zero, whatever was measured. A ball joint
+    has the latter three, along the axes of the link that carries it.
     """
 
     coordinates: Coordinates
@@ -42,15 +53,17 @@ class Measurement:
         """Return the measurement of a robot.
 
         Raises:
-            DiagnosisError: The robot has a ball joint, or none that moves.
+            DiagnosisError: The robot has no joint that moves, or a ball joint that is named as a
+                link is.
         """
+        links = {link.name for link in robot.links}
         for joint in robot.joints:
-            if joint.kind not in KINDS:
+            if joint.kind == "ball" and joint.name in links:
                 raise DiagnosisError(
-                    f"joint {joint.name} is {joint.kind}; diagnosis reads hinges, slides and "
-                    "free joints",
+                    f"the ball joint {joint.name} and a link have one name: "
+                    f"{joint.name}.orientation.w tells of the link",
                     where=f"robot {robot.name}",
-                    fix="weld that joint in the description if the link does not move by it",
+                    fix="give the joint another name in the description",
                 )
         if not robot.joints:
             raise DiagnosisError(
@@ -63,16 +76,18 @@ class Measurement:
         recorded: list[str] = []
         quaternions: list[tuple[str, ...]] = []
         for joint in robot.joints:
-            if joint.kind == "free":
-                place = [f"{joint.link}.position.{axis}" for axis in XYZ]
-                channels += [*place, *(f"{joint.link}.rotation.{axis}" for axis in XYZ)]
-                units += ["m"] * 3 + ["rad"] * 3
+            names = pose_channels(joint)
+            if joint.kind in {"free", "ball"}:
+                place, turn = names[:-4], names[-4:]
+                part = turn[0].removesuffix(".orientation.w")
+                channels += [*place, *(f"{part}.rotation.{axis}" for axis in XYZ)]
+                units += ["m"] * len(place) + ["rad"] * 3
                 recorded += place
-                quaternions.append(tuple(f"{joint.link}.orientation.{axis}" for axis in WXYZ))
+                quaternions.append(turn)
             else:
-                channels.append(f"{joint.name}.position")
+                channels += names
                 units.append(joint.unit)
-                recorded.append(channels[-1])
+                recorded += names
         return cls(
             coordinates=Coordinates.of([KINDS[joint.kind] for joint in robot.joints]),
             channels=tuple(channels),

@@ -75,16 +75,20 @@ def check_tree(robot: Robot) -> None:
     """Refuse a robot whose joints constrain each other otherwise than in proportion.
 
     Raises:
-        DiagnosisError: Its links form a closed chain, or a joint is tied by another law, twice, by
+        DiagnosisError: A closed chain is welded, or a joint is tied by another law, twice, by
             a ratio of zero, or to none that moves by itself.
     """
-    loop = next((loop.name or " and ".join(loop.links) for loop in robot.loops), None)
-    if loop is not None:
+    weld = next(
+        (loop.name or " and ".join(loop.links) for loop in robot.loops if loop.kind != "connect"),
+        None,
+    )
+    if weld is not None:
         raise DiagnosisError(
-            f"the closed chain {loop} is not diagnosed: its forces on the joints are not modelled",
+            f"the closed chain {weld} is welded: forces on the joints of chains are modelled where "
+            "they are pinned",
             where=f"robot {robot.name}",
-            fix="describe the robot as a tree for a diagnosis: cut the chain; `morph compare` "
-            "takes it as it is",
+            fix="close the chain by a pin (`connect`), or cut it; `morph compare` takes the robot "
+            "as it is",
         )
     model = spec_of(robot).compile()
     direct, tied = followers(model)

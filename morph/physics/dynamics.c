@@ -14,13 +14,19 @@ static void (*positions)(const mjModel*, mjData*), (*velocities)(const mjModel*,
 static void (*integrate)(const mjModel*, mjtNum*, const mjtNum*, mjtNum);
 static void (*kinematics)(const mjModel*, mjData*), (*com_axes)(const mjModel*, mjData*);
 static void (*tendons)(const mjModel*, mjData*), (*transmit)(const mjModel*, mjData*);
+static void (*jacobian)(const mjModel*, const mjData*, mjtNum*, mjtNum*, const mjtNum*, int);
+static void (*jacobian_rate)(const mjModel*, const mjData*, mjtNum*, mjtNum*, const mjtNum*, int);
+
+/* Share of a row's pivot below which other constraints imply the row. */
+#define IMPLIED 1e-9
 
 /* MuJoCo's own functions come as pointers, so that nothing is linked. */
 void morph_dynamics_bind(void *a, void *b, void *c, void *d, void *e, void *f, void *g, void *h,
-			 void *i, void *j, void *k)
+			 void *i, void *j, void *k, void *l, void *o)
 {
 	forward = a, inverse = b, actuation = c, solve = d, positions = e, velocities = f;
 	integrate = g, kinematics = h, com_axes = i, tendons = j, transmit = k;
+	jacobian = l, jacobian_rate = o;
 }
 
 static void set(const mjModel *m, mjData *d, int64_t t, const double *q, const double *v,
@@ -31,61 +37,125 @@ static void set(const mjModel *m, mjData *d, int64_t t, const double *q, const d
 	memcpy(d->ctrl, u + t * m->nu, sizeof(double) * m->nu);
 }
 
-/* Joints that follow others in proportion, as URDF's mimic joints do: J qacc = 0 with a row of J for
- * each, 1 at the follower and minus the ratio at its leader. MuJoCo's own constraint is soft. Those
- * tied otherwise are left out.
- * Returns how many; `joint` (neq, 2) receives both degrees of freedom and `ratio` the ratios. */
-static int followers(const mjModel *m, int *joint, double *ratio)
+/* Rows of J and right sides b of the constraints J qacc = b that hold joints together, at the state
+ * of `d`, whose positions and velocities have been passed. A joint that follows another in
+ * proportion, as URDF's mimic joints do, has one row: 1, and minus the ratio at its leader. Two
+ * points held together (`connect`) have three. MuJoCo's own constraints are soft springs; these
+ * are rigid, and what they are off returns critically damped at `RETURN` rad/s.
+ * Source: Baumgarte 1972, Computer Methods in Applied Mechanics and Engineering 1(1), 1-16.
+ * Those of other kinds are left out. `off` (or NULL) receives by how much each is off. */
+#define RETURN 50.0
+
+static int most_rows(const mjModel *m)
 {
-	int count = 0;
-	for (int e = 0; e < m->neq; e++) {
-		const double *poly = m->eq_data + e * mjNEQDATA;
-		if (m->eq_type[e] != mjEQ_JOINT || !m->eq_active0[e] || m->eq_obj2id[e] < 0 ||
-		    poly[2] != 0.0 || poly[3] != 0.0 || poly[4] != 0.0)
-			continue;
-		joint[2 * count] = m->jnt_dofadr[m->eq_obj1id[e]];
-		joint[2 * count + 1] = m->jnt_dofadr[m->eq_obj2id[e]];
-		ratio[count++] = poly[1];
-	}
-	return count;
+	return 3 * m->neq;
 }
 
-/* M^-1 J' (rows, n) and the Cholesky factor of J M^-1 J' (rows, rows) at the state of `d`. */
-static void tie(const mjModel *m, mjData *d, int rows, const int *joint, const double *ratio,
-		double *along, double *factor)
+static void point_of(const mjModel *m, const mjData *d, int e, int side, mjtNum point[3], int *body)
+{
+	int id = side ? m->eq_obj2id[e] : m->eq_obj1id[e];
+	if (m->eq_objtype[e] == mjOBJ_SITE) {
+		*body = m->site_bodyid[id];
+		memcpy(point, d->site_xpos + 3 * id, 3 * sizeof(mjtNum));
+		return;
+	}
+	const mjtNum *local = m->eq_data + e * mjNEQDATA + 3 * side, *turn = d->xmat + 9 * id;
+	*body = id;
+	for (int i = 0; i < 3; i++)
+		point[i] = d->xpos[3 * id + i] + turn[3 * i] * local[0] + turn[3 * i + 1] * local[1] +
+			   turn[3 * i + 2] * local[2];
+}
+
+static int constraints(const mjModel *m, mjData *d, double *J, double *b, double *off)
+{
+	int n = m->nv, rows = 0;
+	mjtNum one[3 * n + 1], other[3 * n + 1], here[3], there[3];
+	for (int e = 0; e < m->neq; e++) {
+		const double *poly = m->eq_data + e * mjNEQDATA;
+		if (!m->eq_active0[e])
+			continue;
+		if (m->eq_type[e] == mjEQ_JOINT) {
+			int first = m->eq_obj1id[e], second = m->eq_obj2id[e];
+			if (second < 0 || poly[2] != 0.0 || poly[3] != 0.0 || poly[4] != 0.0)
+				continue;
+			memset(J + rows * n, 0, sizeof(double) * n);
+			J[rows * n + m->jnt_dofadr[first]] = 1.0;
+			J[rows * n + m->jnt_dofadr[second]] = -poly[1];
+			/* Its place is not a state of its own: it is put where its leader puts it. */
+			b[rows] = 0.0;
+			if (off)
+				off[rows] = 0.0;
+			rows++;
+		} else if (m->eq_type[e] == mjEQ_CONNECT) {
+			int first, second;
+			point_of(m, d, e, 0, here, &first);
+			point_of(m, d, e, 1, there, &second);
+			jacobian_rate(m, d, one, NULL, here, first);
+			jacobian_rate(m, d, other, NULL, there, second);
+			for (int i = 0; i < 3; i++) {
+				double sum = -RETURN * RETURN * (here[i] - there[i]);
+				for (int k = 0; k < n; k++)
+					sum -= (one[i * n + k] - other[i * n + k]) * d->qvel[k];
+				b[rows + i] = sum;
+				if (off)
+					off[rows + i] = here[i] - there[i];
+			}
+			jacobian(m, d, one, NULL, here, first);
+			jacobian(m, d, other, NULL, there, second);
+			for (int i = 0; i < 3; i++, rows++) {
+				double speed = 0.0;
+				for (int k = 0; k < n; k++) {
+					J[rows * n + k] = one[i * n + k] - other[i * n + k];
+					speed += J[rows * n + k] * d->qvel[k];
+				}
+				b[rows] -= 2.0 * RETURN * speed;
+			}
+		}
+	}
+	return rows;
+}
+
+/* M^-1 J' (rows, n) and the Cholesky factor of J M^-1 J' (rows, rows) at the state of `d`. A row
+ * that others imply, as of a planar chain, has a pivot of zero and no force. */
+static void tie(const mjModel *m, mjData *d, int rows, const double *J, double *along,
+		double *factor)
 {
 	int n = m->nv;
-	double row[n];
-	for (int r = 0; r < rows; r++) {
-		memset(row, 0, sizeof row);
-		row[joint[2 * r]] = 1.0;
-		row[joint[2 * r + 1]] = -ratio[r];
-		solve(m, d, along + r * n, row, 1);
-	}
+	for (int r = 0; r < rows; r++)
+		solve(m, d, along + r * n, J + r * n, 1);
 	for (int r = 0; r < rows; r++)
 		for (int c = 0; c <= r; c++) {
-			double sum = along[c * n + joint[2 * r]] - ratio[r] * along[c * n + joint[2 * r + 1]];
+			double sum = 0.0, whole;
+			for (int i = 0; i < n; i++)
+				sum += J[r * n + i] * along[c * n + i];
+			whole = sum;
 			for (int k = 0; k < c; k++)
 				sum -= factor[r * rows + k] * factor[c * rows + k];
-			factor[r * rows + c] = r == c ? sqrt(sum) : sum / factor[c * rows + c];
+			if (r == c)
+				factor[r * rows + r] = sum > IMPLIED * whole ? sqrt(sum) : 0.0;
+			else
+				factor[r * rows + c] =
+					factor[c * rows + c] > 0.0 ? sum / factor[c * rows + c] : 0.0;
 		}
 }
 
-/* Gauss's principle: the acceleration nearest to x, in the metric of M, of which J x = 0. */
-static void project(int n, int rows, const int *joint, const double *ratio, const double *along,
+/* Gauss's principle: the vector nearest to x, in the metric of M, of which J x = b (0 if NULL). */
+static void project(int n, int rows, const double *J, const double *b, const double *along,
 		    const double *factor, double *x)
 {
 	double force[rows + 1];
 	for (int r = 0; r < rows; r++) {
-		force[r] = x[joint[2 * r]] - ratio[r] * x[joint[2 * r + 1]];
+		force[r] = b ? -b[r] : 0.0;
+		for (int i = 0; i < n; i++)
+			force[r] += J[r * n + i] * x[i];
 		for (int k = 0; k < r; k++)
 			force[r] -= factor[r * rows + k] * force[k];
-		force[r] /= factor[r * rows + r];
+		force[r] = factor[r * rows + r] > 0.0 ? force[r] / factor[r * rows + r] : 0.0;
 	}
 	for (int r = rows - 1; r >= 0; r--) {
 		for (int k = r + 1; k < rows; k++)
 			force[r] -= factor[k * rows + r] * force[k];
-		force[r] /= factor[r * rows + r];
+		force[r] = factor[r * rows + r] > 0.0 ? force[r] / factor[r * rows + r] : 0.0;
 	}
 	for (int r = 0; r < rows; r++)
 		for (int i = 0; i < n; i++)
@@ -96,14 +166,14 @@ static void project(int n, int rows, const int *joint, const double *ratio, cons
 void morph_forward(const mjModel *m, mjData *d, int64_t states, const double *q, const double *v,
 		   const double *u, double *found)
 {
-	int n = m->nv, joint[2 * m->neq + 1];
-	double ratio[m->neq + 1], along[m->neq * n + 1], factor[m->neq * m->neq + 1];
-	int rows = followers(m, joint, ratio);
+	int n = m->nv, most = most_rows(m);
+	double J[most * n + 1], b[most + 1], along[most * n + 1], factor[most * most + 1];
 	for (int64_t t = 0; t < states; t++) {
 		set(m, d, t, q, v, u);
 		forward(m, d, mjSTAGE_NONE, 1);
-		tie(m, d, rows, joint, ratio, along, factor);
-		project(n, rows, joint, ratio, along, factor, d->qacc);
+		int rows = constraints(m, d, J, b, NULL);
+		tie(m, d, rows, J, along, factor);
+		project(n, rows, J, b, along, factor, d->qacc);
 		memcpy(found + t * n, d->qacc, sizeof(double) * n);
 	}
 }
@@ -127,20 +197,20 @@ void morph_supplied(const mjModel *m, mjData *d, int64_t states, const double *q
 void morph_jacobians(const mjModel *m, mjData *d, int64_t states, double nudge, const double *q,
 		     const double *v, const double *u, double *found)
 {
-	int n = m->nv, joint[2 * m->neq + 1];
+	int n = m->nv, most = most_rows(m);
 	double above[n], axis[n], column[n];
-	double ratio[m->neq + 1], along[m->neq * n + 1], factor[m->neq * m->neq + 1];
-	int rows = followers(m, joint, ratio);
+	double J[most * n + 1], b[most + 1], along[most * n + 1], factor[most * most + 1];
 	for (int64_t t = 0; t < states; t++) {
 		double *to = found + t * n * 3 * n;
 		set(m, d, t, q, v, u);
 		forward(m, d, mjSTAGE_NONE, 1);
-		tie(m, d, rows, joint, ratio, along, factor);
+		int rows = constraints(m, d, J, b, NULL);
+		tie(m, d, rows, J, along, factor);
 		for (int k = 0; k < n; k++) {
 			memset(axis, 0, sizeof axis);
 			axis[k] = 1.0;
 			solve(m, d, column, axis, 1);
-			project(n, rows, joint, ratio, along, factor, column);
+			project(n, rows, J, NULL, along, factor, column);
 			for (int i = 0; i < n; i++)
 				to[i * 3 * n + 2 * n + k] = column[i];
 		}
@@ -155,9 +225,11 @@ void morph_jacobians(const mjModel *m, mjData *d, int64_t states, double nudge, 
 				} else
 					d->qvel[k - n] += side * nudge;
 				forward(m, d, skipped, 1);
+				if (rows)
+					constraints(m, d, J, b, NULL);
 				if (k < n)
-					tie(m, d, rows, joint, ratio, along, factor);
-				project(n, rows, joint, ratio, along, factor, d->qacc);
+					tie(m, d, rows, J, along, factor);
+				project(n, rows, J, b, along, factor, d->qacc);
 				if (side > 0)
 					memcpy(above, d->qacc, sizeof above);
 				memcpy(d->qpos, q + t * m->nq, sizeof(double) * m->nq);
@@ -167,6 +239,28 @@ void morph_jacobians(const mjModel *m, mjData *d, int64_t states, double nudge, 
 				to[i * 3 * n + k] = (above[i] - d->qacc[i]) / (2.0 * nudge);
 		}
 	}
+}
+
+/* Positions (states, nq) moved to where chains close, by Gauss-Newton steps in the metric of M. */
+void morph_closed(const mjModel *m, mjData *d, int64_t states, int steps, double *q)
+{
+	int n = m->nv, most = most_rows(m);
+	double J[most * n + 1], b[most + 1], along[most * n + 1], factor[most * most + 1];
+	double off[most + 1], step[n];
+	memset(d->qvel, 0, sizeof(double) * n);
+	for (int64_t t = 0; t < states; t++)
+		for (int k = 0; k < steps; k++) {
+			memcpy(d->qpos, q + t * m->nq, sizeof(double) * m->nq);
+			positions(m, d);
+			velocities(m, d);
+			int rows = constraints(m, d, J, b, off);
+			tie(m, d, rows, J, along, factor);
+			for (int r = 0; r < rows; r++)
+				off[r] = -off[r];
+			memset(step, 0, sizeof step);
+			project(n, rows, J, off, along, factor, step);
+			integrate(m, q + t * m->nq, step, 1.0);
+		}
 }
 
 /* Lengths of actuators (states, nu) and their moments (states, nu, nv). */

@@ -22,10 +22,12 @@ SOURCE = Path(__file__).with_name("dynamics.c")
 NUDGE = 1e-5
 """Step of the central differences, rad or m, and per s. Accelerations near 100 per s2 round to
 1e-14, an error of 1e-9 in a derivative; truncation adds 1e-10 / 6 of the third derivative."""
+STEPS = 3
+"""Gauss-Newton steps that close a chain: of an error e of an angle e^2 is left by each."""
 BOUND = (
     "mj_forwardSkip", "mj_inverse", "mj_fwdActuation", "mj_solveM", "mj_fwdPosition",
     "mj_fwdVelocity", "mj_integratePos", "mj_kinematics", "mj_comPos", "mj_tendon",
-    "mj_transmission",
+    "mj_transmission", "mj_jac", "mj_jacDot",
 )  # fmt: skip
 """MuJoCo's functions that the loops call, in the order of `morph_dynamics_bind`."""
 
@@ -33,7 +35,8 @@ BOUND = (
 def accelerations(model: mujoco.MjModel, position: Array, velocity: Array, command: Array) -> Array:
     """Return a model's acceleration along a motion, per s2, shape (samples, dofs).
 
-    Constraints are left out: dry friction, stops and contacts.
+    Joints that follow others and closed chains are rigid. Other constraints are left out: dry
+    friction, stops and contacts.
 
     Args:
         model: The model.
@@ -94,6 +97,22 @@ def jacobians(model: mujoco.MjModel, position: Array, velocity: Array, command: 
     motion = _packed(position, velocity, command)
     with _unconstrained(model) as free:
         _call("jacobians", free, samples, ctypes.c_double(NUDGE), *motion, found)
+    return found
+
+
+def closed(model: mujoco.MjModel, position: Array) -> Array:
+    """Return positions moved a little, to where closed chains close, shape (samples, nq).
+
+    Args:
+        model: The model.
+        position: Near there, rad or m, shape (samples, nq).
+
+    Raises:
+        KernelError: There is no C compiler, or it fails.
+    """
+    found = np.array(position, dtype=np.float64, order="C")
+    with _unconstrained(model) as free:
+        _call("closed", free, len(found), ctypes.c_int(STEPS), found)
     return found
 
 
@@ -198,7 +217,7 @@ def _code() -> ctypes.CDLL:
     with library.kept_folder() as folder:
         path = engine.build(SOURCE, folder, name="dynamics")
         code = library.load(path, fix="delete it, so that it is built again")
-    for name in ("forward", "supplied", "jacobians", "transmissions", "kinematics"):
+    for name in ("forward", "supplied", "jacobians", "closed", "transmissions", "kinematics"):
         getattr(code, f"morph_{name}").restype = None
     code.morph_dynamics_bind(*engine.functions(BOUND))
     return code

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from morph.body.robot import Robot
+from morph.body.robot import Joint, Robot
 from morph.errors import RecordingError
 from morph.record.nearest import nearest
 
 XYZ = ("x", "y", "z")
 WXYZ = ("w", "x", "y", "z")
+TURNS = ("orientation", "angular_velocity")
+"""Quantities of a link that a ball joint has too, relative to the link that carries it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -89,6 +91,19 @@ def parse_channel(name: str, *, where: str, whole: bool = False) -> ChannelName:
     )
 
 
+def pose_channels(joint: Joint) -> tuple[str, ...]:
+    """Return the channels that tell where a joint is, in the order of MuJoCo's `qpos`.
+
+    A free joint is told by the pose of its link in the world, a ball joint by the orientation of
+    its link in the link that carries it.
+    """
+    if joint.kind in {"hinge", "slide"}:
+        return (f"{joint.name}.position",)
+    part = joint.link if joint.kind == "free" else joint.name
+    places = tuple(f"{part}.position.{axis}" for axis in XYZ if joint.kind == "free")
+    return places + tuple(f"{part}.orientation.{axis}" for axis in WXYZ)
+
+
 def is_channel(name: str) -> bool:
     """Return whether a name is that of a channel."""
     try:
@@ -101,6 +116,8 @@ def is_channel(name: str) -> bool:
 def check_part(channel: ChannelName, name: str, robot: Robot, *, where: str) -> None:
     """Refuse a channel whose part the robot does not have; sites are not checked.
 
+    Orientations and angular velocities are those of links, or of ball joints.
+
     Raises:
         RecordingError: The robot has no such joint, actuator or link.
     """
@@ -110,7 +127,9 @@ def check_part(channel: ChannelName, name: str, robot: Robot, *, where: str) -> 
         "actuator": tuple(part.name for part in robot.actuators),
         "link": tuple(part.name for part in robot.links),
     }.get(kind)
-    if parts is None or channel.part in parts:
+    balls = {joint.name for joint in robot.joints if joint.kind == "ball"}
+    turns = channel.quantity.name in TURNS and channel.part in balls
+    if parts is None or channel.part in parts or turns:
         return
     raise RecordingError(
         f"the channel {name!r} names no {kind} of {robot.name}; "

@@ -43,6 +43,8 @@ def observed(
             channels |= _named(joint.name, found, times)
         elif joint.kind == "free":
             channels |= _named(joint.link, dict(_floating(position, velocity, q, v)), times)
+        else:
+            channels |= _named(joint.name, dict(_turning(position, velocity, q, v)), times)
     return channels | _sensors(robot, model, times, position, velocity)
 
 
@@ -54,12 +56,17 @@ def _floating(position: Array, velocity: Array, q: int, v: int) -> Iterator[tupl
     """Yield what is known of a free joint: MuJoCo keeps it in the very frames of a recording."""
     for at, axis in enumerate(XYZ):
         yield f"position.{axis}", position[:, q + at]
-    for at, axis in enumerate(WXYZ):
-        yield f"orientation.{axis}", position[:, q + 3 + at]
     for at, axis in enumerate(XYZ):
         yield f"linear_velocity.{axis}", velocity[:, v + at]
+    yield from _turning(position, velocity, q + 3, v + 3)
+
+
+def _turning(position: Array, velocity: Array, q: int, v: int) -> Iterator[tuple[str, Array]]:
+    """Yield what is known of a rotation."""
+    for at, axis in enumerate(WXYZ):
+        yield f"orientation.{axis}", position[:, q + at]
     for at, axis in enumerate(XYZ):
-        yield f"angular_velocity.{axis}", velocity[:, v + 3 + at]
+        yield f"angular_velocity.{axis}", velocity[:, v + at]
 
 
 def _sensors(

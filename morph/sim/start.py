@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -20,6 +20,13 @@ SPEEDS = tuple(f"{which}_velocity.{axis}" for which in ("linear", "angular") for
 """What its speed is told by, in the order of MuJoCo's `qvel`."""
 
 
+PARTS: Mapping[str, Callable[[Joint], str]] = {
+    "free": lambda joint: joint.link,
+    "ball": lambda joint: joint.name,
+}
+"""What the channels of a joint that turns freely begin with."""
+
+
 def started(
     robot: Robot,
     model: Any,
@@ -33,8 +40,8 @@ def started(
         model: Its `mujoco.MjModel`.
         start: By a hinge or slide its position, rad or m; by `hull.position.z` or
             `hull.orientation.w` that of a body that floats, m, and a quaternion that is
-            brought to length 1: of one that is told in part the rest is 0. All else is as
-            the description has it.
+            brought to length 1: of one that is told in part the rest is 0; by
+            `ball.orientation.w` that of a ball joint. All else is as the description has it.
         speed: Likewise, per s: by a joint, `hull.linear_velocity.x` (world frame) or
             `hull.angular_velocity.z` (the body's frame). All else is at rest.
 
@@ -46,8 +53,9 @@ def started(
     for name, value in (start or {}).items():
         joint, slot = _found(robot, name, PLACES)
         address = int(model.joint(joint.name).qposadr[0])
-        if slot >= len(XYZ) and joint.link not in turned:
-            turned[joint.link] = list(range(address + 3, address + 7))
+        first = 3 if joint.kind == "free" else 0
+        if joint.kind in PARTS and slot >= first and joint.link not in turned:
+            turned[joint.link] = list(range(address + first, address + first + 4))
             position[turned[joint.link]] = 0.0
         position[address + slot] = value
     for name, value in (speed or {}).items():
@@ -68,23 +76,23 @@ def started(
 def _found(robot: Robot, name: str, known: tuple[str, ...]) -> tuple[Joint, int]:
     """Return the joint that a name means, and which of its numbers."""
     for joint in robot.joints:
-        if joint.kind == "free" and name.startswith(f"{joint.link}."):
-            rest = name.removeprefix(f"{joint.link}.")
-            if rest in known:
-                return joint, known.index(rest)
+        part = PARTS[joint.kind](joint) if joint.kind in PARTS else ""
+        if part and name.startswith(f"{part}."):
+            rest = name.removeprefix(f"{part}.")
+            mine = known if joint.kind == "free" else known[3:]
+            if rest in mine:
+                return joint, mine.index(rest)
             raise RobotError(
-                f"there is no {name!r}; of {joint.link}, which floats, there are "
-                + ", ".join(known),
+                f"there is no {name!r}; of {part}, a {joint.kind} joint, there are "
+                + ", ".join(mine),
                 where=f"robot {robot.name}",
-                fix=f"the nearest are {nearest(rest, known)}",
+                fix=f"the nearest are {nearest(rest, mine)}",
             )
     joint = robot.joint(name)
     if joint.kind in {"hinge", "slide"}:
         return joint, 0
-    if joint.kind == "free":
-        fix = f"say {joint.link}.{known[0]} and so on, up to {joint.link}.{known[-1]}"
-    else:
-        fix = "leave it where the description has it; a ball joint cannot be set"
+    part, first = PARTS[joint.kind](joint), 0 if joint.kind == "free" else 3
+    fix = f"say {part}.{known[first]} and so on, up to {part}.{known[-1]}"
     raise RobotError(
         f"the {joint.kind} joint {name!r} has no single position or velocity",
         where=f"robot {robot.name}",

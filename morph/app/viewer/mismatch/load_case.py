@@ -7,12 +7,13 @@ from pathlib import Path
 from morph.app.viewer.given import Given
 from morph.app.viewer.mismatch.case import Case
 from morph.app.viewer.mismatch.diagnosed import command_of, load_diagnosed
-from morph.app.viewer.mismatch.poses import channels_of, untold
+from morph.app.viewer.mismatch.poses import untold
 from morph.body.robot import Robot
 from morph.errors import ViewError
 from morph.physics.worlds import world
 from morph.record.distinct import distinct
 from morph.record.load import load
+from morph.record.quantities import pose_channels
 from morph.record.recording import Recording
 
 
@@ -46,7 +47,7 @@ def _check(recordings: tuple[Recording, ...], robot: Robot) -> None:
             fix="give each file or episode a name of its own",
         )
     for recording in recordings:
-        wanted = [name for joint in robot.joints for name in channels_of(joint)]
+        wanted = [name for joint in robot.joints for name in pose_channels(joint)]
         if len(untold(recording, robot)) == len(robot.joints):
             raise ViewError(
                 f"it tells of no joint of {robot.name} where it is; its channels are "

@@ -7,13 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from morph.app.viewer.mismatch.poses import channels_of, speeds
+from morph.app.viewer.mismatch.poses import speeds
 from morph.app.viewer.mismatch.take import Model, Trace
 from morph.app.viewer.motion import RATE
 from morph.arrays import Array
 from morph.body.robot import Joint, Robot
 from morph.errors import SimulationFailed
 from morph.record.noise import noise
+from morph.record.quantities import pose_channels
 from morph.record.recording import Recording
 from morph.sim.simulator import Simulator
 from morph.sim.start import PLACES, SPEEDS
@@ -75,7 +76,7 @@ def traced(
     found = []
     for joint in robot.joints:
         first = int(model.joint(joint.name).qposadr[0])
-        for slot, name in enumerate(channels_of(joint)):
+        for slot, name in enumerate(pose_channels(joint)):
             if name not in recording.channels:
                 continue
             values = {key: each[:, first + slot] for key, each in poses.items()}
@@ -98,9 +99,9 @@ def traced(
 
 
 def _unit(joint: Joint, slot: int) -> str:
-    if joint.kind != "free":
+    if joint.kind in {"hinge", "slide"}:
         return joint.unit
-    return "m" if slot < 3 else "-"
+    return "m" if joint.kind == "free" and slot < 3 else "-"
 
 
 def _commands(robot: Robot, recording: Recording, begin: float) -> dict[str, Any]:
@@ -128,6 +129,9 @@ def _start(
         elif joint.kind == "free":
             start |= _named(joint.link, PLACES, position[q : q + 7])
             speed |= _named(joint.link, SPEEDS, velocity[v : v + 6])
+        else:
+            start |= _named(joint.name, PLACES[3:], position[q : q + 4])
+            speed |= _named(joint.name, SPEEDS[3:], velocity[v : v + 3])
     for name in speed:
         channel = recording.channels.get(name, recording.channels.get(f"{name}.velocity"))
         if channel is not None:

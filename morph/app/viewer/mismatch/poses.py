@@ -9,19 +9,9 @@ import numpy as np
 
 from morph.app.viewer.motion import RATE
 from morph.arrays import Array
-from morph.body.robot import Joint, Robot
-from morph.record.quantities import WXYZ, XYZ
+from morph.body.robot import Robot
+from morph.record.quantities import pose_channels
 from morph.record.recording import Recording
-
-
-def channels_of(joint: Joint) -> tuple[str, ...]:
-    """Return the channels that tell where a joint is; none for a ball joint."""
-    if joint.kind in {"hinge", "slide"}:
-        return (f"{joint.name}.position",)
-    if joint.kind == "free":
-        places = tuple(f"{joint.link}.position.{axis}" for axis in XYZ)
-        return places + tuple(f"{joint.link}.orientation.{axis}" for axis in WXYZ)
-    return ()
 
 
 def untold(recording: Recording, robot: Robot) -> tuple[str, ...]:
@@ -29,7 +19,7 @@ def untold(recording: Recording, robot: Robot) -> tuple[str, ...]:
     return tuple(
         joint.name
         for joint in robot.joints
-        if not channels_of(joint) or not set(channels_of(joint)) <= set(recording.channels)
+        if not set(pose_channels(joint)) <= set(recording.channels)
     )
 
 
@@ -38,7 +28,7 @@ def span(recording: Recording, robot: Robot) -> tuple[float, float]:
     told = [
         recording.channels[name]
         for joint in robot.joints
-        for name in channels_of(joint)
+        for name in pose_channels(joint)
         if name in recording.channels
     ]
     return max(float(each.time[0]) for each in told), min(float(each.time[-1]) for each in told)
@@ -59,13 +49,13 @@ def poses(recording: Recording, robot: Robot, model: Any, begin: float, seconds:
     when = begin + np.arange(int(seconds * RATE + 1e-6) + 1) / RATE
     found = np.repeat(np.asarray(model.qpos0)[None], len(when), axis=0)
     for joint in robot.joints:
-        names = channels_of(joint)
-        if names and set(names) <= set(recording.channels):
+        names = pose_channels(joint)
+        if set(names) <= set(recording.channels):
             first = int(model.joint(joint.name).qposadr[0])
             for slot, name in enumerate(names):
                 found[:, first + slot] = recording.channels[name].at(when)
-            if joint.kind == "free":
-                turn = found[:, first + 3 : first + 7]
+            if joint.kind in {"free", "ball"}:
+                turn = found[:, first + len(names) - 4 : first + len(names)]
                 turn /= np.maximum(np.linalg.norm(turn, axis=1, keepdims=True), 1e-9)
     return found
 

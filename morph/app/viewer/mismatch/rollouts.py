@@ -9,6 +9,7 @@ import numpy as np
 from morph.app.viewer.mismatch.take import Model, Trace
 from morph.app.viewer.motion import RATE
 from morph.arrays import Array
+from morph.body.load import FREEDOMS
 from morph.body.robot import Robot
 from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis
@@ -46,7 +47,7 @@ def traced(robot: Robot, segments: Segments, predicted: Mapping[str, Array]) -> 
     """Return each channel along all rollouts."""
     joined = traces(segments, predicted)
     errors = {name: rmse(segments, values) for name, values in predicted.items()}
-    links = [each.link for each in robot.joints for _ in range(6 if each.kind == "free" else 1)]
+    links = [each.link for each in robot.joints for _ in range(FREEDOMS[each.kind])]
     return tuple(
         Trace(
             channel=each.channel,
