@@ -252,8 +252,9 @@ def _motion(
     moments = transmission.moment
     force = actuator_forces(model, transmission, velocity, run.command)
     rate = np.gradient(run.command, run.step, axis=0) * model.actuator_gainprm[:, 0]
-    jacobian = about.tangent.jacobian
-    stiffness = -inverse(model, jacobian[:, :, 2 * dofs :]) @ jacobian[:, :, :dofs]
+    local = about.local
+    stiffness = -inverse(model, local[:, :, 2 * dofs :]) @ local[:, :, :dofs]
+    stiffness -= np.eye(dofs) * np.broadcast_to(run.slope, (samples, 2, dofs))[:, :1]
     links = [link.name for link in robot.links]
     return Motion(
         position=position,

@@ -20,9 +20,9 @@ def inverse(model: mujoco.MjModel, mobility: Array) -> Array:
     """
     if not leaders(model) and not chains(model):
         return np.asarray(np.linalg.inv(mobility))
-    size = 1.0 / np.sqrt(np.linalg.norm(mobility, axis=2))
+    size = 1.0 / np.sqrt(np.einsum("tii->ti", mobility))
     both = size[:, :, None] * size[:, None, :]
-    return np.asarray(both * np.linalg.pinv(both * mobility, rcond=HELD))
+    return np.asarray(both * np.linalg.pinv(both * mobility, rcond=HELD, hermitian=True))
 
 
 def carried(model: mujoco.MjModel, force: Array) -> Array:

@@ -187,16 +187,20 @@ def check_falls(episodes: Sequence[Episode], robot: Robot) -> None:
     in_water = robot.card is not None and robot.card.water is not None
     if in_water or not gravity.any():
         return
+    channels = episodes[0].measurement.channels
     for _, turn in episodes[0].measurement.coordinates.balls:
         place = slice(turn - 3, turn)
+        link = channels[turn].removesuffix(".rotation.x")
+        if channels[max(turn - 3, 0)] != f"{link}.position.x":
+            continue  # A ball joint turns alone.
         falls = np.mean(np.concatenate([each.acceleration[:, place] for each in episodes]), axis=0)
         if np.linalg.norm(falls - gravity) > HELD * np.linalg.norm(gravity):
-            link = episodes[0].measurement.channels[turn].removesuffix(".rotation.x")
             raise DiagnosisError(
                 f"link {link} does not fall as it would alone, and nothing is described there",
                 where=", ".join(dict.fromkeys(each.name for each in episodes)),
-                fix="describe the floor as a plane, a base that does not move as fixed, a robot in "
-                "water with its `[water]` in the card; or give runs of free flight",
+                fix="describe the floor as a plane or name it by --world, a base that does not "
+                "move as fixed, a robot in water with its `[water]` in the card; or give runs of "
+                "free flight",
             )
 
 

@@ -18,7 +18,7 @@ static void (*jacobian)(const mjModel*, const mjData*, mjtNum*, mjtNum*, const m
 static void (*jacobian_rate)(const mjModel*, const mjData*, mjtNum*, mjtNum*, const mjtNum*, int);
 
 /* Share of a row's pivot below which other constraints imply the row. */
-#define IMPLIED 1e-9
+#define IMPLIED 1e-8
 
 /* MuJoCo's own functions come as pointers, so that nothing is linked. */
 void morph_dynamics_bind(void *a, void *b, void *c, void *d, void *e, void *f, void *g, void *h,
@@ -43,7 +43,7 @@ static void set(const mjModel *m, mjData *d, int64_t t, const double *q, const d
  * points held together (`connect`) have three. MuJoCo's own constraints are soft springs; these
  * are rigid, and what they are off returns critically damped at `RETURN` rad/s.
  * Source: Baumgarte 1972, Computer Methods in Applied Mechanics and Engineering 1(1), 1-16.
- * Those of other kinds are left out. `off` (or NULL) receives by how much each is off. */
+ * Those of other kinds are left out. `part` receives the constraint of each row, `off` (or NULL) by how much it is off. */
 #define RETURN 50.0
 
 static int most_rows(const mjModel *m)
@@ -66,7 +66,7 @@ static void point_of(const mjModel *m, const mjData *d, int e, int side, mjtNum 
 			   turn[3 * i + 2] * local[2];
 }
 
-static int constraints(const mjModel *m, mjData *d, double *J, double *b, double *off)
+static int constraints(const mjModel *m, mjData *d, double *J, int *part, double *b, double *off)
 {
 	int n = m->nv, rows = 0;
 	mjtNum one[3 * n + 1], other[3 * n + 1], here[3], there[3];
@@ -85,7 +85,7 @@ static int constraints(const mjModel *m, mjData *d, double *J, double *b, double
 			b[rows] = 0.0;
 			if (off)
 				off[rows] = 0.0;
-			rows++;
+			part[rows++] = e;
 		} else if (m->eq_type[e] == mjEQ_CONNECT) {
 			int first, second;
 			point_of(m, d, e, 0, here, &first);
@@ -104,6 +104,7 @@ static int constraints(const mjModel *m, mjData *d, double *J, double *b, double
 			jacobian(m, d, other, NULL, there, second);
 			for (int i = 0; i < 3; i++, rows++) {
 				double speed = 0.0;
+				part[rows] = e;
 				for (int k = 0; k < n; k++) {
 					J[rows * n + k] = one[i * n + k] - other[i * n + k];
 					speed += J[rows * n + k] * d->qvel[k];
@@ -115,65 +116,89 @@ static int constraints(const mjModel *m, mjData *d, double *J, double *b, double
 	return rows;
 }
 
-/* M^-1 J' (rows, n) and the Cholesky factor of J M^-1 J' (rows, rows) at the state of `d`. A row
- * that others imply, as of a planar chain, has a pivot of zero and no force. */
-static void tie(const mjModel *m, mjData *d, int rows, const double *J, double *along,
-		double *factor)
+/* M^-1 J' (rows, n) and the Cholesky factor (rows, rows) of J M^-1 J' at the state of `d`. Returns
+ * how many rows count, in the order of `order`: those that the others imply, as one of the three of
+ * a planar chain, are left out. The row of which most is left comes next, in units of the largest
+ * of its constraint: taken in turn, one that is nearly implied would magnify what contradicts it. */
+static int tie(const mjModel *m, mjData *d, int rows, const double *J, const int *part,
+	       double *along, double *factor, int *order)
 {
-	int n = m->nv;
-	for (int r = 0; r < rows; r++)
+	int n = m->nv, rank = 0;
+	double most[m->neq + 1], left[rows + 1];
+	memset(most, 0, sizeof most);
+	for (int r = 0; r < rows; r++) {
+		left[r] = 0.0;
+		order[r] = r;
 		solve(m, d, along + r * n, J + r * n, 1);
-	for (int r = 0; r < rows; r++)
-		for (int c = 0; c <= r; c++) {
-			double sum = 0.0, whole;
+		for (int i = 0; i < n; i++)
+			left[r] += J[r * n + i] * along[r * n + i];
+		if (left[r] > most[part[r]])
+			most[part[r]] = left[r];
+	}
+	for (; rank < rows; rank++) {
+		int best = rank;
+		for (int k = rank + 1; k < rows; k++)
+			if (left[order[k]] * most[part[order[best]]] >
+			    left[order[best]] * most[part[order[k]]])
+				best = k;
+		int row = order[best];
+		if (!(left[row] > IMPLIED * most[part[row]]))
+			break;
+		order[best] = order[rank];
+		order[rank] = row;
+		/* Rows of the factor keep the number of their constraint's row, columns their turn. */
+		double pivot = sqrt(left[row]);
+		factor[row * rows + rank] = pivot;
+		for (int k = rank + 1; k < rows; k++) {
+			int other = order[k];
+			double sum = 0.0;
 			for (int i = 0; i < n; i++)
-				sum += J[r * n + i] * along[c * n + i];
-			whole = sum;
-			for (int k = 0; k < c; k++)
-				sum -= factor[r * rows + k] * factor[c * rows + k];
-			if (r == c)
-				factor[r * rows + r] = sum > IMPLIED * whole ? sqrt(sum) : 0.0;
-			else
-				factor[r * rows + c] =
-					factor[c * rows + c] > 0.0 ? sum / factor[c * rows + c] : 0.0;
+				sum += J[other * n + i] * along[row * n + i];
+			for (int c = 0; c < rank; c++)
+				sum -= factor[other * rows + c] * factor[row * rows + c];
+			factor[other * rows + rank] = sum / pivot;
+			left[other] -= factor[other * rows + rank] * factor[other * rows + rank];
 		}
+	}
+	return rank;
 }
 
 /* Gauss's principle: the vector nearest to x, in the metric of M, of which J x = b (0 if NULL). */
-static void project(int n, int rows, const double *J, const double *b, const double *along,
-		    const double *factor, double *x)
+static void project(int n, int rows, int rank, const double *J, const double *b,
+		    const double *along, const double *factor, const int *order, double *x)
 {
-	double force[rows + 1];
-	for (int r = 0; r < rows; r++) {
-		force[r] = b ? -b[r] : 0.0;
+	double force[rank + 1];
+	for (int r = 0; r < rank; r++) {
+		int row = order[r];
+		force[r] = b ? -b[row] : 0.0;
 		for (int i = 0; i < n; i++)
-			force[r] += J[r * n + i] * x[i];
+			force[r] += J[row * n + i] * x[i];
 		for (int k = 0; k < r; k++)
-			force[r] -= factor[r * rows + k] * force[k];
-		force[r] = factor[r * rows + r] > 0.0 ? force[r] / factor[r * rows + r] : 0.0;
+			force[r] -= factor[row * rows + k] * force[k];
+		force[r] /= factor[row * rows + r];
 	}
-	for (int r = rows - 1; r >= 0; r--) {
-		for (int k = r + 1; k < rows; k++)
-			force[r] -= factor[k * rows + r] * force[k];
-		force[r] = factor[r * rows + r] > 0.0 ? force[r] / factor[r * rows + r] : 0.0;
+	for (int r = rank - 1; r >= 0; r--) {
+		for (int k = r + 1; k < rank; k++)
+			force[r] -= factor[order[k] * rows + r] * force[k];
+		force[r] /= factor[order[r] * rows + r];
 	}
-	for (int r = 0; r < rows; r++)
+	for (int r = 0; r < rank; r++)
 		for (int i = 0; i < n; i++)
-			x[i] -= along[r * n + i] * force[r];
+			x[i] -= along[order[r] * n + i] * force[r];
 }
 
 /* Accelerations (states, nv). */
 void morph_forward(const mjModel *m, mjData *d, int64_t states, const double *q, const double *v,
 		   const double *u, double *found)
 {
-	int n = m->nv, most = most_rows(m);
+	int n = m->nv, most = most_rows(m), part[most + 1], order[most + 1];
 	double J[most * n + 1], b[most + 1], along[most * n + 1], factor[most * most + 1];
 	for (int64_t t = 0; t < states; t++) {
 		set(m, d, t, q, v, u);
 		forward(m, d, mjSTAGE_NONE, 1);
-		int rows = constraints(m, d, J, b, NULL);
-		tie(m, d, rows, J, along, factor);
-		project(n, rows, J, b, along, factor, d->qacc);
+		int rows = constraints(m, d, J, part, b, NULL);
+		int rank = tie(m, d, rows, J, part, along, factor, order);
+		project(n, rows, rank, J, b, along, factor, order, d->qacc);
 		memcpy(found + t * n, d->qacc, sizeof(double) * n);
 	}
 }
@@ -197,20 +222,20 @@ void morph_supplied(const mjModel *m, mjData *d, int64_t states, const double *q
 void morph_jacobians(const mjModel *m, mjData *d, int64_t states, double nudge, const double *q,
 		     const double *v, const double *u, double *found)
 {
-	int n = m->nv, most = most_rows(m);
+	int n = m->nv, most = most_rows(m), part[most + 1], order[most + 1];
 	double above[n], axis[n], column[n];
 	double J[most * n + 1], b[most + 1], along[most * n + 1], factor[most * most + 1];
 	for (int64_t t = 0; t < states; t++) {
 		double *to = found + t * n * 3 * n;
 		set(m, d, t, q, v, u);
 		forward(m, d, mjSTAGE_NONE, 1);
-		int rows = constraints(m, d, J, b, NULL);
-		tie(m, d, rows, J, along, factor);
+		int rows = constraints(m, d, J, part, b, NULL);
+		int rank = tie(m, d, rows, J, part, along, factor, order);
 		for (int k = 0; k < n; k++) {
 			memset(axis, 0, sizeof axis);
 			axis[k] = 1.0;
 			solve(m, d, column, axis, 1);
-			project(n, rows, J, NULL, along, factor, column);
+			project(n, rows, rank, J, NULL, along, factor, order, column);
 			for (int i = 0; i < n; i++)
 				to[i * 3 * n + 2 * n + k] = column[i];
 		}
@@ -226,10 +251,10 @@ void morph_jacobians(const mjModel *m, mjData *d, int64_t states, double nudge, 
 					d->qvel[k - n] += side * nudge;
 				forward(m, d, skipped, 1);
 				if (rows)
-					constraints(m, d, J, b, NULL);
+					constraints(m, d, J, part, b, NULL);
 				if (k < n)
-					tie(m, d, rows, J, along, factor);
-				project(n, rows, J, b, along, factor, d->qacc);
+					rank = tie(m, d, rows, J, part, along, factor, order);
+				project(n, rows, rank, J, b, along, factor, order, d->qacc);
 				if (side > 0)
 					memcpy(above, d->qacc, sizeof above);
 				memcpy(d->qpos, q + t * m->nq, sizeof(double) * m->nq);
@@ -244,7 +269,7 @@ void morph_jacobians(const mjModel *m, mjData *d, int64_t states, double nudge, 
 /* Positions (states, nq) moved to where chains close, by Gauss-Newton steps in the metric of M. */
 void morph_closed(const mjModel *m, mjData *d, int64_t states, int steps, double *q)
 {
-	int n = m->nv, most = most_rows(m);
+	int n = m->nv, most = most_rows(m), part[most + 1], order[most + 1];
 	double J[most * n + 1], b[most + 1], along[most * n + 1], factor[most * most + 1];
 	double off[most + 1], step[n];
 	memset(d->qvel, 0, sizeof(double) * n);
@@ -253,12 +278,12 @@ void morph_closed(const mjModel *m, mjData *d, int64_t states, int steps, double
 			memcpy(d->qpos, q + t * m->nq, sizeof(double) * m->nq);
 			positions(m, d);
 			velocities(m, d);
-			int rows = constraints(m, d, J, b, off);
-			tie(m, d, rows, J, along, factor);
+			int rows = constraints(m, d, J, part, b, off);
+			int rank = tie(m, d, rows, J, part, along, factor, order);
 			for (int r = 0; r < rows; r++)
 				off[r] = -off[r];
 			memset(step, 0, sizeof step);
-			project(n, rows, J, off, along, factor, step);
+			project(n, rows, rank, J, off, along, factor, order, step);
 			integrate(m, q + t * m->nq, step, 1.0);
 		}
 }

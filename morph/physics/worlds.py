@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import difflib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+from morph.body.fulltext import fulltext
 from morph.body.robot import Robot
+from morph.body.spec import bare_spec
 from morph.errors import EffectError
+from morph.physics.apply import apply
 from morph.physics.contact.presets import SURFACES, surface
 from morph.physics.effect import Effect
 from morph.physics.fluid.water import FRESH, SALT, immersed
@@ -30,6 +33,24 @@ class World:
 def world_names() -> tuple[str, ...]:
     """Return the names of all worlds."""
     return (*WATERS, *(floor.name for floor in SURFACES))
+
+
+def on_floor(robot: Robot, name: str) -> Robot:
+    """Return a robot whose description has the floor of a named world.
+
+    Raises:
+        EffectError: There is no such world, or it is water.
+    """
+    if name in WATERS:
+        raise EffectError(
+            f"{name} is no floor",
+            where="--world",
+            fix="put the robot into water by `[water]` in its card",
+        )
+    spec = bare_spec(robot)
+    apply(spec, world(name, robot).effects)
+    spec.compile()
+    return replace(robot, mjcf=fulltext(spec))
 
 
 def world(name: str, robot: Robot) -> World:

@@ -39,6 +39,8 @@ class Diagnose:
     """Folder that a recording.toml's files are relative to, instead of its own `root`."""
     budget: float | None = None
     """Seconds after which the best answer so far is written (exit status 3)."""
+    world: Annotated[str | None, tyro.conf.arg(metavar="NAME")] = None
+    """The floor that it stood on, where the description has none: as `morph simulate --world`."""
     seed: int = 0
     """Random seed."""
     json: bool = False

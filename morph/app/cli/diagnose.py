@@ -47,7 +47,11 @@ def run_diagnose(asked: Diagnose) -> int:
 
 
 def _diagnosed(asked: Diagnose, horizon: float | None, vary: dict[str, float]) -> Diagnosis:
+    from morph.physics.worlds import on_floor
+
     robot = load_robot(asked.robot)
+    if asked.world is not None:
+        robot = on_floor(robot, asked.world)
     fitted, aside = _recordings(asked, robot)
     from morph.inference.diagnose import diagnose
 
@@ -203,6 +207,7 @@ def _command(asked: Diagnose) -> str:
         ("--vary", asked.vary),
     ):
         parts += [option, *values] if values else []
+    parts += ["--world", asked.world] if asked.world is not None else []
     parts += ["--horizon", asked.horizon] if asked.horizon != "1.0" else []
     parts += ["--root", str(asked.root)] if asked.root is not None else []
     parts += ["--budget", f"{asked.budget:g}"] if asked.budget is not None else []
