@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from experiments.bodies_driven import NOISE, STEP, moved_along_sines, read
+from experiments.bodies_driven import NOISE, PERIOD, STEP, moved_along_sines, read
 from experiments.engine_options import add_engine_options, rows_of, seeds_of
 from experiments.figures.save_options import Save, parse_and_save
 from experiments.needs import need_robots
@@ -73,8 +73,9 @@ DRAWS = 40
 """Laws that are drawn until one acts."""
 SURE = 0.5
 """Probability of `unknown` above which it is part of the answer."""
-SHOWN = 3.0
-"""Least change of the readings over their noise by a law that is drawn, RMS over half a second."""
+SHOWN, WINDOW = 3.0, round(0.5 / PERIOD)
+"""Least change of the readings over their noise by a law that is drawn, RMS, and after how many
+commands."""
 
 
 def bodies(corpus: int, seed: int) -> list[str]:
@@ -188,13 +189,13 @@ def _shows(robot: Robot, law: Effect, clean: Trajectory) -> bool:
     ends = []
     for effects in ((), (law,)):
         simulator = Simulator(robot, effects=effects, step=STEP)
-        every = np.arange(0, len(clean.time) - 501, 500)
+        every = np.arange(0, len(clean.time) - WINDOW - 1, WINDOW)
         start = clean.position[every], clean.velocity[every]
 
         def act(q: Array, v: Array, t: float, first: Any = every) -> Any:
-            return told[first + round(t / STEP)]
+            return told[first + round(t / PERIOD)]
 
-        loop = closed_loop(simulator, act, *start, period=STEP, seconds=0.5)
+        loop = closed_loop(simulator, act, *start, period=PERIOD, seconds=WINDOW * PERIOD)
         ends.append(loop.position[:, -1])
     return bool(np.sqrt(np.mean(np.max((ends[1] - ends[0]) ** 2, axis=1))) > SHOWN * NOISE)
 

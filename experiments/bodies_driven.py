@@ -18,8 +18,8 @@ from morph.sim.closed_loop import closed_loop
 from morph.sim.simulator import Simulator, Trajectory
 from morph.sim.start import started
 
-STEP = 0.001
-"""Seconds a step of the simulation."""
+STEP, PERIOD = 0.00025, 0.002
+"""Seconds a step of the simulation, which damps to first order, and between two commands."""
 LOWEST, HIGHEST, WAVES = 0.1, 1.5, 5
 """Hz: the band of the sines, and how many are added."""
 REACH, FREE = 0.25, 0.6
@@ -40,9 +40,7 @@ def moved_along_sines(
     simulator = Simulator(robot, effects=effects, step=STEP)
     act, start = _controller(robot, Simulator(robot, step=STEP).model, rng)
     still = np.zeros(simulator.model.nv)
-    loop = closed_loop(
-        simulator, act, start[None], still[None], period=2 * STEP, seconds=SECONDS, every_step=True
-    )
+    loop = closed_loop(simulator, act, start[None], still[None], period=PERIOD, seconds=SECONDS)
     if not loop.stable[0]:
         raise SimulationFailed("it diverges", where=f"robot {robot.name}", fix="draw another seed")
     told = loop.command[0, :-1]
@@ -117,7 +115,7 @@ def read(
 ) -> Recording:
     """Return a motion as it is logged."""
     made = Simulator(robot, effects=effects, step=STEP).recorded(moved, name)
-    every, channels = round(1.0 / (RATE * STEP)), {}
+    every, channels = round(1.0 / (RATE * PERIOD)), {}
     for channel, each in made.channels.items():
         if each.hold:
             channels[channel] = each

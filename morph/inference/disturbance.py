@@ -27,14 +27,15 @@ FORCED = 0.3
 starts."""
 NUDGE = 1e-3
 """Finite-difference step of the logarithm of the correlation time."""
-MOST_SAMPLES = 1500
-"""Samples of a run by which its disturbance is judged."""
+MOST_SAMPLES, LEAST_SAMPLES, DOFS = 1500, 300, 12
+"""Samples of a run by which its disturbance is judged, and from how many degrees of freedom on they
+are fewer, as one over their square: the time of each grows with their cube."""
 
 
 def likeliest_disturbance(about: Reference, *, steps: int) -> Disturbance:
     """Return the scales, the correlation time and the noise under which readings are likeliest.
 
-    A few seconds from the middle of a run stand for all of it.
+    A second or a few from the middle of a run stand for all of it.
 
     Source: Rasmussen and Williams 2006, section 5.4.1 (the marginal likelihood).
 
@@ -42,7 +43,8 @@ def likeliest_disturbance(about: Reference, *, steps: int) -> Disturbance:
         about: The motion; its disturbance is where the search starts.
         steps: Most steps of L-BFGS.
     """
-    whole, about = about.disturbance, _middle(about, MOST_SAMPLES)
+    few = MOST_SAMPLES * (DOFS / max(DOFS, about.velocity.shape[1])) ** 2
+    whole, about = about.disturbance, _middle(about, max(LEAST_SAMPLES, int(few)))
     first, tangent = about.disturbance, about.tangent
     dofs, channels = len(first.scale), len(about.sensed)
 
