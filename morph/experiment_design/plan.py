@@ -13,7 +13,7 @@ from morph.arrays import Array
 from morph.body.robot import Robot
 from morph.errors import DiagnosisError
 from morph.experiment_design.effect_size import sized
-from morph.experiment_design.excitation import Excitation, excitations
+from morph.experiment_design.excitation import excitations
 from morph.experiment_design.separation import POWER, ExperimentPlan, PlannedRun, Separation, power
 from morph.inference.columns import Columns
 from morph.inference.design_matrix import believed, effect_columns, whitened_levels
@@ -83,14 +83,14 @@ def plan(
         step=step_for([each.recording for each in shown], robot),
         knobs=knobs(robot, vary),
     )
-    strongest = _seen(nominal, shown[0], noise)
-    others = (_seen(nominal, each, noise) for each in shown[1:])
+    strongest = expected_motion(nominal, shown[0].recording, noise)
+    others = (expected_motion(nominal, each.recording, noise) for each in shown[1:])
     grids = sized(robot, laws, chain([strongest], others))
     tables = []
     for number, each in enumerate(shown):
         progress(f"looking at motion {number + 1} of {len(shown)}: {each.kind}")
-        seen = strongest if number == 0 else _seen(nominal, each, noise)
-        tables.append(_information(nominal, grids, seen))
+        seen = strongest if number == 0 else expected_motion(nominal, each.recording, noise)
+        tables.append(laws_information(nominal, grids, seen))
     pairs = _pairs(grids, two=bool(laws))
     if not pairs:
         raise DiagnosisError(
@@ -153,9 +153,15 @@ def _read(made: Recording, rate: float) -> Recording:
     return replace(made, channels=channels)
 
 
-def _seen(nominal: Hypothesis, each: Excitation, noise: float) -> Observed:
-    """Return a planned motion linearised, with the noise and the missing force to reckon with."""
-    laid = episode(each.recording, nominal.robot, nominal.step)
+def expected_motion(nominal: Hypothesis, recording: Recording, noise: float) -> Observed:
+    """Return a motion linearised, with the noise and the missing force to reckon with.
+
+    Args:
+        nominal: The description.
+        recording: A motion of it, simulated.
+        noise: Standard deviation of readings, rad or m.
+    """
+    laid = episode(recording, nominal.robot, nominal.step)
     laid = replace(laid, noise=np.full_like(laid.noise, noise))
     seen = observed(nominal.at(nominal.start).model, nominal.robot, laid)
     about = seen.about
@@ -165,7 +171,9 @@ def _seen(nominal: Hypothesis, each: Excitation, noise: float) -> Observed:
     return replace(seen, about=replace(about, disturbance=expected))
 
 
-def _information(nominal: Hypothesis, grids: Sequence[tuple[Effect, ...]], seen: Observed) -> Array:
+def laws_information(
+    nominal: Hypothesis, grids: Sequence[tuple[Effect, ...]], seen: Observed
+) -> Array:
     """Return the Gram matrix of laws beside own figures, by length of the run.
 
     Shape (lengths, columns, columns): what is left of them when the description's own figures are

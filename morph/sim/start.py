@@ -25,6 +25,7 @@ PARTS: Mapping[str, Callable[[Joint], str]] = {
     "ball": lambda joint: joint.name,
 }
 """What the channels of a joint that turns freely begin with."""
+MOVES = {"free": "floats", "ball": "turns"}
 
 
 def started(
@@ -83,7 +84,7 @@ def _found(robot: Robot, name: str, known: tuple[str, ...]) -> tuple[Joint, int]
             if rest in mine:
                 return joint, mine.index(rest)
             raise RobotError(
-                f"there is no {name!r}; of {part}, a {joint.kind} joint, there are "
+                f"there is no {name!r}; of {part}, which {MOVES[joint.kind]}, there are "
                 + ", ".join(mine),
                 where=f"robot {robot.name}",
                 fix=f"the nearest are {nearest(rest, mine)}",

@@ -130,8 +130,9 @@ def remains(diagnosis: Diagnosis) -> tuple[str, ...]:
     unsure = percent(left.probability)
     if left.contact:
         said = [
-            "The robot touches a floor, whose forces are among the missing. That physics is left "
-            f"which was not named has a probability of {unsure}, by rollouts alone."
+            "The robot touches a floor or the stops of its joints, whose forces are among the "
+            f"missing. That physics is left which was not named has a probability of {unsure}, by "
+            "rollouts alone."
         ]
     else:
         said = [f"That physics is left which was not named has a probability of {unsure}."]

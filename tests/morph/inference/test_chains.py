@@ -35,12 +35,8 @@ def angles(crank: Array) -> Array:
     crank = np.asarray(crank, dtype=float)
     x, z = CRANK * np.cos(crank) - GROUND, CRANK * np.sin(crank)
     away = np.hypot(x, z)
-    rocker = np.arctan2(z, x) - np.arccos(
-        (away**2 + ROCKER**2 - ROD**2) / (2.0 * away * ROCKER)
-    )
-    rod = np.arctan2(
-        ROCKER * np.sin(rocker) - z, ROCKER * np.cos(rocker) - x
-    )
+    rocker = np.arctan2(z, x) - np.arccos((away**2 + ROCKER**2 - ROD**2) / (2.0 * away * ROCKER))
+    rod = np.arctan2(ROCKER * np.sin(rocker) - z, ROCKER * np.cos(rocker) - x)
     return np.stack([crank, np.unwrap(rod, axis=-1) if rod.ndim else rod, rocker])
 
 
@@ -171,9 +167,7 @@ def test_a_closed_chain_moves_as_lagrange_says(robot: Robot) -> None:
     exact = slope(crank, rate, effort)
     assert np.allclose(found[:, dofs["crank"]], exact, rtol=1e-4, atol=1e-3)
     mobility = jacobians(model, position, velocity, effort[:, None])[:, :, 6:]
-    assert np.allclose(
-        mobility[:, dofs["crank"], dofs["crank"]], 1.0 / inertia(crank), rtol=1e-6
-    )
+    assert np.allclose(mobility[:, dofs["crank"], dofs["crank"]], 1.0 / inertia(crank), rtol=1e-6)
     # Positions that are off are moved to where the chain closes, and stay near.
     off = position + 1e-2 * rng.normal(size=position.shape)
     near = closed(model, off)

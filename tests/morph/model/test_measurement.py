@@ -40,9 +40,19 @@ def test_a_joint_has_one_channel_and_a_free_one_six(floating: Robot) -> None:
     assert found.needed[-4:] == tuple(f"{free.link}.orientation.{axis}" for axis in WXYZ)
 
 
-def test_a_ball_joint_is_refused_by_name(floating: Robot) -> None:
-    ball = replace(floating.joints[-1], kind="ball")
-    with pytest.raises(DiagnosisError, match=f"joint {ball.name} is ball"):
+def test_a_ball_joint_is_read_by_its_own_orientation(floating: Robot) -> None:
+    *others, last = floating.joints
+    ball = replace(last, kind="ball", name="shoulder")
+    found = Measurement.of(replace(floating, joints=(*others, ball)))
+    assert found.needed[-4:] == tuple(f"shoulder.orientation.{axis}" for axis in WXYZ)
+    assert found.channels[-3:] == tuple(f"shoulder.rotation.{axis}" for axis in "xyz")
+    assert found.units[-3:] == ("rad",) * 3
+    assert found.coordinates.balls[-1][1] == found.coordinates.dofs - 3
+
+
+def test_a_ball_joint_that_is_named_as_a_link_is_refused(floating: Robot) -> None:
+    ball = replace(floating.joints[-1], kind="ball", name=floating.links[0].name)
+    with pytest.raises(DiagnosisError, match="and a link have one name"):
         Measurement.of(replace(floating, joints=(*floating.joints[:-1], ball)))
 
 

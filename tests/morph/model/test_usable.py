@@ -45,12 +45,14 @@ CHAIN = """<mujoco><worldbody>
 </worldbody><equality><connect name="pin" site1="one" site2="other"/></equality></mujoco>"""
 
 
-def test_a_closed_chain_is_refused(tmp_path: Path) -> None:
+def test_a_closed_chain_is_refused_if_it_is_welded(tmp_path: Path) -> None:
     path = tmp_path / "chain.xml"
-    path.write_text(CHAIN)
-    with pytest.raises(DiagnosisError, match="the closed chain pin is not") as caught:
+    path.write_text(CHAIN.replace("connect", "weld"))
+    with pytest.raises(DiagnosisError, match="the closed chain pin is welded") as caught:
         check_tree(load(path))
-    assert "cut the chain" in caught.value.fix
+    assert "close the chain by a pin" in caught.value.fix
+    path.write_text(CHAIN)
+    check_tree(load(path))
 
 
 @pytest.mark.parametrize(
