@@ -167,10 +167,7 @@ def _by_rollouts(task: EffectSelection, own: Finalist) -> _Found:
 
 
 def _told(robot: Robot) -> bool:
-    """Return whether all forces on a robot's joints are told.
-
-    Those of servos are guesses, and those in a closed chain are not known.
-    """
+    """Return whether all forces on joints are told: of servos they are guesses, in chains unknown."""
     return all(each.kind == "motor" for each in robot.actuators) and not robot.loops
 
 

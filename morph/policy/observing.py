@@ -37,8 +37,7 @@ def units(robot: Robot) -> dict[str, str]:
     """Return the unit of every channel that follows from the state of a body.
 
     First the positions of all joints in the body's order, then their velocities, named as
-    recordings name them. These have no name for a ball joint: it is seen by its own name,
-    relative to the link that it hangs from.
+    recordings name them: a ball joint by its own name, relative to the link that it hangs from.
     """
     return {
         name: unit for rate in (0, 1) for joint in robot.joints for name, unit in _of(joint, rate)
