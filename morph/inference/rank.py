@@ -167,7 +167,7 @@ def _by_rollouts(task: EffectSelection, own: Finalist) -> _Found:
 
 
 def _told(robot: Robot) -> bool:
-    """Return whether all forces on joints are told: of servos they are guesses, in chains unknown."""
+    """Return whether all forces on joints are told: of servos and in chains they are guesses."""
     return all(each.kind == "motor" for each in robot.actuators) and not robot.loops
 
 
