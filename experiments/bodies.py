@@ -19,13 +19,12 @@ from typing import Any
 
 import numpy as np
 
-from experiments.bodies_driven import NOISE, PERIOD, STEP, moved_along_sines, read
+from experiments.bodies_driven import NOISE, PERIOD, STEP, loaded, moved_along_sines, read
 from experiments.engine_options import add_engine_options, rows_of, seeds_of
 from experiments.figures.save_options import Save, parse_and_save
 from experiments.needs import need_robots
 from morph.arrays import JSON, Array
 from morph.body import shelf
-from morph.body.load import load
 from morph.body.robot import Robot
 from morph.errors import MorphError, SimulationFailed
 from morph.experiment_design.effect_size import at_share
@@ -38,7 +37,6 @@ from morph.model.hypothesis import Hypothesis
 from morph.model.knobs import knobs
 from morph.physics import EFFECTS
 from morph.physics.effect import Effect
-from morph.physics.worlds import on_floor
 from morph.record.recording import Recording
 from morph.sim.closed_loop import closed_loop
 from morph.sim.simulator import Simulator, Trajectory
@@ -69,8 +67,6 @@ LEAST, MOST = 0.1, 0.6
 """Size of a law: its force over the force of the joint's drives or the inertial one, RMS."""
 BUDGET = 600.0
 """Seconds that a diagnosis is given."""
-FLOOR = "hard_floor"
-"""Under bodies that float in air."""
 RUNS = 3
 """Runs of a case."""
 DRAWS = 40
@@ -99,7 +95,7 @@ def bodies(corpus: int, seed: int) -> list[str]:
 def case(body: str, seed: int, *, clean: bool) -> JSON:
     """Return what is hidden in one body and what is found."""
     rng = np.random.default_rng([21, seed, zlib.crc32(body.encode()), int(clean)])
-    robot = _loaded(body)
+    robot = loaded(body)
     hidden, share = (None, 0.0) if clean else _drawn(robot, rng)
     effects = () if hidden is None else (hidden,)
     runs = [_recorded(robot, effects, rng, f"take_{at}") for at in range(RUNS)]
@@ -130,14 +126,6 @@ def case(body: str, seed: int, *, clean: bool) -> JSON:
         "stopped_short": found.stopped_short,
         "cpu_seconds": time.process_time() - began,
     }
-
-
-def _loaded(body: str) -> Robot:
-    """Return a body; one that floats in air stands on a floor."""
-    robot = load(body if "/" not in body else need_robots() / body)
-    wet = robot.card is not None and robot.card.water is not None
-    floats = any(joint.kind == "free" for joint in robot.joints)
-    return on_floor(robot, FLOOR) if floats and not wet else robot
 
 
 def _drawn(robot: Robot, rng: np.random.Generator) -> tuple[Effect, float]:

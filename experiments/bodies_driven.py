@@ -9,10 +9,14 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from experiments.needs import need_robots
 from morph.arrays import Array
+from morph.body.load import load
 from morph.body.robot import Robot
+from morph.body.spec import spec_of
 from morph.errors import SimulationFailed
 from morph.physics.effect import Effect
+from morph.physics.worlds import on_floor
 from morph.record.recording import Channel, Recording
 from morph.sim.closed_loop import closed_loop
 from morph.sim.simulator import Simulator, Trajectory
@@ -29,8 +33,32 @@ EFFORT = 0.3
 """Share of an actuator's limit that it is told where it drives no joint of its own."""
 QUICKNESS = 12.0
 """Natural frequency of the controller of a joint that is driven by effort, rad/s."""
+FLOOR = "hard_floor"
+"""Under bodies that would fall without end."""
+UPRIGHT = 0.9
+"""Least vertical part of an axis along which a link would fall."""
 SECONDS, RATE, NOISE = 8.0, 100.0, 5e-4
 """Length of a run in s, readings a second and their standard deviation, rad or m."""
+
+
+def loaded(body: str) -> Robot:
+    """Return a body; one that would fall without end stands on a floor."""
+    robot = load(body if "/" not in body else need_robots() / body)
+    wet = robot.card is not None and robot.card.water is not None
+    return on_floor(robot, FLOOR) if not wet and _falls(robot) else robot
+
+
+def _falls(robot: Robot) -> bool:
+    """Return whether a link floats, or slides upright with no drive."""
+    model = spec_of(robot).compile()
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    upright = [
+        joint.name not in robot.driven and abs(float(data.joint(joint.name).xaxis[2])) > UPRIGHT
+        for joint in robot.joints
+        if joint.kind == "slide"
+    ]
+    return any(upright) or any(joint.kind == "free" for joint in robot.joints)
 
 
 def moved_along_sines(
