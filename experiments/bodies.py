@@ -78,18 +78,20 @@ SHOWN, WINDOW = 3.0, round(0.5 / PERIOD)
 commands."""
 
 
-def bodies(corpus: int, seed: int) -> list[str]:
+def bodies(corpus: int, seed: int, joints: int) -> list[str]:
     """Return the names of the shelf, and paths below the folder of published robots.
 
     Args:
         corpus: How many of the corpus of descriptions are drawn.
         seed: Random seed of the draw.
+        joints: Most joints of a body.
     """
     root = need_robots()
     found = [*shelf.names(), *PUBLISHED]
     there = sorted(each.name for each in (root / CORPUS).glob("*.urdf"))
     order = np.random.default_rng([21, seed]).permutation(len(there))
-    return found + [f"{CORPUS}/{there[at]}" for at in order[:corpus]]
+    found += [f"{CORPUS}/{there[at]}" for at in order[:corpus]]
+    return [body for body in found if len(loaded(body).joints) <= joints]
 
 
 def case(body: str, seed: int, *, clean: bool) -> JSON:
@@ -243,7 +245,7 @@ def main(argv: list[str] | None = None) -> int:
     cases = [
         {"body": body, "seed": seed, "clean": clean}
         for seed in seeds
-        for body in told.only or bodies(told.corpus, seed)
+        for body in told.only or bodies(told.corpus, seed, told.joints)
         for clean in (False, True)
     ]
     rows = rows_of(cells_of(case, cases), told, name="bodies")
@@ -276,6 +278,7 @@ def _asked(argv: list[str] | None) -> tuple[argparse.Namespace, Save]:
     parser.add_argument("--seeds", default="100:101", help="A:B, or how many from 0")
     parser.add_argument("--only", nargs="+", help="bodies, instead of all")
     parser.add_argument("--corpus", type=int, default=10, help="robots drawn from the corpus")
+    parser.add_argument("--joints", type=int, default=50, help="bodies of at most so many joints")
     add_engine_options(parser, out="out/bodies")
     return parse_and_save(parser, argv, module="experiments.bodies")
 

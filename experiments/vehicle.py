@@ -49,7 +49,7 @@ HORIZON = 10.0
 """Seconds of the held-out rollouts."""
 VARY = {"gain": 0.5}
 """Fractions by which the description may be wrong: what a command thrusts is assumed."""
-PUSHED, TOLD = "thrust refitted", "told the published drag, thrust refitted"
+PUSHED, TOLD = "thrust refitted", "told the published drag"
 THEIRS = ("zero_shot", "knn", "mtgp", "svgp")
 """The publishers' simulations: their equations, and three kinds of residual learned beside them."""
 
@@ -61,6 +61,7 @@ def parts_of(recording: Recording) -> list[Recording]:
         replace(
             recording,
             name=f"{recording.name}_{number}",
+            sha256="",
             channels={
                 name: _within(channel, *ends) for name, channel in recording.channels.items()
             },
@@ -177,7 +178,7 @@ def theirs(root: Path, session: str) -> dict[str, float]:
         made = {name: np.array(data[f"sim_vel_{name}"])[:, 0] for name in THEIRS}
     first = len(real) * FITTED // PARTS
     return {
-        f"theirs, {name}": float(np.sqrt(np.mean((each - real)[first:] ** 2)))
+        f"their {name}": float(np.sqrt(np.mean((each - real)[first:] ** 2)))
         for name, each in made.items()
     }
 
@@ -227,8 +228,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     print(
         f"surge velocity over {HORIZON:g} s, held out, RMS ({result['deviation']:.3f} m/s moves):"
     )
-    for name, error in result["surge"].items():
-        print(f"  {name:44}{error:8.3f} m/s")
+    for name, surge_error in result["surge"].items():
+        print(f"  {name:44}{surge_error:8.3f} m/s")
     return 0
 
 

@@ -118,7 +118,11 @@ def dictionary(
     # A law at a joint that follows another is one at its leader.
     still = {joint.name for joint in robot.joints if joint.mimic is not None}
     still |= {name for name in joints if not any(_moves(name, run) for run in runs)}
+    # Links that are welded to another move as one with it: it stands for them.
+    jointed = {joint.link for joint in robot.joints}
+    jointed |= {effect.where for effect in known}
     idle = {
+        "body": {link.name for link in robot.links if link.name not in jointed},
         "joint": still,
         "actuator": {each.name for each in robot.actuators if each.joint in still},
     }
