@@ -98,8 +98,8 @@ def surge(segments: Segments, reading: Array) -> Array:
     turn = product(turned(reading[..., 3:6]), segments.attitude[..., 0, :])
     time = segments.step * (segments.before + segments.part)
     found = np.full(time.shape, np.nan)
-    for row, valid in enumerate(segments.valid.all(axis=2)):
-        at = np.flatnonzero(valid)
+    for row in range(len(segments)):
+        at = np.flatnonzero(segments.valid[row].all(axis=1))
         rate = np.zeros((len(at), 4))
         rate[:, 1:] = np.gradient(reading[row, at, :3], time[row, at], axis=0)
         along = product(product(conjugate(turn[row, at]), rate), turn[row, at])
