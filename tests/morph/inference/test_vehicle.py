@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,9 +12,14 @@ import pytest
 from morph.arrays import Array
 from morph.body.load import load
 from morph.body.robot import Robot
+from morph.body.spec import spec_of
 from morph.inference.diagnose import diagnose
+from morph.inference.dictionary import dictionary
+from morph.inference.observed import observed
 from morph.model.diagnosis import Diagnosis
+from morph.model.episodes import episode
 from morph.physics.actuator.torque_saturation import TorqueSaturation
+from morph.physics.body.payload import Payload
 from morph.physics.effect import Effect
 from morph.record.recording import Channel, Recording
 from morph.sim.simulator import Simulator
@@ -67,6 +73,21 @@ def test_a_thruster_that_saturates_is_found(vehicle: Robot) -> None:
     limit = found.findings[0].parameters["limit"]
     assert limit.value == pytest.approx(4.0, rel=0.05)
     assert limit.unit == "N"
+
+
+def test_a_welded_link_has_no_laws_of_its_own(tmp_path: Path) -> None:
+    path = tmp_path / "vehicle.xml"
+    foam = '<body name="foam"><geom size="0.05" mass="0.5"/></body></body></worldbody>'
+    path.write_text(VEHICLE.replace("</body></worldbody>", foam))
+    robot = load(path)
+    step = 0.004
+    laid = episode(run(robot, 0), robot, step)
+    seen = observed(spec_of(robot, timestep=step).compile(), robot, laid)
+    links = {grid[0].where for grid in dictionary(robot, [seen], ()) if grid[0].kind == "body"}
+    assert links == {"hull"}
+    known = (Payload(body="foam"),)
+    told = {grid[0].label for grid in dictionary(robot, [seen], known)}
+    assert "payload@foam" in told
 
 
 def test_nothing_is_said_of_a_vehicle_as_described(vehicle: Robot) -> None:
