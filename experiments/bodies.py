@@ -173,7 +173,8 @@ def _at_random(robot: Robot, rng: np.random.Generator) -> Effect:
         and kind.places(robot)
     ]
     kind = kinds[int(rng.integers(len(kinds)))]
-    places = kind.places(robot)
+    # Velocities are not read.
+    places = [name for name in kind.places(robot) if not name.endswith(".velocity")]
     return kind.at(places[0 if kind.everywhere else int(rng.integers(len(places)))])
 
 

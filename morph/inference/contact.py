@@ -63,6 +63,15 @@ def touches(robot: Robot, episodes: Sequence[Episode]) -> bool:
     return float(np.mean(found)) > LEAST
 
 
+def at_stops(robot: Robot, episodes: Sequence[Episode]) -> bool:
+    """Return whether joints are at the ends of their described ranges in part of the runs."""
+    model = spec_of(robot).compile()
+    ends = model.jnt_limited.astype(bool) & (model.jnt_type >= int(mujoco.mjtJoint.mjJNT_SLIDE))
+    place, (low, high) = model.jnt_qposadr[ends], model.jnt_range[ends].T
+    at = np.concatenate([episode.position[:, place] for episode in episodes])
+    return bool((((at < low) | (at > high)).mean(axis=0) > LEAST).any())
+
+
 @dataclass(frozen=True, kw_only=True)
 class _Floor:
     """Laws of contact under trial beside a set of effects, and the error of rollouts with them."""

@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from morph.body.robot import Robot
-from morph.inference.contact import touches
+from morph.inference.contact import at_stops, touches
 from morph.inference.effect_selection import EffectSelection
 from morph.inference.finalist import Finalist, gains, labels, simplified, under
 from morph.inference.observed import missing
@@ -81,25 +81,25 @@ def ranked(
     Args:
         nominal: The description, with its figures that may be wrong, and no effect.
         episodes: Its runs.
-        known: Effects whose fixed parameters are known, such as a paddle's edge. They are looked
-            for instead of those at the same places with defaults.
+        known: Effects whose fixed parameters are known: looked for instead of those with defaults.
         progress: Told what is being done, and the share of the work that is behind.
-        deadline: Time of the monotonic clock, about that of the answer. No step of a refit begins
-            after it, less what a last search and held-out scores take.
+        deadline: Time of the monotonic clock, about that of the answer: less what a last search
+            and held-out scores take, no step of a refit begins after it.
     """
-    validation = Validation.of(episodes, touching=touches(nominal.robot, episodes))
+    touching, stopped = (acts(nominal.robot, episodes) for acts in (touches, at_stops))
+    validation = Validation.of(episodes, touching=touching, stopped=stopped)
     task = EffectSelection(
         nominal=nominal,
         episodes=episodes,
         known=known,
         validation=validation,
-        by_rollouts=validation.touching,
+        by_rollouts=validation.constrained,
         prior=Prior(alone={}),
         deadline=deadline,
     )
     # Whatever the time: without it there is no answer.
     own = replace(task, deadline=math.inf).refitted(nominal, nominal.start)
-    most = 0.0 if validation.touching else FAR if _told(nominal.robot) else FARTHEST
+    most = 0.0 if validation.constrained else FAR if _told(nominal.robot) else FARTHEST
     far = missing(own.refit.runs) >= most
     found = _searched(_by_rollouts(task, own) if far else _begun(task, own), progress)
     if not far:
@@ -108,7 +108,8 @@ def ranked(
         if not found.tried and not at_noise(own.refit.runs) and not found.task.late():
             # The model of the missing force is wrong: the search goes on by errors of rollouts.
             found = _searched(_by_rollouts(replace(found.task, deadline=deadline), own), progress)
-    if found.task.by_rollouts and missing(found.best.refit.runs) < NEAR and not validation.touching:
+    free = found.task.by_rollouts and not validation.constrained
+    if free and missing(found.best.refit.runs) < NEAR:
         found = _whitened(found, own, progress)
     progress("trying other laws", 0.85)
     found = replace(found, best=restarted(found.task, found.best))
@@ -160,7 +161,7 @@ def _begun(task: EffectSelection, none: Finalist) -> _Found:
 
 def _by_rollouts(task: EffectSelection, own: Finalist) -> _Found:
     """Return a ranking by errors of rollouts before its first round."""
-    told = _told(task.nominal.robot) and not task.validation.touching
+    told = _told(task.nominal.robot) and not task.validation.constrained
     task = replace(task, by_rollouts=True, by_forces=told)
     half = replace(task, deadline=0.5 * (time.monotonic() + task.deadline))
     return _begun(task, half.refitted(task.nominal, own.refit.point, own.refit.runs))

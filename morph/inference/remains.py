@@ -6,11 +6,9 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-import mujoco
 import numpy as np
 
 from morph.arrays import Array
-from morph.inference.contact import LEAST
 from morph.inference.disturbance import VIBRATIONS, log_likelihood
 from morph.inference.finalist import Finalist
 from morph.inference.observed import Observed, missing_by_joint
@@ -79,7 +77,7 @@ def remaining(found: Finalist, validation: Validation) -> Remains:
     """Return what a refit leaves unexplained of the runs it was fitted to."""
     runs, segments = found.refit.runs, validation.segments
     share = missing_by_joint(runs)
-    touching = validation.touching or _at_stops(found)
+    touching = validation.constrained
     return Remains(
         share=float(share.max()),
         channels={
@@ -91,16 +89,6 @@ def remaining(found: Finalist, validation: Validation) -> Remains:
         touching=touching,
         by_starts=_by_starts(found, validation) if touching else 0.0,
     )
-
-
-def _at_stops(found: Finalist) -> bool:
-    """Return whether joints are at the ends of their described ranges in part of the runs."""
-    hypothesis = found.refit.hypothesis
-    model = hypothesis.at(found.refit.point).model
-    ends = model.jnt_limited.astype(bool) & (model.jnt_type >= int(mujoco.mjtJoint.mjJNT_SLIDE))
-    place, (low, high) = model.jnt_qposadr[ends], model.jnt_range[ends].T
-    at = np.concatenate([run.about.position[:, place] for run in found.refit.runs])
-    return bool((((at < low) | (at > high)).mean(axis=0) > LEAST).any())
 
 
 def _typical(losses: Array, validation: Validation) -> float:

@@ -58,20 +58,31 @@ class Validation:
     """Into how many folds each run is divided."""
     touching: bool = False
     """Whether the robot is in contact with what does not move."""
+    stopped: bool = False
+    """Whether joints are at the ends of their described ranges in part of the runs."""
+
+    @property
+    def constrained(self) -> bool:
+        """Whether forces of contact or of stops act, which rollouts have and columns have not."""
+        return self.touching or self.stopped
 
     @classmethod
-    def of(cls, episodes: Sequence[Episode], *, touching: bool = False) -> Validation:
+    def of(
+        cls, episodes: Sequence[Episode], *, touching: bool = False, stopped: bool = False
+    ) -> Validation:
         """Return stretches of episodes.
 
         Args:
             episodes: The runs.
             touching: Whether the robot is in contact: stretches begin with the run where they can,
                 as velocities are known poorly about an impact.
+            stopped: Whether joints are at their described ends.
         """
         share = 0.95 if touching and len(episodes) >= FOLDS else 0.5
         longest = share * min(len(e.command) for e in episodes) * episodes[0].step
         segments = cut(episodes, min(HORIZON, longest), most=MOST_ROLLOUTS)
-        return cls(segments=segments, blocks=-(-FOLDS // len(episodes)), touching=touching)
+        blocks = -(-FOLDS // len(episodes))
+        return cls(segments=segments, blocks=blocks, touching=touching, stopped=stopped)
 
     @cached_property
     def fold(self) -> Integers:
