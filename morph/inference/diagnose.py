@@ -10,7 +10,7 @@ from dataclasses import replace
 import mujoco
 
 from morph.body.robot import Robot
-from morph.inference.contact import touches
+from morph.inference.contact import at_stops, touches
 from morph.inference.rank import Progress, ranked
 from morph.inference.refit import refitted
 from morph.inference.unmeasured import with_unmeasured
@@ -115,11 +115,12 @@ def diagnose(
             held_out=tuple(_completed(each, robot, model) for each in parts.held_out),
         )
         train, aside = (all_pieces(part, robot, step) for part in (parts.train, parts.held_out))
-    if touches(robot, train):
+    touching = touches(robot, train)
+    if touching or at_stops(robot, train):
         # What impacts do takes short steps, and is no force of inertia.
         step = step_for(parts.train, robot, longest=IMPACT)
         train, aside = (all_pieces(part, robot, step) for part in (parts.train, parts.held_out))
-    else:
+    if not touching:
         check_falls(train, robot)
         check_units(train, robot)
         check_signs(train, robot)

@@ -97,7 +97,6 @@ def ranked(
         prior=Prior(alone={}),
         deadline=deadline,
     )
-    # Whatever the time: without it there is no answer.
     own = replace(task, deadline=math.inf).refitted(nominal, nominal.start)
     most = 0.0 if validation.constrained else FAR if _told(nominal.robot) else FARTHEST
     far = missing(own.refit.runs) >= most

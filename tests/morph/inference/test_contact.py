@@ -10,12 +10,13 @@ import pytest
 from morph.arrays import Array
 from morph.body.load import load
 from morph.body.robot import Robot
-from morph.inference.contact import touches
+from morph.inference.contact import at_stops, touches
 from morph.inference.diagnose import diagnose
 from morph.model.episodes import episode
 from morph.model.hypothesis import Hypothesis
 from morph.physics.body.com_offset import ComOffset
 from morph.record.recording import Channel, Recording
+from morph.sim.simulator import Simulator
 
 HALF, GRAVITY, FRICTION = 0.03, 9.81, 0.26
 """Half of the puck's height, m; m/s2; its sliding friction."""
@@ -100,3 +101,39 @@ def test_contact_is_seen_where_shapes_touch_as_recorded(robot: Robot, tmp_path: 
     assert touches(robot, run)
     assert not touches(load(below), run)
     assert not touches(load(above), run)
+
+
+STOPPED = """<mujoco model="flap"><compiler angle="radian"/><worldbody>
+ <body><joint name="hinge" axis="0 1 0" range="-0.4 0.4" limited="true" damping="0.02"/>
+  <geom type="capsule" fromto="0 0 0 0 0 -0.2" size="0.02" mass="0.3"/></body></worldbody>
+ <actuator><motor name="motor" joint="hinge" ctrlrange="-2 2"/></actuator></mujoco>"""
+
+
+def pressed(robot: Robot, number: int, most: float) -> Recording:
+    """Return 6 s under a sine of torque that presses a flap to its ends, or not, at 100 Hz."""
+    rng = np.random.default_rng(number)
+    hertz, phase = rng.uniform(0.2, 0.6), rng.uniform(0.0, 2.0 * np.pi)
+    made = Simulator(robot, step=0.0005).run(
+        seconds=6.0, command={"motor": lambda t: most * np.sin(2.0 * np.pi * hertz * t + phase)}
+    )
+    read = made.channel("hinge.position")
+    value = read.value[::20] + 5e-4 * rng.normal(size=len(read.value[::20]))
+    channels = {
+        "hinge.position": Channel(time=read.time[::20], value=value),
+        "motor.command": made.channel("motor.command"),
+    }
+    return Recording(name=f"run_{number}", channels=channels)
+
+
+def test_described_ends_of_joints_are_not_missing_physics(tmp_path: Path) -> None:
+    path = tmp_path / "flap.xml"
+    path.write_text(STOPPED)
+    flap = load(path)
+    # Gravity holds with m g l sin(0.4) = 0.3 * 9.81 * 0.1 * 0.39 = 0.11 N m at the end.
+    for most, there in ((0.5, True), (0.05, False)):
+        runs = [pressed(flap, number, most) for number in range(4)]
+        laid = [episode(run, flap, 0.004) for run in runs]
+        assert at_stops(flap, laid) is there
+        found = diagnose(flap, runs)
+        assert (found.findings, found.verdict) == ((), "consistent")
+        assert found.unexplained.contact is there
