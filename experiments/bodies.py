@@ -276,7 +276,7 @@ def _asked(argv: list[str] | None) -> tuple[argparse.Namespace, Save]:
         epilog=EXAMPLE,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("--seeds", default="100:101", help="A:B, or how many from 0")
+    parser.add_argument("--seeds", default="101:102", help="A:B, or how many from 0")
     parser.add_argument("--only", nargs="+", help="bodies, instead of all")
     parser.add_argument("--corpus", type=int, default=10, help="robots drawn from the corpus")
     parser.add_argument("--joints", type=int, default=50, help="bodies of at most so many joints")
