@@ -78,8 +78,8 @@ def _within(channel: Channel, begin: float, end: float) -> Channel:
 def published() -> tuple[Effect, ...]:
     """Return the water's forces on this vehicle, without those between its motions.
 
-    Source: von Benzon et al. 2022, Journal of Marine Science and Engineering 10(12), 1898,
-    table A1; theirs has z down, which changes none of these.
+    Source: von Benzon et al. 2022, Journal of Marine Science and Engineering 10(12), 1898;
+    theirs has z down, which changes none of these.
     """
     return (
         AddedMass(body="hull", x=6.36, y=7.12, z=18.68, rx=0.189, ry=0.135, rz=0.222),

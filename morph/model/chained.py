@@ -38,7 +38,7 @@ def with_chains(recording: Recording, robot: Robot) -> Recording:
     held = chains(model)
     hinges = [each.name for each in robot.joints if each.kind in {"hinge", "slide"}]
     read = [name for name in hinges if f"{name}.position" in recording.channels]
-    unread = [name for name in hinges if name not in read and model.joint(name).id >= 0]
+    unread = [name for name in hinges if name not in read]
     if not held or not unread or not read:
         return recording
     tracks = [recording.channel(f"{name}.position") for name in read]

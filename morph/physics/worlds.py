@@ -39,7 +39,8 @@ def on_floor(robot: Robot, name: str) -> Robot:
     """Return a robot whose description has the floor of a named world.
 
     Raises:
-        EffectError: There is no such world, or it is water.
+        EffectError: There is no such world, it is water, or its floor is too stiff for the
+            description's step.
     """
     if name in WATERS:
         raise EffectError(
@@ -47,8 +48,15 @@ def on_floor(robot: Robot, name: str) -> Robot:
             where="--world",
             fix="put the robot into water by `[water]` in its card",
         )
-    spec = bare_spec(robot)
-    apply(spec, world(name, robot).effects)
+    spec, effects = bare_spec(robot), world(name, robot).effects
+    try:
+        apply(spec, effects)
+    except EffectError as error:
+        raise EffectError(
+            f"{name} is no floor for this description: {error.what}",
+            where="--world",
+            fix="name hard_floor, which MuJoCo's own contact is, or give the description a plane",
+        ) from error
     spec.compile()
     return replace(robot, mjcf=fulltext(spec))
 

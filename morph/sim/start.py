@@ -26,6 +26,7 @@ PARTS: Mapping[str, Callable[[Joint], str]] = {
 }
 """What the channels of a joint that turns freely begin with."""
 MOVES = {"free": "floats", "ball": "turns"}
+"""What an error says of its link."""
 
 
 def started(

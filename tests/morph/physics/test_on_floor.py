@@ -29,6 +29,14 @@ def test_what_fell_rests_on_the_floor() -> None:
     assert (standing.joints, standing.actuators) == (robot.joints, robot.actuators)
 
 
+def test_a_floor_that_is_too_stiff_is_refused_with_one_that_is_not() -> None:
+    robot = load("quadruped_four_bar")
+    with pytest.raises(EffectError, match="rubber_on_wood is no floor") as caught:
+        on_floor(robot, "rubber_on_wood")
+    assert "name hard_floor" in caught.value.fix
+    assert 'type="plane"' in on_floor(robot, "hard_floor").mjcf
+
+
 def test_water_is_no_floor() -> None:
     with pytest.raises(EffectError, match="water is no floor") as caught:
         on_floor(load("pendulum"), "water")
