@@ -55,7 +55,7 @@ def on_floor(robot: Robot, name: str) -> Robot:
         raise EffectError(
             f"{name} is no floor for this description: {error.what}",
             where="--world",
-            fix="name hard_floor, which MuJoCo's own contact is, or give the description a plane",
+            fix="name hard_floor, which has no stiffness of its own, or describe a plane",
         ) from error
     spec.compile()
     return replace(robot, mjcf=fulltext(spec))
