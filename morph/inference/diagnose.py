@@ -19,7 +19,7 @@ from morph.model.chained import with_chains
 from morph.model.commanded import by_effort, with_followers
 from morph.model.conventions import check_signs, check_units
 from morph.model.diagnosis import Diagnosis
-from morph.model.episodes import Episode, step_for
+from morph.model.episodes import Episode, longest_step, step_for
 from morph.model.hypothesis import Hypothesis
 from morph.model.knobs import knobs
 from morph.model.measurement import Measurement
@@ -116,9 +116,12 @@ def diagnose(
         )
         train, aside = (all_pieces(part, robot, step) for part in (parts.train, parts.held_out))
     touching = touches(robot, train)
+    longest = longest_step(robot, train)
     if touching or at_stops(robot, train):
         # What impacts do takes short steps, and is no force of inertia.
-        step = step_for(parts.train, robot, longest=IMPACT)
+        longest = min(longest, IMPACT)
+    if longest < step:
+        step = step_for(parts.train, robot, longest=longest)
         train, aside = (all_pieces(part, robot, step) for part in (parts.train, parts.held_out))
     if not touching:
         check_falls(train, robot)

@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from morph.body.robot import Robot
+from morph.inference.by_rollouts import LATER, beside, richer, to_rollouts, without_figures
 from morph.inference.contact import at_stops, touches
 from morph.inference.effect_selection import EffectSelection
 from morph.inference.finalist import Finalist, gains, labels, simplified, under
@@ -24,22 +25,18 @@ from morph.inference.search import Prior, Search
 from morph.inference.validate import FAR, FARTHEST, Validation, at_noise
 from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis
-from morph.physics import EFFECTS
 from morph.physics.effect import Effect
 from morph.physics.kinds import JointEffect
 
 Progress = Callable[[str, float], None]
 """Told what is being done and the share of the work that is behind, 0 to 1."""
-MOST_FIRST, LATER = 4, 2
-"""Most effects, or laws at every joint, that the first search and each later one add."""
+MOST_FIRST = 4
+"""Most effects, or laws at every joint, that the first search adds."""
 NEAR = 0.3
 """The same of a set found by output error, below which the whitened likelihood refits it, to see
 whether readings are then explained to their noise."""
 MOST_ROUNDS, FAR_ROUNDS = 3, 1
 """Most of these searches, and most by output error, which takes long."""
-RICHER = 0.2
-"""Least mean gain in rollouts of a richer law, nats a stretch: rollouts of each set start from a
-motion smoothed by it, and these alone differ by 0.1 on a disc that sticks."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -116,12 +113,14 @@ def ranked(
         # By rollouts each law of friction was tried at all driven joints.
         found = _freed(_replaced(found))
     none, best = found.none, found.best
+    if found.task.by_rollouts:
+        best = without_figures(found.task, best)
     if not found.task.late() and not found.task.by_forces and not at_noise(best.refit.runs):
         if not found.task.by_rollouts:
             none, best = (to_rollouts(found.task, each) for each in (none, best))
         best = richer(found.task, best)
         if not found.task.by_rollouts and missing(best.refit.runs) > NEAR:
-            best = _beside(found.task, best)
+            best = beside(found.task, best)
     best = simplified(best)
     if labels(best.effects) != labels(found.best.effects):
         found = replace(found, search=found.task.search(best))
@@ -243,58 +242,3 @@ def _freed(found: _Found) -> _Found:
     if freed.evidence > best.evidence and not task.validation.worse(best.losses, freed.losses):
         return replace(found, best=freed, search=task.search(freed))
     return found
-
-
-def richer(task: EffectSelection, found: Finalist) -> Finalist:
-    """Return a set with a richer law in the place of one wherever rollouts surely err less then.
-
-    Where the model of the missing force is not believed, a richer law that was refitted by
-    it may have been far from where rollouts err least. The simpler one tells where to begin.
-    """
-    rollouts = replace(task, by_rollouts=True)
-    for at, effect in enumerate(found.effects):
-        laws = [kind for kind in EFFECTS if effect.name == kind.simpler and kind.kind == "joint"]
-        if not laws or task.late():
-            continue
-        # The law itself begins anew too: more steps alone may lower the errors.
-        more = [effect]
-        for law in laws:
-            strengths = np.zeros(len(law.strengths))
-            strengths[: len(effect.strengths)] = effect.coefficients
-            more.append(law.at(effect.where).with_strengths(strengths))
-        again, *tried = [rollouts.exchanged(found, at, each) for each in more]
-        same, best = (
-            min(some, key=lambda each: each.losses.mean()) for some in ((found, again), tried)
-        )
-        gain = float((same.losses - best.losses).mean())
-        if gain > RICHER and task.validation.sure(same.losses, best.losses):
-            found = replace(best, refit=replace(best.refit, evidence=found.refit.evidence))
-    return found
-
-
-def _beside(task: EffectSelection, best: Finalist) -> Finalist:
-    """Return a better set of more effects, searched about one that was refitted to rollouts.
-
-    Where much force is missing, evidence finds strengths beside which the rest does not show: of a
-    joint with play, half of the rotor's inertia, beside which the play gains 15 nats, not 286.
-    """
-    more, _ = task.added(best, task.search(best), LATER)
-    for new in more:
-        if not task.late() and not labels(new.effects) <= labels(best.effects):
-            new = to_rollouts(task, new)
-            if gains(best, new, task.validation):
-                best = new
-    return best
-
-
-def to_rollouts(task: EffectSelection, found: Finalist) -> Finalist:
-    """Return a set refitted to rollouts, unless they are surely worse then."""
-    refit, rollouts = found.refit, replace(task, by_rollouts=True)
-    again = rollouts.refitted(refit.hypothesis, refit.point, refit.runs)
-    if task.validation.worse(found.losses, again.losses):
-        return found
-    fewer = rollouts.reduced(again)
-    # Evidence alone speaks for what acts once: rollouts in which it acts are few.
-    if not {e.label for e in again.effects if e.passing} - labels(fewer.effects):
-        again = fewer
-    return replace(again, refit=replace(again.refit, evidence=refit.evidence))

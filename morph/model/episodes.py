@@ -9,8 +9,10 @@ import numpy as np
 
 from morph.arrays import Array, Mask
 from morph.body.robot import Robot
+from morph.body.spec import spec_of
 from morph.errors import DiagnosisError
 from morph.model.measurement import Measurement
+from morph.physics.body_motion import body_motions
 from morph.record.noise import noise
 from morph.record.recording import Channel, Recording
 from morph.record.slopes import slopes
@@ -24,6 +26,8 @@ SHORTEST = 0.5
 """Least seconds of an episode: in less friction does not show."""
 STATE_HERTZ = 15.0
 """Band of the motion that a rollout's start is read from."""
+TURN, INSTANTS = 0.05, 1000
+"""Most rad by which a link turns in a step, and most instants of a run at which that is seen."""
 
 
 def band(channel: Channel) -> float:
@@ -102,9 +106,7 @@ class Episode:
 def step_for(recordings: Sequence[Recording], robot: Robot, *, longest: float = 0.004) -> float:
     """Return the seconds a step: whole parts or multiples of the fastest clock's median period.
 
-    About 4 ms, 2.5 ms where servos add stiff damping: with the starts fitted, the
-    error of a semi-implicit step is of second order, (w h)^2 / 24 of the period of a
-    motion at w rad/s, below 1e-4 at 10 rad/s.
+    About 4 ms, 2.5 ms where servos add stiff damping, and never above `longest`.
     """
     measurement = Measurement.of(robot)
     periods = [min(map(_period, measurement.clocks(each))) for each in recordings]
@@ -114,6 +116,24 @@ def step_for(recordings: Sequence[Recording], robot: Robot, *, longest: float = 
     if period > wanted:
         return period / float(np.ceil(period / wanted - 0.1))
     return period * max(1.0, float(np.floor(wanted / period + 0.1)))
+
+
+def longest_step(robot: Robot, episodes: Sequence[Episode]) -> float:
+    """Return the seconds in which the fastest link turns by 0.05 rad, where forces are large.
+
+    With the starts fitted, the error of a semi-implicit step is of second order: (w h)^2 / 24 of
+    the force, 1e-4 here. Forces of a motion at w rad/s grow with its square, so the mean is taken
+    of squares by their squares.
+    """
+    model = spec_of(robot).compile()
+    fastest = 0.0
+    for each in episodes:
+        some = slice(None, None, -(-len(each.position) // INSTANTS))
+        motion = each.position[some], each.velocity[some], each.acceleration[some]
+        for link in body_motions(model, [link.name for link in robot.links], *motion).values():
+            square = (link.velocity[:, 3:] ** 2).sum(axis=1)
+            fastest = max(fastest, float((square**4).mean() / max((square**2).mean(), 1e-12)))
+    return float(TURN / max(fastest, 1e-12) ** 0.25)
 
 
 def episode(recording: Recording, robot: Robot, step: float) -> Episode:

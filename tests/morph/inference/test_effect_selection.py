@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 from morph.body.load import load
+from morph.inference.by_rollouts import richer, to_rollouts, without_figures
 from morph.inference.effect_selection import EffectSelection
 from morph.inference.finalist import Finalist, under
-from morph.inference.rank import richer, to_rollouts
 from morph.inference.refit import Refit, refitted
 from morph.inference.search import Prior
 from morph.inference.validate import Validation
@@ -23,7 +23,9 @@ from morph.model.hypothesis import Hypothesis
 from morph.physics.actuator.actuator_delay import ActuatorDelay
 from morph.physics.actuator.actuator_lag import ActuatorLag
 from morph.physics.actuator.torque_saturation import TorqueSaturation
+from morph.physics.actuator.torque_scale import TorqueScale
 from morph.physics.body.external_push import ExternalPush
+from morph.physics.body.link_inertia import LinkInertia
 from morph.physics.effect import Effect
 from morph.physics.joint.coulomb_friction import CoulombFriction
 from morph.physics.joint.stribeck_friction import StribeckFriction
@@ -212,6 +214,31 @@ def test_a_refit_to_rollouts_keeps_what_acts_once(
     wet = ViscousFriction(joint="axle", b=0.1)
     assert to_rollouts(task, one(dry, push)).effects == (dry, push)
     assert to_rollouts(task, one(dry, wet)).effects == (dry,)
+
+
+def test_changes_of_own_figures_are_refitted_away_where_rollouts_allow_it(
+    task: EffectSelection, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    dry, heavy = CoulombFriction(joint="axle", c=COULOMB), LinkInertia(body="disc", mass=1.05)
+    weak = TorqueScale(actuator="motor", gain=0.84)
+    monkeypatch.setattr(
+        EffectSelection,
+        "exchanged",
+        lambda self, found, at, other: SimpleNamespace(
+            effects=(*found.effects[:at], *found.effects[at + 1 :])
+        ),
+    )
+    # Rollouts need the gain, or neither; friction is not asked about.
+    for kept, left in (((weak,), (dry, weak)), ((), (dry,))):
+
+        def prefers(
+            self: Any, best: Any, new: Any, effect: Effect, other: None, kept: Any = kept
+        ) -> bool:
+            return effect not in kept
+
+        monkeypatch.setattr(EffectSelection, "prefers", prefers)
+        whole: Any = SimpleNamespace(effects=(heavy, dry, weak))
+        assert without_figures(task, whole).effects == left
 
 
 def test_a_richer_law_is_begun_from_the_simpler_one(task: EffectSelection, tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ from morph.body.load import load
 from morph.body.robot import Robot
 from morph.errors import DiagnosisError, RecordingError
 from morph.inference.observed import _sampled
-from morph.model.episodes import Episode, episode, step_for
+from morph.model.episodes import Episode, episode, longest_step, step_for
 from morph.model.hypothesis import Hypothesis
 from morph.model.pieces import stretches
 from morph.model.segments import cut
@@ -37,6 +37,22 @@ def test_a_step_is_a_whole_part_of_the_recordings_clock(
 ) -> None:
     # 5 ms is more than the 4 ms that a motor asks for: two steps a sample.
     assert step_for([recorded(pendulum)], pendulum) == pytest.approx(0.0025, abs=1e-12)
+
+
+def test_a_step_turns_the_fastest_link_by_a_twentieth_of_a_radian(
+    recorded: Recorded,
+) -> None:
+    double_pendulum = load("double_pendulum")
+    run = recorded(double_pendulum, seconds=1.0)
+    laid = episode(run, double_pendulum, step_for([run], double_pendulum))
+    # The links turn at 10 and at 10 + 15 rad/s: 0.05 rad take 2 ms.
+    rate = np.tile([10.0, 15.0], (len(laid.velocity), 1))
+    laid = replace(laid, velocity=rate)
+    assert longest_step(double_pendulum, [laid]) == pytest.approx(0.002, rel=1e-9)
+    # Of a run whose half is at 5 and half at 25 rad/s the mean square by squares is
+    # (25^8 + 5^8) / (25^4 + 5^4), the fourth power of 24.99 rad/s.
+    rate[::2] *= 0.2
+    assert longest_step(double_pendulum, [laid]) == pytest.approx(0.0020008, rel=2e-3)
 
 
 @pytest.mark.parametrize(("horizon", "counts"), [(1.0, (4, 2)), (0.5, (8, 5)), (2.0, (2, 1))])

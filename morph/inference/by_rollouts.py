@@ -1,0 +1,88 @@
+"""What rollouts say of a set of effects after its search: richer laws, further ones, fewer."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from morph.inference.effect_selection import EffectSelection
+from morph.inference.finalist import Finalist, gains, labels
+from morph.physics import EFFECTS
+
+RICHER = 0.2
+"""Least mean gain in rollouts of a richer law, nats a stretch: rollouts of each set start from a
+motion smoothed by it, and these alone differ by 0.1 on a disc that sticks."""
+LATER = 2
+"""Most effects, or laws at every joint, that a later search adds."""
+FIGURES = ("armature", "com_offset", "link_inertia", "torque_scale")
+"""Laws of what the description says, which own figures are within their bounds."""
+
+
+def richer(task: EffectSelection, found: Finalist) -> Finalist:
+    """Return a set with a richer law in the place of one wherever rollouts surely err less then.
+
+    Where the model of the missing force is not believed, a richer law that was refitted by
+    it may have been far from where rollouts err least. The simpler one tells where to begin.
+    """
+    rollouts = replace(task, by_rollouts=True)
+    for at, effect in enumerate(found.effects):
+        laws = [kind for kind in EFFECTS if effect.name == kind.simpler and kind.kind == "joint"]
+        if not laws or task.late():
+            continue
+        # The law itself begins anew too: more steps alone may lower the errors.
+        more = [effect]
+        for law in laws:
+            strengths = np.zeros(len(law.strengths))
+            strengths[: len(effect.strengths)] = effect.coefficients
+            more.append(law.at(effect.where).with_strengths(strengths))
+        again, *tried = [rollouts.exchanged(found, at, each) for each in more]
+        same, best = (
+            min(some, key=lambda each: each.losses.mean()) for some in ((found, again), tried)
+        )
+        gain = float((same.losses - best.losses).mean())
+        if gain > RICHER and task.validation.sure(same.losses, best.losses):
+            found = replace(best, refit=replace(best.refit, evidence=found.refit.evidence))
+    return found
+
+
+def beside(task: EffectSelection, best: Finalist) -> Finalist:
+    """Return a better set of more effects, searched about one that was refitted to rollouts.
+
+    Where much force is missing, evidence finds strengths beside which the rest does not show: of a
+    joint with play, half of the rotor's inertia, beside which the play gains 15 nats, not 286.
+    """
+    more, _ = task.added(best, task.search(best), LATER)
+    for new in more:
+        if not task.late() and not labels(new.effects) <= labels(best.effects):
+            new = to_rollouts(task, new)
+            if gains(best, new, task.validation):
+                best = new
+    return best
+
+
+def to_rollouts(task: EffectSelection, found: Finalist) -> Finalist:
+    """Return a set refitted to rollouts, unless they are surely worse then."""
+    refit, rollouts = found.refit, replace(task, by_rollouts=True)
+    again = rollouts.refitted(refit.hypothesis, refit.point, refit.runs)
+    if task.validation.worse(found.losses, again.losses):
+        return found
+    fewer = rollouts.reduced(again)
+    # Evidence alone speaks for what acts once: rollouts in which it acts are few.
+    if not {e.label for e in again.effects if e.passing} - labels(fewer.effects):
+        again = fewer
+    return replace(again, refit=replace(again.refit, evidence=refit.evidence))
+
+
+def without_figures(task: EffectSelection, found: Finalist) -> Finalist:
+    """Return a set less changes of own figures that rollouts do not need.
+
+    Linearised about the set they seem needed where own figures are at their bounds: of a joint's
+    friction that is taken too small, a weak motor explains what is left. All is refitted without.
+    """
+    for effect in found.effects:
+        if effect.name in FIGURES and len(found.effects) > 1 and not task.late():
+            at = [each.label for each in found.effects].index(effect.label)
+            fewer = task.exchanged(found, at, None)
+            found = fewer if task.prefers(found, fewer, effect, None) else found
+    return found
