@@ -4,81 +4,32 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from morph.body.load import load
-from morph.inference.by_rollouts import richer, to_rollouts, without_figures
 from morph.inference.effect_selection import EffectSelection
 from morph.inference.finalist import Finalist, under
 from morph.inference.refit import Refit, refitted
-from morph.inference.search import Prior
 from morph.inference.validate import Validation
-from morph.model.episodes import episode
 from morph.model.hypothesis import Hypothesis
 from morph.physics.actuator.actuator_delay import ActuatorDelay
 from morph.physics.actuator.actuator_lag import ActuatorLag
 from morph.physics.actuator.torque_saturation import TorqueSaturation
-from morph.physics.actuator.torque_scale import TorqueScale
 from morph.physics.body.external_push import ExternalPush
-from morph.physics.body.link_inertia import LinkInertia
 from morph.physics.effect import Effect
 from morph.physics.joint.coulomb_friction import CoulombFriction
 from morph.physics.joint.stribeck_friction import StribeckFriction
 from morph.physics.joint.viscous_friction import ViscousFriction
-from morph.record.recording import Channel, Recording
-from tests.morph.inference.dry_disc import INERTIA, STEP, turned
-
-SAMPLES, COULOMB, NOISE = 1000, 0.05, 2e-4
-FADED = 0.5
-"""rad/s: speed at which friction that is greater at rest has fallen to 1/e of what it adds."""
-WHEEL = f"""
-<mujoco model="wheel"><option gravity="0 0 0"/><worldbody><body name="disc">
-  <joint name="axle" axis="0 0 1"/>
-  <inertial pos="0 0 0" mass="1" diaginertia="{INERTIA} {INERTIA} {INERTIA}"/></body></worldbody>
-  <actuator><motor name="motor" joint="axle"/></actuator></mujoco>
-"""
-
-
-def posed(folder: Path, fades: float) -> EffectSelection:
-    """Return four runs of a wheel with dry friction, greater by `fades` at rest."""
-    path = folder / "wheel.xml"
-    path.write_text(WHEEL)
-    robot, rng, runs = load(path), np.random.default_rng(0), []
-
-    def driven(u: float, q: float, v: float) -> float:
-        return float(u + fades * (1.0 - np.exp(-((v / FADED) ** 2))) * np.sign(v))
-
-    for number in range(4):
-        time = STEP * np.arange(SAMPLES)
-        torque = 0.2 * np.cos((3.0 + number) * time) + 0.1 * np.cos(11.0 * time)
-        read = turned(torque.tolist(), driven, coulomb=COULOMB + fades)
-        channels = {
-            "axle.position": Channel(time=time, value=read + NOISE * rng.normal(size=SAMPLES)),
-            "motor.command": Channel(time=time, value=torque, hold=True),
-        }
-        runs.append(episode(Recording(name=f"run_{number}", channels=channels), robot, STEP))
-    nominal = Hypothesis(robot=robot, step=STEP, knobs=())
-    bare = EffectSelection(
-        nominal=nominal, episodes=runs, known=(), validation=Validation.of(runs),
-        prior=Prior(alone={}), deadline=np.inf,
-    )  # fmt: skip
-    return replace(bare, prior=bare.search(found(bare, nominal)).prior)
+from tests.morph.inference.dry_wheel import COULOMB, found, posed
 
 
 @pytest.fixture(scope="module")
 def task(tmp_path_factory: pytest.TempPathFactory) -> EffectSelection:
     """Return runs of a wheel with friction that is the same at every speed."""
     return posed(tmp_path_factory.mktemp("wheel"), 0.0)
-
-
-def found(task: EffectSelection, hypothesis: Hypothesis) -> Finalist:
-    """Return a hypothesis refitted to the runs."""
-    return task.refitted(hypothesis, hypothesis.start)
 
 
 def test_a_simpler_law_takes_the_place_of_a_richer_one(
@@ -192,69 +143,6 @@ def test_a_set_is_refitted_without_an_effect_that_its_twin_may_make_up_for(
     monkeypatch.setattr(EffectSelection, "prefers", lambda self, best, new, *rest: new == (late,))
     monkeypatch.setattr(EffectSelection, "reduced", lambda self, new: new)
     assert task.replaced(best, search, set()) == ((late,) if tried else None)
-
-
-def test_a_refit_to_rollouts_keeps_what_acts_once(
-    task: EffectSelection, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    dry, push = CoulombFriction(joint="axle", c=COULOMB), ExternalPush(body="disc", run="a", z=1.0)
-
-    def one(*effects: Effect) -> Any:
-        refit = Refit(
-            hypothesis=task.nominal, point=task.nominal.start, runs=[], evidence=0.0, rank=0
-        )
-        return Finalist(
-            refit=replace(refit, hypothesis=replace(task.nominal, effects=effects)),
-            price=0.0, losses=np.zeros(1), fitted=np.zeros(1), about=SimpleNamespace(),
-        )  # fmt: skip
-
-    monkeypatch.setattr(EffectSelection, "refitted", lambda self, given, *rest: one(*given.effects))
-    monkeypatch.setattr(EffectSelection, "reduced", lambda self, new: one(dry))
-    monkeypatch.setattr(Finalist, "effects", property(lambda self: self.refit.hypothesis.effects))
-    wet = ViscousFriction(joint="axle", b=0.1)
-    assert to_rollouts(task, one(dry, push)).effects == (dry, push)
-    assert to_rollouts(task, one(dry, wet)).effects == (dry,)
-
-
-def test_changes_of_own_figures_are_refitted_away_where_rollouts_allow_it(
-    task: EffectSelection, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    dry, heavy = CoulombFriction(joint="axle", c=COULOMB), LinkInertia(body="disc", mass=1.05)
-    weak = TorqueScale(actuator="motor", gain=0.84)
-    monkeypatch.setattr(
-        EffectSelection,
-        "exchanged",
-        lambda self, found, at, other: SimpleNamespace(
-            effects=(*found.effects[:at], *found.effects[at + 1 :])
-        ),
-    )
-    # Rollouts need the gain, or neither; friction is not asked about.
-    for kept, left in (((weak,), (dry, weak)), ((), (dry,))):
-
-        def prefers(
-            self: Any, best: Any, new: Any, effect: Effect, other: None, kept: Any = kept
-        ) -> bool:
-            return effect not in kept
-
-        monkeypatch.setattr(EffectSelection, "prefers", prefers)
-        whole: Any = SimpleNamespace(effects=(heavy, dry, weak))
-        assert without_figures(task, whole).effects == left
-
-
-def test_a_richer_law_is_begun_from_the_simpler_one(task: EffectSelection, tmp_path: Path) -> None:
-    dry = CoulombFriction(joint="axle", c=COULOMB)
-
-    def best(given: EffectSelection) -> Effect:
-        simple = found(replace(given, by_rollouts=True), replace(given.nominal, effects=(dry,)))
-        (effect,) = richer(given, simple).effects
-        return effect
-
-    assert isinstance(best(task), CoulombFriction)
-    sticky = best(posed(tmp_path, COULOMB))
-    assert isinstance(sticky, StribeckFriction)
-    # The wheel is seldom between rest and 0.5 rad/s: the friction there and at rest trade.
-    assert sticky.c == pytest.approx(COULOMB, rel=0.1)
-    assert sticky.s == pytest.approx(2.0 * COULOMB, rel=0.2)
 
 
 def test_no_set_is_refitted_twice(task: EffectSelection, monkeypatch: pytest.MonkeyPatch) -> None:
