@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from experiments.concealed.errors import BenchmarkError
 from experiments.concealed.excite import Logger, draw_logger, plan
 from experiments.concealed.law import Law, Setting
 from experiments.concealed.mechanism import TORQUE, Mechanism
@@ -15,7 +16,7 @@ from experiments.concealed.plant import Plant
 from experiments.concealed.refit import ratios_after_refit
 from experiments.concealed.scales import Scales, scales_of
 from experiments.concealed.simulate import Motion
-from experiments.concealed.sizing import NoSize, settle, size_for
+from experiments.concealed.sizing import FINEST, NoSize, settle, size_for
 from experiments.concealed.suites import LAWS, SUITES, Suite
 from experiments.concealed.ties import are_distinct
 from experiments.concealed.truth import Effect, Truth
@@ -114,6 +115,8 @@ def _try_case(suite: str, seed: int, number: int, rng: np.random.Generator, seco
         raise NoSize("two effects are twins", where=mechanism.family, fix="draw another case")
     truth, motions, strengths = settle(truth, checked=not about.drives)
     left = ratios_after_refit(truth, motions[:-1], vary)
+    if about.events:
+        truth, motions = _begun(truth, motions, rng)
     ticking = any(effect.law.name == "clock_drift" for effect in truth.effects)
     if left and min(left) < FAINTEST and not (ticking or about.drives):
         raise NoSize("a refit hides an effect", where=mechanism.family, fix="draw another case")
@@ -138,6 +141,8 @@ def _wanted(
     library = about.outside_laws() if count < 0 else about.laws()
     kin = sum((about.count(seed, each) < 0) == (count < 0) for each in range(number)
               if about.count(seed, each) != 0)  # fmt: skip
+    if about.events:
+        library, kin = about.events_of(kin), kin // 2
     turn, place = divmod(kin, len(library))
     order = np.random.default_rng([about.number, seed, 1, turn]).permutation(len(library))
     first = library[int(order[place])]
@@ -208,6 +213,27 @@ def _add(
         except NoSize:
             continue
     raise NoSize(f"{law.name} cannot be seen", where=mechanism.family, fix="draw another case")
+
+
+def _begun(
+    truth: Truth, motions: tuple[Motion, ...], rng: np.random.Generator
+) -> tuple[Truth, tuple[Motion, ...]]:
+    """Return a truth whose lasting effects begin in the middle of a training run but the first.
+
+    They are as strong as if they acted in all.
+    """
+    run = int(rng.integers(1, len(truth.runs) - 1))
+    since = run, int(rng.uniform(0.2, 0.8) * truth.runs[run].grids)
+    effects = tuple(replace(e, since=since) if e.run is None else e for e in truth.effects)
+    if effects == truth.effects:
+        return truth, motions
+    truth = replace(truth, effects=effects)
+    try:
+        return truth, tuple(truth.move(each, FINEST) for each in range(len(truth.runs)))
+    except NoSize:
+        raise
+    except BenchmarkError as error:
+        raise NoSize("the motion diverges", where="begun", fix="redraw") from error
 
 
 def _excluded(truth: Truth, law: Law, place: int) -> bool:

@@ -18,6 +18,8 @@ SURE = 0.5
 """Probability of `unknown` above which it is part of the answer."""
 LOAD = "payload"
 """The law of a load that is carried."""
+PUSH, NEAR = "external_push", 0.25
+"""The law that acts in one run alone, and the most seconds by which an event's time is off."""
 
 
 def score(answer: JSON, sealed: Sealed) -> JSON:
@@ -65,6 +67,7 @@ def score(answer: JSON, sealed: Sealed) -> JSON:
         "claims": _claims(answer, matched, truth),
         "intervals": _intervals(answer, matched, truth),
         "load": _load(answer, matched, truth),
+        **_events(answer, truth),
         "E": _share(answer, sealed),
     }
     return row
@@ -88,6 +91,40 @@ def _load(answer: JSON, matched: list[int | None], truth: Mapping[str, Any]) -> 
             true = truth["effects"][at]["figures"]["m"]
             return abs(stated["value"] / true - 1.0) if stated else None
     return None
+
+
+def _events(answer: JSON, truth: Mapping[str, Any]) -> JSON:
+    """Return how many pushes there are, are claimed and are found, and what is said of changes.
+
+    A push is found if one is claimed in its run that begins less than `NEAR` from it; so is a
+    change in its run and at its time, and named if its law and place are right too.
+    """
+    pushed = {f"run_{e['run'] + 1}": e for e in truth["effects"] if e["run"] is not None}
+    claimed = [f for f in answer["findings"] if f["effect"] == PUSH]
+    late = [
+        abs(f["parameters"]["start"]["value"] - pushed[f["run"]]["figures"]["start"])
+        for f in claimed
+        if f.get("run") in pushed
+    ]
+    begun = [e for e in truth["effects"] if e.get("since")]
+    told = answer.get("changes", [])
+    right = [
+        (change, effect)
+        for change in told
+        for effect in begun
+        if change["run"] == effect["since"]["run"]
+        and abs(change["time"] - effect["since"]["time"]) <= NEAR
+    ]
+    return {
+        "pushes": len(pushed),
+        "pushes_claimed": len(claimed),
+        "pushes_found": sum(each <= NEAR for each in late),
+        "push_late": min(late, default=None),
+        "begun": len(begun),
+        "changes": len(told),
+        "change_found": bool(right),
+        "change_named": any(_fits(change, effect, truth["parts"]) for change, effect in right),
+    }
 
 
 def _right_names(effect: JSON) -> set[str]:

@@ -14,7 +14,9 @@ import numpy as np
 from experiments.concealed.case import Case
 from experiments.concealed.errors import BenchmarkError
 from experiments.concealed.plant import Array
+from experiments.concealed.simulate import GRID
 from experiments.concealed.ties import ties_of
+from experiments.concealed.truth import Effect
 from morph.files import sha256
 
 SCHEMA = "concealed.truth/2"
@@ -62,6 +64,7 @@ def truth_of(
             "effect_to_noise": float(f"{ratio:.4g}"),
             "after_refit": float(f"{left:.4g}"),
             "run": effect.run,
+            "since": _since(effect),
             "anywhere": effect.law.name == "voltage_sag",
             "ties": [
                 {"effect": tie.effect, "where": tie.where, "reason": tie.reason}
@@ -90,6 +93,14 @@ def truth_of(
         "nominal_error": float(f"{nominal_error:.6g}"),
         "oracle_error": float(f"{oracle_error:.6g}"),
     }
+
+
+def _since(effect: Effect) -> dict[str, Any] | None:
+    """Return the run, as its recording is called, and the second from which an effect acts."""
+    if effect.since is None:
+        return None
+    run, grids = effect.since
+    return {"run": f"run_{run + 1}", "time": float(f"{grids * GRID:.6g}")}
 
 
 def open_seal(case: Path) -> Sealed:

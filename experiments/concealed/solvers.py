@@ -60,8 +60,18 @@ def solve_by_morph(folder: Path, seed: int) -> JSON:
                 name: {k: float(stated[k]) for k in ("value", "low90", "high90")}
                 for name, stated in finding["parameters"].items()
             },
+            **({"run": finding["episodes"][0]} if finding["interval_s"] else {}),
         }
         for finding in said["findings"]
+    ]
+    changes = [
+        {
+            "effect": change["effect"],
+            "where": change["where"]["name"],
+            "run": change["episode"],
+            "time": float(change["time_s"]),
+        }
+        for change in said["changes"]
     ]
     named = {(finding["effect"], finding["where"]) for finding in findings}
     rivals = [
@@ -72,7 +82,7 @@ def solve_by_morph(folder: Path, seed: int) -> JSON:
     ]
     return submission(
         known["name"], "morph", seconds=time.process_time() - begin, findings=findings,
-        rivals=rivals, none=float(said["probabilities"].get("none", 0.0)),
+        rivals=rivals, changes=changes, none=float(said["probabilities"].get("none", 0.0)),
         unknown=float(said["probabilities"].get("unknown", 0.0)),
         predicted=predicted(folder, from_mjcf(found.corrected), found.corrected_effects),
     )  # fmt: skip

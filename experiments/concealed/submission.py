@@ -24,6 +24,7 @@ def submission(
     unknown: float = 0.0,
     findings: Sequence[JSON] = (),
     rivals: Sequence[JSON] = (),
+    changes: Sequence[JSON] = (),
     predicted: Mapping[str, Sequence[float | None]] | None = None,
 ) -> JSON:
     """Return an answer as `submission.schema.json` wants it."""
@@ -31,6 +32,8 @@ def submission(
         "schema": SCHEMA, "case": case, "solver": solver, "seconds": seconds, "none": none,
         "unknown": unknown, "findings": list(findings), "rivals": list(rivals),
     }  # fmt: skip
+    if changes:
+        answer["changes"] = list(changes)
     if predicted is not None:
         answer["predicted"] = {name: list(values) for name, values in predicted.items()}
     return answer

@@ -15,6 +15,11 @@ from experiments.concealed.outside import OUTSIDE_LAWS
 WAYS = ("read", "hidden", "tracked")
 """Every joint has an encoder; one, drawn at random, has none; none has one, and a camera tells the
 place and orientation of every link."""
+LASTING = (
+    "coulomb_friction", "joint_stiffness", "payload", "quadratic_damping", "sensor_bias",
+    "torque_scale", "viscous_friction",
+)  # fmt: skip
+"""Laws that may begin during a run: they remember nothing."""
 LAWS: tuple[Law, ...] = JOINT_LAWS + ACTUATOR_LAWS + SENSOR_LAWS + BODY_LAWS + WORLD_LAWS
 """Every law of `effects.md` that acts on a mechanism without contact and with a fixed base."""
 
@@ -35,6 +40,8 @@ class Suite:
     """Whether that physics is the half kept from development."""
     drives: bool = False
     """Whether all cases are industrial arms with the physics of real drives."""
+    events: bool = False
+    """Whether effects are pushes and laws that begin during the runs, in turn."""
     ways: tuple[str, ...] = ("read",)
     """Of which joints' positions logs tell, and by what; each case is logged in every way."""
 
@@ -56,6 +63,11 @@ class Suite:
         """Return the laws of the library that it uses: of sensors only where all are there."""
         return tuple(law for law in LAWS if len(self.ways) == 1 or law.kind != "sensor")
 
+    def events_of(self, kin: int) -> tuple[Law, ...]:
+        """Return the laws of one of its cases with events: a push, or what may begin in a run."""
+        names = ("external_push",) if kin % 2 == 0 else LASTING
+        return tuple(law for law in LAWS if law.name in names)
+
     def outside_laws(self) -> tuple[Law, ...]:
         """Return the laws outside the library that it uses."""
         return tuple(law for law in OUTSIDE_LAWS if law.judge == self.judge)
@@ -69,5 +81,6 @@ SUITES: Mapping[str, Suite] = {
     "outside": Suite(number=5, outside=1.0),
     "arms": Suite(number=6, drives=True),
     "channels": Suite(number=7, counts=(0.5, 0.25, 0.0), clean=0.25, judge=True, ways=WAYS),
+    "events": Suite(number=8, counts=(0.8, 0.0, 0.0), clean=0.2, judge=True, events=True),
 }
 """Twins are among the cases with effects; their truth lists every answer that is as right."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -47,6 +47,20 @@ def _shown(of: Callable[[JSON], bool]) -> Callable[[JSON], bool]:
 
 def _outside(row: JSON) -> bool:
     return bool(row["answer"] == "unknown")
+
+
+def _begins(row: JSON) -> bool:
+    return bool(row["begun"])
+
+
+def _ratio(rows: Sequence[JSON], part: str, whole: str) -> float | None:
+    count = sum(row[whole] for row in rows)
+    return sum(row[part] for row in rows) / count if count else None
+
+
+def _middle(values: Iterable[float | None]) -> float | None:
+    known = [value for value in values if value is not None]
+    return float(np.median(known)) if known else None
 
 
 def _clean_accused(rows: Sequence[JSON]) -> float | None:
@@ -167,6 +181,14 @@ FIGURES: Mapping[str, Figure] = {
     "friction_named": _friction_named,
     "load_found": _load_found,
     "gain_accused": _gain_accused,
+    "push_recall": lambda rows: _ratio(rows, "pushes_found", "pushes"),
+    "push_precision": lambda rows: _ratio(rows, "pushes_found", "pushes_claimed"),
+    "push_late_s": lambda rows: _middle(row["push_late"] for row in rows),
+    "change_found": lambda rows: _share(rows, "change_found", _begins),
+    "change_named": lambda rows: _share(rows, "change_named", _begins),
+    "change_claimed_wrongly": lambda rows: _share(
+        rows, "changes", lambda row: not row["begun"] and any(each["begun"] for each in rows)
+    ),
     "clean_accused": _clean_accused,
     "unknown_right": lambda rows: _share(rows, "unknown", _outside),
     "unknown_right_shown": lambda rows: _share(rows, "unknown", _shown(_outside)),

@@ -30,6 +30,8 @@ class Effect:
     """Its figures."""
     run: int | None = None
     """The only run in which it acts, or None for all."""
+    since: tuple[int, int] | None = None
+    """Run and multiple of `GRID` from which on it acts, also in later runs; None: in all."""
 
     def where(self, mechanism: Mechanism) -> str:
         """Return the name of the part that it acts on."""
@@ -60,10 +62,11 @@ class Truth:
     """What was left out."""
 
     def plant(self, run: int, without: int | None = None) -> Plant:
-        """Return the true plant in a run, if wanted without the effect of an index."""
+        """Return the true plant at the end of a run, if wanted without the effect of an index."""
         plant = self.base
         for number, effect in enumerate(self.effects):
-            if number != without and effect.run in (None, run):
+            begun = effect.since is None or effect.since[0] <= run
+            if number != without and effect.run in (None, run) and begun:
                 plant = effect.law.apply(plant, effect.place, effect.figures)
         return plant
 
@@ -74,8 +77,36 @@ class Truth:
 
     def move(self, run: int, finer: int = 1) -> Motion:
         """Return what happens in a run, with the states at the starts of its windows."""
-        starts = window_starts(self.runs[run])
-        return simulate(self.plant(run), self.runs[run], save=starts, finer=finer)
+        starts, plan = window_starts(self.runs[run]), self.runs[run]
+        for number, effect in enumerate(self.effects):
+            if effect.since is not None and effect.since[0] == run:
+                return _changed(
+                    self.plant(run, number), self.plant(run), plan, effect.since[1], starts, finer
+                )
+        return simulate(self.plant(run), plan, save=starts, finer=finer)
+
+
+def _changed(
+    before: Plant, after: Plant, run: Run, since: int, starts: Array, finer: int
+) -> Motion:
+    """Return what happens in a run at a multiple of `GRID` of which a plant becomes another."""
+    marks = np.unique(np.append(starts[starts <= since], since))
+    first = simulate(before, run, last=since, save=marks, finer=finer)
+    # A delay may reach back to what was sent before.
+    done = (run.ticks < since)[:, None]
+    sent = replace(run, feed=np.where(done, first.command, run.feed))
+    later = simulate(
+        after, sent, state=first.saved[-1], first=since, save=starts[starts > since], finer=finer
+    )
+    early = (np.arange(len(first.q)) <= since * finer)[:, None]
+    return replace(
+        later,
+        q=np.where(early, first.q, later.q),
+        v=np.where(early, first.v, later.v),
+        reading=np.where(done, first.reading, later.reading),
+        command=np.where(done, first.command, later.command),
+        saved=np.concatenate([first.saved[: int((starts <= since).sum())], later.saved]),
+    )
 
 
 def window_starts(run: Run) -> Array:

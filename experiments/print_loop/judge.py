@@ -8,7 +8,7 @@ from experiments.print_loop.bodies import commands
 from experiments.print_loop.truth import COUNT, Truth, printed
 from morph.arrays import JSON, Array
 from morph.inference.diagnose import diagnose
-from morph.model.diagnosis import Finding
+from morph.model.finding import Finding
 from morph.sim.simulator import Simulator
 
 OF_LINKS = ("link_inertia", "com_offset", "payload")

@@ -62,7 +62,7 @@ def screened(
 
     def one(seen: Observed) -> list[tuple[Array, Array]]:
         about = seen.about
-        readings, moved = _along(own, [grids[at] for at in many], seen)
+        readings, moved = all_columns(own, [grids[at] for at in many], seen)
         levels = (about.leaving(share) for share in SCREENED)
         return [products(about.tangent, each, readings, moved, first=1 + count) for each in levels]
 
@@ -124,7 +124,7 @@ def _without(across: Array, square: Array, own: int) -> tuple[Array, Array]:
     return (across[0] - unit[:, 0] @ fitted)[1 + own :], rest[1 + own :]
 
 
-def _along(
+def all_columns(
     own: Columns, grids: Sequence[tuple[Effect, ...]], seen: Observed
 ) -> tuple[Array, Array]:
     """Return the changes of readings and accelerations by [errors, entries of a point, effects].
@@ -169,7 +169,7 @@ def whitened_levels(
 
     def one(seen: Observed) -> list[list[Whitened]]:
         about = seen.about
-        readings, moved = _along(own, grids, seen)
+        readings, moved = all_columns(own, grids, seen)
         return [
             whitened_blocks(about.tangent, about.leaving(share), readings, moved, blocks=blocks)
             for share in shares

@@ -5,14 +5,17 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import mujoco
 
 from morph.body.robot import Robot
+from morph.inference.changes import likeliest_change
 from morph.inference.contact import at_stops, touches
-from morph.inference.rank import Progress, ranked
-from morph.inference.refit import refitted
+from morph.inference.findings import on_slide
+from morph.inference.observed import missing, settled
+from morph.inference.rank import Progress, Ranking, ranked
+from morph.inference.refit import refitted, seen
 from morph.inference.unmeasured import with_unmeasured
 from morph.inference.verdict import DiagnosisRuns, conclude
 from morph.model.chained import with_chains
@@ -20,12 +23,13 @@ from morph.model.commanded import by_effort, with_followers
 from morph.model.conventions import check_signs, check_units
 from morph.model.diagnosis import Diagnosis
 from morph.model.episodes import Episode, longest_step, step_for
+from morph.model.finding import Change
 from morph.model.hypothesis import Hypothesis
 from morph.model.knobs import knobs
 from morph.model.measurement import Measurement
-from morph.model.pieces import all_pieces, stretches
+from morph.model.pieces import SHORTEST_PIECE, all_pieces, stretches
 from morph.model.segments import scored_segments
-from morph.model.split import split
+from morph.model.split import Split, between, split
 from morph.model.tracked_links import with_tracked_links
 from morph.model.usable import (
     check_channels,
@@ -38,12 +42,18 @@ from morph.model.usable import (
 from morph.physics.effect import Effect
 from morph.record.distinct import check_distinct, distinct
 from morph.record.recording import Recording
+from morph.sim.threads import each as in_turn
 from morph.sim.threads import one_thread
 
 GUESSES = 2
 """Times that the motion of joints that were not read is guessed anew."""
 IMPACT = 0.002
 """Seconds of the longest step through an impact."""
+ENOUGH, MOST_CHANGES = 6.0, 2
+"""Seconds since a change that are diagnosed alone, and most changes that are looked for."""
+BELIEVED, LITTLE = 0.3, 0.002
+"""Missing force over the inertial force, RMS, up to which columns tell of changes, and below which
+there is none where nothing was found."""
 MOST_SECONDS = 60.0
 """Seconds of training motion that are fitted; of longer recordings an even spread."""
 
@@ -97,12 +107,74 @@ def diagnose(
         check_channels(recording, robot, measured)
     check_distinct((*recordings, *held_out))
     say: Progress = progress or (lambda what, share: None)
+    deadline = math.inf if budget is None else started + 0.9 * budget
+    changes: list[Change] = []
+    while True:
+        ready = _prepared(robot, recordings, held_out, vary, deadline=deadline, say=say)
+        say("refitting the description's own figures", 0.05)
+        ranking = ranked(
+            ready.nominal,
+            stretches(ready.train, MOST_SECONDS),
+            known,
+            progress=say,
+            deadline=deadline,
+        )
+        if ranking.stopped or len(changes) == MOST_CHANGES:
+            break
+        say("looking for changes", 0.88)
+        change, kept = _changed(ready, ranking, recordings, known, named=bool(held_out))
+        # A law whose change is not found again by what follows it alone is not told twice.
+        if change is None or change.after.label in {old.after.label for old in changes}:
+            break
+        changes.append(change)
+        recordings = kept
+    scored = scored_segments(ready.aside, horizon)
+    say("opening the held-out runs", 0.9)
+    return conclude(
+        ready.nominal,
+        ranking,
+        DiagnosisRuns(
+            train=ready.train,
+            aside=ready.aside,
+            scored=scored,
+            split=ready.parts,
+            horizon=horizon,
+            still=ready.still,
+            changes=tuple(changes),
+            seed=seed,
+            started=started,
+        ),
+    )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Ready:
+    """Recordings laid on a grid, and the description with its own figures."""
+
+    parts: Split
+    train: Sequence[Episode]
+    aside: Sequence[Episode]
+    nominal: Hypothesis
+    still: Sequence[str]
+    """Joints that no training run moves."""
+
+
+def _prepared(
+    robot: Robot,
+    recordings: Sequence[Recording],
+    held_out: Sequence[Recording],
+    vary: Mapping[str, float] | None,
+    *,
+    deadline: float,
+    say: Progress,
+) -> _Ready:
+    """Return recordings that were completed, split, checked and laid on a grid."""
+    started, measured = time.monotonic(), Measurement.of(robot).needed
     say("reading motion and noise", 0.02)
     parts = split(recordings, held_out)
     still, every = check_motion(parts.train, measured), (*parts.train, *parts.held_out)
     step = step_for(parts.train, robot)
     train, aside = (all_pieces(part, robot, step) for part in (parts.train, parts.held_out))
-    deadline = math.inf if budget is None else started + 0.9 * budget
     for _ in range(GUESSES if any(each.guess.any() for each in train) else 0):
         if time.monotonic() > started + 0.3 * (deadline - started):
             break
@@ -127,32 +199,59 @@ def diagnose(
         check_falls(train, robot)
         check_units(train, robot)
         check_signs(train, robot)
-    scored = scored_segments(aside, horizon)
     held = tuple(name for name in still if name in check_motion(every, measured))
     nominal = Hypothesis(robot=robot, step=step, knobs=knobs(robot, vary), held=held)
-    say("refitting the description's own figures", 0.05)
-    ranking = ranked(
-        nominal,
-        stretches(train, MOST_SECONDS),
-        known,
-        progress=say,
-        deadline=deadline,
+    return _Ready(parts=parts, train=train, aside=aside, nominal=nominal, still=still)
+
+
+def _changed(
+    ready: _Ready,
+    ranking: Ranking,
+    recordings: Sequence[Recording],
+    known: Sequence[Effect],
+    *,
+    named: bool,
+) -> tuple[Change | None, Sequence[Recording]]:
+    """Return a change of the robot, or none, and the recordings since then, or until it.
+
+    Runs that were set aside for want of named ones are looked at too: a change is often the last
+    thing that happened. All are diagnosed since the change if that is long enough.
+    """
+    best, robot = ranking.best.refit, ready.nominal.robot
+    if ranking.validation.constrained or missing(best.runs) > BELIEVED:
+        return None, recordings
+    episodes = stretches([*ready.train, *(() if named else ready.aside)], MOST_SECONDS)
+    runs = in_turn(settled, seen(best.hypothesis, best.point, episodes))
+    if not best.effects and missing(runs) < LITTLE:
+        return None, recordings
+    found = likeliest_change(replace(best, runs=runs), known, ranking.search.prior)
+    if found is None:
+        return None, recordings
+    episode = episodes[found.run]
+    at = [recording.name for recording in recordings].index(episode.recording.name)
+    whole, channels = recordings[at], Measurement.of(robot).needed
+    start, first = (
+        max(float(some.channel(name).time[0]) for name in channels)
+        for some in (whole, episode.recording)
     )
-    say("opening the held-out runs", 0.9)
-    return conclude(
-        nominal,
-        ranking,
-        DiagnosisRuns(
-            train=train,
-            aside=aside,
-            scored=scored,
-            split=parts,
-            horizon=horizon,
-            still=still,
-            seed=seed,
-            started=started,
-        ),
+    when = first + (episode.begin or 0.0) + found.time
+    earlier = [*recordings[:at], between(whole, whole.start, when)]
+    later = [between(whole, when, whole.end), *recordings[at + 1 :]]
+    before, after = (
+        [run for run in some if run.seconds >= SHORTEST_PIECE] for some in (earlier, later)
     )
+    lasts = [sum(run.seconds for run in some) for some in (before, after)]
+    since = lasts[1] >= min(ENOUGH, lasts[0])
+    change = Change(
+        before=found.before,
+        after=found.after,
+        episode=episode.recording.name,
+        time=when - start,
+        gain=found.gain,
+        since=since,
+        slide=on_slide(robot, found.after),
+    )
+    return change, after if since else before
 
 
 def _completed(

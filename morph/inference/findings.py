@@ -12,7 +12,7 @@ from morph.inference.intervals import TEMPERATURE, estimates, in_units, shifted,
 from morph.inference.rank import Ranking
 from morph.inference.remains import Remains
 from morph.inference.streaming import acting_together
-from morph.model.diagnosis import Estimate, Finding, Rival
+from morph.model.finding import Estimate, Finding, Rival
 from morph.model.segments import Segments
 from morph.physics import EFFECTS
 from morph.physics.body.external_push import ExternalPush
@@ -58,7 +58,7 @@ def findings(ranking: Ranking, remains: Remains) -> tuple[Finding, ...]:
         others = [each for each in others if each[0].simpler != effect.name or not reduces(each[0])]
         odds = np.exp(np.minimum([none, *(each[1] for each in others)], 0.0) / TEMPERATURE)
         fold = ranking.validation.segments.episode
-        slide = _on_slide(robot, effect)
+        slide = on_slide(robot, effect)
         acting = [
             episode
             for number, episode in enumerate(ranking.validation.segments.episodes)
@@ -144,7 +144,8 @@ def _unread(segments: Segments, robot: Robot) -> set[str]:
     return joints | {each.name for each in robot.actuators if each.joint in joints}
 
 
-def _on_slide(robot: Robot, effect: Effect) -> bool:
+def on_slide(robot: Robot, effect: Effect) -> bool:
+    """Return whether an effect acts along a slide, in N and m."""
     if effect.kind == "actuator":
         return robot.actuator(effect.where).effort_unit == "N"
     name = effect.where.removesuffix(".position")

@@ -8,7 +8,7 @@ import numpy as np
 
 from morph.arrays import Mask
 from morph.inference.quadratic import LogPosterior, information
-from morph.model.diagnosis import Estimate
+from morph.model.finding import Estimate
 from morph.physics.effect import SLIDING, Effect, Parameter
 
 TEMPERATURE = 2.0

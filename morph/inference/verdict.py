@@ -16,8 +16,9 @@ from morph.inference.rank import Ranking
 from morph.inference.refit import Refit, seen
 from morph.inference.remains import MOST_UNKNOWN, Remains, remaining
 from morph.model.corrected import corrected, data, notes, provenance
-from morph.model.diagnosis import Diagnosis, Finding, Unexplained
+from morph.model.diagnosis import Diagnosis, Unexplained
 from morph.model.episodes import Episode
+from morph.model.finding import Change, Finding
 from morph.model.hypothesis import Hypothesis
 from morph.model.locate import locate
 from morph.model.pieces import stretches
@@ -53,6 +54,8 @@ class DiagnosisRuns:
     """Seconds of those rollouts; None for whole episodes."""
     still: Sequence[str]
     """Joints that no training run moves."""
+    changes: tuple[Change, ...] = ()
+    """When the robot changed."""
     seed: int
     """Random seed."""
     started: float
@@ -87,7 +90,8 @@ def conclude(nominal: Hypothesis, ranking: Ranking, parts: DiagnosisRuns) -> Dia
     return Diagnosis(
         robot=robot.name,
         verdict=_verdict(found, remains, refuted=refuted),
-        findings=found,
+        findings=tuple(_begun(each, parts.changes) for each in found),
+        changes=parts.changes,
         located=locate(
             refit.hypothesis,
             refit.point,
@@ -179,6 +183,15 @@ def _overstated(best: Refit) -> tuple[str, ...]:
 def _names(episodes: Sequence[Episode]) -> tuple[str, ...]:
     """Return the names of the recordings, each once."""
     return tuple(dict.fromkeys(episode.recording.name for episode in episodes))
+
+
+def _begun(finding: Finding, changes: Sequence[Change]) -> Finding:
+    """Return a finding with the time at which its law began, where it did not act before."""
+    for change in changes:
+        same = change.since and change.after.label == finding.effect.label
+        if same and change.before == change.before.neutral():
+            return replace(finding, onset=change.time)
+    return finding
 
 
 def _halved(finding: Finding) -> Finding:

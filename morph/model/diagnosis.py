@@ -7,77 +7,11 @@ from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from morph.arrays import JSON, Array
+from morph.model.finding import Change, Estimate, Finding
 from morph.physics.effect import Effect
 
 SCHEMA = "morph.diagnosis/1"
 """Name and version of the JSON."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Estimate:
-    """One parameter with its 90 % interval."""
-
-    value: float
-    """The best value."""
-    low90: float
-    """Lower end."""
-    high90: float
-    """Upper end."""
-    unit: str
-    """Its unit."""
-    bounded: bool = False
-    """Whether the best value is at a bound, so that it may lie beyond."""
-    prior_only: bool = False
-    """Whether the runs say nothing about it that was not assumed before."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Rival:
-    """Another effect that could pass for a finding."""
-
-    effect: str
-    """Its name."""
-    kind: str
-    """The kind of part."""
-    where: str
-    """The part."""
-    probability: float
-    """Posterior probability that it is there in the finding's place."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Finding:
-    """One piece of physics that was left out."""
-
-    effect: Effect
-    """The effect as fitted."""
-    probability: float
-    """Posterior probability, tempered and at most .75; see docs/diagnosis.md."""
-    episodes: tuple[str, ...]
-    """Training episodes that it explains better."""
-    parameters: Mapping[str, Estimate]
-    """Its parameters."""
-    rivals: tuple[Rival, ...]
-    """What could be mistaken for it, likeliest first."""
-    separate_by: str
-    """The experiment that would tell it from its likeliest rival."""
-    gain: float
-    """By how much the geometric mean over channels of 1 + MSE / variance falls in rollouts."""
-    slide: bool = False
-    """Whether its joint is a slide, so that forces are in N and lengths in m."""
-
-    @property
-    def statement(self) -> str:
-        """The finding in one plain sentence, and which parameters it does not determine."""
-        free = [name for name, each in self.parameters.items() if each.prior_only]
-        rest = f" These runs do not determine {', '.join(free)}." if free else ""
-        return self.effect.statement(slide=self.slide) + rest
-
-    @property
-    def said(self) -> str:
-        """The same, below a probability of one half with that."""
-        doubt = f"Perhaps (probability {self.probability:.2g}): " if self.probability < 0.5 else ""
-        return f"{doubt}{self.statement}"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -166,6 +100,8 @@ class Diagnosis:
     """Of none, unknown, each finding and its rivals; of likeliest effects where none is found."""
     unexplained: Unexplained = field(default_factory=Unexplained)
     """What the corrected model leaves."""
+    changes: tuple[Change, ...] = ()
+    """When the robot changed; all else is of the runs since the last change, or until it."""
     horizon: float | None
     """Seconds of the rollouts that are scored; None for whole episodes."""
     train: tuple[str, ...]
@@ -207,8 +143,9 @@ class Diagnosis:
 
     def summary(self) -> tuple[str, ...]:
         """Return the answer in words, a sentence each."""
+        changed = tuple(sentence for change in self.changes for sentence in change.said)
         if self.verdict == "consistent":
-            return (EXPLAINED, *self.overstated)
+            return (*changed, EXPLAINED, *self.overstated)
         said = [finding.said for finding in self.findings]
         if not said:
             said = [OUT_OF_TIME if self.stopped_short else UNNAMED]
@@ -220,7 +157,7 @@ class Diagnosis:
             )
         if "rejected" in self.held_out_rmse:
             said.append(REJECTED)
-        return (*said, *self.overstated)
+        return (*changed, *said, *self.overstated)
 
     def as_json(self) -> JSON:
         """Return the content of `diagnosis.json`."""
@@ -233,7 +170,7 @@ class Diagnosis:
             "robot": self.robot,
             "verdict": self.verdict,
             "summary": list(self.summary()),
-            "findings": [_finding(f) for f in self.findings],
+            "findings": [each.as_json() for each in self.findings],
             "located": {
                 "channels": [{"channel": c, "share": s} for c, s in self.located.channels.items()],
                 "times": times,
@@ -241,6 +178,7 @@ class Diagnosis:
             },
             "probabilities": dict(self.probabilities),
             "unexplained": asdict(self.unexplained),
+            "changes": [each.as_json() for each in self.changes],
             "fit": {
                 "horizon_s": self.horizon if self.horizon is not None else "full",
                 "train": list(self.train),
@@ -248,7 +186,7 @@ class Diagnosis:
                 "split": self.split,
                 "held_out_rmse": {model: dict(by) for model, by in self.held_out_rmse.items()},
                 "improvement_low90": self.improvement_low90,
-                "refit": {name: _estimate(e) for name, e in self.refit.items()},
+                "refit": {name: each.as_json() for name, each in self.refit.items()},
             },
             "provenance": self.provenance,
             "data": self.data,
@@ -259,35 +197,6 @@ class Diagnosis:
             "stopped_short": self.stopped_short,
         }
         return dict(_rounded(content))
-
-
-def _finding(finding: Finding) -> JSON:
-    return {
-        "effect": finding.effect.name,
-        "where": {"kind": finding.effect.kind, "name": finding.effect.where},
-        "probability": finding.probability,
-        "onset_s": None,
-        "interval_s": None,
-        "episodes": list(finding.episodes),
-        "parameters": {name: _estimate(e) for name, e in finding.parameters.items()},
-        "rivals": [
-            {
-                "effect": rival.effect,
-                "where": {"kind": rival.kind, "name": rival.where},
-                "probability": rival.probability,
-            }
-            for rival in finding.rivals
-        ],
-        "separate_by": finding.separate_by,
-        "statement": finding.statement,
-    }
-
-
-def _estimate(estimate: Estimate) -> JSON:
-    flags = {"bounded": estimate.bounded, "prior_only": estimate.prior_only}
-    ends = {"low90": estimate.low90, "high90": estimate.high90}
-    given = {name: True for name, holds in flags.items() if holds}
-    return {"value": estimate.value, **ends, "unit": estimate.unit, **given}
 
 
 def _rounded(value: Any) -> Any:

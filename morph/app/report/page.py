@@ -16,7 +16,8 @@ from morph.app.report import tracks, words
 from morph.app.report.curves import curves, episodes_drawn
 from morph.app.report.templates import environment
 from morph.arrays import JSON
-from morph.model.diagnosis import Diagnosis, Finding
+from morph.model.diagnosis import Diagnosis
+from morph.model.finding import Finding
 
 FOLDER = Path(__file__).parent
 MANY = 8

@@ -13,7 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from morph.app.report.words import limited, number, percent
-from morph.model.diagnosis import Diagnosis, Estimate, Finding, Stretch
+from morph.model.diagnosis import Diagnosis, Stretch
+from morph.model.finding import Estimate, Finding
 
 MOST_STRIPS = 12
 """Held-out episodes drawn as strips."""

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from morph.model.diagnosis import Diagnosis, Estimate
+from morph.model.diagnosis import Diagnosis
+from morph.model.finding import Estimate
 
 MODELS = {
     "nominal": "as given",

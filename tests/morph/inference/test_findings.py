@@ -11,7 +11,7 @@ from morph.body.robot import Robot
 from morph.inference.findings import _idle_within
 from morph.inference.intervals import estimates, in_units, shifted
 from morph.inference.quadratic import LogPosterior
-from morph.model.diagnosis import Estimate
+from morph.model.finding import Estimate
 from morph.model.hypothesis import Hypothesis
 from morph.model.knobs import Knob
 from morph.physics.actuator.torque_saturation import TorqueSaturation

@@ -8,7 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from morph.model.diagnosis import Diagnosis, Estimate, Finding, Located, Rival, Stretch, Trace
+from morph.model.diagnosis import Diagnosis, Located, Stretch, Trace
+from morph.model.finding import Estimate, Finding, Rival
 from morph.physics import CoulombFriction
 from morph.physics.actuator.actuator_delay import ActuatorDelay
 

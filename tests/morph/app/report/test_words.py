@@ -16,7 +16,8 @@ from morph.app.report.words import (
     percent,
     remains,
 )
-from morph.model.diagnosis import Diagnosis, Estimate, Unexplained
+from morph.model.diagnosis import Diagnosis, Unexplained
+from morph.model.finding import Estimate
 
 SPACE = "\N{NO-BREAK SPACE}"
 

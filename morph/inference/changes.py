@@ -1,0 +1,194 @@
+"""When a robot changed: the run and the time from which on one law acts otherwise than before."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from morph.arrays import Array
+from morph.inference.change_search import (
+    ChangeSearch,
+    ChangingLaw,
+    Level,
+    LikeliestChange,
+    changing_laws,
+)
+from morph.inference.columns import Columns
+from morph.inference.design_matrix import all_columns, effect_columns, screened
+from morph.inference.dictionary import dictionary
+from morph.inference.finalist import CERTAIN
+from morph.inference.refit import Refit
+from morph.inference.search import Prior
+from morph.inference.whitened import Whitened, whitened, whitened_blocks
+from morph.physics.effect import Effect
+from morph.sim.threads import each
+
+COARSE, FINE, AROUND = 0.25, 0.025, 1.0
+"""Seconds between times that are tried, at first and about the likeliest, and how far about it."""
+LEAST = 0.5
+"""Least seconds before a change, and after it."""
+SHARES = (1.0, 0.1)
+"""Scales of the missing force, as shares of the likeliest: what is explained leaves less of it."""
+
+Grids = Sequence[tuple[Effect, ...]]
+
+
+def likeliest_change(base: Refit, known: Sequence[Effect], prior: Prior) -> LikeliestChange | None:
+    """Return the likeliest change of one law, None where none is surely likelier than no change.
+
+    Columns of each law of the dictionary act from one time on, or until then, beside own figures
+    and the laws that were found; these may be of other strengths after it. A push in one run that
+    is likelier is no change.
+
+    Source: Willsky and Jones 1976, IEEE Transactions on Automatic Control 21(1), 108-112 (the
+    generalized likelihood ratio).
+
+    Args:
+        base: The description with the laws that were found, refitted. Its runs are in the order in
+            which they were recorded.
+        known: Effects whose fixed parameters are known.
+        prior: Prices of laws.
+    """
+    own, taken = Columns.of(base.hypothesis, base.point), {e.label for e in base.effects}
+    every = dictionary(base.hypothesis.robot, base.runs, known)
+    grids = [grid for grid in every if grid[0].label not in taken]
+    grids = screened(own, grids, base.runs)
+    found = _coarse(base, own, grids, prior).likeliest()
+    if found is None or found.gain < CERTAIN or found.after.passing:
+        return None
+    grids = [grid for grid in grids if grid[0].label == found.label]
+    return _exact(base, own, grids, prior, found).likeliest()
+
+
+def _coarse(base: Refit, own: Columns, grids: Grids, prior: Prior) -> ChangeSearch:
+    """Return a search over all laws and times.
+
+    Each stretch of readings is whitened given all before it, as if the law had always acted: one
+    filter serves all times, and what a law has moved just after it begins is a little off.
+    """
+    lasts = [float(run.motion.time[-1]) for run in base.runs]
+    counts = [max(1, round(last / COARSE)) for last in lasts]
+    laws, size = list(changing_laws(base, list(effect_columns(grids)))), 1 + len(base.point)
+    rows = [np.ix_(law.place, np.append(np.arange(size), law.place)) for law in laws]
+
+    def one(at: int) -> list[tuple[Array, float, list[Array]]]:
+        about = base.runs[at].about
+        columns = all_columns(own, grids, base.runs[at])
+        found = []
+        for share in SHARES:
+            blocks = whitened_blocks(
+                about.tangent, about.leaving(share), *columns, blocks=counts[at]
+            )
+            total = np.sum([block.gram[:size, :size] for block in blocks], axis=0)
+            acts = [np.array([block.gram[row] for block in blocks]) for row in rows]
+            found.append((total, sum(block.logarithm for block in blocks), acts))
+        return found
+
+    levels = []
+    for runs in zip(*each(one, range(len(lasts))), strict=True):
+        acts = []
+        for at, law in enumerate(laws):
+            parts = np.concatenate([run[2][at] for run in runs])
+            since = np.cumsum(parts[::-1], axis=0)[::-1]
+            if law.passing:
+                since = np.broadcast_to(since[:1], since.shape)
+            # What acts until a time is what acts always less what acts from then on.
+            acts.append([since, since[:1] - since][: len(law.sides)])
+        total = np.sum([total for total, _, _ in runs], axis=0)
+        levels.append(Level(total=total, logarithm=sum(log for _, log, _ in runs), acts=acts))
+    starts = [
+        (run, block * lasts[run] / count)
+        for run, count in enumerate(counts)
+        for block in range(count)
+    ]
+    margin = math.ceil(LEAST / COARSE)
+    allowed = np.arange(len(starts)) >= margin
+    return ChangeSearch(
+        base=base, prior=prior, laws=laws, levels=levels, starts=starts,
+        allowed=allowed & allowed[::-1],
+    )  # fmt: skip
+
+
+def _exact(
+    base: Refit, own: Columns, grids: Grids, prior: Prior, near: LikeliestChange
+) -> ChangeSearch:
+    """Return a search over one law and times about a likely one, with columns that begin there."""
+    every = list(changing_laws(base, list(effect_columns(grids))))
+    laws, size = [law for law in every if law.label == near.label], 1 + len(base.point)
+    last = float(base.runs[near.run].motion.time[-1])
+    first = max(0.0, near.time - AROUND)
+    times = np.append(0.0, np.arange(first, min(last, near.time + AROUND), FINE))
+
+    def one(at: int) -> list[list[Whitened]]:
+        """Return, by law and level, products of [errors, entries, the law from each time on]."""
+        about, seen = base.runs[at].about, base.runs[at]
+        every, found = all_columns(own, grids, seen), []
+        since = times if at == near.run else times[:1]
+        acts = (seen.motion.time[:, None] >= since).astype(float)
+        for law in laws:
+            readings, moved = (
+                np.concatenate(
+                    [
+                        whole[:, :, :size],
+                        np.einsum("sdc,st->sdtc", whole[:, :, law.place], acts).reshape(
+                            *whole.shape[:2], -1
+                        ),
+                    ],
+                    axis=2,
+                )
+                for whole in every
+            )
+            found.append(
+                [whitened(about.tangent, about.leaving(share), readings, moved) for share in SHARES]
+            )
+        return found
+
+    by_run = each(one, range(len(base.runs)))
+    levels = []
+    for level in range(len(SHARES)):
+        whole = [run[0][level] for run in by_run]
+        levels.append(
+            Level(
+                total=np.sum([each.gram[:size, :size] for each in whole], axis=0),
+                logarithm=sum(each.logarithm for each in whole),
+                acts=[
+                    _sides(law, [run[at][level].gram for run in by_run], size, near.run, len(times))
+                    for at, law in enumerate(laws)
+                ],
+            )
+        )
+    return ChangeSearch(
+        base=base, prior=prior, laws=laws, levels=levels,
+        starts=[(near.run, time) for time in times.tolist()],
+        allowed=np.ones(len(times), dtype=bool),
+    )  # fmt: skip
+
+
+def _sides(
+    law: ChangingLaw, grams: Sequence[Array], size: int, run: int, times: int
+) -> list[Array]:
+    """Return products of a law's columns from each time of a run on and, if asked, until then."""
+    wide = len(law.place)
+    full = slice(size, size + wide)
+
+    def always(gram: Array) -> Array:
+        return np.concatenate([gram[full, :size], gram[full, full]], axis=1)
+
+    found = []
+    for until in law.sides:
+        others = grams[:run] if until else grams[run + 1 :]
+        rest = np.sum([always(gram) for gram in others], axis=0) if others else 0.0
+        rows = []
+        for time in range(times):
+            since = slice(size + time * wide, size + (time + 1) * wide)
+            gram = grams[run]
+            along, inner = gram[since, :size], gram[since, since]
+            if until:
+                across = gram[full, since]
+                along = gram[full, :size] - along
+                inner = gram[full, full] - across - across.T + inner
+            rows.append(np.concatenate([along, inner], axis=1) + rest)
+        found.append(np.array(rows))
+    return found

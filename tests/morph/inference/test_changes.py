@@ -1,0 +1,98 @@
+"""When a robot changed: a wheel whose bearing begins or ceases to drag during its runs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from morph.body.load import load
+from morph.body.robot import Robot
+from morph.inference.diagnose import diagnose
+from morph.physics.joint.viscous_friction import ViscousFriction
+from morph.record.recording import Channel, Recording
+from tests.morph.inference.dry_disc import STEP, turned
+from tests.morph.inference.dry_wheel import WHEEL
+
+SECONDS, DRAG, NOISE = 4.0, 0.01, 1e-3
+"""Of each run; N m s/rad; and rad, above what steps of 0.25 ms are off in a run."""
+Drags = Callable[[int, float], bool]
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory: pytest.TempPathFactory) -> Robot:
+    """A disc of 0.02 kg m2 on a motor."""
+    path = tmp_path_factory.mktemp("wheel") / "wheel.xml"
+    path.write_text(WHEEL)
+    return load(path)
+
+
+def runs(drags: Drags, *, count: int = 4, seconds: float = SECONDS) -> list[Recording]:
+    """Return runs in which the bearing drags at some times, told the run and the time."""
+    rng, found = np.random.default_rng(0), []
+    time = STEP * np.arange(round(seconds / STEP))
+    for number in range(count):
+        torque = 0.2 * np.cos((3.0 + number) * time) + 0.1 * np.cos(11.0 * time)
+        drag = DRAG * np.array([drags(number, at) for at in time.tolist()])
+
+        def driven(at: float, q: float, v: float, u=torque, b=drag) -> float:  # type: ignore[no-untyped-def]
+            return float(u[int(at)] - b[int(at)] * v)
+
+        read = turned(range(len(time)), driven, coulomb=0.0)
+        channels = {
+            "axle.position": Channel(time=time, value=read + NOISE * rng.normal(size=len(time))),
+            "motor.command": Channel(time=time, value=torque, hold=True),
+        }
+        found.append(Recording(name=f"run_{number}", channels=channels))
+    return found
+
+
+def test_a_law_that_begins_during_a_run_is_told_with_its_time(wheel: Robot) -> None:
+    found = diagnose(wheel, runs(lambda run, at: run > 1 or (run == 1 and at >= 1.5)))
+    (change,), (finding,) = found.changes, found.findings
+    assert change.after.label == finding.effect.label == "viscous_friction@axle"
+    assert (change.episode, change.since) == ("run_1", True)
+    # Times are tried every 0.05 s; friction of 0.03 N m moves the disc by more than the noise of
+    # 1e-3 rad, 0.5 * 0.03 / 0.02 * t^2, after 0.04 s.
+    assert change.time == pytest.approx(1.5, abs=0.1)
+    assert finding.onset == change.time == finding.as_json()["onset_s"]
+    assert isinstance(finding.effect, ViscousFriction)
+    assert finding.effect.b == pytest.approx(DRAG, rel=0.02)
+    first, second, *_ = found.summary()
+    assert first.startswith("From 1.")
+    assert "of run_1 on, and not before: Joint axle loses 0.01" in first
+    assert "since then" in second
+    # Only what came after the change was fitted.
+    assert (found.train, found.held_out) == (("run_1", "run_2"), ("run_3",))
+
+
+def test_a_law_that_ceases_leaves_nothing_missing(wheel: Robot) -> None:
+    found = diagnose(wheel, runs(lambda run, at: run == 0 or (run == 1 and at < 1.5)))
+    (change,) = found.changes
+    assert found.verdict == "consistent"
+    assert found.summary()[0].startswith("Until 1.")
+    assert change.after == change.after.neutral()
+    assert isinstance(change.before, ViscousFriction)
+    assert change.before.b == pytest.approx(DRAG, rel=0.05)
+    assert change.as_json()["before"] == {"b": change.before.b}
+
+
+@pytest.mark.parametrize("always", [True, False])
+def test_a_law_that_always_acts_or_never_is_no_change(wheel: Robot, always: bool) -> None:
+    found = diagnose(wheel, runs(lambda run, at: always))
+    assert not found.changes
+    assert [each.onset for each in found.findings] == ([None] if always else [])
+
+
+def test_one_recording_that_changes_near_its_end_is_told_by_its_own_time(wheel: Robot) -> None:
+    whole = runs(lambda run, at: at >= 9.0, count=1, seconds=12.0)
+    found = diagnose(wheel, whole)
+    (change,) = found.changes
+    # Of twelve seconds the last three were set aside: they are where it changed, and too short to
+    # be diagnosed alone.
+    assert change.time == pytest.approx(9.0, abs=0.1)
+    assert (change.episode, change.since) == ("run_0", False)
+    assert found.verdict == "consistent"
+    assert found.summary()[1].endswith("of the runs until then.")
+    assert whole[0].end == pytest.approx(12.0 - STEP)
