@@ -123,10 +123,13 @@ class ChangeSearch:
             for until, acts in zip(law.sides, level.acts[at], strict=True):
                 least = -math.inf if best is None else best.gain
                 found = self._of_law(level, law, acts, none, least)
-                if found is not None:
-                    time, change, gain = found
-                    before, after = self._sides(law, change, until=until)
-                    run, begins = self.starts[time]
+                if found is None:
+                    continue
+                time, change, gain = found
+                before, after = self._sides(law, change, until=until)
+                run, begins = self.starts[time]
+                # A limit that a fit puts out of reach does nothing.
+                if before != after:
                     best = LikeliestChange(
                         before=before, after=after, run=run, time=begins, gain=gain
                     )

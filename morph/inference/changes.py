@@ -59,7 +59,8 @@ def likeliest_change(base: Refit, known: Sequence[Effect], prior: Prior) -> Like
     if found is None or found.gain < CERTAIN or found.after.passing:
         return None
     grids = [grid for grid in grids if grid[0].label == found.label]
-    return _exact(base, own, grids, prior, found).likeliest()
+    found = _exact(base, own, grids, prior, found).likeliest()
+    return found if found is not None and found.gain >= CERTAIN else None
 
 
 def _coarse(base: Refit, own: Columns, grids: Grids, prior: Prior) -> ChangeSearch:
@@ -121,6 +122,12 @@ def _exact(
     first = max(0.0, near.time - AROUND)
     times = np.append(0.0, np.arange(first, min(last, near.time + AROUND), FINE))
 
+    allowed = np.ones(len(times), dtype=bool)
+    if near.run == 0:
+        allowed &= times >= LEAST
+    if near.run == len(base.runs) - 1:
+        allowed &= times <= last - LEAST
+
     def one(at: int) -> list[list[Whitened]]:
         """Return, by law and level, products of [errors, entries, the law from each time on]."""
         about, seen = base.runs[at].about, base.runs[at]
@@ -162,7 +169,7 @@ def _exact(
     return ChangeSearch(
         base=base, prior=prior, laws=laws, levels=levels,
         starts=[(near.run, time) for time in times.tolist()],
-        allowed=np.ones(len(times), dtype=bool),
+        allowed=allowed,
     )  # fmt: skip
 
 

@@ -189,7 +189,7 @@ def _begun(finding: Finding, changes: Sequence[Change]) -> Finding:
     """Return a finding with the time at which its law began, where it did not act before."""
     for change in changes:
         same = change.since and change.after.label == finding.effect.label
-        if same and change.before == change.before.neutral():
+        if same and change.begins:
             return replace(finding, onset=change.time)
     return finding
 

@@ -143,7 +143,8 @@ class Diagnosis:
 
     def summary(self) -> tuple[str, ...]:
         """Return the answer in words, a sentence each."""
-        changed = tuple(sentence for change in self.changes for sentence in change.said)
+        found = {finding.effect.label for finding in self.findings}
+        changed = tuple(said for change in self.changes for said in change.said(found))
         if self.verdict == "consistent":
             return (*changed, EXPLAINED, *self.overstated)
         said = [finding.said for finding in self.findings]

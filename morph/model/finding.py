@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 from morph.arrays import JSON
@@ -131,18 +131,37 @@ class Change:
     """Whether its joint is a slide, so that forces are in N and lengths in m."""
 
     @property
-    def said(self) -> tuple[str, str]:
-        """What changed and when, and of which runs all else is said, a plain sentence each."""
+    def statement(self) -> str:
+        """What changed and when, in one plain sentence or two."""
         when = f"{self.time:.1f} s of {self.episode}" if self.time > 0.0 else self.episode
         before, after = (e.statement(slide=self.slide) for e in (self.before, self.after))
-        if self.after == self.after.neutral():
-            first = f"Until {when}, and not since: {before}"
-        elif self.before == self.before.neutral():
-            first = f"From {when} on, and not before: {after}"
-        else:
-            first = f"From {when} on: {after} Before: {before}"
+        if self.ceases:
+            return f"Until {when}, and not since: {before}"
+        if self.begins:
+            return f"From {when} on, and not before: {after}"
+        return f"From {when} on: {after} Before: {before}"
+
+    @property
+    def begins(self) -> bool:
+        """Whether the law did not act before."""
+        return self.before == self.before.neutral()
+
+    @property
+    def ceases(self) -> bool:
+        """Whether the law does not act any more."""
+        return self.after == self.after.neutral()
+
+    def said(self, found: Collection[str]) -> tuple[str, str]:
+        """Return the change in words, and of which runs all else is said.
+
+        Args:
+            found: Labels of the laws that were found in these runs.
+        """
         runs = "since" if self.since else "until"
-        return first, f"The robot changed then: what follows is of the runs {runs} then."
+        rest = f"The robot changed then: what follows is of the runs {runs} then."
+        if self.since and not self.ceases and self.after.label not in found:
+            rest += " They alone are too few to tell this law."
+        return self.statement, rest
 
     def as_json(self) -> JSON:
         """Return what `diagnosis.json` holds of it."""
@@ -158,5 +177,5 @@ class Change:
             **sides,
             "gain_nats": self.gain,
             "since": self.since,
-            "statement": self.said[0],
+            "statement": self.statement,
         }

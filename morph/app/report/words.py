@@ -65,6 +65,8 @@ def answer(name: str) -> str:
 
 def headline(diagnosis: Diagnosis) -> str:
     """Return the verdict as a headline."""
+    if diagnosis.changes and not diagnosis.findings:
+        return "The robot changed during these recordings"
     if diagnosis.verdict == "consistent" and diagnosis.overstated:
         return "The simulation and the robot agree once a joint's figures are corrected"
     if diagnosis.verdict == "consistent":

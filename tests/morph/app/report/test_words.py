@@ -17,7 +17,8 @@ from morph.app.report.words import (
     remains,
 )
 from morph.model.diagnosis import Diagnosis, Unexplained
-from morph.model.finding import Estimate
+from morph.model.finding import Change, Estimate
+from morph.physics.body.external_push import ExternalPush
 
 SPACE = "\N{NO-BREAK SPACE}"
 
@@ -115,3 +116,34 @@ def test_a_parameter_that_the_runs_do_not_determine_is_marked(mismatch: Diagnosi
     (first, *_) = mismatch.findings
     said = replace(first, parameters={"c": unsure}).statement
     assert said == f"{first.statement} These runs do not determine c."
+
+
+def test_a_change_is_told_before_what_was_found_since_then(mismatch: Diagnosis) -> None:
+    law = mismatch.findings[0].effect
+    change = Change(
+        before=law.neutral(), after=law, episode="run_2", time=4.25, gain=60.0, since=True
+    )
+    first, second, third, *_ = replace(mismatch, changes=(change,)).summary()
+    assert first == f"From 4.2 s of run_2 on, and not before: {law.statement()}"
+    assert second == "The robot changed then: what follows is of the runs since then."
+    assert third == mismatch.findings[0].said
+    # The same law may change its strength, cease, or be too weak to be found since then.
+    stronger = replace(change, before=law, time=0.0)
+    assert stronger.statement.startswith("From run_2 on: ")
+    ceased = replace(change, before=law, after=law.neutral(), since=False)
+    assert ceased.said(())[0] == f"Until 4.2 s of run_2, and not since: {law.statement()}"
+    assert ceased.said(())[1].endswith("until then.")
+    assert change.said(())[1].endswith("too few to tell this law.")
+    lone = replace(mismatch, verdict="consistent", findings=(), changes=(ceased,))
+    assert headline(lone) == "The robot changed during these recordings"
+
+
+def test_what_acts_in_one_run_alone_is_written_with_its_interval(mismatch: Diagnosis) -> None:
+    push = ExternalPush(body="hand", run="run_2", start=1.5, end=1.75, x=1.0)
+    times = {
+        name: Estimate(value=getattr(push, name), low90=1.0, high90=2.0, unit="s")
+        for name in ("start", "end")
+    }
+    finding = replace(mismatch.findings[0], effect=push, parameters=times)
+    content = replace(mismatch, findings=(finding,)).as_json()["findings"][0]
+    assert (content["onset_s"], content["interval_s"]) == (1.5, [1.5, 1.75])
