@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 from sklearn.exceptions import ConvergenceWarning
-from sklearn.linear_model import LassoLarsIC
+from sklearn.linear_model import LassoLarsIC, lasso_path
 
 from experiments.concealed.predict import STEP, HeldOut, Predicted, predicted
 from experiments.concealed.seal import open_seal
@@ -110,6 +110,23 @@ def refit_own_figures(folder: Path, seed: int) -> JSON:
     return task.answer(folder, "refit", _by_model(folder, found.hypothesis, found.point))
 
 
+def _lasso(table: Array, goal: Array) -> Array:
+    """Return the coefficients of LASSO at the penalty of least BIC, shape (columns,).
+
+    Least angle regression breaks in scikit-learn 1.9 where columns that it drops make up others:
+    coordinate descent stands in, at 60 penalties.
+    """
+    try:
+        fitted = LassoLarsIC(criterion="bic", max_iter=60).fit(table, goal)
+    except ValueError:
+        centred, rest = table - table.mean(axis=0), goal - goal.mean()
+        _, path, _ = lasso_path(centred, rest, alphas=60)
+        left = ((rest[:, None] - centred @ path) ** 2).mean(axis=0)
+        bic = len(goal) * np.log(left) + (path != 0.0).sum(axis=0) * np.log(len(goal))
+        return np.asarray(path[:, int(np.argmin(bic))])
+    return np.asarray(fitted.coef_)
+
+
 def solve_by_lasso(folder: Path, seed: int) -> JSON:
     """Return the laws of the same dictionary that LASSO picks on torques of inverse dynamics.
 
@@ -136,14 +153,14 @@ def solve_by_lasso(folder: Path, seed: int) -> JSON:
     with warnings.catch_warnings():
         # A column that others make up is dropped, with a warning.
         warnings.simplefilter("ignore", ConvergenceWarning)
-        found = LassoLarsIC(criterion="bic", max_iter=60).fit(table / size, missing[rows])
-    share = np.abs(found.coef_) / (np.sqrt(np.mean(missing**2)) + 1e-12)
+        found = _lasso(table / size, missing[rows])
+    share = np.abs(found) / (np.sqrt(np.mean(missing**2)) + 1e-12)
     best: dict[str, tuple[float, Effect]] = {}
     for effect in dict.fromkeys(effect for effect, _ in shapes):
         mine = [at for at, (other, _) in enumerate(shapes) if other == effect]
         felt = float(share[mine].max())
         if felt > max(FELT, best.get(effect.label, (0.0,))[0]):
-            strengths = np.array([found.coef_[at] / size[at] for at in mine])
+            strengths = np.array([found[at] / size[at] for at in mine])
             best[effect.label] = felt, effect.with_strengths(strengths)
     effects: tuple[Effect, ...] = ()
     for _, effect in sorted(best.values(), key=lambda each: -each[0]):
