@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -55,61 +56,111 @@ def likeliest_change(base: Refit, known: Sequence[Effect], prior: Prior) -> Like
     every = dictionary(base.hypothesis.robot, base.runs, known)
     grids = [grid for grid in every if grid[0].label not in taken]
     grids = screened(own, grids, base.runs)
-    found = _coarse(base, own, grids, prior).likeliest()
+    stretches = _Stretches.of(base, own, grids)
+    found = stretches.search(prior).likeliest()
     if found is None or found.gain < CERTAIN or found.after.passing:
+        return found if found is not None and found.gain >= CERTAIN else None
+    # What shows only about that time is no lasting law, but a push that no shape fits.
+    away = stretches.search(prior, found).likeliest()
+    if away is None or away.gain < 0.0:
         return None
     grids = [grid for grid in grids if grid[0].label == found.label]
     found = _exact(base, own, grids, prior, found).likeliest()
     return found if found is not None and found.gain >= CERTAIN else None
 
 
-def _coarse(base: Refit, own: Columns, grids: Grids, prior: Prior) -> ChangeSearch:
-    """Return a search over all laws and times.
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Stretches:
+    """Inner products of columns over stretches of all runs, each given all readings before it.
 
-    Each stretch of readings is whitened given all before it, as if the law had always acted: one
-    filter serves all times, and what a law has moved just after it begins is a little off.
+    They are as if a law had always acted: one filter serves all times, and what a law has moved
+    just after it begins is a little off.
     """
-    lasts = [float(run.motion.time[-1]) for run in base.runs]
-    counts = [max(1, round(last / COARSE)) for last in lasts]
-    laws, size = list(changing_laws(base, list(effect_columns(grids)))), 1 + len(base.point)
-    rows = [np.ix_(law.place, np.append(np.arange(size), law.place)) for law in laws]
 
-    def one(at: int) -> list[tuple[Array, float, list[Array]]]:
-        about = base.runs[at].about
-        columns = all_columns(own, grids, base.runs[at])
-        found = []
-        for share in SHARES:
-            blocks = whitened_blocks(
-                about.tangent, about.leaving(share), *columns, blocks=counts[at]
+    base: Refit
+    laws: Sequence[ChangingLaw]
+    starts: Sequence[tuple[int, float]]
+    """Run and time, s, at which each begins."""
+    totals: Sequence[Array]
+    """By level of the missing force: of [errors, entries], (stretches, entries + 1, the same)."""
+    acts: Sequence[Sequence[Array]]
+    """By level and law: of its columns with [errors, entries, these], (stretches, columns, ...)."""
+    logarithms: Sequence[Array]
+    """By level, of the determinant of the readings' covariance, shape (stretches,)."""
+
+    @classmethod
+    def of(cls, base: Refit, own: Columns, grids: Grids) -> _Stretches:
+        """Return the products of all laws, over stretches of a quarter of a second."""
+        lasts = [float(run.motion.time[-1]) for run in base.runs]
+        counts = [max(1, round(last / COARSE)) for last in lasts]
+        laws, size = list(changing_laws(base, list(effect_columns(grids)))), 1 + len(base.point)
+        rows = [np.ix_(law.place, np.append(np.arange(size), law.place)) for law in laws]
+
+        def one(at: int) -> list[tuple[Array, Array, list[Array]]]:
+            about = base.runs[at].about
+            columns = all_columns(own, grids, base.runs[at])
+            found = []
+            for share in SHARES:
+                level = about.leaving(share)
+                blocks = whitened_blocks(about.tangent, level, *columns, blocks=counts[at])
+                total = np.array([block.gram[:size, :size] for block in blocks])
+                acts = [np.array([block.gram[row] for block in blocks]) for row in rows]
+                found.append((total, np.array([block.logarithm for block in blocks]), acts))
+            return found
+
+        by_level = list(zip(*each(one, range(len(lasts))), strict=True))
+        return cls(
+            base=base,
+            laws=laws,
+            starts=[
+                (run, block * lasts[run] / count)
+                for run, count in enumerate(counts)
+                for block in range(count)
+            ],
+            totals=[np.concatenate([run[0] for run in runs]) for runs in by_level],
+            acts=[
+                [np.concatenate([run[2][at] for run in runs]) for at in range(len(laws))]
+                for runs in by_level
+            ],
+            logarithms=[np.concatenate([run[1] for run in runs]) for runs in by_level],
+        )
+
+    def search(self, prior: Prior, apart: LikeliestChange | None = None) -> ChangeSearch:
+        """Return a search over all laws and times.
+
+        Args:
+            prior: Prices of laws.
+            apart: Of this change alone, by the readings that are more than a second from it.
+        """
+        runs, begins = (np.array(every) for every in zip(*self.starts, strict=True))
+        kept, laws = np.ones(len(begins), dtype=bool), list(range(len(self.laws)))
+        allowed = np.arange(len(begins)) >= math.ceil(LEAST / COARSE)
+        allowed &= allowed[::-1]
+        if apart is not None:
+            kept = (runs != apart.run) | (np.abs(begins - apart.time) > AROUND)
+            allowed = (runs == apart.run) & (begins == apart.time)
+            laws = [at for at in laws if self.laws[at].label == apart.label]
+        levels = []
+        for total, acts, logarithm in zip(self.totals, self.acts, self.logarithms, strict=True):
+            sides = []
+            for at in laws:
+                parts = np.where(kept[:, None, None], acts[at], 0.0)
+                since = np.cumsum(parts[::-1], axis=0)[::-1]
+                if self.laws[at].passing:
+                    since = np.broadcast_to(since[:1], since.shape)
+                # What acts until a time is what acts always less what acts from then on.
+                sides.append([since, since[:1] - since][: len(self.laws[at].sides)])
+            levels.append(
+                Level(
+                    total=total[kept].sum(axis=0),
+                    logarithm=float(logarithm[kept].sum()),
+                    acts=sides,
+                )
             )
-            total = np.sum([block.gram[:size, :size] for block in blocks], axis=0)
-            acts = [np.array([block.gram[row] for block in blocks]) for row in rows]
-            found.append((total, sum(block.logarithm for block in blocks), acts))
-        return found
-
-    levels = []
-    for runs in zip(*each(one, range(len(lasts))), strict=True):
-        acts = []
-        for at, law in enumerate(laws):
-            parts = np.concatenate([run[2][at] for run in runs])
-            since = np.cumsum(parts[::-1], axis=0)[::-1]
-            if law.passing:
-                since = np.broadcast_to(since[:1], since.shape)
-            # What acts until a time is what acts always less what acts from then on.
-            acts.append([since, since[:1] - since][: len(law.sides)])
-        total = np.sum([total for total, _, _ in runs], axis=0)
-        levels.append(Level(total=total, logarithm=sum(log for _, log, _ in runs), acts=acts))
-    starts = [
-        (run, block * lasts[run] / count)
-        for run, count in enumerate(counts)
-        for block in range(count)
-    ]
-    margin = math.ceil(LEAST / COARSE)
-    allowed = np.arange(len(starts)) >= margin
-    return ChangeSearch(
-        base=base, prior=prior, laws=laws, levels=levels, starts=starts,
-        allowed=allowed & allowed[::-1],
-    )  # fmt: skip
+        return ChangeSearch(
+            base=self.base, prior=prior, laws=[self.laws[at] for at in laws], levels=levels,
+            starts=self.starts, allowed=allowed,
+        )  # fmt: skip
 
 
 def _exact(

@@ -109,6 +109,7 @@ def diagnose(
     say: Progress = progress or (lambda what, share: None)
     deadline = math.inf if budget is None else started + 0.9 * budget
     changes: list[Change] = []
+    looked = False
     while True:
         ready = _prepared(robot, recordings, held_out, vary, deadline=deadline, say=say)
         say("refitting the description's own figures", 0.05)
@@ -119,10 +120,13 @@ def diagnose(
             progress=say,
             deadline=deadline,
         )
-        if ranking.stopped or len(changes) == MOST_CHANGES:
+        if ranking.stopped or looked or len(changes) == MOST_CHANGES:
             break
         say("looking for changes", 0.88)
         change, kept = _changed(ready, ranking, recordings, known, named=bool(held_out))
+        if change is None and kept is not recordings:
+            recordings, looked = kept, True
+            continue
         # A law whose change is not found again by what follows it alone is not told twice.
         if change is None or change.after.label in {old.after.label for old in changes}:
             break
@@ -229,6 +233,11 @@ def _changed(
         return None, recordings
     episode = episodes[found.run]
     at = [recording.name for recording in recordings].index(episode.recording.name)
+    if found.after.passing:
+        aside = episode.recording.name in {each.name for each in ready.parts.held_out}
+        # A push is found where it is fitted: another run is set aside.
+        turned = [recordings[at], *recordings[:at], *recordings[at + 1 :]]
+        return None, turned if aside and len(recordings) > 1 else recordings
     whole, channels = recordings[at], Measurement.of(robot).needed
     start, first = (
         max(float(some.channel(name).time[0]) for name in channels)

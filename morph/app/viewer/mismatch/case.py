@@ -9,7 +9,7 @@ import numpy as np
 
 from morph.app.viewer.figure import Figure, figure
 from morph.app.viewer.mismatch import loose, rollouts
-from morph.app.viewer.mismatch.diagnosed import Diagnosed, Found
+from morph.app.viewer.mismatch.diagnosed import Diagnosed, Event, Found
 from morph.app.viewer.mismatch.missing import clearest, joint_of, missing
 from morph.app.viewer.mismatch.poses import poses, span, untold
 from morph.app.viewer.mismatch.take import CORRECTED, DESCRIBED, Ask, Missing, Model, Take
@@ -92,6 +92,12 @@ class Case:
     def found(self) -> tuple[Found, ...]:
         """What the diagnosis found."""
         return () if self.diagnosed is None else self.diagnosed.findings
+
+    def events(self, take: Take) -> tuple[Event, ...]:
+        """Return the changes and pushes of a take, their times s since its window began."""
+        told = () if self.diagnosed is None else self.diagnosed.events
+        mine = (replace(e, time=e.time - take.start) for e in told if e.episode == take.name)
+        return tuple(event for event in mine if 0.0 <= event.time <= take.seconds)
 
     @property
     def findings(self) -> tuple[Effect, ...]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -35,6 +36,18 @@ class Found:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Event:
+    """A change of the robot, or the start of what acts in one episode alone."""
+
+    episode: str
+    """The episode."""
+    time: float
+    """When, s from its start."""
+    title: str
+    """What, as the timeline calls it."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class Diagnosed:
     """What a folder says of a diagnosis."""
 
@@ -64,6 +77,8 @@ class Diagnosed:
     """The corrected description; None if there is none."""
     effects: tuple[Effect, ...]
     """What MuJoCo cannot hold of the correction."""
+    events: tuple[Event, ...] = ()
+    """When the robot changed or was pushed."""
 
 
 def load_diagnosed(folder: Path, robot: Robot) -> Diagnosed:
@@ -102,6 +117,7 @@ def load_diagnosed(folder: Path, robot: Robot) -> Diagnosed:
         command=provenance.text("command", default=""),
         corrected=corrected,
         effects=() if corrected is None else _effects(folder, corrected),
+        events=tuple(_events(content))[:MOST_FINDINGS],
     )
 
 
@@ -126,6 +142,17 @@ def _json(path: Path) -> Any:
             where=str(path),
             fix="name a folder that `morph diagnose --out` wrote",
         ) from error
+
+
+def _events(content: Said) -> Iterator[Event]:
+    """Yield changes of the robot, and findings that act in one episode alone."""
+    for each in content.tables("changes") if "changes" in content.content else ():
+        title = f"change: {each.text('effect')}@{each.table('where').text('name')}"
+        yield Event(episode=each.text("episode"), time=each.number("time_s"), title=title)
+    for each in content.tables("findings"):
+        if each.content.get("interval_s") is not None and (names := each.texts("episodes")):
+            title = f"{each.text('effect')}@{each.table('where').text('name')}"
+            yield Event(episode=names[0], time=each.number("onset_s"), title=title)
 
 
 def _found(said: Said, robot: Robot) -> Found:

@@ -104,7 +104,7 @@ def _marks(figure: Figure, take: Take) -> Array | None:
 
 
 def _moments(case: Case, take: Take) -> tuple[Moment, ...]:
-    """Return the worst stretches, then where each finding shows most."""
+    """Return the worst stretches, then events, then where each finding shows most."""
     worst = [
         Moment(
             time=begin,
@@ -116,6 +116,7 @@ def _moments(case: Case, take: Take) -> tuple[Moment, ...]:
     shown = ((each, case.moment_of(each, take)) for each in case.found)
     return (
         *worst,
+        *(Moment(time=event.time, title=event.title) for event in case.events(take)),
         *(
             Moment(time=time, title=f"finding {number}: {each.effect.label}")
             for number, (each, time) in enumerate(shown, start=1)

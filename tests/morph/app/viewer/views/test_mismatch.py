@@ -13,7 +13,7 @@ import pytest
 
 from morph.app.viewer.clock import Clock
 from morph.app.viewer.mismatch.case import Case
-from morph.app.viewer.mismatch.diagnosed import Diagnosed, Found
+from morph.app.viewer.mismatch.diagnosed import Diagnosed, Event, Found
 from morph.app.viewer.mismatch.take import CORRECTED, DESCRIBED
 from morph.app.viewer.views.mismatch import Mismatch
 from morph.body.load import load
@@ -129,6 +129,10 @@ def case() -> Case:
         command="",
         corrected=robot,
         effects=(effect,),
+        events=(
+            Event(episode="first", time=1.5, title="change: coulomb_friction@hinge"),
+            Event(episode="long", time=26.0, title="external_push@pole"),
+        ),
     )
     runs = swings(robot, "first"), swings(robot, "<i>second</i>"), swings(robot, "long", 27.0)
     return Case(robot, runs, diagnosed)
@@ -208,6 +212,20 @@ def test_a_finding_is_shown_where_its_force_is_missing(case: Case, page: Page) -
     # Of friction 0.2 N m is missing in full motion, and less about a reversal.
     assert abs(force) > 0.15
     assert page.clock.time in [each.time for each in page.content.moments]
+
+
+def test_changes_and_pushes_are_moments_of_their_window(page: Page) -> None:
+    def events() -> list[tuple[float, str]]:
+        every = [(each.time, each.title) for each in page.content.moments]
+        return [(t, title) for t, title in every if title.startswith(("change", "external"))]
+
+    page.gui.knobs["recording"].turn("first")
+    assert events() == [(1.5, "change: coulomb_friction@hinge")]
+    page.gui.knobs["recording"].turn("long")
+    assert events() == []
+    page.gui.knobs["window"].turn("20 to 27 s")
+    # The push begins 26 s after the recording, 6 s after the window.
+    assert events() == [(pytest.approx(6.0), "external_push@pole")]
 
 
 def test_what_is_chosen_is_kept_and_comes_back(case: Case, page: Page) -> None:
