@@ -36,6 +36,8 @@ class LikeliestChange:
     """When, s from the start of that run; 0 where it changed before that."""
     gain: float
     """Log evidence for the change, less its price, nats."""
+    lasts: bool = True
+    """Whether it shows also away from that time; a push does not."""
 
     @property
     def label(self) -> str:

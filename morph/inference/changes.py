@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -58,12 +58,12 @@ def likeliest_change(base: Refit, known: Sequence[Effect], prior: Prior) -> Like
     grids = screened(own, grids, base.runs)
     stretches = _Stretches.of(base, own, grids)
     found = stretches.search(prior).likeliest()
-    if found is None or found.gain < CERTAIN or found.after.passing:
-        return found if found is not None and found.gain >= CERTAIN else None
-    # What shows only about that time is no lasting law, but a push that no shape fits.
-    away = stretches.search(prior, found).likeliest()
-    if away is None or away.gain < 0.0:
+    if found is None or found.gain < CERTAIN:
         return None
+    # What shows only about that time is no lasting law, but a push that no shape fits.
+    away = None if found.after.passing else stretches.search(prior, found).likeliest()
+    if away is None or away.gain < 0.0:
+        return replace(found, lasts=False)
     grids = [grid for grid in grids if grid[0].label == found.label]
     found = _exact(base, own, grids, prior, found).likeliest()
     return found if found is not None and found.gain >= CERTAIN else None

@@ -233,7 +233,7 @@ def _changed(
         return None, recordings
     episode = episodes[found.run]
     at = [recording.name for recording in recordings].index(episode.recording.name)
-    if found.after.passing:
+    if not found.lasts:
         aside = episode.recording.name in {each.name for each in ready.parts.held_out}
         # A push is found where it is fitted: another run is set aside.
         turned = [recordings[at], *recordings[:at], *recordings[at + 1 :]]

@@ -15,7 +15,7 @@ from morph.physics.motion import Motion
 
 TREND, APART = 1.0, 0.3
 """Seconds over which a missing force may drift, and least time between pushes and after a start."""
-STANDS_OUT, ALONE = 8.0, 2.0
+STANDS_OUT, ALONE = 8.0, 1.5
 """How high the missing force of a push is, in median absolute deviations and in units of the next
 highest."""
 
