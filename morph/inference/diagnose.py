@@ -120,7 +120,9 @@ def diagnose(
             progress=say,
             deadline=deadline,
         )
-        if ranking.stopped or looked or len(changes) == MOST_CHANGES:
+        # What comes after a change takes as long as all before it.
+        late = time.monotonic() > started + 0.5 * (deadline - started)
+        if ranking.stopped or looked or late or len(changes) == MOST_CHANGES:
             break
         say("looking for changes", 0.88)
         change, kept = _changed(ready, ranking, recordings, known, named=bool(held_out))

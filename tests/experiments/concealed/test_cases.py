@@ -16,9 +16,9 @@ from experiments.concealed.law import Law
 from experiments.concealed.plant import Array, Plant
 from experiments.concealed.seal import CASES, TRUTHS, open_seal
 from experiments.concealed.simulate import GRID, Run, moving_state, simulate
-from experiments.concealed.sizing import WEAKEST
+from experiments.concealed.sizing import FINEST, WEAKEST
 from experiments.concealed.submission import CASE_SCHEMA_FILE
-from experiments.concealed.suites import LAWS, SUITES
+from experiments.concealed.suites import LASTING, LAWS, SUITES
 from experiments.concealed.ties import are_distinct, ties_of
 from experiments.concealed.truth import Effect, Truth, replayed
 from morph.body.load import load as load_robot
@@ -235,3 +235,41 @@ def test_an_arm_has_the_physics_of_real_drives(arm: Case) -> None:
         "stribeck_friction": joints, "load_dependent_friction": joints,
         "series_elasticity": joints, "payload": 1,
     }  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def begun() -> Case:
+    """A case in which a law begins during a run."""
+    every = (draw_case("events", 1, number, seconds=SECONDS) for number in range(20))
+    return next(each for each in every if each.truth.effects and each.truth.effects[0].since)
+
+
+def test_a_law_that_begins_acts_from_its_time_on_and_in_later_runs(begun: Case) -> None:
+    truth = begun.truth
+    run, since = truth.effects[0].since or (0, 0)
+    assert 0 < run < len(truth.runs) - 1
+    always = replace(truth, effects=tuple(replace(e, since=None) for e in truth.effects))
+    never = replace(truth, effects=())
+    for number, motion in enumerate(begun.motions):
+        other = (never if number < run else always).move(number, FINEST)
+        if number != run:
+            assert np.array_equal(motion.reading, other.reading)
+            assert np.array_equal(motion.command, other.command)
+    # In its run the motion is that without it, to the bit, and then another.
+    before, motion = never.move(run, FINEST), begun.motions[run]
+    steps = since * round(GRID / motion.step)
+    assert np.array_equal(motion.q[: steps + 1], before.q[: steps + 1])
+    early = truth.runs[run].ticks < since
+    assert np.array_equal(motion.command[early], before.command[early])
+    assert np.array_equal(motion.reading[early], before.reading[early])
+    assert not np.array_equal(motion.reading[~early], before.reading[~early])
+
+
+def test_half_of_the_cases_with_events_are_pushes_and_half_begin() -> None:
+    suite = SUITES["events"]
+    counts = [suite.count(1, number) for number in range(20)]
+    assert sorted(counts) == [0] * 4 + [1] * 16
+    assert [{law.name for law in suite.events_of(kin)} for kin in (0, 1)] == [
+        {"external_push"},
+        set(LASTING),
+    ]

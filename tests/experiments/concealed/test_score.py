@@ -155,6 +155,48 @@ def test_friction_loads_and_gains_of_arms_are_counted_apart() -> None:
     assert found == pytest.approx([1 / 6, 1 / 3, 1 / 4])
 
 
+def test_pushes_are_found_by_run_and_start_and_changes_by_run_and_time() -> None:
+    push = {**effect("external_push", "thigh", start=2.0, end=2.2), "run": 1}
+    dry = {**DRY, "since": {"run": "run_3", "time": 4.0}}
+
+    def finding(run: str, start: float) -> dict[str, Any]:
+        named = {"effect": "external_push", "where": "thigh", "probability": 0.7}
+        return {**named, "run": run, "parameters": {"start": {"value": start}}}
+
+    def change(run: str, time: float, law: str = "coulomb_friction") -> dict[str, Any]:
+        return {"effect": law, "where": "hip", "run": run, "time": time}
+
+    def row(*findings: Any, changes: Any = (), truth: Any = (push,)) -> dict[str, Any]:
+        answer = submission("judge_1_0000", "test", findings=findings, changes=changes)
+        return score(check(answer, where="test"), sealed(*truth))
+
+    # The truth counts runs from nought, recordings are called by their number from one.
+    right = row(finding("run_2", 2.1))
+    late, elsewhere = row(finding("run_2", 2.4)), row(finding("run_1", 2.0))
+    assert [each["pushes_found"] for each in (right, late, elsewhere)] == [1, 0, 0]
+    assert right["push_late"] == pytest.approx(0.1)
+    assert elsewhere["push_late"] is None
+    began = row(changes=[change("run_3", 4.2)], truth=(dry,))
+    wrong = row(changes=[change("run_3", 4.2, "cogging")], truth=(dry,))
+    off = row(changes=[change("run_3", 4.3)], truth=(dry,))
+    assert [each["change_found"] for each in (began, wrong, off)] == [True, True, False]
+    assert [each["change_named"] for each in (began, wrong, off)] == [True, False, False]
+    found = summarise(
+        [right, late, elsewhere, began, wrong, off, row(), row(changes=[change("a", 0)])]
+    )
+    # One of five pushes; one of three that were claimed; two and one of three changes; and one of
+    # the five cases without a change was said to change.
+    values = {name: found[name]["value"] for name in found if name.startswith(("push", "change"))}
+    assert values == {
+        "push_recall": pytest.approx(1 / 5),
+        "push_precision": pytest.approx(1 / 3),
+        "push_late_s": pytest.approx(0.25),
+        "change_found": pytest.approx(2 / 3),
+        "change_named": pytest.approx(1 / 3),
+        "change_claimed_wrongly": pytest.approx(1 / 5),
+    }
+
+
 def test_calibration_error_and_brier_score_are_as_by_hand() -> None:
     # Bin of .9: three of four right, gap .15 of 4; bin of .2: none of two, gap .2 of 2.
     claims = [(0.9, True)] * 3 + [(0.9, False)] + [(0.2, False)] * 2
