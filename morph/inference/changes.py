@@ -30,7 +30,7 @@ COARSE, FINE, AROUND = 0.25, 0.025, 1.0
 """Seconds between times that are tried, at first and about the likeliest, and how far about it."""
 LEAST = 0.5
 """Least seconds before a change, and after it."""
-SHARES = (1.0, 0.1)
+SHARES = (1.0, 0.1, 0.01)
 """Scales of the missing force, as shares of the likeliest: what is explained leaves less of it."""
 
 Grids = Sequence[tuple[Effect, ...]]
@@ -58,12 +58,12 @@ def likeliest_change(base: Refit, known: Sequence[Effect], prior: Prior) -> Like
     grids = screened(own, grids, base.runs)
     stretches = _Stretches.of(base, own, grids)
     found = stretches.search(prior).likeliest()
-    if found is None or found.gain < CERTAIN:
+    if found is None or found.gain < 0.0:
         return None
     # What shows only about that time is no lasting law, but a push that no shape fits.
     away = None if found.after.passing else stretches.search(prior, found).likeliest()
     if away is None or away.gain < 0.0:
-        return replace(found, lasts=False)
+        return replace(found, lasts=False) if found.gain >= CERTAIN else None
     grids = [grid for grid in grids if grid[0].label == found.label]
     found = _exact(base, own, grids, prior, found).likeliest()
     return found if found is not None and found.gain >= CERTAIN else None

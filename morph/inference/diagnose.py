@@ -10,12 +10,10 @@ from dataclasses import dataclass, replace
 import mujoco
 
 from morph.body.robot import Robot
-from morph.inference.changes import likeliest_change
+from morph.inference.changed import changed, in_whole
 from morph.inference.contact import at_stops, touches
-from morph.inference.findings import on_slide
-from morph.inference.observed import missing, settled
-from morph.inference.rank import Progress, Ranking, ranked
-from morph.inference.refit import refitted, seen
+from morph.inference.rank import Progress, ranked
+from morph.inference.refit import refitted
 from morph.inference.unmeasured import with_unmeasured
 from morph.inference.verdict import DiagnosisRuns, conclude
 from morph.model.chained import with_chains
@@ -27,9 +25,9 @@ from morph.model.finding import Change
 from morph.model.hypothesis import Hypothesis
 from morph.model.knobs import knobs
 from morph.model.measurement import Measurement
-from morph.model.pieces import SHORTEST_PIECE, all_pieces, stretches
+from morph.model.pieces import all_pieces, stretches
 from morph.model.segments import scored_segments
-from morph.model.split import Split, between, split
+from morph.model.split import Split, split
 from morph.model.tracked_links import with_tracked_links
 from morph.model.usable import (
     check_channels,
@@ -42,18 +40,14 @@ from morph.model.usable import (
 from morph.physics.effect import Effect
 from morph.record.distinct import check_distinct, distinct
 from morph.record.recording import Recording
-from morph.sim.threads import each as in_turn
 from morph.sim.threads import one_thread
 
 GUESSES = 2
 """Times that the motion of joints that were not read is guessed anew."""
 IMPACT = 0.002
 """Seconds of the longest step through an impact."""
-ENOUGH, MOST_CHANGES = 6.0, 2
-"""Seconds since a change that are diagnosed alone, and most changes that are looked for."""
-BELIEVED, LITTLE = 0.3, 0.002
-"""Missing force over the inertial force, RMS, up to which columns tell of changes, and below which
-there is none where nothing was found."""
+MOST_CHANGES = 2
+"""Most changes that are looked for."""
 MOST_SECONDS = 60.0
 """Seconds of training motion that are fitted; of longer recordings an even spread."""
 
@@ -109,9 +103,13 @@ def diagnose(
     say: Progress = progress or (lambda what, share: None)
     deadline = math.inf if budget is None else started + 0.9 * budget
     changes: list[Change] = []
-    looked = False
+    looked, whole = False, {recording.name: recording for recording in recordings}
     while True:
         ready = _prepared(robot, recordings, held_out, vary, deadline=deadline, say=say)
+        if changes:
+            ready = replace(
+                ready, train=in_whole(ready.train, whole), aside=in_whole(ready.aside, whole)
+            )
         say("refitting the description's own figures", 0.05)
         ranking = ranked(
             ready.nominal,
@@ -125,7 +123,8 @@ def diagnose(
         if ranking.stopped or looked or late or len(changes) == MOST_CHANGES:
             break
         say("looking for changes", 0.88)
-        change, kept = _changed(ready, ranking, recordings, known, named=bool(held_out))
+        aside = () if held_out else ready.aside
+        change, kept = changed(ranking, recordings, ready.train, aside, known)
         if change is None and kept is not recordings:
             recordings, looked = kept, True
             continue
@@ -208,61 +207,6 @@ def _prepared(
     held = tuple(name for name in still if name in check_motion(every, measured))
     nominal = Hypothesis(robot=robot, step=step, knobs=knobs(robot, vary), held=held)
     return _Ready(parts=parts, train=train, aside=aside, nominal=nominal, still=still)
-
-
-def _changed(
-    ready: _Ready,
-    ranking: Ranking,
-    recordings: Sequence[Recording],
-    known: Sequence[Effect],
-    *,
-    named: bool,
-) -> tuple[Change | None, Sequence[Recording]]:
-    """Return a change of the robot, or none, and the recordings since then, or until it.
-
-    Runs that were set aside for want of named ones are looked at too: a change is often the last
-    thing that happened. All are diagnosed since the change if that is long enough.
-    """
-    best, robot = ranking.best.refit, ready.nominal.robot
-    if ranking.validation.constrained or missing(best.runs) > BELIEVED:
-        return None, recordings
-    episodes = stretches([*ready.train, *(() if named else ready.aside)], MOST_SECONDS)
-    runs = in_turn(settled, seen(best.hypothesis, best.point, episodes))
-    if not best.effects and missing(runs) < LITTLE:
-        return None, recordings
-    found = likeliest_change(replace(best, runs=runs), known, ranking.search.prior)
-    if found is None:
-        return None, recordings
-    episode = episodes[found.run]
-    at = [recording.name for recording in recordings].index(episode.recording.name)
-    if not found.lasts:
-        aside = episode.recording.name in {each.name for each in ready.parts.held_out}
-        # A push is found where it is fitted: another run is set aside.
-        turned = [recordings[at], *recordings[:at], *recordings[at + 1 :]]
-        return None, turned if aside and len(recordings) > 1 else recordings
-    whole, channels = recordings[at], Measurement.of(robot).needed
-    start, first = (
-        max(float(some.channel(name).time[0]) for name in channels)
-        for some in (whole, episode.recording)
-    )
-    when = first + (episode.begin or 0.0) + found.time
-    earlier = [*recordings[:at], between(whole, whole.start, when)]
-    later = [between(whole, when, whole.end), *recordings[at + 1 :]]
-    before, after = (
-        [run for run in some if run.seconds >= SHORTEST_PIECE] for some in (earlier, later)
-    )
-    lasts = [sum(run.seconds for run in some) for some in (before, after)]
-    since = lasts[1] >= min(ENOUGH, lasts[0])
-    change = Change(
-        before=found.before,
-        after=found.after,
-        episode=episode.recording.name,
-        time=when - start,
-        gain=found.gain,
-        since=since,
-        slide=on_slide(robot, found.after),
-    )
-    return change, after if since else before
 
 
 def _completed(

@@ -5,8 +5,13 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
+import numpy as np
+
 from morph.arrays import JSON
 from morph.physics.effect import Effect
+
+IDLE = 0.01
+"""Share of its strength after a change below which a law is said not to have acted before."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -143,13 +148,13 @@ class Change:
 
     @property
     def begins(self) -> bool:
-        """Whether the law did not act before."""
-        return self.before == self.before.neutral()
+        """Whether the law did not act before, beside what it does since."""
+        return _idle(self.before, self.after)
 
     @property
     def ceases(self) -> bool:
-        """Whether the law does not act any more."""
-        return self.after == self.after.neutral()
+        """Whether the law does not act any more, beside what it did."""
+        return _idle(self.after, self.before)
 
     def said(self, found: Collection[str]) -> tuple[str, str]:
         """Return the change in words, and of which runs all else is said.
@@ -179,3 +184,9 @@ class Change:
             "since": self.since,
             "statement": self.statement,
         }
+
+
+def _idle(effect: Effect, other: Effect) -> bool:
+    """Return whether an effect does nothing, or a hundredth of what another does."""
+    small = np.abs(effect.coefficients) <= IDLE * np.abs(other.coefficients)
+    return effect == effect.neutral() or bool(small.all())

@@ -63,7 +63,8 @@ def test_a_law_that_begins_during_a_run_is_told_with_its_time(wheel: Robot) -> N
     assert first.startswith("From 1.")
     assert "of run_1 on, and not before: Joint axle loses 0.01" in first
     assert "since then" in second
-    # Only what came after the change was fitted.
+    # Only what came after the change was fitted, and it is told where that lies in its recording.
+    assert {each.episode for each in found.traces} == {"run_3"}
     assert (found.train, found.held_out) == (("run_1", "run_2"), ("run_3",))
 
 

@@ -1,0 +1,105 @@
+"""Runs cut where the robot changed, so that all that is diagnosed together is one robot's."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from morph.inference.changes import likeliest_change
+from morph.inference.findings import on_slide
+from morph.inference.observed import missing, settled
+from morph.inference.rank import Ranking
+from morph.inference.refit import seen
+from morph.model.episodes import Episode
+from morph.model.finding import Change
+from morph.model.measurement import Measurement
+from morph.model.pieces import SHORTEST_PIECE, stretches
+from morph.model.split import between
+from morph.physics.effect import Effect
+from morph.record.recording import Recording
+from morph.sim.threads import each
+
+ENOUGH = 6.0
+"""Seconds since a change that are diagnosed alone, also where more came before."""
+BELIEVED, LITTLE = 0.3, 0.002
+"""Missing force over the inertial force, RMS, up to which columns tell of changes, and below which
+there is none where nothing was found."""
+MOST_SECONDS = 60.0
+"""Seconds of all runs in which changes are looked for; of longer ones an even spread."""
+
+
+def changed(
+    ranking: Ranking,
+    recordings: Sequence[Recording],
+    train: Sequence[Episode],
+    aside: Sequence[Episode],
+    known: Sequence[Effect],
+) -> tuple[Change | None, Sequence[Recording]]:
+    """Return a change of the robot, or none, and the recordings since then, or until it.
+
+    Where a push in a run that was set aside is likelier, the recordings with that run first, so
+    that it is fitted and another is set aside.
+
+    Args:
+        ranking: Sets of effects that explain the training runs.
+        recordings: All, in the order in which they were recorded.
+        train: What was fitted.
+        aside: What was set aside for want of named runs: a change is often the last thing that
+            happened.
+        known: Effects whose fixed parameters are known.
+    """
+    best, robot = ranking.best.refit, ranking.best.refit.hypothesis.robot
+    if ranking.validation.constrained or missing(best.runs) > BELIEVED:
+        return None, recordings
+    episodes = stretches([*train, *aside], MOST_SECONDS)
+    runs = each(settled, seen(best.hypothesis, best.point, episodes))
+    if not best.effects and missing(runs) < LITTLE:
+        return None, recordings
+    found = likeliest_change(replace(best, runs=runs), known, ranking.search.prior)
+    if found is None:
+        return None, recordings
+    episode = episodes[found.run]
+    at = [recording.name for recording in recordings].index(episode.recording.name)
+    if not found.lasts:
+        unseen = episode.recording.name not in {each.recording.name for each in train}
+        turned = [recordings[at], *recordings[:at], *recordings[at + 1 :]]
+        return None, turned if unseen else recordings
+    whole, channels = recordings[at], Measurement.of(robot).needed
+    start, first = (
+        max(float(some.channel(name).time[0]) for name in channels)
+        for some in (whole, episode.recording)
+    )
+    when = first + (episode.begin or 0.0) + found.time
+    earlier = [*recordings[:at], between(whole, whole.start, when)]
+    later = [between(whole, when, whole.end), *recordings[at + 1 :]]
+    before, after = (
+        [run for run in some if run.seconds >= SHORTEST_PIECE] for some in (earlier, later)
+    )
+    lasts = [sum(run.seconds for run in some) for some in (before, after)]
+    since = lasts[1] >= min(ENOUGH, lasts[0])
+    change = Change(
+        before=found.before,
+        after=found.after,
+        episode=episode.recording.name,
+        time=when - start,
+        gain=found.gain,
+        since=since,
+        slide=on_slide(robot, found.after),
+    )
+    return change, after if since else before
+
+
+def in_whole(episodes: Sequence[Episode], whole: Mapping[str, Recording]) -> list[Episode]:
+    """Return episodes of recordings that were cut at a change as pieces of the whole ones."""
+    found = []
+    for episode in episodes:
+        cut = episode.recording
+        other = whole.get(cut.name, cut)
+        first, start = (
+            max(float(some.channel(name).time[0]) for name in episode.measurement.needed)
+            for some in (cut, other)
+        )
+        begin = (episode.begin or 0.0) + first - start
+        later = replace(episode, recording=other, begin=begin)
+        found.append(later if first > start else episode)
+    return found
