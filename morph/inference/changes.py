@@ -23,6 +23,7 @@ from morph.inference.finalist import CERTAIN
 from morph.inference.refit import Refit
 from morph.inference.search import Prior
 from morph.inference.whitened import Whitened, whitened, whitened_blocks
+from morph.physics.body.external_push import ExternalPush
 from morph.physics.effect import Effect
 from morph.sim.threads import each
 
@@ -61,7 +62,11 @@ def likeliest_change(base: Refit, known: Sequence[Effect], prior: Prior) -> Like
     if found is None or found.gain < 0.0:
         return None
     # What shows only about that time is no lasting law, but a push that no shape fits.
-    away = None if found.after.passing else stretches.search(prior, found).likeliest()
+    if isinstance(found.after, ExternalPush):
+        names = [run.motion.run for run in base.runs]
+        found = replace(found, run=names.index(found.after.run), lasts=False)
+        return found if found.gain >= CERTAIN else None
+    away = stretches.search(prior, found).likeliest()
     if away is None or away.gain < 0.0:
         return replace(found, lasts=False) if found.gain >= CERTAIN else None
     grids = [grid for grid in grids if grid[0].label == found.label]

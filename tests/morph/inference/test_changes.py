@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ import pytest
 from morph.body.load import load
 from morph.body.robot import Robot
 from morph.inference.diagnose import diagnose
+from morph.physics.body.external_push import ExternalPush
 from morph.physics.joint.viscous_friction import ViscousFriction
 from morph.record.recording import Channel, Recording
 from tests.morph.inference.dry_disc import STEP, turned
@@ -28,16 +30,29 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Robot:
     return load(path)
 
 
-def runs(drags: Drags, *, count: int = 4, seconds: float = SECONDS) -> list[Recording]:
-    """Return runs in which the bearing drags at some times, told the run and the time."""
+def runs(
+    drags: Drags,
+    *,
+    count: int = 4,
+    seconds: float = SECONDS,
+    pushed: Callable[[int, float, float], float] = lambda run, at, q: 0.0,
+) -> list[Recording]:
+    """Return runs in which the bearing drags at some times, told the run and the time.
+
+    Args:
+        drags: Whether it does in a run at a time.
+        count: How many runs.
+        seconds: How long each is.
+        pushed: Another torque by run, time and angle, N m.
+    """
     rng, found = np.random.default_rng(0), []
     time = STEP * np.arange(round(seconds / STEP))
     for number in range(count):
         torque = 0.2 * np.cos((3.0 + number) * time) + 0.1 * np.cos(11.0 * time)
         drag = DRAG * np.array([drags(number, at) for at in time.tolist()])
 
-        def driven(at: float, q: float, v: float, u=torque, b=drag) -> float:  # type: ignore[no-untyped-def]
-            return float(u[int(at)] - b[int(at)] * v)
+        def driven(at: float, q: float, v: float, u=torque, b=drag, run=number) -> float:  # type: ignore[no-untyped-def]
+            return float(u[int(at)] - b[int(at)] * v) + pushed(run, STEP * at, q)
 
         read = turned(range(len(time)), driven, coulomb=0.0)
         channels = {
@@ -97,3 +112,24 @@ def test_one_recording_that_changes_near_its_end_is_told_by_its_own_time(wheel: 
     assert found.verdict == "consistent"
     assert found.summary()[1].endswith("of the runs until then.")
     assert whole[0].end == pytest.approx(12.0 - STEP)
+
+
+def test_a_push_in_the_run_that_was_set_aside_is_fitted(tmp_path: Path) -> None:
+    path = tmp_path / "wheel.xml"
+    # The same inertia about the axle, 0.016 + 0.1 * 0.2^2 kg m2, with the weight on one side.
+    path.write_text(
+        WHEEL.replace('pos="0 0 0" mass="1"', 'pos="0.2 0 0" mass="0.1"').replace("0.02", "0.016")
+    )
+
+    def pushed(run: int, at: float, q: float) -> float:
+        return 0.2 * float(np.cos(q)) if run == 3 and 2.0 <= at < 2.2 else 0.0
+
+    found = diagnose(load(path), runs(lambda run, at: False, pushed=pushed))
+    assert not found.changes
+    (finding,) = found.findings
+    assert isinstance(finding.effect, ExternalPush)
+    assert (finding.effect.run, found.held_out) == ("run_3", ("run_2",))
+    # A newton along y for 0.2 s; the arm at which it pulls is known to 10 %, the torque to 5 %.
+    start, end = finding.as_json()["interval_s"]
+    assert (start, end) == (pytest.approx(2.0, abs=0.05), pytest.approx(2.2, abs=0.05))
+    assert finding.effect.y == pytest.approx(0.2, rel=0.16)
