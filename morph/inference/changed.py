@@ -7,9 +7,10 @@ from dataclasses import replace
 
 from morph.inference.changes import likeliest_change
 from morph.inference.findings import on_slide
-from morph.inference.observed import missing, settled
+from morph.inference.observed import Observed, missing, settled
 from morph.inference.rank import Ranking
 from morph.inference.refit import seen
+from morph.inference.whitened import whitened_blocks
 from morph.model.episodes import Episode
 from morph.model.finding import Change
 from morph.model.measurement import Measurement
@@ -20,10 +21,14 @@ from morph.record.recording import Recording
 from morph.sim.threads import each
 
 ENOUGH = 6.0
-"""Seconds since a change that are diagnosed alone, also where more came before."""
+"""Seconds since a change that are diagnosed alone, also where more came before; and the least that
+are left by one that is told."""
 BELIEVED, LITTLE = 0.3, 0.002
 """Missing force over the inertial force, RMS, up to which columns tell of changes, and below which
 there is none where nothing was found."""
+LOUD = 3.0
+"""Mean square of a second's innovations, in their own variance, from which on something happened: a
+disturbance is that of the middle of a run. Clean runs have 2.2 at most."""
 MOST_SECONDS = 60.0
 """Seconds of all runs in which changes are looked for; of longer ones an even spread."""
 
@@ -53,7 +58,7 @@ def changed(
         return None, recordings
     episodes = stretches([*train, *aside], MOST_SECONDS)
     runs = each(settled, seen(best.hypothesis, best.point, episodes))
-    if not best.effects and missing(runs) < LITTLE:
+    if not best.effects and missing(runs) < LITTLE and _loudest(runs) < LOUD:
         return None, recordings
     found = likeliest_change(replace(best, runs=runs), known, ranking.search.prior)
     if found is None:
@@ -77,6 +82,8 @@ def changed(
     )
     lasts = [sum(run.seconds for run in some) for some in (before, after)]
     since = lasts[1] >= min(ENOUGH, lasts[0])
+    if max(lasts) < ENOUGH:
+        return None, recordings
     change = Change(
         before=found.before,
         after=found.after,
@@ -87,6 +94,23 @@ def changed(
         slide=on_slide(robot, found.after),
     )
     return change, after if since else before
+
+
+def _loudest(runs: Sequence[Observed]) -> float:
+    """Return the mean square of the innovations in the second of some runs where it is largest."""
+
+    def one(run: Observed) -> float:
+        about = run.about
+        blocks = whitened_blocks(
+            about.tangent,
+            about.disturbance,
+            about.error[:, :, None],
+            -about.acceleration[:, :, None],
+            blocks=max(1, round(float(run.motion.time[-1]))),
+        )
+        return max(float(block.gram[0, 0]) / max(1, block.readings) for block in blocks)
+
+    return max(each(one, runs))
 
 
 def in_whole(episodes: Sequence[Episode], whole: Mapping[str, Recording]) -> list[Episode]:
