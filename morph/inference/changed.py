@@ -23,7 +23,7 @@ from morph.sim.threads import each
 ENOUGH = 6.0
 """Seconds since a change that are diagnosed alone, also where more came before; and the least that
 are left by one that is told."""
-BELIEVED, LITTLE = 0.3, 0.002
+BELIEVED, LITTLE = 0.03, 0.002
 """Missing force over the inertial force, RMS, up to which columns tell of changes, and below which
 there is none where nothing was found."""
 LOUD = 3.0
