@@ -68,7 +68,7 @@ def test_a_law_that_begins_during_a_run_is_told_with_its_time(wheel: Robot) -> N
     (change,), (finding,) = found.changes, found.findings
     assert change.after.label == finding.effect.label == "viscous_friction@axle"
     assert (change.episode, change.since) == ("run_1", True)
-    # Times are tried every 0.05 s; friction of 0.006 N m moves the disc by more than the noise of
+    # Times are tried every 0.025 s; friction of 0.006 N m moves the disc by more than the noise of
     # 1e-3 rad, 0.5 * 0.006 / 0.02 * t^2, after 0.08 s.
     assert change.time == pytest.approx(1.5, abs=0.25)
     assert finding.onset == change.time == finding.as_json()["onset_s"]
