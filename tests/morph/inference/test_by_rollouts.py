@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from morph.inference import by_rollouts
 from morph.inference.by_rollouts import richer, to_rollouts, without_figures
 from morph.inference.effect_selection import EffectSelection
 from morph.inference.finalist import Finalist
@@ -91,3 +92,31 @@ def test_a_richer_law_is_begun_from_the_simpler_one(task: EffectSelection, tmp_p
     # The wheel is seldom between rest and 0.5 rad/s: the friction there and at rest trade.
     assert sticky.c == pytest.approx(COULOMB, rel=0.1)
     assert sticky.s == pytest.approx(2.0 * COULOMB, rel=0.2)
+
+
+def test_a_set_refitted_to_rollouts_is_searched_again_and_sets_with_no_more_are_passed_over(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    rotor, play, late = (SimpleNamespace(label=label) for label in ("rotor", "play", "late"))
+
+    def one(loss: float, *effects: Any) -> Any:
+        return SimpleNamespace(effects=effects, loss=loss)
+
+    best = one(10.0, rotor)
+    more = [one(1.0, rotor), one(12.0, rotor, late), one(9.0, rotor, play)]
+    rolled = []
+
+    def to_rollouts(task: Any, found: Any) -> Any:
+        rolled.append(found)
+        return found
+
+    monkeypatch.setattr(by_rollouts, "to_rollouts", to_rollouts)
+    monkeypatch.setattr(by_rollouts, "gains", lambda before, new, judge: new.loss < before.loss)
+    task: Any = SimpleNamespace(
+        added=lambda base, search, most: (more, base), search=lambda base: None,
+        late=lambda: False, validation=None,
+    )  # fmt: skip
+    assert by_rollouts.beside(task, best) is more[2]
+    assert rolled == more[1:]
+    task.late = lambda: True
+    assert by_rollouts.beside(task, best) is best

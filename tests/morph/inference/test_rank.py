@@ -113,34 +113,6 @@ def test_a_search_that_stops_early_is_about_what_it_found(
     assert bool(labels) == (refits > 1)
 
 
-def test_a_set_refitted_to_rollouts_is_searched_again_and_sets_with_no_more_are_passed_over(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    rotor, play, late = (SimpleNamespace(label=label) for label in ("rotor", "play", "late"))
-
-    def one(loss: float, *effects: Any) -> Any:
-        return SimpleNamespace(effects=effects, loss=loss)
-
-    best = one(10.0, rotor)
-    more = [one(1.0, rotor), one(12.0, rotor, late), one(9.0, rotor, play)]
-    rolled = []
-
-    def to_rollouts(task: Any, found: Any) -> Any:
-        rolled.append(found)
-        return found
-
-    monkeypatch.setattr(rank, "to_rollouts", to_rollouts)
-    monkeypatch.setattr(rank, "gains", lambda before, new, judge: new.loss < before.loss)
-    task: Any = SimpleNamespace(
-        added=lambda base, search, most: (more, base), search=lambda base: None,
-        late=lambda: False, validation=None,
-    )  # fmt: skip
-    assert rank._beside(task, best) is more[2]
-    assert rolled == more[1:]
-    task.late = lambda: True
-    assert rank._beside(task, best) is best
-
-
 def test_a_stop_is_sought_at_other_depths(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(rank, "gains", lambda one, new, validation: new.evidence > one.evidence)
     motion = SimpleNamespace(place=lambda joint: np.array([-0.2, 0.0, 0.5]))
