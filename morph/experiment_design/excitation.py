@@ -13,6 +13,7 @@ from morph.arrays import Array
 from morph.body.actuators import strength
 from morph.body.robot import Actuator, Robot
 from morph.errors import DiagnosisError, SimulationFailed
+from morph.record.quantities import pose_channels
 from morph.record.recording import Channel, Recording
 from morph.sim.simulator import Simulator
 
@@ -33,6 +34,10 @@ FREE_SERVO = 1.0
 """How far a servo without a range is told to move either way, rad or m."""
 FREE_SLIDE = 1.0
 """How far a slide without a range may go either way, m."""
+FREE_LINK = 3.0
+"""How far a link that moves freely may go along each axis, m."""
+RESTS = 0.1
+"""Acceleration of such a link at home up to which it rests there, m/s2."""
 LOWEST, HIGHEST = 0.2, 4.0
 """Hz: the band of quick motions."""
 WAVES = 6
@@ -119,15 +124,9 @@ def _room(simulator: Simulator) -> tuple[Array, Array, Array]:
             where=f"robot {robot.name}",
             fix="give a description with motors or servos",
         )
-    free = next((joint.link for joint in robot.joints if joint.kind == "free"), None)
-    if free is not None and np.any(model.opt.gravity):
-        raise DiagnosisError(
-            f"link {free} falls freely: no command is planned for what has to stand or swim",
-            where=f"robot {robot.name}",
-            fix="describe the base as fixed, as on a stand",
-        )
     found = [_range(robot, actuator, model) for actuator in robot.actuators]
     low, home, high = np.array(found, dtype=float).T
+    _check_rests(robot, model, home)
     outside = next((at for at in range(len(home)) if not low[at] <= home[at] <= high[at]), None)
     if outside is not None or not (high > low).any():
         name = robot.actuators[outside or 0].name
@@ -139,6 +138,22 @@ def _room(simulator: Simulator) -> tuple[Array, Array, Array]:
             "wider than none",
         )
     return low, home, high
+
+
+def _check_rests(robot: Robot, model: mujoco.MjModel, home: Array) -> None:
+    """Refuse a robot of which a link moves freely and leaves its home without a command."""
+    data = mujoco.MjData(model)
+    data.ctrl[:] = home
+    mujoco.mj_forward(model, data)
+    for joint in robot.joints:
+        first = int(model.joint(joint.name).dofadr[0])
+        if joint.kind == "free" and np.linalg.norm(data.qacc[first : first + 3]) > RESTS:
+            raise DiagnosisError(
+                f"link {joint.link} falls freely: no command is planned for what has to stand",
+                where=f"robot {robot.name}",
+                fix="describe the base as fixed, as on a stand, or what holds it up in water by "
+                "`gravcomp`",
+            )
 
 
 def _range(robot: Robot, actuator: Actuator, model: mujoco.MjModel) -> tuple[float, float, float]:
@@ -229,6 +244,14 @@ def _simulated(simulator: Simulator, time: Array, told: Array) -> Recording | No
 def _safe(robot: Robot, made: Recording) -> bool:
     """Return whether joints keep from their ends, and under their greatest speeds."""
     for joint in robot.joints:
+        if joint.kind == "free":
+            place = np.stack([made[name] for name in pose_channels(joint)], axis=1)
+            # Half a turn has a real part of zero.
+            if (
+                np.abs(place[:, :3] - place[0, :3]).max() > FREE_LINK
+                or (place[:, 3:] @ place[0, 3:]).min() < 0.0
+            ):
+                return False
         if joint.kind not in {"hinge", "slide"}:
             continue
         place, speed = made[f"{joint.name}.position"], made[f"{joint.name}.velocity"]

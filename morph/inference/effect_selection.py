@@ -13,7 +13,7 @@ import numpy as np
 from morph.arrays import Array
 from morph.inference.contact import likeliest_contact
 from morph.inference.dictionary import search_beside
-from morph.inference.finalist import CERTAIN, Finalist, better, gains, labels, under
+from morph.inference.finalist import Finalist, better, gains, labels, under
 from morph.inference.inverse_dynamics import force_error
 from morph.inference.observed import Observed, missing, settled
 from morph.inference.output_error import output_error
@@ -22,7 +22,7 @@ from morph.inference.refit import Refit, refitted, seen
 from morph.inference.refit import under as refit_under
 from morph.inference.search import Explanation, Prior, Search
 from morph.inference.simulated import likeliest_limit, simulated
-from morph.inference.validate import FAR, FARTHEST, Validation, evidence_decides, needed
+from morph.inference.validate import FAR, FARTHEST, Validation, certain, evidence_decides, needed
 from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis
 from morph.physics.effect import Effect
@@ -233,13 +233,13 @@ class EffectSelection:
         refit, validation = whole.refit, self.validation
         if self.late():
             return whole
-        kept, losses = needed(whole.about, validation, refit.runs, certain=CERTAIN)
+        kept, losses = needed(whole.about, validation, refit.runs)
         idle = any(validation.idle(effect) for effect in whole.effects)
         if len(kept) == len(whole.effects) or (validation.worse(whole.losses, losses) and not idle):
             return whole
         fewer = self.refitted(*whole.about.reduced(kept), refit.runs)
         fewer = fewer if self.by_rollouts else under(fewer, whole)
-        likelier = evidence_decides(refit.runs) and whole.evidence - fewer.evidence > CERTAIN
+        likelier = certain(whole.evidence - fewer.evidence, refit.runs)
         if (likelier or validation.worse(whole.losses, fewer.losses)) and not idle:
             return whole
         # A time that the refit has shortened is no more to be claimed than one found short.
@@ -291,8 +291,8 @@ class EffectSelection:
         """
         if other is None:
             shown = self.validation.sure(new.losses, best.losses)
-            certain = evidence_decides(best.refit.runs) and best.evidence - new.evidence > CERTAIN
-            return not (shown or certain)
+            lost = best.evidence - new.evidence
+            return not (shown or certain(lost, best.refit.runs, event=effect.passing))
         if other.name == effect.simpler:
             return not self.validation.worse(best.losses, new.losses)
         if other.simpler == effect.name and not self.validation.sure(best.losses, new.losses):

@@ -12,14 +12,12 @@ from morph.arrays import Array
 from morph.inference.quadratic import LogPosterior
 from morph.inference.refit import Refit
 from morph.inference.refit import under as refit_under
-from morph.inference.validate import Validation, evidence_decides
+from morph.inference.validate import Validation, certain, evidence_decides
 from morph.physics import EFFECTS
 from morph.physics.effect import Effect
 
-CERTAIN = 20.0
-"""Gain in evidence, nats, that needs no gain in rollouts where readings are at their noise."""
 LIKELIER = 3.0
-"""The same of a set with no more effects: another law in the place of one."""
+"""Gain in evidence, nats, of a set with no more effects: another law in the place of one."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -60,12 +58,15 @@ def gains(before: Finalist, new: Finalist, validation: Validation) -> bool:
     Rollouts decide where physics without a name remains. Where readings are explained to their
     noise the model of the disturbance holds, and evidence decides that rollouts do not refute.
     """
-    gain = new.evidence - before.evidence
-    needed = CERTAIN if len(new.effects) > len(before.effects) else LIKELIER
+    gain, runs = new.evidence - before.evidence, new.refit.runs
     if validation.sure(before.losses, new.losses):
         return gain > 0.0
-    refuted = validation.worse(before.losses, new.fitted)
-    return gain > needed and evidence_decides(new.refit.runs) and not refuted
+    if validation.worse(before.losses, new.fitted):
+        return False
+    if len(new.effects) <= len(before.effects):
+        return gain > LIKELIER and evidence_decides(runs)
+    more = [each for each in new.effects if each.label not in labels(before.effects)]
+    return certain(gain, runs, event=all(each.passing for each in more))
 
 
 def better(one: Finalist, other: Finalist, validation: Validation) -> Finalist:

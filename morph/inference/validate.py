@@ -38,6 +38,9 @@ LITTLE_FORCE, LITTLE_VIBRATION = 0.03, 1.0
 explained to their noise."""
 SOME_FORCE = 0.1
 """The same force, up to which its model holds, and evidence decides that rollouts do not refute."""
+CERTAIN, EVENT = 20.0, 10.0
+"""Gain in evidence, nats, that needs no gain in rollouts where readings are at their noise; and of
+what happens in one run alone, which is looked for only where a force stands out."""
 FAR, FARTHEST = 1.0, 10.0
 """The same force from which its model is not believed; and from which columns of servos tell
 nothing, and their limits are simulated."""
@@ -226,6 +229,20 @@ def evidence_decides(runs: Sequence[Observed]) -> bool:
     return at_noise(runs, SOME_FORCE)
 
 
+def certain(gain: float, runs: Sequence[Observed], *, event: bool = False) -> bool:
+    """Return whether an effect needs no gain in rollouts, such is its evidence.
+
+    Args:
+        gain: Gain in evidence by it, nats.
+        runs: Smoothed runs.
+        event: Whether it happens in one run alone. The few rollouts in which it acts are never sure
+            of it, so that evidence decides beside vibration too.
+    """
+    if event:
+        return gain > EVENT and missing(runs) < SOME_FORCE
+    return gain > CERTAIN and evidence_decides(runs)
+
+
 def at_noise(runs: Sequence[Observed], force: float = LITTLE_FORCE) -> bool:
     """Return whether runs are explained to their noise, but for a little missing force."""
     vibrations = [
@@ -237,7 +254,7 @@ def at_noise(runs: Sequence[Observed], force: float = LITTLE_FORCE) -> bool:
 
 
 def needed(
-    about: LogPosterior, validation: Validation, runs: Sequence[Observed], *, certain: float
+    about: LogPosterior, validation: Validation, runs: Sequence[Observed]
 ) -> tuple[list[int], Array]:
     """Return which effects lower the error of rollouts, and the losses with these alone.
 
@@ -248,9 +265,7 @@ def needed(
         about: The quadratic of their refit, by folds.
         validation: Stretches and folds.
         runs: Smoothed by the refit.
-        certain: Evidence, nats, by which an effect stays.
     """
-    trusted = evidence_decides(runs)
     effects = about.hypothesis.effects_at(about.point)
     kept = [at for at, each in enumerate(effects) if not validation.idle(each)]
     (whole,) = validation.losses_of(about, runs, [kept])
@@ -258,14 +273,17 @@ def needed(
         rest = [[at for at in kept if at != gone] for gone in kept]
         fewer = dict(zip(kept, validation.losses_of(about, runs, rest), strict=True))
         idle = [at for at in kept if not validation.sure(fewer[at], whole)]
-        if trusted:
-            now = about.evidence(kept)
-            idle = [
-                at
-                for at in idle
-                if now - about.evidence([each for each in kept if each != at]) < certain
-                or validation.worse(fewer[at], whole)
-            ]
+        now = about.evidence(kept) if idle else 0.0
+        idle = [
+            at
+            for at in idle
+            if not certain(
+                now - about.evidence([each for each in kept if each != at]),
+                runs,
+                event=effects[at].passing,
+            )
+            or validation.worse(fewer[at], whole)
+        ]
         if not idle:
             break
         gone = min(idle, key=lambda at: _sureness(fewer[at], whole))

@@ -14,6 +14,7 @@ from morph.body.follow import QUICK, RIGID
 from morph.body.robot import Robot
 from morph.body.spec import spec_of
 from morph.model.knobs import Knob
+from morph.physics.body.external_push import ExternalPush
 from morph.physics.body.point import PointEffect
 from morph.physics.contact.contact_softness import ContactSoftness
 from morph.physics.contact.pairs import pairs_of
@@ -124,6 +125,10 @@ class Hypothesis:
         if known.name in POINT and isinstance(self.effects[at], PointEffect):
             return -self._size, self._size
         effect = self.effects[at]
+        if isinstance(effect, ExternalPush) and known.unit == "s":
+            # It acts in its middle, or a refit might let it end before it starts.
+            middle = 0.5 * (effect.start + effect.end)
+            return (known.low, middle) if known.name == "start" else (middle, known.high)
         if effect.kind == "contact" and known.neutral in EDGES:
             # No contact is stiffer than the step allows.
             most = known.high

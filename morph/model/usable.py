@@ -183,7 +183,8 @@ def check_falls(episodes: Sequence[Episode], robot: Robot) -> None:
     Raises:
         DiagnosisError: It does not fall, on average, as nothing but gravity would let it.
     """
-    gravity = np.asarray(spec_of(robot).option.gravity, dtype=float)
+    model = spec_of(robot).compile()
+    gravity = np.asarray(model.opt.gravity, dtype=float)
     in_water = robot.card is not None and robot.card.water is not None
     if in_water or not gravity.any():
         return
@@ -193,14 +194,18 @@ def check_falls(episodes: Sequence[Episode], robot: Robot) -> None:
         link = channels[turn].removesuffix(".rotation.x")
         if channels[max(turn - 3, 0)] != f"{link}.position.x":
             continue  # A ball joint turns alone.
+        root = model.body_rootid[model.body(link).id]
+        tree = np.flatnonzero(model.body_rootid == root)
+        # What floats as described weighs less.
+        held = np.average(model.body_gravcomp[tree], weights=model.body_mass[tree])
         falls = np.mean(np.concatenate([each.acceleration[:, place] for each in episodes]), axis=0)
-        if np.linalg.norm(falls - gravity) > HELD * np.linalg.norm(gravity):
+        if np.linalg.norm(falls - (1.0 - held) * gravity) > HELD * np.linalg.norm(gravity):
             raise DiagnosisError(
                 f"link {link} does not fall as it would alone, and nothing is described there",
                 where=", ".join(dict.fromkeys(each.name for each in episodes)),
                 fix="describe the floor as a plane or name it by --world, a base that does not "
-                "move as fixed, a robot in water with its `[water]` in the card; or give runs of "
-                "free flight",
+                "move as fixed, a robot in water with `gravcomp` or its `[water]` in the card; or "
+                "give runs of free flight",
             )
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from morph.body.load import load
-from morph.experiment_design.excitation import MARGIN, excitations
+from morph.experiment_design.excitation import FREE_LINK, MARGIN, excitations
 from morph.experiment_design.plan import separations_of
 from morph.experiment_design.separation import power
 from morph.physics.effect import Effect
@@ -110,3 +110,21 @@ def test_a_servo_at_the_end_of_its_range_moves_about_a_place_inside(tmp_path: Pa
         there = time > 3.0
         assert told[there].min() < 0.25 * most < told[there].max()
         assert place[1:][there].min() > MARGIN * most
+
+
+def test_a_vehicle_that_floats_stays_near(tmp_path: Path) -> None:
+    path = tmp_path / "vehicle.xml"
+    path.write_text(
+        "<mujoco><worldbody><body name='hull' gravcomp='1'><freejoint name='float'/>"
+        "<inertial pos='0 0 0' mass='2' diaginertia='.1 .1 .1'/><site name='bow' pos='.1 .1 0'/>"
+        "</body></worldbody><actuator>"
+        "<motor name='jet' site='bow' gear='1 0 0 0 0 0' ctrlrange='-5 5'/></actuator></mujoco>"
+    )
+    made = excitations(load(path), 4.0, 0.004, 0)
+    assert {each.kind for each in made} == {"quick", "slow", "steps", "coast"}
+    for each in made:
+        place = np.stack([each.recording[f"hull.position.{axis}"] for axis in "xyz"], axis=1)
+        # Turned by less than half a turn, the real part of its quaternion stays positive.
+        assert np.abs(place - place[0]).max() <= FREE_LINK
+        assert each.recording["hull.orientation.w"].min() > 0.0
+    assert max(np.ptp(each.recording["hull.position.x"]) for each in made) > 0.01

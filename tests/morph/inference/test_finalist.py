@@ -20,19 +20,23 @@ from morph.physics.joint.viscous_friction import ViscousFriction
 
 
 @pytest.mark.parametrize(("more", "gain", "taken"), [
-    (0, 4.0, True), (0, 2.0, False), (1, 12.0, False), (1, 25.0, True),
+    ("", 4.0, True), ("", 2.0, False), ("drag", 12.0, False), ("drag", 25.0, True),
+    ("push", 12.0, True), ("push", 9.0, False),
 ])  # fmt: skip
 def test_another_law_in_the_place_of_one_needs_less_evidence_than_one_more(
-    monkeypatch: pytest.MonkeyPatch, more: int, gain: float, taken: bool
+    monkeypatch: pytest.MonkeyPatch, more: str, gain: float, taken: bool
 ) -> None:
-    monkeypatch.setattr("morph.inference.finalist.evidence_decides", lambda runs: True)
+    for module in ("finalist", "validate"):
+        monkeypatch.setattr(f"morph.inference.{module}.evidence_decides", lambda runs: True)
+    # A push acts in few rollouts, and a little force may be missing beside it.
+    monkeypatch.setattr("morph.inference.validate.missing", lambda runs: 0.05)
     judge: Any = SimpleNamespace(sure=lambda a, b: False, worse=lambda a, b: False)
-    refit = SimpleNamespace(runs=())
-    before: Any = SimpleNamespace(evidence=0.0, losses=None, effects=(1,))
-    effects = (1,) * (1 + more)
+    one, other = (SimpleNamespace(label=each, passing=each == "push") for each in ("law", more))
+    before: Any = SimpleNamespace(evidence=0.0, losses=None, effects=(one,))
     after: Any = SimpleNamespace(
-        evidence=gain, losses=None, fitted=None, refit=refit, effects=effects
-    )
+        evidence=gain, losses=None, fitted=None, refit=SimpleNamespace(runs=()),
+        effects=(one, other) if more else (one,),
+    )  # fmt: skip
     assert gains(before, after, judge) == taken
 
 

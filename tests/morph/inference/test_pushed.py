@@ -84,3 +84,15 @@ def test_a_push_is_found_in_its_run(tmp_path: Path) -> None:
     assert (push.start, push.end) == pytest.approx((FROM, UNTIL), abs=0.01)
     # They share the impulse: 1 % of it for each 1e-3 s.
     assert push.y == pytest.approx(IMPULSE, rel=0.05)
+
+
+def test_no_refit_lets_a_push_end_before_it_starts(tmp_path: Path) -> None:
+    (tmp_path / "arm.xml").write_text(LEVEL_ARM)
+    push = ExternalPush(body="arm", run="last", start=1.0, end=1.2, y=0.1)
+    model = Hypothesis(robot=load(tmp_path / "arm.xml"), step=STEP, knobs=(), effects=(push,))
+    names = [known.name for known in push.free()]
+    point = model.start.copy()
+    point[[names.index("start"), names.index("end")]] = 1.3, 0.9
+    (moved,) = model.effects_at(point)
+    assert isinstance(moved, ExternalPush)
+    assert (moved.start, moved.end) == pytest.approx((1.1, 1.1))

@@ -12,7 +12,7 @@ import pytest
 
 from morph.arrays import Array
 from morph.body.robot import Robot
-from morph.inference.validate import Validation, at_noise, evidence_decides
+from morph.inference.validate import Validation, at_noise, certain, evidence_decides
 from morph.model.episodes import Episode, episode, step_for
 from morph.model.hypothesis import Hypothesis
 from morph.model.segments import cut
@@ -166,3 +166,15 @@ def test_evidence_decides_a_little_above_the_noise(
     about = SimpleNamespace(disturbance=disturbance, inertial=np.ones(1), sensed=np.ones(1))
     runs: Any = [SimpleNamespace(about=about)]
     assert (evidence_decides(runs), at_noise(runs)) == (decides, explained)
+
+
+def test_evidence_decides_on_a_push_beside_vibration() -> None:
+    # Of forty stretches it acts in one: their mean gain is at most a fortieth of its own.
+    disturbance = SimpleNamespace(scale=np.array([0.05]), vibration=np.full(1, 2.0))
+    about = SimpleNamespace(disturbance=disturbance, inertial=np.ones(1), sensed=np.ones(1))
+    runs: Any = [SimpleNamespace(about=about)]
+    assert certain(12.0, runs, event=True)
+    assert not certain(8.0, runs, event=True)
+    assert not certain(1e3, runs)
+    disturbance.vibration[:], disturbance.scale[:] = 0.0, 0.2
+    assert not certain(1e3, runs, event=True)

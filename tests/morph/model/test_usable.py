@@ -1,12 +1,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from morph.arrays import Array
 from morph.body.load import load
 from morph.body.robot import Robot
 from morph.errors import DiagnosisError, RecordingError
@@ -239,3 +241,23 @@ def test_a_link_that_something_holds_up_is_refused_and_one_that_falls_is_not() -
     check_falls([episode(falls, robot, 0.005)], robot)
     with pytest.raises(DiagnosisError, match="does not fall as it would alone"):
         check_falls([episode(stands, robot, 0.005)], robot)
+
+
+def test_a_link_that_floats_as_described_is_not_refused(tmp_path: Path) -> None:
+    path, time = tmp_path / "buoy.xml", np.linspace(0.0, 1.0, 201)
+    still: dict[str, Array] = {"hull.orientation.w": 1.0 + 0.0 * time}
+    for axis in "xyz":
+        still |= {f"hull.orientation.{axis}": 0.0 * time, f"hull.position.{axis}": 0.0 * time}
+    for floats in (1.0, 0.0):
+        # Half of the mass is lifted by twice its weight.
+        path.write_text(
+            "<mujoco model='buoy'><worldbody><body name='hull'><freejoint/>"
+            "<inertial pos='0 0 0' mass='1' diaginertia='.1 .1 .1'/>"
+            f"<body name='foam' pos='0 0 .1' gravcomp='{2.0 * floats}'>"
+            "<inertial pos='0 0 0' mass='1' diaginertia='.1 .1 .1'/></body>"
+            "</body></worldbody></mujoco>"
+        )
+        channels = {name: Channel(time=time, value=value) for name, value in still.items()}
+        robot, run = load(path), Recording(name="run", channels=channels)
+        with nullcontext() if floats else pytest.raises(DiagnosisError, match="does not fall"):
+            check_falls([episode(run, robot, 0.005)], robot)
