@@ -74,7 +74,7 @@ def changed(
         max(float(some.channel(name).time[0]) for name in channels)
         for some in (whole, episode.recording)
     )
-    when = first + (episode.begin or 0.0) + found.time
+    when = first + episode.begin + found.time
     earlier = [*recordings[:at], between(whole, whole.start, when)]
     later = [between(whole, when, whole.end), *recordings[at + 1 :]]
     before, after = (
@@ -123,7 +123,7 @@ def in_whole(episodes: Sequence[Episode], whole: Mapping[str, Recording]) -> lis
             max(float(some.channel(name).time[0]) for name in episode.measurement.needed)
             for some in (cut, other)
         )
-        begin = (episode.begin or 0.0) + first - start
-        later = replace(episode, recording=other, begin=begin)
+        begin = episode.begin + first - start
+        later = replace(episode, recording=other, begin=begin, whole=False)
         found.append(later if first > start else episode)
     return found

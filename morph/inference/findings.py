@@ -66,7 +66,7 @@ def findings(ranking: Ranking, remains: Remains) -> tuple[Finding, ...]:
             and (gains[fold == number].sum() > 0.0 or effect.passing)
         ]
         reported = effect
-        if isinstance(effect, ExternalPush) and acting and acting[0].begin is not None:
+        if isinstance(effect, ExternalPush) and acting:
             reported = effect.within(acting[0].recording.name, acting[0].begin)
         parameters = {
             known.name: in_units(

@@ -15,7 +15,7 @@ from morph.inference.filter import Disturbance, Tangent, smoothed
 from morph.inference.sampled import Reference, SampledRun, later, outliers
 from morph.inference.ties import carried, inverse
 from morph.physics.body_motion import times
-from morph.physics.drives import Transmission
+from morph.physics.drives import Transmission, actuator_forces
 from morph.physics.dynamics import accelerations, closed, jacobians
 
 INTERVAL = 0.02
@@ -204,9 +204,19 @@ def _stepped(
 def _interpolated(
     model: mujoco.MjModel, position: Array, velocity: Array, run: SampledRun
 ) -> Array:
-    """Return a model's derivatives along a motion, linearly interpolated from a few samples."""
+    """Return a model's derivatives along a motion, linearly interpolated from a few samples.
+
+    They are taken on both sides of where an actuator comes to its limit or leaves it: there its
+    stiffness and damping jump.
+    """
     samples, every = len(position), max(1, round(INTERVAL / run.step))
-    keys = np.unique(np.append(np.arange(0, samples, every), samples - 1))
+    keys = np.append(np.arange(0, samples, every), samples - 1)
+    if model.actuator_forcelimited.any():
+        force = actuator_forces(model, Transmission.along(model, position), velocity, run.command)
+        low, high = model.actuator_forcerange.T
+        changes = np.flatnonzero(np.diff((low < force) & (force < high), axis=0).any(axis=1))
+        keys = np.concatenate([keys, changes, changes + 1])
+    keys = np.unique(keys)
     there = jacobians(model, position[keys], velocity[keys], run.command[keys])
     place = np.interp(np.arange(samples), keys, np.arange(len(keys)))
     low = np.minimum(place.astype(int), max(len(keys) - 2, 0))

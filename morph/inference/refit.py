@@ -29,6 +29,9 @@ ESTIMATES = 4
 """Most estimates of the disturbances."""
 HOPELESS = 5.0
 """Missing force over the inertial force, RMS, above which a larger set gets one estimate alone."""
+LITTLE, HIDING = 0.01, 0.005
+"""Share of the missing force from which a refit begins again; and missing force over the inertial
+force, RMS, from which it may hide what acts."""
 SETTLED = 1.0
 """Nats: a refit ends with a step that gains less evidence."""
 
@@ -157,11 +160,19 @@ def refitted(
 
 
 def _converged(
-    best: Refit, episodes: Sequence[Episode], rounds: int, most: float, deadline: float
+    best: Refit,
+    episodes: Sequence[Episode],
+    rounds: int,
+    most: float,
+    deadline: float,
+    *,
+    cold: bool = False,
 ) -> Refit:
     """Return a refit after Gauss-Newton steps and estimates of the disturbances in turn.
 
-    It ends where more force is missing than `most` of the inertial force.
+    It ends where more force is missing than `most` of the inertial force. Once, not `cold`, it
+    begins again from little missing force: a missing force that holds a joint where dry friction
+    would, or that a limit takes away, hides these, and stays likely beside the motion it makes.
     """
     for _ in range(ESTIMATES):
         if time.monotonic() > deadline:
@@ -173,7 +184,17 @@ def _converged(
         last, best = best, max(best, anew, key=lambda each: each.evidence)
         if best.evidence < last.evidence + SETTLED or missing(best.runs) > most:
             break
-    return best
+    if cold or not HIDING < missing(best.runs) <= most or time.monotonic() > deadline:
+        return best
+    little = [
+        replace(run, about=replace(run.about, disturbance=run.about.leaving(LITTLE)))
+        for run in best.runs
+    ]
+    runs = each(settled, seen(best.hypothesis, best.point, episodes, little))
+    again = _judged(best.hypothesis, best.point, runs, best.rank)
+    if again.evidence < best.evidence + SETTLED:
+        return best
+    return _converged(again, episodes, rounds, most, deadline, cold=True)
 
 
 def _descended(best: Refit, episodes: Sequence[Episode], rounds: int) -> Refit:

@@ -174,7 +174,7 @@ def compare(
 
 def _moment(segments: Segments, row: int, error: float) -> WorstRollout:
     whole = segments.episodes[int(segments.episode[row])]
-    zero = whole.begin or 0.0
+    zero = whole.begin
     start, end = segments.seconds(row)
     name = whole.recording.name
     return WorstRollout(recording=name, start=zero + start, end=zero + end, error=error)

@@ -88,14 +88,16 @@ class Episode:
     """How that changes, per s2, same shape."""
     cutoff: float
     """Frequency, Hz, above which motion is taken for noise in the three above."""
-    begin: float | None = None
-    """Seconds of the recording at which it begins, of a part of one; None of a whole."""
+    begin: float = 0.0
+    """Seconds from the recording's first reading to its first step."""
+    whole: bool = True
+    """Whether it is all of its recording."""
 
     @property
     def name(self) -> str:
         """How reports call it."""
         name = self.recording.name
-        return name if self.begin is None else f"{name} from {self.begin:.1f} s"
+        return name if self.whole else f"{name} from {self.begin:.1f} s"
 
     @property
     def session(self) -> str:
@@ -154,6 +156,8 @@ def episode(recording: Recording, robot: Robot, step: float) -> Episode:
             where=f"recording {recording.name}",
             fix="record for longer; without --held-out a quarter of a recording is set aside",
         )
+    begin = _phase(commands, start - 0.5 * step, step)
+    start += begin
     clocks = [_thinned(clock, start, end) for clock in measurement.clocks(recording)]
     kept = np.unique(np.concatenate(clocks))
     light = np.minimum([0.2 / _period(track.time) for track in tracks], STATE_HERTZ)
@@ -190,7 +194,21 @@ def episode(recording: Recording, robot: Robot, step: float) -> Episode:
         velocity=smooth[1],
         acceleration=smooth[2],
         cutoff=float(cutoff.max()),
+        begin=begin,
     )
+
+
+def _phase(commands: Sequence[Channel], edge: float, step: float) -> float:
+    """Return the least delay with which edges of steps fall on the times at which commands change.
+
+    A servo that comes to its limit within a step gives another force than at the mean command.
+    """
+    whole = 0.0j
+    for channel in commands:
+        turn = np.exp(2j * np.pi * (channel.time[1:] - edge) / step)
+        size = np.std(channel.value)
+        whole += np.abs(np.diff(channel.value)) @ turn / size if size > 0.0 else 0.0
+    return float(np.angle(whole) / (2.0 * np.pi) % 1.0 * step)
 
 
 def _period(clock: Array) -> float:

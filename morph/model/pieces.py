@@ -58,7 +58,7 @@ def pieces(recording: Recording, robot: Robot, step: float) -> list[Episode]:
         return [episode(recording, robot, step)] if found else []
     laid = (episode(between(recording, *each), robot, step) for each in found)
     return [
-        replace(piece, recording=recording, begin=begin - start)
+        replace(piece, recording=recording, begin=piece.begin + begin - start, whole=False)
         for piece, (begin, _) in zip(laid, found, strict=True)
     ]
 
@@ -89,7 +89,8 @@ def part(whole: Episode, begin: float, end: float) -> Episode:
     steps = slice(first, first + round((end - begin) / whole.step) + 1)
     return replace(
         whole,
-        begin=(whole.begin or 0.0) + first * whole.step,
+        whole=False,
+        begin=whole.begin + first * whole.step,
         command=whole.command[steps],
         unsure=whole.unsure[steps],
         time=whole.time[inside] - first * whole.step,
@@ -124,4 +125,4 @@ def stretches(episodes: Sequence[Episode], seconds: float) -> list[Episode]:
     count = max(1, min(len(cut), round(len(cut) * seconds / lasting)))
     chosen = [cut[at] for at in np.linspace(0, len(cut) - 1, count).round().astype(int)]
     # A part of a run may lie in a gap of its log.
-    return [e for e in chosen if e.begin is None or len(e.time) >= FEWEST] or chosen
+    return [e for e in chosen if e.whole or len(e.time) >= FEWEST] or chosen

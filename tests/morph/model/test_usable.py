@@ -164,7 +164,7 @@ def test_a_recording_is_cut_at_a_gap(pendulum: Robot, recorded: Recorded) -> Non
     assert pieces(short, pendulum, 0.004) == []
     assert notes([short], [], [])[0].startswith("run: left out; an episode takes 0.5 s")
     (whole,) = pieces(swing, pendulum, 0.004)
-    assert whole.begin is None
+    assert whole.whole
 
 
 def test_a_clock_in_milliseconds_is_told(pendulum: Robot, swing: Recording) -> None:
