@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
 from morph.arrays import Array, Mask
 from morph.errors import RecordingError
+from morph.record.recording import Recording
 
 FEWEST = 10
 """Least number of samples."""
@@ -79,3 +81,40 @@ def quantum(value: Array) -> float:
     count = steps / step
     whole: Mask = np.abs(count - np.round(count)) < 0.05
     return step if float(whole.mean()) > 0.95 else 0.0
+
+
+def noisy(recording: Recording, sigma: float, seed: int = 0) -> Recording:
+    """Return a recording of which positions and orientations are read with white noise.
+
+    Velocities go, as no sensor of these reads them.
+
+    Args:
+        recording: What is read without noise, such as a simulation's.
+        sigma: Standard deviation, rad or m; of the three components of an orientation's error. Zero
+            leaves the recording as it is.
+        seed: Random seed.
+
+    Raises:
+        RecordingError: `sigma` is negative or not finite.
+    """
+    if not (math.isfinite(sigma) and sigma >= 0.0):
+        raise RecordingError(
+            f"noise of a standard deviation of {sigma:g} is out of range",
+            where=f"recording {recording.name}",
+            fix="give 0 or more, rad or m",
+        )
+    if sigma == 0.0:
+        return recording
+    rng, channels = np.random.default_rng(seed), {}
+    for name, channel in recording.channels.items():
+        kind = name.rpartition(".")[0] if name[-2:-1] == "." else name
+        if kind.endswith("velocity"):
+            continue
+        if kind.endswith((".position", ".orientation")):
+            # A rotation of a small angle changes a quaternion by half of it.
+            size = 0.5 * sigma if kind.endswith(".orientation") else sigma
+            added = size * rng.standard_normal(len(channel.value))
+            channels[name] = replace(channel, value=channel.value + added)
+        else:
+            channels[name] = channel
+    return replace(recording, channels=channels)

@@ -165,6 +165,9 @@ class Simulate:
     """Seconds a step; less where the simulation is stiff."""
     integrator: Literal["implicitfast", "rk4"] | None = None
     """How it steps; by default rk4 for what swims freely, else implicitfast."""
+    noise: Annotated[float, tyro.conf.arg(metavar="SIGMA")] = 0.0
+    """Standard deviation of the noise of recorded positions and orientations, rad or m; with it
+    velocities are not recorded."""
     start: Annotated[Many, tyro.conf.arg(metavar="NAME=VALUE")] = ()
     """Where it starts: JOINT=0.5 (rad or m), hull.position.z=1; may be repeated."""
     speed: Annotated[Many, tyro.conf.arg(metavar="NAME=VALUE")] = ()

@@ -92,10 +92,11 @@ def _done(
     took: float,
 ) -> Done:
     from morph.app.cli.summary import Done
+    from morph.record.noise import noisy
     from morph.sim.buried import buried
 
     name = Path(asked.out).name.partition(".")[0] if asked.out else simulator.robot.name
-    recording = simulator.recorded(moved, name or "simulated")
+    recording = noisy(simulator.recorded(moved, name or "simulated"), asked.noise)
     if not recording.channels:
         raise SimulationFailed(
             "it has neither a joint that turns or slides nor a body that floats",

@@ -3,7 +3,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from morph.record.noise import moves, noise, quantum
+from morph.errors import RecordingError
+from morph.record.noise import moves, noise, noisy, quantum
+from morph.record.recording import Channel, Recording
 
 
 @pytest.mark.parametrize("jitter", [0.0, 0.3])
@@ -50,3 +52,26 @@ def test_a_counter_that_toggles_at_rest_does_not_move() -> None:
     assert not moves(time, np.zeros(2000))
     # Twenty counts in twenty seconds is a motion.
     assert moves(time, count * np.round(time))
+
+
+def test_positions_and_orientations_are_read_with_noise_and_velocities_are_not_read() -> None:
+    time = np.arange(4000) * 0.01
+    still = dict.fromkeys(["hinge.position", "hull.position.x", "hinge.velocity"], 0.0 * time)
+    still |= {f"hull.orientation.{axis}": 0.0 * time for axis in "xyz"}
+    still |= {"hull.orientation.w": 1.0 + 0.0 * time, "hull.angular_velocity.x": 0.0 * time}
+    still |= {"motor.command": 0.0 * time}
+    run = Recording(
+        name="run", channels={name: Channel(time=time, value=v) for name, v in still.items()}
+    )
+    read = noisy(run, 0.01)
+    assert set(read.channels) == {name for name in still if "velocity" not in name}
+    assert not read["motor.command"].any()
+    # The standard deviation of 4000 draws is itself known to 1.1 %: four of these.
+    for name in ("hinge.position", "hull.position.x"):
+        assert np.std(read[name]) == pytest.approx(0.01, rel=0.045)
+    parts = np.stack([read[f"hull.orientation.{axis}"] for axis in "xyz"], axis=1)
+    # The vector of a small rotation is twice the imaginary part.
+    assert 2.0 * np.std(parts) == pytest.approx(0.01, rel=0.045)
+    assert noisy(run, 0.0) is run
+    with pytest.raises(RecordingError, match="out of range"):
+        noisy(run, -0.1)
