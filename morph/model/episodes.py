@@ -89,7 +89,7 @@ class Episode:
     cutoff: float
     """Frequency, Hz, above which motion is taken for noise in the three above."""
     begin: float = 0.0
-    """Seconds from the recording's first reading to its first step."""
+    """Seconds from the recording's first reading to its first step, within half a step."""
     whole: bool = True
     """Whether it is all of its recording."""
 
@@ -156,7 +156,7 @@ def episode(recording: Recording, robot: Robot, step: float) -> Episode:
             where=f"recording {recording.name}",
             fix="record for longer; without --held-out a quarter of a recording is set aside",
         )
-    begin = _phase(commands, start - 0.5 * step, step)
+    begin = _phase(robot, commands, start - 0.5 * step, step)
     start += begin
     clocks = [_thinned(clock, start, end) for clock in measurement.clocks(recording)]
     kept = np.unique(np.concatenate(clocks))
@@ -198,17 +198,18 @@ def episode(recording: Recording, robot: Robot, step: float) -> Episode:
     )
 
 
-def _phase(commands: Sequence[Channel], edge: float, step: float) -> float:
-    """Return the least delay with which edges of steps fall on the times at which commands change.
+def _phase(robot: Robot, commands: Sequence[Channel], edge: float, step: float) -> float:
+    """Return the shift, at most half a step, that lets steps begin when commands change.
 
-    A servo that comes to its limit within a step gives another force than at the mean command.
+    An actuator that comes to its limit within a step gives another force than at the mean command.
     """
     whole = 0.0j
-    for channel in commands:
-        turn = np.exp(2j * np.pi * (channel.time[1:] - edge) / step)
-        size = np.std(channel.value)
-        whole += np.abs(np.diff(channel.value)) @ turn / size if size > 0.0 else 0.0
-    return float(np.angle(whole) / (2.0 * np.pi) % 1.0 * step)
+    if spec_of(robot).compile().actuator_forcelimited.any():
+        for channel in commands:
+            turn = np.exp(2j * np.pi * (channel.time[1:] - edge) / step)
+            size = np.std(channel.value)
+            whole += np.abs(np.diff(channel.value)) @ turn / size if size > 0.0 else 0.0
+    return float(np.angle(whole) / (2.0 * np.pi) * step)
 
 
 def _period(clock: Array) -> float:
