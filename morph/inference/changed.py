@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from morph.inference.changes import likeliest_change
+from morph.inference.finalist import labels
 from morph.inference.findings import on_slide
 from morph.inference.observed import Observed, missing, settled
 from morph.inference.rank import Ranking
@@ -94,6 +95,20 @@ def changed(
         slide=on_slide(robot, found.after),
     )
     return change, after if since else before
+
+
+def confirmed(change: Change, ranking: Ranking) -> bool:
+    """Return whether a law that changed, or a twin of it, is found where it acts.
+
+    Stretches in which other physics is missing may look like a change of any law.
+
+    Args:
+        change: A change.
+        ranking: Of the recordings since then, or until it, alone.
+    """
+    law = change.after if change.since else change.before
+    names = {f"{name}@{law.where}" for name in (law.name, *law.twins)}
+    return law != law.neutral() and bool(names & labels(ranking.best.effects))
 
 
 def _loudest(runs: Sequence[Observed]) -> float:

@@ -29,8 +29,8 @@ from morph.sim.threads import each
 
 COARSE, FINE, AROUND = 0.25, 0.025, 1.0
 """Seconds between times that are tried, at first and about the likeliest, and how far about it."""
-LEAST = 0.5
-"""Least seconds before a change, and after it."""
+LEAST = 2.0
+"""Least seconds before a change, and after it: how a run began is not known."""
 SHARES = (1.0, 0.1, 0.01)
 """Scales of the missing force, as shares of the likeliest: what is explained leaves less of it."""
 

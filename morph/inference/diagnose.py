@@ -10,9 +10,9 @@ from dataclasses import dataclass, replace
 import mujoco
 
 from morph.body.robot import Robot
-from morph.inference.changed import changed, in_whole
+from morph.inference.changed import changed, confirmed, in_whole
 from morph.inference.contact import at_stops, touches
-from morph.inference.rank import Progress, ranked
+from morph.inference.rank import Progress, Ranking, ranked
 from morph.inference.refit import refitted
 from morph.inference.unmeasured import with_unmeasured
 from morph.inference.verdict import DiagnosisRuns, conclude
@@ -103,6 +103,7 @@ def diagnose(
     say: Progress = progress or (lambda what, share: None)
     deadline = math.inf if budget is None else started + 0.9 * budget
     changes: list[Change] = []
+    before: tuple[_Ready, Ranking] | None = None
     looked, whole = False, {recording.name: recording for recording in recordings}
     while True:
         ready = _prepared(robot, recordings, held_out, vary, deadline=deadline, say=say)
@@ -118,6 +119,10 @@ def diagnose(
             progress=say,
             deadline=deadline,
         )
+        if before is not None and not looked and not confirmed(changes[-1], ranking):
+            (ready, ranking), changes = before, changes[:-1]
+            break
+        before = ready, ranking
         # What comes after a change takes as long as all before it.
         late = time.monotonic() > started + 0.5 * (deadline - started)
         if ranking.stopped or looked or late or len(changes) == MOST_CHANGES:
@@ -128,7 +133,6 @@ def diagnose(
         if change is None and kept is not recordings:
             recordings, looked = kept, True
             continue
-        # A law whose change is not found again by what follows it alone is not told twice.
         if change is None or change.after.label in {old.after.label for old in changes}:
             break
         changes.append(change)
