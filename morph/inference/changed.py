@@ -21,9 +21,9 @@ from morph.physics.effect import Effect
 from morph.record.recording import Recording
 from morph.sim.threads import each
 
-ENOUGH = 6.0
+ENOUGH, SOME = 6.0, 3.0
 """Seconds since a change that are diagnosed alone, also where more came before; and the least that
-are left by one that is told."""
+are left by one that is told, and that confirm one."""
 BELIEVED, LITTLE = 0.03, 0.002
 """Missing force over the inertial force, RMS, up to which columns tell of changes, and below which
 there is none where nothing was found."""
@@ -40,8 +40,10 @@ def changed(
     train: Sequence[Episode],
     aside: Sequence[Episode],
     known: Sequence[Effect],
-) -> tuple[Change | None, Sequence[Recording]]:
-    """Return a change of the robot, or none, and the recordings since then, or until it.
+) -> tuple[Change | None, Sequence[Recording], Sequence[Recording]]:
+    """Return a change of the robot, or none, the recordings since then, or until it, and the rest.
+
+    The rest is empty where it is too short to be diagnosed alone.
 
     Where a push in a run that was set aside is likelier, the recordings with that run first, so
     that it is fitted and another is set aside.
@@ -56,20 +58,20 @@ def changed(
     """
     best, robot = ranking.best.refit, ranking.best.refit.hypothesis.robot
     if ranking.validation.constrained or missing(best.runs) > BELIEVED:
-        return None, recordings
+        return None, recordings, ()
     episodes = stretches([*train, *aside], MOST_SECONDS)
     runs = each(settled, seen(best.hypothesis, best.point, episodes))
     if not best.effects and missing(runs) < LITTLE and _loudest(runs) < LOUD:
-        return None, recordings
+        return None, recordings, ()
     found = likeliest_change(replace(best, runs=runs), known, ranking.search.prior)
     if found is None:
-        return None, recordings
+        return None, recordings, ()
     episode = episodes[found.run]
     at = [recording.name for recording in recordings].index(episode.recording.name)
     if not found.lasts:
         unseen = episode.recording.name not in {each.recording.name for each in train}
         turned = [recordings[at], *recordings[:at], *recordings[at + 1 :]]
-        return None, turned if unseen else recordings
+        return None, turned if unseen else recordings, ()
     whole, channels = recordings[at], Measurement.of(robot).needed
     start, first = (
         max(float(some.channel(name).time[0]) for name in channels)
@@ -84,7 +86,7 @@ def changed(
     lasts = [sum(run.seconds for run in some) for some in (before, after)]
     since = lasts[1] >= min(ENOUGH, lasts[0])
     if max(lasts) < ENOUGH:
-        return None, recordings
+        return None, recordings, ()
     change = Change(
         before=found.before,
         after=found.after,
@@ -94,7 +96,8 @@ def changed(
         since=since,
         slide=on_slide(robot, found.after),
     )
-    return change, after if since else before
+    kept, rest = (after, before) if since else (before, after)
+    return change, kept, rest if min(lasts) >= SOME else ()
 
 
 def confirmed(change: Change, ranking: Ranking) -> bool:
@@ -104,11 +107,11 @@ def confirmed(change: Change, ranking: Ranking) -> bool:
 
     Args:
         change: A change.
-        ranking: Of the recordings since then, or until it, alone.
+        ranking: Of the recordings since then alone, or until it.
     """
-    law = change.after if change.since else change.before
+    law = change.before if change.ceases else change.after
     names = {f"{name}@{law.where}" for name in (law.name, *law.twins)}
-    return law != law.neutral() and bool(names & labels(ranking.best.effects))
+    return bool(names & labels(ranking.best.effects))
 
 
 def _loudest(runs: Sequence[Observed]) -> float:

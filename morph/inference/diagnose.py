@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 import time
 from collections.abc import Mapping, Sequence
@@ -105,35 +106,29 @@ def diagnose(
     changes: list[Change] = []
     before: tuple[_Ready, Ranking] | None = None
     looked, whole = False, {recording.name: recording for recording in recordings}
+    rank = functools.partial(
+        _ranked, robot, held_out=held_out, whole=whole, vary=vary, known=known, deadline=deadline,
+        say=say,
+    )  # fmt: skip
     while True:
-        ready = _prepared(robot, recordings, held_out, vary, deadline=deadline, say=say)
-        if changes:
-            ready = replace(
-                ready, train=in_whole(ready.train, whole), aside=in_whole(ready.aside, whole)
-            )
-        say("refitting the description's own figures", 0.05)
-        ranking = ranked(
-            ready.nominal,
-            stretches(ready.train, MOST_SECONDS),
-            known,
-            progress=say,
-            deadline=deadline,
-        )
+        ready, ranking = rank(recordings)
         if before is not None and not looked and not confirmed(changes[-1], ranking):
             (ready, ranking), changes = before, changes[:-1]
             break
-        before = ready, ranking
         # What comes after a change takes as long as all before it.
         late = time.monotonic() > started + 0.5 * (deadline - started)
         if ranking.stopped or looked or late or len(changes) == MOST_CHANGES:
             break
         say("looking for changes", 0.88)
         aside = () if held_out else ready.aside
-        change, kept = changed(ranking, recordings, ready.train, aside, known)
+        change, kept, rest = changed(ranking, recordings, ready.train, aside, known)
         if change is None and kept is not recordings:
             recordings, looked = kept, True
             continue
-        if change is None or change.after.label in {old.after.label for old in changes}:
+        if change is None:
+            break
+        before = (ready, ranking) if change.stays else None
+        if not change.stays and not (rest and confirmed(change, rank(rest)[1])):
             break
         changes.append(change)
         recordings = kept
@@ -154,6 +149,36 @@ def diagnose(
             started=started,
         ),
     )
+
+
+def _ranked(
+    robot: Robot,
+    recordings: Sequence[Recording],
+    *,
+    held_out: Sequence[Recording],
+    whole: Mapping[str, Recording],
+    vary: Mapping[str, float] | None,
+    known: Sequence[Effect],
+    deadline: float,
+    say: Progress,
+) -> tuple[_Ready, Ranking]:
+    """Return recordings laid on a grid, and what explains them.
+
+    Args:
+        robot: The nominal description.
+        recordings: Some recordings or parts of them.
+        held_out: Those to open only after the choice.
+        whole: Recordings that were cut, by name.
+        vary: Fractions by which the description may be wrong.
+        known: Effects whose fixed parameters are known.
+        deadline: Time of the monotonic clock after which no refit begins.
+        say: Told what is being done and the share of the work behind.
+    """
+    ready = _prepared(robot, recordings, held_out, vary, deadline=deadline, say=say)
+    ready = replace(ready, train=in_whole(ready.train, whole), aside=in_whole(ready.aside, whole))
+    say("refitting the description's own figures", 0.05)
+    episodes = stretches(ready.train, MOST_SECONDS)
+    return ready, ranked(ready.nominal, episodes, known, progress=say, deadline=deadline)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -38,7 +38,7 @@ LITTLE_FORCE, LITTLE_VIBRATION = 0.03, 1.0
 explained to their noise."""
 SOME_FORCE = 0.1
 """The same force, up to which its model holds, and evidence decides that rollouts do not refute."""
-CERTAIN, EVENT = 20.0, 10.0
+CERTAIN, EVENT = 20.0, 15.0
 """Gain in evidence, nats, that needs no gain in rollouts where readings are at their noise; and of
 what happens in one run alone, which is looked for only where a force stands out."""
 FAR, FARTHEST = 1.0, 10.0

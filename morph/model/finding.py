@@ -156,6 +156,11 @@ class Change:
         """Whether the law does not act any more, beside what it did."""
         return _idle(self.after, self.before)
 
+    @property
+    def stays(self) -> bool:
+        """Whether the law acts in the runs of which all else is said."""
+        return not (self.ceases if self.since else self.begins)
+
     def said(self, found: Collection[str]) -> tuple[str, str]:
         """Return the change in words, and of which runs all else is said.
 

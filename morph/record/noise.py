@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import zlib
 from dataclasses import replace
 
 import numpy as np
@@ -83,7 +84,7 @@ def quantum(value: Array) -> float:
     return step if float(whole.mean()) > 0.95 else 0.0
 
 
-def noisy(recording: Recording, sigma: float, seed: int = 0) -> Recording:
+def noisy(recording: Recording, sigma: float) -> Recording:
     """Return a recording of which positions and orientations are read with white noise.
 
     Velocities go, as no sensor of these reads them.
@@ -92,7 +93,6 @@ def noisy(recording: Recording, sigma: float, seed: int = 0) -> Recording:
         recording: What is read without noise, such as a simulation's.
         sigma: Standard deviation, rad or m; of the three components of an orientation's error. Zero
             leaves the recording as it is.
-        seed: Random seed.
 
     Raises:
         RecordingError: `sigma` is negative or not finite.
@@ -105,7 +105,8 @@ def noisy(recording: Recording, sigma: float, seed: int = 0) -> Recording:
         )
     if sigma == 0.0:
         return recording
-    rng, channels = np.random.default_rng(seed), {}
+    # Runs of other names have other noise.
+    rng, channels = np.random.default_rng(zlib.crc32(recording.name.encode())), {}
     for name, channel in recording.channels.items():
         kind = name.rpartition(".")[0] if name[-2:-1] == "." else name
         if kind.endswith("velocity"):

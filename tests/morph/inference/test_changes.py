@@ -102,16 +102,16 @@ def test_a_law_that_always_acts_or_never_is_no_change(wheel: Robot, always: bool
 
 
 def test_one_recording_that_changes_near_its_end_is_told_by_its_own_time(wheel: Robot) -> None:
-    whole = runs(lambda run, at: at >= 9.0, count=1, seconds=12.0)
+    whole = runs(lambda run, at: at >= 19.0, count=1, seconds=24.0)
     found = diagnose(wheel, whole)
     (change,) = found.changes
-    # Of twelve seconds the last three were set aside: they are where it changed, and too short to
-    # be diagnosed alone.
-    assert change.time == pytest.approx(9.0, abs=0.25)
+    # Of 24 seconds the last six were set aside, and five of these are since the change: they
+    # confirm it, and what came before is longer.
+    assert change.time == pytest.approx(19.0, abs=0.25)
     assert (change.episode, change.since) == ("run_0", False)
     assert found.verdict == "consistent"
     assert found.summary()[1].endswith("of the runs until then.")
-    assert whole[0].end == pytest.approx(12.0 - STEP)
+    assert whole[0].end == pytest.approx(24.0 - STEP)
 
 
 def test_a_push_in_the_run_that_was_set_aside_is_fitted(tmp_path: Path) -> None:

@@ -21,7 +21,7 @@ from morph.physics.joint.viscous_friction import ViscousFriction
 
 @pytest.mark.parametrize(("more", "gain", "taken"), [
     ("", 4.0, True), ("", 2.0, False), ("drag", 12.0, False), ("drag", 25.0, True),
-    ("push", 12.0, True), ("push", 9.0, False),
+    ("push", 16.0, True), ("push", 12.0, False),
 ])  # fmt: skip
 def test_another_law_in_the_place_of_one_needs_less_evidence_than_one_more(
     monkeypatch: pytest.MonkeyPatch, more: str, gain: float, taken: bool

@@ -173,7 +173,7 @@ def test_evidence_decides_on_a_push_beside_vibration() -> None:
     disturbance = SimpleNamespace(scale=np.array([0.05]), vibration=np.full(1, 2.0))
     about = SimpleNamespace(disturbance=disturbance, inertial=np.ones(1), sensed=np.ones(1))
     runs: Any = [SimpleNamespace(about=about)]
-    assert certain(12.0, runs, event=True)
+    assert certain(16.0, runs, event=True)
     assert not certain(8.0, runs, event=True)
     assert not certain(1e3, runs)
     disturbance.vibration[:], disturbance.scale[:] = 0.0, 0.2

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -261,3 +262,28 @@ def test_joints_are_read_on_their_own_clocks() -> None:
         samples = np.flatnonzero(run_on_grid.valid[:, at])
         time = begin + samples * found.step + run_on_grid.time_offset[samples, at]
         assert run_on_grid.reading[samples, at] == pytest.approx(swing[joint](time), abs=1e-9)
+
+
+SERVO = """<mujoco><worldbody><body name="arm"><joint name="hinge" axis="0 1 0"/>
+  <inertial pos="0 0 0.1" mass="0.1" diaginertia="1e-3 1e-3 1e-3"/></body></worldbody>
+  <actuator><position name="servo" joint="hinge" kp="9"%s/></actuator></mujoco>"""
+
+
+@pytest.mark.parametrize(("limit", "levels"), [(' forcerange="-1 1"', 2), ("", 4)])
+def test_steps_begin_when_the_command_of_a_limited_servo_changes(
+    tmp_path: Path, limit: str, levels: int
+) -> None:
+    (tmp_path / "arm.xml").write_text(SERVO % limit)
+    robot, time = load(tmp_path / "arm.xml"), 0.01 * np.arange(200)
+    # 280 steps of 2.5 ms lie between the changes, and neither falls on half a step.
+    told = Channel(time=np.array([0.0, 0.5037, 1.2037]), value=np.array([0.0, 1.0, 0.0]), hold=True)
+    read = Channel(time=time, value=np.sin(time))
+    run = Recording(name="run", channels={"hinge.position": read, "servo.command": told})
+    laid = episode(run, robot, 0.0025)
+    assert len(np.unique(laid.command.round(9))) == levels
+    # Where a step has a command's mean, two of them have one that is neither.
+    assert abs(laid.begin) <= 0.00125
+    assert (laid.begin == 0.0) == (not limit)
+    edge = laid.begin - 0.00125
+    if limit:
+        assert (0.5037 - edge) / 0.0025 == pytest.approx(round((0.5037 - edge) / 0.0025), abs=1e-6)
