@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -297,22 +296,3 @@ def test_without_an_elastic_drive_its_motor_turns_with_the_joint(
 def test_no_step_begins_after_the_deadline(nominal: Hypothesis, run: Episode) -> None:
     found = refitted(nominal, nominal.start, [run], deadline=-1.0)
     assert found.point.tolist() == nominal.start.tolist()
-
-
-def test_a_refit_that_misses_force_begins_again_from_little_of_it(
-    pendulum: Robot, run: Episode, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    bare, begun = Hypothesis(robot=pendulum, step=STEP, knobs=()), []
-
-    def noted(*given: Any) -> Any:
-        if len(given) > 3:
-            about = given[3][0].about
-            begun.append(float((about.disturbance.scale / about.inertial)[0]))
-        return seen(*given)
-
-    monkeypatch.setattr("morph.inference.refit.seen", noted)
-    found = refitted(bare, bare.start, [run])
-    scale = (found.runs[0].about.disturbance.scale / found.runs[0].about.inertial)[0]
-    # A hundredth of the force that friction leaves missing, a quarter of the inertial one.
-    assert scale == pytest.approx(0.25, abs=0.05)
-    assert min(begun) == pytest.approx(0.01 * scale, rel=0.1)

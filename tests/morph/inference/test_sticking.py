@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -19,6 +20,7 @@ from morph.model.episodes import episode
 from morph.model.hypothesis import Hypothesis
 from morph.physics.joint.coulomb_friction import CoulombFriction
 from morph.record.recording import Channel, Recording
+from tests.morph.inference.dry_wheel import posed
 
 STEP, FINE, NOISE = 0.004, 32, 2e-4
 INERTIA, LEVEL = 0.02, 0.3
@@ -148,3 +150,23 @@ def test_more_friction_is_not_felt_where_it_holds(wheel: Robot) -> None:
     # Elsewhere it turns the wheel by one over its inertia, but where it has only just come loose.
     felt = moved[~sticks, 0, 1] * -senses[~sticks] * INERTIA
     assert np.mean(np.abs(felt - 1.0) < 1e-6) > 0.99
+
+
+def test_a_refit_that_misses_force_begins_again_from_little_of_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    task, begun = posed(tmp_path, 0.0), []
+
+    def share(run: Observed) -> float:
+        return float((run.about.disturbance.scale / run.about.inertial)[0])
+
+    def noted(*given: Any) -> Any:
+        begun.extend(share(run) for run in (given[3] if len(given) > 3 else ()))
+        return seen(*given)
+
+    monkeypatch.setattr("morph.inference.refit.seen", noted)
+    found = refitted(task.nominal, task.nominal.start, task.episodes)
+    missed = [share(run) for run in found.runs]
+    # Without friction most of the force is missing, and where it is held little explains nothing.
+    assert min(missed) > 0.05
+    assert min(begun) == pytest.approx(0.01 * min(missed), rel=0.2)
