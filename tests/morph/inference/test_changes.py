@@ -4,13 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from morph.body.load import load
 from morph.body.robot import Robot
+from morph.inference.changed import confirmed
 from morph.inference.diagnose import diagnose
+from morph.model.finding import Change
 from morph.physics.body.external_push import ExternalPush
 from morph.physics.joint.viscous_friction import ViscousFriction
 from morph.record.recording import Channel, Recording
@@ -133,3 +137,19 @@ def test_a_push_in_the_run_that_was_set_aside_is_fitted(tmp_path: Path) -> None:
     start, end = finding.as_json()["interval_s"]
     assert (start, end) == (pytest.approx(2.0, abs=0.05), pytest.approx(2.2, abs=0.05))
     assert finding.effect.y == pytest.approx(0.2, rel=0.16)
+
+
+@pytest.mark.parametrize(("found", "told"), [
+    ("viscous_friction@axle", True), ("coulomb_friction@axle", True),
+    ("viscous_friction@wrist", False), ("payload@disc", False),
+])  # fmt: skip
+def test_a_change_is_told_where_its_law_or_a_twin_is_found_again(found: str, told: bool) -> None:
+    law, idle = ViscousFriction(joint="axle", b=0.1), ViscousFriction(joint="axle", b=0.0)
+    best = SimpleNamespace(effects=[SimpleNamespace(label=found)])
+    ranking: Any = SimpleNamespace(best=best)
+    for before, after in ((idle, law), (law, idle)):
+        change = Change(
+            before=before, after=after, episode="run", time=1.0, gain=50.0, since=True
+        )  # fmt: skip
+        assert confirmed(change, ranking) == told
+        assert change.stays == (after is law)
