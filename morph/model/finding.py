@@ -170,7 +170,7 @@ class Change:
         runs = "since" if self.since else "until"
         rest = f"The robot changed then: what follows is of the runs {runs} then."
         if self.since and not self.ceases and self.after.label not in found:
-            rest += " They alone are too few to tell this law."
+            rest += " A twin stands for this law in what follows."
         return self.statement, rest
 
     def as_json(self) -> JSON:

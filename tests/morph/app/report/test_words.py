@@ -133,7 +133,7 @@ def test_a_change_is_told_before_what_was_found_since_then(mismatch: Diagnosis) 
     ceased = replace(change, before=law, after=law.neutral(), since=False)
     assert ceased.said(())[0] == f"Until 4.2 s of run_2, and not since: {law.statement()}"
     assert ceased.said(())[1].endswith("until then.")
-    assert change.said(())[1].endswith("too few to tell this law.")
+    assert change.said(())[1].endswith("stands for this law in what follows.")
     lone = replace(mismatch, verdict="consistent", findings=(), changes=(ceased,))
     assert headline(lone) == "The robot changed during these recordings"
 
