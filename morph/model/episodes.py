@@ -89,8 +89,8 @@ class Episode:
     cutoff: float
     """Frequency, Hz, above which motion is taken for noise in the three above."""
     begin: float = 0.0
-    """Seconds from the recording's first reading to its first step; of a whole recording within half
-    a step."""
+    """Seconds from the recording's first reading to its first step; within half a step of 0 for a
+    whole recording."""
     whole: bool = True
     """Whether it is all of its recording."""
 
