@@ -8,11 +8,14 @@ import numpy as np
 
 from morph.inference.effect_selection import EffectSelection
 from morph.inference.finalist import Finalist, gains, labels
+from morph.inference.floor import likeliest_contact
 from morph.physics import EFFECTS
 
 RICHER = 0.2
 """Least mean gain in rollouts of a richer law, nats a stretch: rollouts of each set start from a
 motion smoothed by it, and these alone differ by 0.1 on a disc that sticks."""
+EXPLAINED = 2.0
+"""Mean squared error of rollouts over the noise's variance below which no floor is looked for."""
 LATER = 2
 """Most effects, or laws at every joint, that a later search adds."""
 FIGURES = ("armature", "com_offset", "link_inertia", "torque_scale")
@@ -59,6 +62,25 @@ def beside(task: EffectSelection, best: Finalist) -> Finalist:
             if gains(best, new, task.validation):
                 best = new
     return best
+
+
+def on_floor(task: EffectSelection, best: Finalist) -> Finalist:
+    """Return a set with laws of the floor beside it, where rollouts surely err less with them."""
+    channels = len(task.validation.segments.read)
+    if np.expm1(2.0 * np.median(best.fitted) / channels) < EXPLAINED:
+        return best
+    found = likeliest_contact(best, task.validation, float(best.losses.mean()))
+    if found is None or task.late():
+        return best
+    refit, rollouts = best.refit, replace(task, by_rollouts=True)
+    more = replace(refit.hypothesis, effects=(*best.effects, *found[1].effects))
+    point = np.r_[refit.point, more.start[len(refit.point) :]]
+    # More steps alone may lower the errors.
+    same = rollouts.refitted(refit.hypothesis, refit.point, refit.runs)
+    new = rollouts.refitted(more, point, refit.runs)
+    if not task.validation.sure(same.losses, new.losses):
+        return best
+    return replace(new, refit=replace(new.refit, evidence=refit.evidence))
 
 
 def to_rollouts(task: EffectSelection, found: Finalist) -> Finalist:

@@ -102,7 +102,7 @@ class Columns:
         """
         about = seen.about
         force, shift = self.forces(seen)
-        moved = about.tangent.jacobian[:, :, 2 * about.velocity.shape[1] :] @ force
+        moved = about.tangent.mobility @ force
         errors = -about.acceleration[:, :, None]
         return (
             np.concatenate([errors, moved], axis=2),

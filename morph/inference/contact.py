@@ -1,48 +1,32 @@
-"""What acts where a robot touches the floor, found by simulating the runs from their starts.
+"""Where forces of contact act along a motion: points that touch the floor, joints at their ends.
 
-No column tells of it: forces of contact depend on depths that no recording holds.
+Such a force is as large as it must be: depths that no recording holds tell of it. What it does to
+the points on which it acts is therefore unknown, and what the rest of the robot does is not.
 """
 
 from __future__ import annotations
 
-import functools
-import itertools
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+import copy
+from collections.abc import Sequence
 
 import mujoco
 import numpy as np
 
-from morph.arrays import Array
+from morph.arrays import Array, Mask
 from morph.body.robot import Robot
 from morph.body.spec import spec_of
-from morph.errors import EffectError
-from morph.inference.finalist import Finalist
-from morph.inference.search import Explanation
-from morph.inference.validate import MATERIAL, Validation
 from morph.model.episodes import Episode
-from morph.physics.contact.contact_friction import ContactFriction
-from morph.physics.contact.contact_softness import ContactSoftness
-from morph.physics.contact.restitution import Restitution
-from morph.physics.effect import Effect
 
 INSTANTS, LEAST = 1000, 0.003
 """Most instants of each run at which contacts are looked for; and the share of them that touch in
 runs of a robot in contact: a stiff ball touches for some milliseconds of each bounce."""
-ANYWHERE = "any+floor"
-"""Every link with the floor."""
-GRID = {
-    "mu": np.geomspace(0.05, 2.0, 12),
-    "stiffness": np.geomspace(100.0, 1e5, 6),
-    "damping": np.geomspace(1.0, 1e3, 6),
-    "e": np.linspace(0.05, 0.95, 10),
-}
-"""Values of each parameter, the best of which begin a search: there are many local minima."""
-GREATEST = {"mu": 5.0, "e": 0.95}
-"""The greatest value that is tried."""
-FACTOR, NARROWER, TURNS = 1.3, 0.7, 7
-"""By which a parameter changes first, the power of that factor from one turn to the next, and the
-turns of a search."""
+REACH, NEAR_END = 0.003, 0.005
+"""Distance from the floor, m, and of a joint from its end, rad or m, from which forces may act:
+shapes, floors and encoders err by as much."""
+IMPACT = 0.05
+"""Seconds in which a point may lose the velocity at which it touches."""
+RANK = 1e-3
+"""Singular value of the points' velocities, over the greatest, below which they depend on others."""
 
 
 def touches(robot: Robot, episodes: Sequence[Episode]) -> bool:
@@ -51,119 +35,152 @@ def touches(robot: Robot, episodes: Sequence[Episode]) -> bool:
     Shapes of a base that overlap those of the link on it are no contact.
     """
     model = spec_of(robot).compile()
-    data, found = mujoco.MjData(model), []
-    moves = model.body_weldid[model.geom_bodyid] > 0
-    floor = ~moves & (model.geom_type == int(mujoco.mjtGeom.mjGEOM_PLANE))
+    data, floor = mujoco.MjData(model), _floors(model)
+    found = []
     for episode in episodes:
         for position in episode.position[:: -(-len(episode.position) // INSTANTS)]:
             data.qpos[:] = position
             mujoco.mj_fwdPosition(model, data)
-            pairs = data.contact.geom[: data.ncon]
-            found.append(bool((moves[pairs].any(axis=1) & floor[pairs].any(axis=1)).any()))
+            found.append(bool(_touching(model, data, floor).any()))
     return float(np.mean(found)) > LEAST
 
 
 def at_stops(robot: Robot, episodes: Sequence[Episode]) -> bool:
     """Return whether joints are at the ends of their described ranges in part of the runs."""
     model = spec_of(robot).compile()
-    ends = model.jnt_limited.astype(bool) & (model.jnt_type >= int(mujoco.mjtJoint.mjJNT_SLIDE))
-    place, (low, high) = model.jnt_qposadr[ends], model.jnt_range[ends].T
+    place, _, (low, high) = _ends(model)
     at = np.concatenate([episode.position[:, place] for episode in episodes])
     return bool((((at < low) | (at > high)).mean(axis=0) > LEAST).any())
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Floor:
-    """Laws of contact under trial beside a set of effects, and the error of rollouts with them."""
+def contact_rows(
+    model: mujoco.MjModel, position: Array, velocity: Array, step: float, unsure: int = 1
+) -> tuple[Array, Array]:
+    """Return the velocities that forces of contact may change, by those of the joints.
 
-    laws: tuple[Effect, ...]
-    loss: float
-    """Mean over the stretches, nats."""
-
-
-def likeliest_contact(
-    base: Finalist, validation: Validation, now: float
-) -> tuple[float, Explanation] | None:
-    """Return laws of the floor beside a set with which rollouts err least, and their mean loss.
-
-    Friction, softness and restitution are tried alone, then beside the best of them. Parameters
-    are searched one by one, as what impacts do has edges where no derivative holds.
-
-    Source: Hooke and Jeeves 1961, Journal of the ACM 8(2), 212-229 (pattern search).
+    Rows are orthogonal combinations of the velocities of all points in contact, in m/s, and of
+    joints at their ends, in rad/s or m/s, that turn as little as they can from one sample to the
+    next; shape (samples, rows, dofs), zero where fewer do. With them the change of velocity in a
+    step by impacts: in 50 ms that of the fastest that has just touched, shape (samples,).
 
     Args:
-        base: A set of effects.
-        validation: The stretches that are simulated.
-        now: Mean loss of the set over them.
+        model: The model.
+        position: rad or m, shape (samples, nq).
+        velocity: Per s, shape (samples, dofs).
+        step: Seconds from one sample to the next.
+        unsure: Samples by which contact may begin earlier, and end later, than positions show.
+    """
+    near, floor = copy.copy(model), _floors(model)
+    near.geom_margin[:] = REACH
+    near.pair_margin[:] = REACH
+    data, ends = mujoco.MjData(near), _ends(model)
+    there = []
+    for at in position:
+        data.qpos[:] = at
+        mujoco.mj_fwdPosition(near, data)
+        there.append(_rows(near, data, floor, ends))
+    found, since, speed = [], dict.fromkeys(there[0] if there else (), -len(there)), []
+    for at, now in enumerate(there):
+        # Impacts happen between two samples.
+        whole = dict(now)
+        for other in there[max(at - unsure, 0) : at + unsure + 1]:
+            whole = other | whole
+        since = {key: since.get(key, at) for key in whole}
+        found.append(_independent([*whole.values()]))
+        fast = [
+            float(np.linalg.norm(velocity[max(began - 1, 0) : at + 1] @ whole[key].T, axis=1).max())
+            for key, began in since.items()
+            if step * (at - began) < IMPACT
+        ]
+        speed.append(max(fast, default=0.0))
+    rows = np.zeros((len(position), max(map(len, found), default=0), model.nv))
+    last = rows[0] if len(rows) else rows
+    for sample, some in zip(rows, found, strict=True):
+        if len(some):
+            sample[: len(some)] = some
+            sample[:] = last = _turned(sample, last)
+    return rows, np.sqrt(step / IMPACT) * np.array(speed)
+
+
+def by_contact(rows: Array, mobility: Array) -> Array:
+    """Return accelerations by contact that accelerates its points by 1 m/s2.
+
+    With J the points' velocities by those of the joints and W = M^-1 it is W J' (J W J')^-1: of all
+    accelerations that move the points so, the one that forces on them make. The points' own motion
+    is then as unknown for a light robot as for a heavy one, and masses are judged by what else
+    moves.
+
+    Source: Khatib 1987, IEEE Journal of Robotics and Automation 3(1), eq. 51 (the inverse of J that
+    is consistent with the inertia).
+
+    Args:
+        rows: J, shape (samples, rows, dofs).
+        mobility: W, shape (samples, dofs, dofs).
 
     Returns:
-        None if none gains anything, or the robot is not in contact.
+        Shape (samples, dofs, rows); zero where a row is.
     """
-    if not validation.touching:
-        return None
-    taken = {effect.label for effect in base.effects}
-    kinds = (ContactFriction, ContactSoftness, Restitution)
-    best = _Floor(laws=(), loss=now)
-    for _ in range(2):
-        tried = []
-        for kind in kinds:
-            law = kind.at(ANYWHERE)
-            named = {law.name, *(each.name for each in best.laws)}
-            # Restitution decides on damping: beside softness it says the same twice.
-            if law.label in taken | {e.label for e in best.laws} or named >= {
-                "contact_softness", "restitution"
-            }:  # fmt: skip
-                continue
-            free = [name for name in GRID if hasattr(law, name)]
-            begun = [
-                (*best.laws, _with(law, dict(zip(free, values, strict=True))))
-                for values in itertools.product(*(GRID[name] for name in free))
-            ]
-            tried.append(_searched(base, validation, begun))
-        better = min(tried, key=lambda each: each.loss, default=best)
-        if not better.loss < best.loss - MATERIAL:
-            break
-        best = better
-    if not best.laws:
-        return None
-    own = np.zeros(len(base.refit.point))
-    return best.loss, Explanation(effects=best.laws, gain=0.0, own=own, members=(), level=0)
+    there = rows.any(axis=(1, 2))
+    found = np.zeros((len(rows), rows.shape[2], rows.shape[1]))
+    along = mobility @ np.swapaxes(rows, 1, 2)
+    # A model that has diverged is not finite, and stays so.
+    found[there] = np.nan
+    there &= np.isfinite(along).all(axis=(1, 2))
+    found[there] = along[there] @ np.linalg.pinv(rows[there] @ along[there], rcond=1e-9)
+    return found
 
 
-def _searched(
-    base: Finalist, validation: Validation, starts: Sequence[tuple[Effect, ...]]
-) -> _Floor:
-    """Return laws at the parameters with which rollouts err least, from the best of some starts."""
-    loss = functools.partial(_loss, base, validation)
-    begun = [_Floor(laws=laws, loss=loss(laws)) for laws in starts]
-    best, factor = min(begun, key=lambda each: each.loss), FACTOR
-    names = [(at, k) for at, law in enumerate(best.laws) for k in GRID if hasattr(law, k)]
-    for _ in range(TURNS):
-        for at, name in names:
-            value = getattr(best.laws[at], name)
-            for power in (-1.0, -0.5, 0.5, 1.0):
-                there = min(value * factor**power, GREATEST.get(name, np.inf))
-                law = _with(best.laws[at], {name: there})
-                moved = (*best.laws[:at], law, *best.laws[at + 1 :])
-                found = _Floor(laws=moved, loss=loss(moved))
-                best = min(best, found, key=lambda each: each.loss)
-        factor = factor**NARROWER
-    return best
+def _floors(model: mujoco.MjModel) -> Mask:
+    """Return which shapes are planes that do not move."""
+    fixed = model.body_weldid[model.geom_bodyid] == 0
+    return np.asarray(fixed & (model.geom_type == int(mujoco.mjtGeom.mjGEOM_PLANE)))
 
 
-def _with(law: Effect, values: Mapping[str, float]) -> Effect:
-    """Return a law with other parameters."""
-    return replace(law, **values)  # type: ignore[type-var]
+def _touching(model: mujoco.MjModel, data: mujoco.MjData, floor: Mask) -> Mask:
+    """Return which contacts are of a shape that moves with a floor."""
+    pairs = data.contact.geom[: data.ncon]
+    moves = model.body_weldid[model.geom_bodyid] > 0
+    return np.asarray(moves[pairs].any(axis=1) & floor[pairs].any(axis=1))
 
 
-def _loss(base: Finalist, validation: Validation, laws: tuple[Effect, ...]) -> float:
-    """Return the mean loss of rollouts with laws of contact beside a set; no end, if none can."""
-    hypothesis = base.refit.hypothesis
-    more = replace(hypothesis, effects=(*hypothesis.effects, *laws))
-    point: Array = np.r_[base.refit.point, more.start[len(base.refit.point) :]]
-    try:
-        (losses,) = validation.losses(more, [[point] * validation.folds], base.refit.runs)
-    except EffectError:
-        # Too stiff for the step of the simulation.
-        return float("inf")
-    return float(losses.mean())
+def _ends(model: mujoco.MjModel) -> tuple[Array, Array, Array]:
+    """Return places in `qpos`, degrees of freedom and ends of hinges and slides with a range."""
+    ends = model.jnt_limited.astype(bool) & (model.jnt_type >= int(mujoco.mjtJoint.mjJNT_SLIDE))
+    return model.jnt_qposadr[ends], model.jnt_dofadr[ends], model.jnt_range[ends].T
+
+
+def _rows(
+    model: mujoco.MjModel, data: mujoco.MjData, floor: Mask, ends: tuple[Array, Array, Array]
+) -> dict[tuple[int, int], Array]:
+    """Return what contact of two shapes, or a joint at its end, may change: shapes (rows, dofs)."""
+    place, dofs, (low, high) = ends
+    at, units = data.qpos[place], np.eye(model.nv)
+    held = (at < low + NEAR_END) | (at > high - NEAR_END)
+    found = {(-1, int(dof)): units[[dof]] for dof in dofs[held]}
+    linear, angular = np.empty((3, model.nv)), np.empty((3, model.nv))
+    for index in np.flatnonzero(_touching(model, data, floor)):
+        contact = data.contact[index]
+        body = model.geom_bodyid[contact.geom]
+        moving = int(body[model.body_weldid[body] > 0][0])
+        mujoco.mj_jac(model, data, linear, angular, contact.pos, moving)
+        # Rolling and torsional friction are moments.
+        turns = angular if contact.dim > 4 else contact.frame[None, :3] @ angular
+        pair = int(contact.geom[0]), int(contact.geom[1])
+        rows = [found.get(pair, units[:0]), linear, turns if contact.dim > 3 else units[:0]]
+        found[pair] = np.concatenate(rows)
+    return found
+
+
+def _independent(parts: Sequence[Array]) -> Array:
+    """Return orthogonal combinations of rows that say the same."""
+    if not parts:
+        return np.zeros((0, 0))
+    _, size, across = np.linalg.svd(np.concatenate(parts), full_matrices=False)
+    kept = size > RANK * max(size[0], 1e-12)
+    return np.asarray(size[kept, None] * across[kept])
+
+
+def _turned(rows: Array, last: Array) -> Array:
+    """Return orthogonal combinations of rows, nearest to others (Procrustes, Schonemann 1966)."""
+    left, _, right = np.linalg.svd(last @ rows.T)
+    return np.asarray(left @ right @ rows)

@@ -136,7 +136,7 @@ def all_columns(
     effects = own.hypothesis.effects_at(own.point)
     first, shown = own.along(seen)
     samples, dofs, count = first.shape
-    mobility = about.tangent.jacobian[:, :, 2 * dofs :]
+    mobility = about.tangent.mobility
     total = count + sum(len(effect.strengths) for grid in grids for effect in grid)
     moved = np.zeros((samples, dofs, total))
     readings = np.zeros((samples, shown.shape[1], total))

@@ -25,8 +25,11 @@ MOST_UNREAD = 0.1
 FORCED = 0.3
 """Missing force as a share of the RMS force that a joint's motion needs, from which one search
 starts."""
+CONTACT, CONTACT_TIMES = (1e-3, 1e4), (1e-3, 10.0)
+"""Bounds of the acceleration of points in contact, m/s2 or rad/s2, and of its correlation time, s:
+a knock, or a run that stands."""
 NUDGE = 1e-3
-"""Finite-difference step of the logarithm of the correlation time."""
+"""Finite-difference step of the logarithms of correlation times."""
 MOST_SAMPLES, LEAST_SAMPLES, DOFS = 1500, 300, 12
 """Samples of a run by which its disturbance is judged, and from how many degrees of freedom on they
 are fewer, as one over their square: the time of each grows with their cube."""
@@ -52,7 +55,9 @@ def likeliest_disturbance(about: Reference, *, steps: int) -> Disturbance:
         return replace(
             first,
             scale=about.inertial * np.exp(point[:dofs]),
-            vibration=about.sensed * np.exp(point[dofs:-2]),
+            vibration=about.sensed * np.exp(point[dofs:-4]),
+            contact=float(np.exp(point[-4])),
+            contact_time=float(np.exp(point[-3])),
             correlation_time=float(np.exp(point[-2])),
             noise=about.sensed * np.exp(point[-1]),
         )
@@ -62,27 +67,32 @@ def likeliest_disturbance(about: Reference, *, steps: int) -> Disturbance:
 
     def slope(point: Array) -> tuple[float, Array]:
         found = scored(tangent, at(point), about.error, about.acceleration)
-        later = point + NUDGE * (np.arange(len(point)) == len(point) - 2)
-        by_time = -(cost(later) + found.log_likelihood) / NUDGE
+        by_times = [
+            -(cost(point + NUDGE * axes[at]) + found.log_likelihood) / NUDGE if there else 0.0
+            for at, there in ((-3, tangent.contacts), (-2, True))
+        ]
         return -found.log_likelihood, -np.array(
-            [*found.scale, *found.vibration, by_time, found.noise]
+            [*found.scale, *found.vibration, found.contact, *by_times, found.noise]
         )
 
     most = np.where(about.unread, MOST_UNREAD, MOST_SCALE)
     limits = [*((FLOOR, each) for each in most), *[VIBRATIONS] * channels]
-    bounds = np.log([*limits, CORRELATION_TIMES, NOISE_FACTORS])
+    bounds = np.log([*limits, CONTACT, CONTACT_TIMES, CORRELATION_TIMES, NOISE_FACTORS])
+    axes = np.eye(len(bounds))
     vibration = about.sensed if first.vibration is None else first.vibration
     start = np.log(
         [
             *(first.scale / about.inertial),
             *(vibration / about.sensed),
+            max(first.contact, CONTACT[0]),
+            first.contact_time,
             first.correlation_time,
             first.noise[0] / about.sensed[0],
         ]
     )
     # Once an effect is explained less force is missing: a few steps alone would not go that far.
     of_force, of_vibration = np.arange(len(start)) < dofs, np.arange(len(start)) >= dofs
-    of_vibration[-2:] = False
+    of_vibration[-4:] = False
     shares = [np.log(share) * of_force for share in (1.0, 0.3, 0.1)]
     shares += [np.log(share) * of_vibration for share in (0.1, 10.0)]
     near = min((np.clip(start + share, *bounds.T) for share in shares), key=cost)
@@ -92,9 +102,10 @@ def likeliest_disturbance(about: Reference, *, steps: int) -> Disturbance:
         return minimize(slope, begin, jac=True, method="L-BFGS-B", bounds=bounds, options=options)
 
     best = descended(near)
-    if best.x[dofs:-2].max() > 0.0:
+    if best.x[dofs:-4].max() > 0.0:
         # Where all is called vibration, more force explains nothing at first: start from force too.
-        forced = np.log([*[FORCED] * dofs, *[VIBRATIONS[0]] * channels, 0.2, 1.0])
+        few = [max(first.contact, CONTACT[0]), first.contact_time, 0.2, 1.0]
+        forced = np.log([*[FORCED] * dofs, *[VIBRATIONS[0]] * channels, *few])
         best = min(best, descended(forced), key=lambda each: float(each.fun))
     return replace(at(best.x), jolt=whole.jolt)
 

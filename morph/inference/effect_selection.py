@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from morph.arrays import Array
-from morph.inference.contact import likeliest_contact
+from morph.inference.floor import likeliest_contact
 from morph.inference.dictionary import search_beside
 from morph.inference.finalist import Finalist, better, gains, labels, under
 from morph.inference.inverse_dynamics import force_error

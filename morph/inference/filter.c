@@ -1,12 +1,12 @@
 /* Kalman filter and smoother of a robot linearised along a motion.
  *
- * State x = (dq, dv, f, g): errors of position and velocity, a generalized force that the model
- * leaves out, and vibration, by which e channels' readings differ from the model's; both are
- * Ornstein-Uhlenbeck processes. One semi-implicit step of length h:
+ * State x = (dq, dv, f, g): errors of position and velocity, p forces that the model leaves out, one
+ * on each joint and those of contact, and vibration, by which e channels' readings differ from the
+ * model's; all are Ornstein-Uhlenbeck processes. One semi-implicit step of length h:
  *
- *   a   = J (dq, dv, f) + input,   J = [dqacc/dq, dqacc/dv, M^-1]
+ *   a   = J (dq, dv, f) + input,   J = [dqacc/dq, dqacc/dv, dqacc/df]
  *   dv' = dv + h a + jolt,   dq' = dq + h dv'
- *   f'  = keep f + w,   g' = fade g + u,   keep = exp(-h / time), fade likewise
+ *   (f, g)' = keep (f, g) + w,   keep = exp(-h / time) of each
  *
  * The gain does not depend on the readings, so one gain serves many columns, each a reading and an
  * input of its own. Per column the filter carries delta = (response to the input) - (estimate of x);
@@ -22,11 +22,10 @@
 #define INLINE static inline __attribute__((always_inline))
 #define TILE 64
 
-/* y = J x of `width` columns side by side; J (n, 3n), x (3n, width) in rows `stride` apart. */
-INLINE void accelerate(int n, int width, int stride, const double *restrict J,
+/* y = J x of `width` columns side by side; J (n, N), x (N, width) in rows `stride` apart. */
+INLINE void accelerate(int n, int N, int width, int stride, const double *restrict J,
 		       const double *restrict x, double *restrict y)
 {
-	int N = 3 * n;
 	for (int i = 0; i < n; i++) {
 		double sum[width];
 		for (int c = 0; c < width; c++)
@@ -43,24 +42,22 @@ INLINE void accelerate(int n, int width, int stride, const double *restrict J,
 
 /* x <- F x of `width` columns, input (n, width) or NULL added to the acceleration; rows of both are
  * `stride` apart. */
-INLINE void advance(int n, int e, int width, int stride, double h, double keep, double fade,
+INLINE void advance(int n, int p, int e, int width, int stride, double h, const double *keep,
 		    const double *restrict J, const double *restrict input, double *restrict x)
 {
 	double a[n * width];
-	accelerate(n, width, stride, J, x, a);
+	accelerate(n, 2 * n + p, width, stride, J, x, a);
 	for (int i = 0; i < n; i++) {
 		double *q = x + (size_t)i * stride, *v = q + (size_t)n * stride;
-		double *f = v + (size_t)n * stride;
 		for (int c = 0; c < width; c++) {
 			double with = a[i * width + c] + (input ? input[(size_t)i * stride + c] : 0.0);
 			v[c] += h * with;
 			q[c] += h * v[c];
-			f[c] *= keep;
 		}
 	}
-	for (int i = 3 * n; i < 3 * n + e; i++)
+	for (int i = 0; i < p + e; i++)
 		for (int c = 0; c < width; c++)
-			x[(size_t)i * stride + c] *= fade;
+			x[(size_t)(2 * n + i) * stride + c] *= keep[i];
 }
 
 INLINE void transpose(int N, double *P)
@@ -75,16 +72,16 @@ INLINE void transpose(int N, double *P)
 
 /* P <- F P F' for a symmetric P. Force and vibration decay alone, so that of F P only the rows of
  * position and velocity are multiplied by J again. The half below the diagonal mirrors the other. */
-INLINE void propagate(int n, int e, double h, double keep, double fade,
+INLINE void propagate(int n, int p, int e, double h, const double *keep,
 		      const double *restrict J, double *restrict P)
 {
-	int N = 3 * n + e, both = 2 * n;
-	double turned[3 * n * both], a[n * both];
-	advance(n, e, N, N, h, keep, fade, J, NULL, P);
-	for (int k = 0; k < 3 * n; k++)
+	int N = 2 * n + p + e, both = 2 * n;
+	double turned[(2 * n + p) * both], a[n * both];
+	advance(n, p, e, N, N, h, keep, J, NULL, P);
+	for (int k = 0; k < 2 * n + p; k++)
 		for (int i = 0; i < both; i++)
 			turned[k * both + i] = P[i * N + k];
-	accelerate(n, both, both, J, turned, a);
+	accelerate(n, 2 * n + p, both, both, J, turned, a);
 	for (int i = 0; i < both; i++)
 		for (int j = 0; j < n; j++) {
 			P[i * N + n + j] += h * a[j * both + i];
@@ -92,7 +89,7 @@ INLINE void propagate(int n, int e, double h, double keep, double fade,
 		}
 	for (int i = 0; i < N; i++)
 		for (int j = both; j < N; j++)
-			P[i * N + j] *= j < 3 * n ? keep : fade;
+			P[i * N + j] *= keep[j - both];
 	for (int i = 0; i < N; i++)
 		for (int j = 0; j < i; j++)
 			P[i * N + j] = P[j * N + i];
@@ -101,12 +98,12 @@ INLINE void propagate(int n, int e, double h, double keep, double fade,
 /* Update `width` columns by one sample's readings and advance them; rows are `stride` apart.
  *
  * gain (m, N) and variance (m) are those of the readings that are `valid`; white (m, stride). */
-INLINE void columns(int n, int m, int e, int width, int stride, double h, double keep, double fade,
-		    const double *J, const double *input, const double *C, const uint8_t *valid,
+INLINE void columns(int n, int m, int p, int e, int width, int stride, double h,
+		    const double *keep, const double *J, const double *input, const double *C, const uint8_t *valid,
 		    const double *reading, const double *gain, const double *variance,
 		    double *delta, double *white)
 {
-	int N = 3 * n + e;
+	int N = 2 * n + p + e;
 	for (int r = 0; r < m; r++) {
 		const double *row = C + r * N, *k = gain + r * N;
 		double *out = white + (size_t)r * stride, seen[width];
@@ -130,29 +127,44 @@ INLINE void columns(int n, int m, int e, int width, int stride, double h, double
 		for (int c = 0; c < width; c++)
 			out[c] = one * seen[c];
 	}
-	advance(n, e, width, stride, h, keep, fade, J, input, delta);
+	advance(n, p, e, width, stride, h, keep, J, input, delta);
+}
+
+/* P <- P + [h G; G] [h G; G]', G (n, k): velocities change, and positions with them. */
+INLINE void jolted(int n, int k, int N, double h, const double *restrict G, double *restrict P)
+{
+	for (int i = 0; i < n; i++)
+		for (int j = 0; k && j < n; j++) {
+			double s = 0.0;
+			for (int c = 0; c < k; c++)
+				s += G[i * k + c] * G[j * k + c];
+			P[i * N + j] += h * h * s;
+			P[i * N + n + j] += h * s;
+			P[(n + i) * N + j] += h * s;
+			P[(n + i) * N + n + j] += s;
+		}
 }
 
 /* Filter `steps` samples of `width` columns, for n degrees of freedom, m channels and N states.
  *
- * In: J (steps, n, 3n), input (steps, n, width) or NULL, C (m, N), valid (steps, m), reading
- * (steps, m, width); variances noise (m) of readings, added (n + e) of w and u, jolt (steps, n) or
- * NULL. In and out, from one call to the next: delta (N, width) and covariance P (N, N).
+ * In: keep (p + e), J (steps, n, 2n + p), input (steps, n, width) or NULL, C (m, N), valid (steps,
+ * m), reading (steps, m, width); variances noise (m) of readings, added (p + e) of w; jolt (steps, n,
+ * k), changes of velocity by k sources of unit variance, or NULL. In and out, from one call to the next: delta (N, width) and covariance P (N, N).
  * Out: white (steps, m, width), the innovations over their standard deviation.
  * Out for the smoother: gain (steps, m, N) and innovation variance (steps, m), or NULL; for its
  * state also covariance (steps, N, N) and state predicted (steps, N) before each sample's readings,
  * or NULL.
  * Returns the sum of the logarithms of the innovations' variances.
  */
-INLINE double filter(int n, int m, int e, int width, int64_t steps, double h, double keep,
-		    double fade, const double *J, const double *input, const double *C,
+INLINE double filter(int n, int m, int p, int e, int k, int width, int64_t steps, double h,
+		    const double *keep, const double *J, const double *input, const double *C,
 		    const uint8_t *valid, const double *reading, const double *noise,
 		    const double *added, const double *jolt, double *delta,
 		    double *P, double *white, double *covariance, double *predicted, double *gain,
 		    double *variance)
 {
-	int N = 3 * n + e;
-	double logarithm = 0.0, column[N], k[m * N], s[m];
+	int N = 2 * n + p + e;
+	double logarithm = 0.0, column[N], g[m * N], s[m];
 	for (int64_t t = 0; t < steps; t++) {
 		if (covariance) {
 			memcpy(covariance + t * N * N, P, sizeof(double) * N * N);
@@ -173,23 +185,23 @@ INLINE double filter(int n, int m, int e, int width, int64_t steps, double h, do
 			for (int j = 0; j < N; j++)
 				s[r] += row[j] * column[j];
 			for (int i = 0; i < N; i++)
-				k[r * N + i] = column[i] / s[r];
+				g[r * N + i] = column[i] / s[r];
 			for (int i = 0; i < N; i++)
 				for (int j = 0; j < N; j++)
-					P[i * N + j] -= k[r * N + i] * column[j];
+					P[i * N + j] -= g[r * N + i] * column[j];
 			logarithm += log(s[r]);
 		}
 		if (gain) {
-			memcpy(gain + t * m * N, k, sizeof k);
+			memcpy(gain + t * m * N, g, sizeof g);
 			memcpy(variance + t * m, s, sizeof s);
 		}
-		const double *now = J + t * n * 3 * n;
+		const double *now = J + t * n * (2 * n + p);
 		/* So many columns at once as a processor's first cache holds. */
 		int c = 0;
 #define COLUMNS(WIDTH) \
-	columns(n, m, e, WIDTH, width, h, keep, fade, now, \
+	columns(n, m, p, e, WIDTH, width, h, keep, now, \
 		input ? input + (size_t)t * n * width + c : NULL, C, valid + t * m, \
-		reading + (size_t)t * m * width + c, k, s, delta + c, \
+		reading + (size_t)t * m * width + c, g, s, delta + c, \
 		white + (size_t)t * m * width + c)
 		if (width == 1)
 			COLUMNS(1);
@@ -199,47 +211,41 @@ INLINE double filter(int n, int m, int e, int width, int64_t steps, double h, do
 			if (c < width)
 				COLUMNS(width - c);
 		}
-		propagate(n, e, h, keep, fade, now, P);
-		for (int i = 0; i < n + e; i++)
+		propagate(n, p, e, h, keep, now, P);
+		for (int i = 0; i < p + e; i++)
 			P[(2 * n + i) * N + 2 * n + i] += added[i];
-		for (int i = 0; jolt && i < n; i++) {
-			double s = jolt[t * n + i];
-			P[i * N + i] += h * h * s;
-			P[i * N + n + i] += h * s;
-			P[(n + i) * N + i] += h * s;
-			P[(n + i) * N + n + i] += s;
-		}
+		jolted(n, k, N, h, jolt + (size_t)t * n * k, P);
 	}
 	return logarithm;
 }
 
-/* `CALL(n, e, width)` with numbers known to the compiler where they are small: loops of known length
+/* `CALL(n, p, e, width)` with numbers known to the compiler where they are small: loops of known length
  * are several times as fast, and a likelihood is evaluated thousands of times. */
 #define DISPATCH(CALL, alone) \
-	switch (!(alone) || n > 7 || (e && e != n) ? 0 : e ? 10 + n : n) { \
-	case 1: CALL(1, 0, 1); break; \
-	case 2: CALL(2, 0, 1); break; \
-	case 3: CALL(3, 0, 1); break; \
-	case 4: CALL(4, 0, 1); break; \
-	case 5: CALL(5, 0, 1); break; \
-	case 6: CALL(6, 0, 1); break; \
-	case 7: CALL(7, 0, 1); break; \
-	case 11: CALL(1, 1, 1); break; \
-	case 12: CALL(2, 2, 1); break; \
-	case 13: CALL(3, 3, 1); break; \
-	case 14: CALL(4, 4, 1); break; \
-	case 15: CALL(5, 5, 1); break; \
-	case 16: CALL(6, 6, 1); break; \
-	case 17: CALL(7, 7, 1); break; \
-	default: CALL(n, e, width); \
+	switch (!(alone) || n > 7 || p != n || (e && e != n) ? 0 : e ? 10 + n : n) { \
+	case 1: CALL(1, 1, 0, 1); break; \
+	case 2: CALL(2, 2, 0, 1); break; \
+	case 3: CALL(3, 3, 0, 1); break; \
+	case 4: CALL(4, 4, 0, 1); break; \
+	case 5: CALL(5, 5, 0, 1); break; \
+	case 6: CALL(6, 6, 0, 1); break; \
+	case 7: CALL(7, 7, 0, 1); break; \
+	case 11: CALL(1, 1, 1, 1); break; \
+	case 12: CALL(2, 2, 2, 1); break; \
+	case 13: CALL(3, 3, 3, 1); break; \
+	case 14: CALL(4, 4, 4, 1); break; \
+	case 15: CALL(5, 5, 5, 1); break; \
+	case 16: CALL(6, 6, 6, 1); break; \
+	case 17: CALL(7, 7, 7, 1); break; \
+	default: CALL(n, p, e, width); \
 	}
 
-#define FILTER(N, E, WIDTH) \
-	logarithm = filter(N, m, E, WIDTH, steps, h, keep, fade, J, input, C, valid, reading, noise, added, jolt, \
+#define FILTER(N, P_, E, WIDTH) \
+	logarithm = filter(N, m, P_, E, k, WIDTH, steps, h, keep, J, input, C, valid, reading, noise, added, jolt, \
 	       delta, P, white, covariance, predicted, gain, variance)
 
-double morph_filter(int n, int m, int e, int width, int64_t steps, double h, double keep,
-		    double fade, const double *J, const double *input, const double *C,
+double morph_filter(int n, int m, int p, int e, int k, int width, int64_t steps, double h,
+		    const double *keep, const double *J, const double *input, const double *C,
 		    const uint8_t *valid, const double *reading, const double *noise,
 		    const double *added, const double *jolt, double *delta,
 		    double *P, double *white, double *covariance, double *predicted, double *gain,
@@ -252,24 +258,23 @@ double morph_filter(int n, int m, int e, int width, int64_t steps, double h, dou
 
 /* x <- F' x of `width` columns, with F = I + ... of the semi-implicit step; rows of x (N, width) are
  * side by side. */
-INLINE void retreat(int n, int e, int width, double h, double keep, double fade,
+INLINE void retreat(int n, int p, int e, int width, double h, const double *keep,
 		    const double *restrict J, double *restrict x)
 {
 	double next[n * width];
 	for (int i = 0; i < n; i++) {
 		const double *q = x + i * width;
-		double *v = x + (n + i) * width, *f = x + (2 * n + i) * width;
+		double *v = x + (n + i) * width;
 		for (int c = 0; c < width; c++) {
 			v[c] += h * q[c];
 			next[i * width + c] = h * v[c];
-			f[c] *= keep;
 		}
 	}
-	for (int i = 3 * n * width; i < (3 * n + e) * width; i++)
-		x[i] *= fade;
-	for (int k = 0; k < 3 * n; k++)
+	for (int i = 0; i < (p + e) * width; i++)
+		x[2 * n * width + i] *= keep[i / width];
+	for (int k = 0; k < 2 * n + p; k++)
 		for (int i = 0; i < n; i++) {
-			double g = J[i * 3 * n + k];
+			double g = J[i * (2 * n + p) + k];
 			for (int c = 0; c < width; c++)
 				x[k * width + c] += g * next[i * width + c];
 		}
@@ -286,23 +291,23 @@ INLINE void retreat(int n, int e, int width, double h, double keep, double fade,
  * Source: Bierman 1973, Automatica 9(5), 503-511; Koopman and Shephard 1992, Biometrika 79(4),
  * 823-826 (the score).
  */
-INLINE void smooth(int n, int m, int e, int64_t steps, double h, double keep, double fade,
+INLINE void smooth(int n, int m, int p, int e, int64_t steps, double h, const double *keep,
 		   const double *J, const double *C, const uint8_t *valid, const double *white,
 		   const double *covariance, const double *predicted, const double *gain,
 		   const double *variance, double *x, double *spread, double *score, double *L)
 {
-	int N = 3 * n + e;
+	int N = 2 * n + p + e;
 	double adjoint[N], along[N];
 	memset(adjoint, 0, sizeof adjoint);
 	memset(score, 0, sizeof(double) * (2 * N + m));
 	for (int64_t t = steps - 1; t >= 0; t--) {
-		const double *now = J + t * n * 3 * n;
+		const double *now = J + t * n * (2 * n + p);
 		for (int i = 0; i < N; i++)
 			score[i] += adjoint[i] * adjoint[i] - L[i * N + i];
-		retreat(n, e, 1, h, keep, fade, now, adjoint);
+		retreat(n, p, e, 1, h, keep, now, adjoint);
 		/* F' L F = F' (F' L)' as L is symmetric. */
 		for (int side = 0; side < 2; side++) {
-			retreat(n, e, N, h, keep, fade, now, L);
+			retreat(n, p, e, N, h, keep, now, L);
 			transpose(N, L);
 		}
 		for (int r = m - 1; r >= 0; r--) {
@@ -354,11 +359,11 @@ INLINE void smooth(int n, int m, int e, int64_t steps, double h, double keep, do
 		score[N + i] = adjoint[i] * adjoint[i] - L[i * N + i];
 }
 
-#define SMOOTH(N, E, WIDTH) \
-	smooth(N, m, E, steps, h, keep, fade, J, C, valid, white, covariance, predicted, gain, \
+#define SMOOTH(N, P_, E, WIDTH) \
+	smooth(N, m, P_, E, steps, h, keep, J, C, valid, white, covariance, predicted, gain, \
 	       variance, x, spread, score, L)
 
-void morph_smooth(int n, int m, int e, int64_t steps, double h, double keep, double fade,
+void morph_smooth(int n, int m, int p, int e, int64_t steps, double h, const double *keep,
 		  const double *J, const double *C, const uint8_t *valid, const double *white,
 		  const double *covariance, const double *predicted, const double *gain,
 		  const double *variance, double *x, double *spread, double *score, double *L)

@@ -24,20 +24,31 @@ class Tangent:
     step: float
     """Seconds from one sample to the next."""
     jacobian: Array
-    """[dqacc/dq, dqacc/dv, dqacc/dforce], the last M^-1 but for the integrator's damping, shape
-    (samples, dofs, 3 dofs)."""
+    """[dqacc/dq, dqacc/dv, dqacc/dforce], the last M^-1 but for the integrator's damping, and
+    acceleration by that of each point in contact; shape (samples, dofs, 3 dofs + contacts)."""
     reads: Array
     """Observation matrix: each channel by position and velocity, shape (channels, 2 dofs)."""
     valid: Mask
     """Which readings there are, shape (samples, channels)."""
 
+    @property
+    def mobility(self) -> Array:
+        """Acceleration by each force, shape (samples, dofs, dofs)."""
+        dofs = self.jacobian.shape[1]
+        return self.jacobian[:, :, 2 * dofs : 3 * dofs]
+
+    @property
+    def contacts(self) -> int:
+        """How many directions points in contact may move in."""
+        return self.jacobian.shape[2] - 3 * self.jacobian.shape[1]
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Disturbance:
-    """What a linearised model leaves out: noise, a force on each joint, vibration of readings.
+    """What a linearised model leaves out: noise, forces on joints and of contact, and vibration.
 
-    Force and vibration are Ornstein-Uhlenbeck processes, of covariance scale^2 exp(-|t - t'| /
-    correlation_time). The force displaces a joint for good; vibration, of flexible links and
+    Forces and vibration are Ornstein-Uhlenbeck processes, of covariance scale^2 exp(-|t - t'| /
+    correlation_time). A force displaces a joint for good; vibration, of flexible links and
     drives, stays a small displacement of what is read.
     Source: Rasmussen and Williams 2006, Gaussian processes for machine learning, eq. B.27.
     """
@@ -51,19 +62,25 @@ class Disturbance:
     initial: Array
     """Standard deviation of position and velocity errors at the first sample, shape (2 dofs,)."""
     jolt: Array | None = None
-    """Standard deviation of a change of velocity in each step, rad/s or m/s, shape (samples, dofs):
-    commands change at times that are known only roughly. None: no such change."""
+    """Changes of velocity in each step by sources of unit variance, rad/s or m/s, shape (samples,
+    dofs, sources): commands change at times that are known only roughly, and impacts begin. None:
+    no such change."""
     vibration: Array | None = None
     """Standard deviation of each channel's vibration, in its unit, shape (channels,). None: no such
     state."""
     vibration_time: float = 0.1
     """Correlation time of vibration, s."""
+    contact: float = 0.0
+    """Standard deviation of the acceleration of points in contact, m/s2, or of joints at their
+    ends, rad/s2 or m/s2."""
+    contact_time: float = 0.1
+    """Correlation time of that acceleration, s."""
 
 
 def smoothed(
     tangent: Tangent, disturbance: Disturbance, reading: Array, acceleration: Array | None = None
 ) -> tuple[Array, Array]:
-    """Return the mean of position and velocity errors, force and vibration, given all readings.
+    """Return the mean of position and velocity errors, forces and vibration, given all readings.
 
     With it the standard deviation of velocities, per s, shape (samples, dofs).
 
@@ -78,7 +95,7 @@ def smoothed(
             (samples, dofs); by default zero, as for a motion that the model simulated.
 
     Returns:
-        The mean, shape (samples, 3 dofs + vibrating channels), and the standard deviation.
+        The mean, shape (samples, 3 dofs + contacts + vibrating channels), and the standard deviation.
 
     Raises:
         KernelError: There is no C compiler, or it fails.
@@ -98,6 +115,8 @@ class Score:
     """By the force's scale, shape (dofs,)."""
     vibration: Array
     """By each channel's vibration, shape (channels,); empty where none vibrates."""
+    contact: float
+    """By the acceleration of points in contact."""
     noise: float
     """By the noise of all channels together."""
 
@@ -127,19 +146,25 @@ class FilterRun:
     def __init__(self, tangent: Tangent, disturbance: Disturbance, columns: int) -> None:
         self.tangent = tangent
         self._dofs = dofs = tangent.jacobian.shape[1]
-        self._keep = float(np.exp(-tangent.step / disturbance.correlation_time))
-        self._jolt = None if disturbance.jolt is None else disturbance.jolt**2
-        self._fade = float(np.exp(-tangent.step / disturbance.vibration_time))
+        contacts = tangent.contacts
+        self._jolt = disturbance.jolt
         channels = len(tangent.reads)
         vibration = np.zeros(0) if disturbance.vibration is None else disturbance.vibration
         self._vibrating = len(vibration)
         self._noise = _packed(disturbance.noise**2)
-        added = disturbance.scale**2 * (1.0 - self._keep**2)
-        self._added = _packed(np.append(added, vibration**2 * (1.0 - self._fade**2)))
+        self._forces = dofs + contacts
+        lasting = [
+            *[disturbance.correlation_time] * dofs,
+            *[disturbance.contact_time] * contacts,
+            *[disturbance.vibration_time] * self._vibrating,
+        ]
+        scale = np.concatenate([disturbance.scale, [disturbance.contact] * contacts, vibration])
+        self._keep = np.exp(-tangent.step / np.array(lasting))
+        self._added = _packed(scale**2 * (1.0 - self._keep**2))
         shown = np.eye(channels)[:, : self._vibrating]
-        zeros = np.zeros((channels, dofs))
+        zeros = np.zeros((channels, self._forces))
         self._reads = _packed(np.concatenate([tangent.reads, zeros, shown], axis=1))
-        self._spread = np.concatenate([disturbance.initial, disturbance.scale, vibration])
+        self._spread = np.concatenate([disturbance.initial, scale])
         self._delta = np.zeros((len(self._spread), columns))
         self._covariance = np.diag(self._spread**2)
 
@@ -163,10 +188,10 @@ class FilterRun:
         channels, columns = readings.shape[1:]
         white = np.empty((samples, channels, columns))
         log_determinant: float = _code().morph_filter(
-            dofs, channels, self._vibrating, columns, samples,
-            self.tangent.step, self._keep, self._fade,
+            dofs, channels, self._forces, self._vibrating,
+            0 if self._jolt is None else self._jolt.shape[2], columns, samples, self.tangent.step,
             *map(_pointer, (
-                _packed(jacobian), None if accelerations is None else _packed(accelerations),
+                self._keep, _packed(jacobian), None if accelerations is None else _packed(accelerations),
                 self._reads, np.ascontiguousarray(valid, dtype=np.uint8), _packed(readings),
                 self._noise, self._added, None if self._jolt is None else _packed(self._jolt[part]),
                 self._delta, self._covariance, white,
@@ -216,7 +241,8 @@ class FilterRun:
         return Score(
             log_likelihood=-0.5 * (square + logarithm + constant),
             scale=by_scale[:dofs],
-            vibration=by_scale[dofs:],
+            vibration=by_scale[self._forces :],
+            contact=float(by_scale[dofs : self._forces].sum()),
             noise=float(2.0 * self._noise @ readings),
         )
 
@@ -233,10 +259,9 @@ class FilterRun:
         tangent, size, channels = self.tangent, len(self._delta), white.shape[1]
         score = np.empty(2 * size + channels)
         _code().morph_smooth(
-            self._dofs, channels, self._vibrating, len(white),
-            tangent.step, self._keep, self._fade,
+            self._dofs, channels, self._forces, self._vibrating, len(white), tangent.step,
             *map(_pointer, (
-                _packed(tangent.jacobian), self._reads,
+                self._keep, _packed(tangent.jacobian), self._reads,
                 np.ascontiguousarray(tangent.valid, dtype=np.uint8), white, *kept, *smoothed,
                 score, np.zeros((size, size)),
             )),
@@ -265,7 +290,7 @@ def _code() -> ctypes.CDLL:
         code = library.load(path, fix="delete it, so that it is built again")
     number, count, at = ctypes.c_double, ctypes.c_int, ctypes.c_void_p
     code.morph_filter.restype = number
-    code.morph_filter.argtypes = [count] * 4 + [ctypes.c_int64] + [number] * 3 + [at] * 15
+    code.morph_filter.argtypes = [count] * 6 + [ctypes.c_int64, number] + [at] * 16
     code.morph_smooth.restype = None
-    code.morph_smooth.argtypes = [count] * 3 + [ctypes.c_int64] + [number] * 3 + [at] * 12
+    code.morph_smooth.argtypes = [count] * 4 + [ctypes.c_int64, number] + [at] * 13
     return code

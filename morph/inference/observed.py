@@ -11,7 +11,6 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.body.robot import Robot
-from morph.inference.axes import along_body
 from morph.inference.disturbance import likeliest_disturbance
 from morph.inference.reference import FEWER_STEPS, reference
 from morph.inference.sampled import Reference, SampledRun
@@ -90,7 +89,7 @@ def observed(
         if effects:
             # The motion has changed, and under a stiff servo the effects' forces with it: evaluate
             # them along the new one.
-            mobility = about.tangent.jacobian[:, :, 2 * motion.velocity.shape[1] :]
+            mobility = about.tangent.mobility
             linear = force - dry.damping * ending(about)
             linear += slope[:, 0] * (motion.position - last.position)
             linear += slope[:, 1] * (motion.velocity - last.velocity)
@@ -239,7 +238,7 @@ def _motion(
     """Return a smoothed motion as effects' regressors take it.
 
     Velocities and accelerations are those at the positions' times, and the acceleration is the
-    model's: the missing force is not in it.
+    model's: the missing force is not in it. Forces of contact are.
     """
     samples, dofs = about.velocity.shape
     space, position = run.measurement.coordinates, run.measurement.scalars(about.position)
@@ -247,7 +246,7 @@ def _motion(
     acceleration[:-1] = np.diff(about.velocity, axis=0) / run.step
     acceleration[-1] = acceleration[-2]
     velocity = about.velocity + 0.5 * run.step * acceleration
-    acceleration += along_body(space, about.axes, about.acceleration)
+    acceleration += about.free
     transmission = Transmission.along(model, about.position)
     moments = transmission.moment
     force = actuator_forces(model, transmission, velocity, run.command)

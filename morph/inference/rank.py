@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from morph.body.robot import Robot
-from morph.inference.by_rollouts import LATER, beside, richer, to_rollouts, without_figures
+from morph.inference.by_rollouts import LATER, beside, on_floor, richer, to_rollouts, without_figures
 from morph.inference.contact import at_stops, touches
 from morph.inference.effect_selection import EffectSelection
 from morph.inference.finalist import Finalist, gains, labels, simplified, under
@@ -90,12 +90,12 @@ def ranked(
         episodes=episodes,
         known=known,
         validation=validation,
-        by_rollouts=validation.constrained,
         prior=Prior(alone={}),
         deadline=deadline,
     )
     own = replace(task, deadline=math.inf).refitted(nominal, nominal.start)
-    most = 0.0 if validation.constrained else FAR if _told(nominal.robot) else FARTHEST
+    told = _told(nominal.robot) and not validation.constrained
+    most = FAR if told else FARTHEST
     far = missing(own.refit.runs) >= most
     found = _searched(_by_rollouts(task, own) if far else _begun(task, own), progress)
     if not far:
@@ -121,6 +121,8 @@ def ranked(
         best = richer(found.task, best)
         if not found.task.by_rollouts and missing(best.refit.runs) > NEAR:
             best = beside(found.task, best)
+    if touching and not found.task.by_rollouts:
+        best = on_floor(found.task, best)
     best = simplified(best)
     if labels(best.effects) != labels(found.best.effects):
         found = replace(found, search=found.task.search(best))

@@ -10,6 +10,7 @@ import numpy as np
 from morph.arrays import Array
 from morph.body.follow import chains, follow, leaders
 from morph.inference.axes import Axes, along_body, along_parent, axes_of, jacobian_along_parent
+from morph.inference.contact import by_contact, contact_rows
 from morph.inference.disturbance import likeliest_disturbance
 from morph.inference.filter import Disturbance, Tangent, smoothed
 from morph.inference.sampled import Reference, SampledRun, later, outliers
@@ -53,7 +54,11 @@ def reference(
         position = np.array(guess)
         rate = space.apart(position[1:], position[:-1]) / run.step
         velocity = np.concatenate([rate[:1], rate])
-        found = _along(model, run, position, velocity, np.zeros_like(velocity), None)
+        # Between two readings the guess is a straight line.
+        unsure = round(1.0 / max(float(run.valid.mean()), 1e-3))
+        touching = contact_rows(model, position, velocity, run.step, unsure)
+        force = np.zeros_like(velocity)
+        found = _along(model, run, position, velocity, force, touching, None)
     else:
         position, velocity, known = before.position, before.velocity, before.disturbance
         run = replace(run, valid=before.tangent.valid)
@@ -96,7 +101,9 @@ def _smoothed(
         # Rotations add up to the first order in the error alone, and chains close along curves.
         velocity[1:] = space.apart(position[1:], position[:-1]) / run.step
     follow(model, position, velocity)
-    return replace(_along(model, run, position, velocity, force, known), spread=spread)
+    touching = found.touching, found.impact
+    moved = _along(model, run, position, velocity, force, touching, known)
+    return replace(moved, spread=spread)
 
 
 def _along(
@@ -105,6 +112,7 @@ def _along(
     position: Array,
     velocity: Array,
     force: Array,
+    touching: tuple[Array, Array],
     known: Disturbance | None,
 ) -> Reference:
     """Return a model linearised along a motion, with a known disturbance or a first guess of it."""
@@ -112,7 +120,9 @@ def _along(
     dofs, axes = space.dofs, axes_of(space, position)
     local = _interpolated(model, position, velocity, run)
     mobility = local[:, :, 2 * dofs :]
-    jacobian, acceleration, error = _errors(model, run, position, velocity, axes, local)
+    jacobian, acceleration, free, error = _errors(
+        model, run, position, velocity, axes, local, touching[0]
+    )
     needed = times(inverse(model, mobility), np.gradient(velocity, run.step, axis=0))
     needed = carried(model, needed)
     inertial = np.sqrt(np.mean(needed**2, axis=0)) + 1e-12
@@ -127,6 +137,7 @@ def _along(
             correlation_time=0.2,
             initial=initial.reshape(-1),
             vibration=run.noise,
+            contact=_moved_in_contact(touching[0], velocity) / run.step,
         )
     return Reference(
         position=position,
@@ -134,6 +145,7 @@ def _along(
         spread=np.zeros_like(velocity),
         force=force,
         acceleration=acceleration,
+        free=free,
         sticking=np.broadcast_to(run.sticking, velocity.shape),
         axes=axes,
         local=local,
@@ -143,7 +155,9 @@ def _along(
             reads=run.reads,
             valid=run.valid,
         ),
-        disturbance=replace(known, jolt=_jolt(model, run, position, jacobian[:, :, 2 * dofs :])),
+        touching=touching[0],
+        impact=touching[1],
+        disturbance=replace(known, jolt=_jolt(model, run, position, jacobian, touching[1])),
         error=error,
         sensed=run.noise,
         unread=run.guess > 0.0,
@@ -153,9 +167,12 @@ def _along(
 
 def _errors(
     model: mujoco.MjModel, run: SampledRun, position: Array, velocity: Array, axes: Axes,
-    local: Array,
-) -> tuple[Array, Array, Array]:  # fmt: skip
+    local: Array, touching: Array,
+) -> tuple[Array, Array, Array, Array]:  # fmt: skip
     """Return a model's Jacobian along a motion, and its errors of accelerations and of readings.
+
+    Between the first error of accelerations and that of readings stands the one along the body's
+    axes to which contact adds nothing, see `Reference.free`.
 
     Args:
         model: The model.
@@ -164,19 +181,30 @@ def _errors(
         velocity: Shape (samples, dofs).
         axes: Of its orientations.
         local: The derivatives of the model, or of a similar one, shape (samples, dofs, 3 dofs).
+        touching: The velocities of points in contact by those of joints, (samples, rows, dofs).
     """
     space = run.measurement.coordinates
     sticking = np.broadcast_to(run.sticking, velocity.shape)
     modelled = accelerations(model, position, velocity, run.command)
     modelled += times(local[:, :, 2 * space.dofs :], run.force - sticking * velocity)
-    jacobian, acceleration = _stepped(local, modelled, sticking, run)
-    acceleration[:-1] -= np.diff(velocity, axis=0) / run.step
+    jacobian, modelled = _stepped(local, modelled, sticking, run)
+    moved = np.zeros_like(modelled)
+    moved[:-1] = np.diff(velocity, axis=0) / run.step
     # Nothing follows the last sample that its acceleration could be compared with.
-    acceleration[-1] = 0.0
+    modelled[-1] = 0.0
+    acceleration, free = modelled - moved, modelled - moved
+    if touching.size:
+        # Points in contact move as they will, whatever else acts, and the rest moves with them.
+        contact = by_contact(touching, jacobian[:, :, 2 * space.dofs :])
+        acceleration -= times(contact, times(touching, modelled))
+        free -= times(contact, times(touching, free))
+        jacobian -= contact @ (touching @ jacobian)
+        jacobian = np.concatenate([jacobian, contact], axis=2)
     shown = np.where(run.valid, run.reading - _predicted(run, position, velocity, axes), 0.0)
     return (
         jacobian_along_parent(space, axes, velocity, jacobian),
         along_parent(space, axes, acceleration),
+        free,
         shown,
     )
 
@@ -231,12 +259,13 @@ def _moved(before: Reference, model: mujoco.MjModel, run: SampledRun) -> Referen
 
     A smoother that is iterated once more needs them only roughly.
     """
-    jacobian, acceleration, error = _errors(
-        model, run, before.position, before.velocity, before.axes, before.local
+    jacobian, acceleration, free, error = _errors(
+        model, run, before.position, before.velocity, before.axes, before.local, before.touching
     )
     return replace(
         before,
         acceleration=acceleration,
+        free=free,
         sticking=np.broadcast_to(run.sticking, before.velocity.shape),
         tangent=replace(before.tangent, jacobian=jacobian, reads=run.reads),
         error=error,
@@ -257,14 +286,26 @@ def _predicted(run: SampledRun, position: Array, velocity: Array, axes: Axes) ->
     return np.asarray(shown + (run.shift + later))
 
 
-def _jolt(model: mujoco.MjModel, run: SampledRun, position: Array, mobility: Array) -> Array | None:
-    """Return the standard deviation of velocity changes by unsure commands, (samples, dofs)."""
-    if run.unsure is None:
-        return None
-    transmission = Transmission.along(model, position)
-    transmission = replace(transmission, moment=np.abs(transmission.moment))
-    forces = transmission.forces(run.unsure * np.abs(model.actuator_gainprm[:, 0]))
-    return times(np.abs(mobility), forces)
+def _jolt(
+    model: mujoco.MjModel, run: SampledRun, position: Array, jacobian: Array, impact: Array
+) -> Array | None:
+    """Return changes of velocity by unsure commands and impacts, (samples, dofs, sources)."""
+    found, dofs = [], jacobian.shape[1]
+    if run.unsure is not None:
+        transmission = Transmission.along(model, position)
+        transmission = replace(transmission, moment=np.abs(transmission.moment))
+        forces = transmission.forces(run.unsure * np.abs(model.actuator_gainprm[:, 0]))
+        moved = times(np.abs(jacobian[:, :, 2 * dofs : 3 * dofs]), forces)
+        found.append(moved[:, :, None] * np.eye(dofs))
+    if impact.any():
+        found.append(impact[:, None, None] * jacobian[:, :, 3 * dofs :])
+    return np.concatenate(found, axis=2) if found else None
+
+
+def _moved_in_contact(touching: Array, velocity: Array) -> float:
+    """Return the RMS change of the velocity of points in contact from one sample to the next."""
+    changes = times(touching[1:], np.diff(velocity, axis=0))[touching[1:].any(axis=2)]
+    return float(np.sqrt(np.mean(changes**2))) if changes.size else 0.0
 
 
 def _initial_std(run: SampledRun, values: Array) -> Array:

@@ -16,10 +16,10 @@ from morph.inference.validate import Validation
 
 SHARE, NATS = 0.003, 400.0
 """Where what remains is as probably physics as not: share of the joints' force, and evidence."""
-UNTOLD, ROUGH = 0.45, 2.0
-"""Probability for a robot in contact: impacts magnify small errors of a start, so that rollouts of
-the right model miss by more than noise too; and how many times what they make of such errors a
-model without a law may miss by."""
+UNTOLD, ROUGH, SEEN = 0.45, 2.0, 0.01
+"""Most probability for a robot in contact, whose forces are not told; how many times what rollouts
+make of errors of their starts a model without a law may miss by, as impacts magnify them; and that
+error over the variance of the motion, below which it is the simulation's own, of its contacts."""
 STEEP = 2.0
 """How steeply probability rises with the logarithm of each."""
 MOST_UNKNOWN = 0.55
@@ -51,6 +51,8 @@ class Remains:
     among the missing."""
     by_starts: float = 0.0
     """Of a robot in contact, `in_noise` as errors of the rollouts' starts alone make it."""
+    in_motion: float = 0.0
+    """Of a robot in contact, that error over the variance of the segment's readings, likewise."""
 
     @property
     def probability(self) -> float:
@@ -62,15 +64,17 @@ class Remains:
     def any_physics(self) -> float:
         """How probable it is that any physics is left, without a name or missed.
 
-        In contact it is by rollouts alone, beside what errors of their starts make of them.
+        In contact rollouts tell of it too, beside what errors of their starts make of them.
         """
         tiny = 1e-12
-        if self.touching:
-            return UNTOLD if self.named or self.in_noise < ROUGH * (1.0 + self.by_starts) else 1.0
+        rough = self.in_noise > ROUGH * (1.0 + self.by_starts) and self.in_motion > SEEN
+        if self.touching and rough and not self.named:
+            return 1.0
         steep = STEEP * min(
             math.log(max(self.share, tiny) / SHARE), math.log(max(self.nats, tiny) / NATS)
         )
-        return float(1.0 / (1.0 + math.exp(-np.clip(steep, -30.0, 30.0))))
+        some = float(1.0 / (1.0 + math.exp(-np.clip(steep, -30.0, 30.0))))
+        return min(some, UNTOLD) if self.touching else some
 
 
 def remaining(found: Finalist, validation: Validation) -> Remains:
@@ -88,6 +92,7 @@ def remaining(found: Finalist, validation: Validation) -> Remains:
         named=bool(found.effects),
         touching=touching,
         by_starts=_by_starts(found, validation) if touching else 0.0,
+        in_motion=_in_motion(found, validation) if touching else 0.0,
     )
 
 
@@ -111,6 +116,17 @@ def _by_starts(found: Finalist, validation: Validation) -> float:
     one, other = (validation.rollouts(hypothesis, points, each)[0] for each in (runs, begun))
     squared = np.where(segments.valid, (one - other) ** 2, 0.0).sum(axis=1) / segments.counts
     return _typical(0.5 * np.log1p(squared / segments.noise**2).sum(axis=1), validation)
+
+
+def _in_motion(found: Finalist, validation: Validation) -> float:
+    """Return the error of a typical segment over the variance of its readings."""
+    segments, points = validation.segments, [[found.about.point] * validation.folds]
+    (read,) = validation.rollouts(found.about.hypothesis, points, found.refit.runs)
+    off = np.where(segments.valid, segments.reading - read, 0.0)
+    centred = np.where(segments.valid, segments.reading, np.nan)
+    spread = np.nanvar(centred, axis=1) + segments.noise**2
+    squared = (off**2).sum(axis=1) / segments.counts
+    return _typical(0.5 * np.log1p(squared / spread).sum(axis=1), validation)
 
 
 def _over_floor(run: Observed) -> float:

@@ -81,7 +81,11 @@ class Reference:
     force: Array
     """Missing force: the smoothed state of the Ornstein-Uhlenbeck process, N m or N, same shape."""
     acceleration: Array
-    """The model's acceleration less that of the motion, per s2, same shape."""
+    """The model's acceleration less that of the motion, per s2, same shape. Points in contact are
+    not accelerated by the model."""
+    free: Array
+    """The same along the axes of the body, and none that moves points in contact: these are
+    accelerated as the motion shows."""
     sticking: Array
     """Damping by dry friction that `tangent` includes, N m s/rad or N s/m, same shape."""
     axes: tuple[Array, ...]
@@ -90,6 +94,10 @@ class Reference:
     """[dqacc/dq, dqacc/dv, M^-1] of the model alone, shape (samples, dofs, 3 dofs)."""
     tangent: Tangent
     """The linearised model, by the trapezoidal rule, and which readings are used."""
+    touching: Array
+    """Velocities that contact may change, by those of the joints, shape (samples, rows, dofs)."""
+    impact: Array
+    """Change of the velocity of points in contact in a step by impacts, shape (samples,)."""
     disturbance: Disturbance
     """Noise and missing force under which the readings are likeliest."""
     error: Array

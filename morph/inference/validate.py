@@ -10,6 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from morph.arrays import Array, Integers
+from morph.errors import EffectError
 from morph.inference.observed import Observed, missing
 from morph.inference.quadratic import LogPosterior
 from morph.model.episodes import Episode
@@ -21,6 +22,7 @@ from morph.physics.effect import Effect
 from morph.physics.joint.motor_side import MotorSideEffect
 from morph.sim.drive import all_received
 from morph.sim.rollout import rollout
+from morph.sim.simulator import Variant
 from morph.sim.trapezoid import trapezoidal
 
 HORIZON = 1.0
@@ -47,6 +49,8 @@ nothing, and their limits are simulated."""
 BRIEF = 0.2
 """Least time that may be claimed, as a share of the period of readings: simulations step, loggers
 stamp and controllers hold at moments that differ by as much."""
+FAR_OFF = 1e3
+"""What a rollout is said to read that is not finite, or that no model can simulate, rad or m."""
 HARM = 0.5
 """Most that folds may lose together, as a share of what the others gain."""
 
@@ -157,8 +161,12 @@ class Validation:
             runs: Smoothed runs, along which rollouts start.
         """
         segments, count, folds = self.segments, len(candidates), len(candidates[0])
-        model = functools.cache(lambda held: trapezoidal(hypothesis.at(np.frombuffer(held))))
-        variants = [model(point.tobytes()) for points in candidates for point in points]
+        model = functools.cache(functools.partial(_model, hypothesis))
+        whole = [model(point.tobytes()) for points in candidates for point in points]
+        possible = [variant for variant in whole if variant is not None]
+        if not possible:
+            return np.full((count, *segments.reading.shape), FAR_OFF)
+        variants = [possible[0] if variant is None else variant for variant in whole]
         which = self.fold + folds * np.arange(count)[:, None]
         command = np.empty((count, len(segments), segments.steps, len(hypothesis.robot.actuators)))
         for at, variant in enumerate(variants):
@@ -183,7 +191,8 @@ class Validation:
             candidate, inside = at // folds, which[at // folds] == at
             moved = found[candidate, inside]
             read[candidate, inside] = shown(variant.effects, segments, moved, inside)
-        return np.nan_to_num(read, nan=1e3, posinf=1e3, neginf=-1e3)
+            read[candidate, inside] = FAR_OFF if whole[at] is None else read[candidate, inside]
+        return np.nan_to_num(read, nan=FAR_OFF, posinf=FAR_OFF, neginf=-FAR_OFF)
 
     def sure(self, before: Array, after: Array) -> bool:
         """Return whether losses fall materially, surely, and not in some folds alone.
@@ -222,6 +231,14 @@ class Validation:
         return (
             float((after - before).mean()) > MATERIAL and _sureness(after, before) > STANDARD_ERRORS
         )
+
+
+def _model(hypothesis: Hypothesis, held: bytes) -> Variant | None:
+    """Return a model at a point; none where contact is too stiff for a step."""
+    try:
+        return trapezoidal(hypothesis.at(np.frombuffer(held)))
+    except EffectError:
+        return None
 
 
 def evidence_decides(runs: Sequence[Observed]) -> bool:

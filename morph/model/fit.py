@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from morph.arrays import Array
+from morph.errors import EffectError
 from morph.model.hypothesis import Hypothesis
 from morph.model.segments import Segments
 from morph.model.shooting import (
@@ -145,6 +146,9 @@ def fit(
         change = space.best_change(*total, point)
         tried = [(share * change, share) for share in SHARES]
         tried += [(space.best_change(*total, point, damping), 1.0) for damping in DAMPED]
+        tried = [one for one in tried if _possible(hypothesis, point + one[0])]
+        if not tried:
+            break
         points = [point + moved for moved, _ in tried]
         steps = [curve.start_change(moved, share) for moved, share in tried]
         starts = [segments.moved(start, step) for step in steps]
@@ -173,6 +177,15 @@ def fit(
         around=around,
         weight=weight,
     )
+
+
+def _possible(hypothesis: Hypothesis, point: Array) -> bool:
+    """Return whether a point can be simulated: contact may be too stiff for a step."""
+    try:
+        hypothesis.at(point)
+    except EffectError:
+        return False
+    return True
 
 
 def measure(segments: Segments, predicted: Array) -> tuple[Array, Array]:

@@ -1,139 +1,130 @@
-"""A puck that slides to rest on a floor, by Coulomb's law alone, without MuJoCo or morph."""
+"""Forces of contact that are as large as they must be: legs that stand, by Newton's law alone."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
+import mujoco
 import numpy as np
 import pytest
 
-from morph.arrays import Array
 from morph.body.load import load
 from morph.body.robot import Robot
-from morph.inference.contact import at_stops, touches
+from morph.inference.contact import by_contact, contact_rows
 from morph.inference.diagnose import diagnose
-from morph.model.episodes import episode
-from morph.model.hypothesis import Hypothesis
-from morph.physics.body.com_offset import ComOffset
 from morph.record.recording import Channel, Recording
-from morph.sim.simulator import Simulator
 
-HALF, GRAVITY, FRICTION = 0.03, 9.81, 0.26
-"""Half of the puck's height, m; m/s2; its sliding friction."""
-RATE, SECONDS = 200.0, 0.8
-
-
-def description(height: float = 0.0, friction: float = 1.0) -> str:
-    """Return the puck and a floor at a height, m."""
-    return f"""
-<mujoco model="puck"><option cone="elliptic"/><default><geom friction="{friction} 0 0"/></default>
- <worldbody><geom name="floor" type="plane" size="0 0 1" pos="0 0 {height}"/>
- <body name="puck"><freejoint/><inertial pos="0 0 0" mass="0.2" diaginertia="4e-4 4e-4 8e-4"/>
- <geom type="box" size="0.1 0.1 {HALF}"/></body></worldbody></mujoco>
+GRAVITY, TRUNK, LOAD = 9.81, 2.0, 0.8
+"""m/s2; the trunk as described and what it carries, kg."""
+LEGS = f"""
+<mujoco model="legs"><worldbody>
+ <geom name="floor" type="plane" size="0 0 1" solref="0.004 1"/>
+ <body name="trunk" pos="0 0 0.5"><joint name="rail" type="slide" axis="0 0 1"/>
+  <inertial pos="0 0 0" mass="{TRUNK}" diaginertia="0.01 0.01 0.01"/>
+  <body name="left_foot" pos="0 0.1 -0.45"><joint name="left" type="slide" axis="0 0 -1"/>
+   <inertial pos="0 0 0" mass="0.1" diaginertia="1e-4 1e-4 1e-4"/>
+   <geom type="sphere" size="0.05" solref="0.004 1"/></body>
+  <body name="right_foot" pos="0 -0.1 -0.45"><joint name="right" type="slide" axis="0 0 -1"/>
+   <inertial pos="0 0 0" mass="0.1" diaginertia="1e-4 1e-4 1e-4"/>
+   <geom type="sphere" size="0.05" solref="0.004 1"/></body></body></worldbody>
+ <actuator><motor name="push_left" joint="left"/><motor name="push_right" joint="right"/></actuator>
+</mujoco>
+"""
+TUMBLING = """
+<mujoco><compiler angle="radian"/><worldbody><geom name="floor" type="plane" size="0 0 1"/>
+ <body name="trunk"><freejoint/><geom type="box" size="0.2 0.1 0.05" mass="3"/>
+  <body name="arm" pos="0.2 0 0"><joint name="elbow" axis="0 1 0" range="-1 1" limited="true"/>
+   <geom type="capsule" fromto="0 0 0 0.3 0 0" size="0.02" mass="0.5"/></body></body>
+ </worldbody></mujoco>
 """
 
 
 @pytest.fixture(scope="module")
 def robot(tmp_path_factory: pytest.TempPathFactory) -> Robot:
-    path: Path = tmp_path_factory.mktemp("puck") / "puck.xml"
-    path.write_text(description())
+    path: Path = tmp_path_factory.mktemp("legs") / "legs.xml"
+    path.write_text(LEGS)
     return load(path)
 
 
-def slid(number: int) -> Recording:
-    """Return a run in which the puck is pushed off and comes to rest, flat and without turning."""
-    rng, time = np.random.default_rng(number), np.arange(0.0, SECONDS, 1.0 / RATE)
-    speed, heading = rng.uniform(0.8, 1.8), rng.uniform(0.0, 2.0 * np.pi)
-    braked = FRICTION * GRAVITY
-    moving = np.minimum(time, speed / braked)
-    path = speed * moving - 0.5 * braked * moving**2
-    places = {"x": path * np.cos(heading), "y": path * np.sin(heading), "z": HALF + 0.0 * time}
-    turned = {"w": 1.0 + 0.0 * time, **dict.fromkeys("xyz", 0.0 * time)}
+def stood(number: int, load: float) -> Recording:
+    """Return a run in which the feet stand and the trunk goes up and down, (m + M) (z'' + g) = F.
 
-    def read(value: Array) -> Channel:
-        return Channel(time=time, value=value + 2e-4 * rng.normal(size=len(time)))
+    The feet do not move, as their legs grow as the trunk rises, and each bears a share of the
+    trunk that changes. By its softness the floor gives way by 0.08 mm under 10 N.
+    """
+    rng, time = np.random.default_rng(number), np.arange(0.0, 5.0, 0.005)
+    height, rising = np.zeros_like(time), np.zeros_like(time)
+    for _ in range(3):
+        rate, phase = 2.0 * np.pi * rng.uniform(0.3, 1.5), rng.uniform(0.0, 2.0 * np.pi)
+        wide = 0.02 * np.sin(rate * time + phase)
+        height, rising = height + wide, rising - rate**2 * wide
+    share = 0.5 + 0.3 * np.sin(2.0 * np.pi * rng.uniform(0.2, 0.8) * time)
+    forces = (TRUNK + load) * (rising + GRAVITY) * np.stack([share, 1.0 - share])
 
-    channels = {f"puck.position.{axis}": read(value) for axis, value in places.items()}
-    channels |= {f"puck.orientation.{axis}": read(value) for axis, value in turned.items()}
-    return Recording(name=f"push_{number}", channels=channels)
+    def read(value: np.ndarray, noise: float) -> Channel:
+        return Channel(time=time, value=value + noise * rng.normal(size=len(time)))
 
-
-def test_friction_of_the_floor_is_named_from_how_a_puck_slides(robot: Robot) -> None:
-    found = diagnose(
-        robot, [slid(number) for number in range(6)], held_out=[slid(6), slid(7)], horizon=0.6
+    # A command is held until the next: by half a period it is late.
+    late = forces + 0.0025 * np.gradient(forces, time, axis=1)
+    return Recording(
+        name=f"run_{number}",
+        channels={
+            "rail.position": read(height, 1e-4),
+            "left.position": read(height, 1e-4),
+            "right.position": read(height, 1e-4),
+            "push_left.command": read(late[0], 0.0),
+            "push_right.command": read(late[1], 0.0),
+        },
     )
-    (finding,) = found.findings
-    assert (finding.effect.name, finding.effect.where) == ("contact_friction", "any+floor")
-    assert finding.probability > 0.5
-    # A step of the search, a tenth, after it was narrowed 7 times by the power 0.7; in 0.8 s the
-    # way to rest is read to 0.2 mm of 0.3 m.
-    assert finding.parameters["mu"].value == pytest.approx(FRICTION, rel=0.06)
-    errors = found.held_out_rmse
-    assert errors["corrected"]["puck.position.x"] < 0.1 * errors["nominal"]["puck.position.x"]
 
 
-def test_a_puck_that_slides_as_described_is_consistent(tmp_path: Path) -> None:
-    path = tmp_path / "true.xml"
-    path.write_text(description(friction=FRICTION))
-    found = diagnose(
-        load(path), [slid(number) for number in range(6)], held_out=[slid(6), slid(7)], horizon=0.6
-    )
-    assert (found.verdict, found.findings) == ("consistent", ())
-    assert found.unexplained.contact
-
-
-def test_models_of_one_fit_have_one_layout(robot: Robot) -> None:
-    # Of a centre of mass at its origin MuJoCo has a shorter one, and batches take one alone.
-    own = Hypothesis(robot=robot, step=0.002, knobs=())
-    moved = own.adding(ComOffset(body="puck", x=0.01))
-    for hypothesis in (own, moved):
-        assert not hypothesis.at(hypothesis.start).model.body_simple[1:].any()
-
-
-def test_contact_is_seen_where_shapes_touch_as_recorded(robot: Robot, tmp_path: Path) -> None:
-    # A base that overlaps the link on it is no floor.
-    base = '<geom type="box" size="9 9 0.2"/>'
-    above = tmp_path / "base.xml"
-    above.write_text(description(height=-0.5).replace("<worldbody>", "<worldbody>" + base))
-    below = tmp_path / "below.xml"
-    below.write_text(description(height=-0.5))
-    run = [episode(slid(0), robot, 0.005)]
-    assert touches(robot, run)
-    assert not touches(load(below), run)
-    assert not touches(load(above), run)
-
-
-STOPPED = """<mujoco model="flap"><compiler angle="radian"/><worldbody>
- <body><joint name="hinge" axis="0 1 0" range="-0.4 0.4" limited="true" damping="0.02"/>
-  <geom type="capsule" fromto="0 0 0 0 0 -0.2" size="0.02" mass="0.3"/></body></worldbody>
- <actuator><motor name="motor" joint="hinge" ctrlrange="-2 2"/></actuator></mujoco>"""
-
-
-def pressed(robot: Robot, number: int, most: float) -> Recording:
-    """Return 6 s under a sine of torque that presses a flap to its ends, or not, at 100 Hz."""
-    rng = np.random.default_rng(number)
-    hertz, phase = rng.uniform(0.2, 0.6), rng.uniform(0.0, 2.0 * np.pi)
-    made = Simulator(robot, step=0.0005).run(
-        seconds=6.0, command={"motor": lambda t: most * np.sin(2.0 * np.pi * hertz * t + phase)}
-    )
-    read = made.channel("hinge.position")
-    value = read.value[::20] + 5e-4 * rng.normal(size=len(read.value[::20]))
-    channels = {
-        "hinge.position": Channel(time=read.time[::20], value=value),
-        "motor.command": made.channel("motor.command"),
+def test_a_load_is_told_where_only_the_floor_carries_it(robot: Robot) -> None:
+    found = diagnose(robot, [stood(number, LOAD) for number in range(4)])
+    first = found.findings[0]
+    # On a rail a load and a greater mass of the trunk are the same.
+    loads = {
+        "payload": lambda: first.parameters["m"],
+        "link_inertia": lambda: first.parameters["mass"],
     }
-    return Recording(name=f"run_{number}", channels=channels)
+    assert first.effect.where == "trunk"
+    assert first.effect.name in loads
+    assert found.held_out_rmse["corrected"]["rail.position"] < (
+        0.1 * found.held_out_rmse["nominal"]["rail.position"]
+    )
 
 
-def test_described_ends_of_joints_are_not_missing_physics(tmp_path: Path) -> None:
-    path = tmp_path / "flap.xml"
-    path.write_text(STOPPED)
-    flap = load(path)
-    # Gravity holds with m g l sin(0.4) = 0.3 * 9.81 * 0.1 * 0.39 = 0.11 N m at the end.
-    for most, there in ((0.5, True), (0.05, False)):
-        runs = [pressed(flap, number, most) for number in range(4)]
-        laid = [episode(run, flap, 0.004) for run in runs]
-        assert at_stops(flap, laid) is there
-        found = diagnose(flap, runs)
-        assert (found.findings, found.verdict) == ((), "consistent")
-        assert found.unexplained.contact is there
+def test_legs_that_stand_as_described_is_consistent(robot: Robot) -> None:
+    found = diagnose(robot, [stood(number, 0.0) for number in range(4)])
+    assert (found.findings, found.verdict) == ((), "consistent")
+
+
+def test_points_in_contact_move_as_told_and_do_no_work_on_the_rest() -> None:
+    model = mujoco.MjModel.from_xml_string(TUMBLING)
+    data = mujoco.MjData(model)
+    position = np.tile(np.r_[0.0, 0.0, 0.05, 1.0, 0.0, 0.0, 0.0, -0.3], (4, 1))
+    position[0, 2] = 0.3  # In the air.
+    position[2] = [0.0, 0.0, 0.085, np.cos(0.2), np.sin(0.2), 0.0, 0.0, -0.3]  # On an edge.
+    position[3, [2, 7]] = 0.3, 0.999  # In the air, the elbow at its end.
+    masses = []
+    for at in position:
+        data.qpos[:] = at
+        mujoco.mj_forward(model, data)
+        mass = np.zeros((model.nv, model.nv))
+        mujoco.mj_fullM(model, data, mass)
+        masses.append(mass)
+    # Impacts happen between two samples: what touches in one counts in its neighbours too.
+    still = np.zeros((12, model.nv))
+    rows = contact_rows(model, np.repeat(position, 3, axis=0), still, 0.1)[0][1::3]
+    mobility = np.linalg.inv(np.array(masses))
+    contact = by_contact(rows, mobility)
+    for at in range(4):
+        moves = rows[at] @ contact[at]
+        kept = np.linalg.matrix_rank(rows[at], tol=1e-9)
+        assert kept == (0, 6, 5, 1)[at]
+        # They are accelerated by 1 m/s2, and what no force of contact reaches is not, in the
+        # metric of the inertia: N' M A = 0 for all velocities N that leave the points where they
+        # are.
+        assert np.allclose(moves @ moves, moves, atol=1e-9)
+        assert np.trace(moves) == pytest.approx(kept, abs=1e-9)
+        idle = np.linalg.svd(rows[at])[2][kept:] if kept < model.nv else np.zeros((0, model.nv))
+        assert np.allclose(idle @ masses[at] @ contact[at], 0.0, atol=1e-9)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -38,7 +39,7 @@ def case(seed: int, samples: int = 40, dofs: int = 2, columns: int = 3) -> dict[
             scale=np.array([0.5, 2.0])[:dofs],
             correlation_time=0.07,
             initial=np.full(2 * dofs, 0.3),
-            jolt=rng.uniform(0.0, 0.2, (samples, dofs)),
+            jolt=rng.uniform(0.0, 0.2, (samples, dofs, 4)),
         ),
         "readings": rng.normal(size=(samples, 3, columns)),
         "accelerations": rng.normal(size=(samples, dofs, columns)),
@@ -48,32 +49,36 @@ def case(seed: int, samples: int = 40, dofs: int = 2, columns: int = 3) -> dict[
 def joint(tangent: Tangent, disturbance: Disturbance) -> tuple[Array, Array, Array]:
     """Return the covariance of all states, their map to valid readings, and that of inputs to them.
 
-    There are (samples 3 dofs) states and (samples dofs) inputs.
+    There are (samples (3 dofs + contacts)) states and (samples dofs) inputs.
     """
     samples, dofs, size = tangent.jacobian.shape
-    keep = np.exp(-tangent.step / disturbance.correlation_time)
-    sources = np.zeros((samples * size, size + 2 * samples * dofs))
-    sources[:size, :size] = np.diag(np.concatenate([disturbance.initial, disturbance.scale]))
+    times = np.repeat(
+        [disturbance.correlation_time, disturbance.contact_time], [dofs, size - 3 * dofs]
+    )
+    keep = np.exp(-tangent.step / times)
+    scale = np.append(disturbance.scale, np.full(size - 3 * dofs, disturbance.contact))
+    forces = np.concatenate([np.zeros((len(keep), 2 * dofs)), np.diag(keep)], axis=1)
+    jolt = np.zeros((samples, dofs, 1)) if disturbance.jolt is None else disturbance.jolt
+    sources = np.zeros((samples * size, size + samples * (len(keep) + jolt.shape[2])))
+    sources[:size, :size] = np.diag(np.concatenate([disturbance.initial, scale]))
     inputs = np.zeros((samples * size, samples * dofs))
-    fresh = np.diag(disturbance.scale * np.sqrt(1.0 - keep**2))
-    eye, none = np.eye(dofs), np.zeros((dofs, dofs))
-    jolt = np.zeros((samples, dofs)) if disturbance.jolt is None else disturbance.jolt
+    eye = np.eye(dofs, size)
+    pushed = np.zeros((size, dofs))
+    pushed[: 2 * dofs] = np.tile(tangent.step * np.eye(dofs), (2, 1))
+    pushed[:dofs] *= tangent.step
     for t in range(samples - 1):
-        a = tangent.jacobian[t]
-        velocity = np.concatenate([none, eye, none], axis=1) + tangent.step * a
-        position = np.concatenate([eye, none, none], axis=1) + tangent.step * velocity
-        force = np.concatenate([none, none, keep * eye], axis=1)
-        move = np.concatenate([position, velocity, force])
+        velocity = np.roll(eye, dofs, axis=1) + tangent.step * tangent.jacobian[t]
+        move = np.concatenate([eye + tangent.step * velocity, velocity, forces])
         now, then = slice(t * size, (t + 1) * size), slice((t + 1) * size, (t + 2) * size)
         sources[then] = move @ sources[now]
         inputs[then] = move @ inputs[now]
-        at = slice(t * dofs, (t + 1) * dofs)
-        inputs[then, at] += np.concatenate([tangent.step**2 * eye, tangent.step * eye, none])
-        sources[then, size + t * dofs : size + (t + 1) * dofs] = np.concatenate([none, none, fresh])
-        hit = np.concatenate([tangent.step * eye, eye, none]) * jolt[t]
-        first = size + (samples + t) * dofs
-        sources[then, first : first + dofs] = hit
-    rows = np.concatenate([tangent.reads, np.zeros((len(tangent.reads), dofs))], axis=1)
+        inputs[then, t * dofs : (t + 1) * dofs] += pushed
+        first = size + t * len(keep)
+        fresh = np.diag(scale * np.sqrt(1.0 - keep**2))
+        sources[then.start + 2 * dofs : then.stop, first : first + len(keep)] = fresh
+        first = size + samples * len(keep) + t * jolt.shape[2]
+        sources[then, first : first + jolt.shape[2]] = pushed / tangent.step @ jolt[t]
+    rows = np.concatenate([tangent.reads, np.zeros((len(tangent.reads), len(keep)))], axis=1)
     reads = np.kron(np.eye(samples), rows)[tangent.valid.reshape(-1)]
     return sources @ sources.T, reads, inputs
 
@@ -99,12 +104,28 @@ def vibrating(given: dict[str, Any]) -> dict[str, Any]:
     return {**given, "disturbance": more}
 
 
-@pytest.mark.parametrize("vibrates", [False, True])
+def touching(given: dict[str, Any]) -> dict[str, Any]:
+    """Return a case with three directions of contact, one of which ends halfway."""
+    tangent, rng = given["tangent"], np.random.default_rng(9)
+    samples, dofs, _ = tangent.jacobian.shape
+    contact = rng.normal(size=(samples, dofs, 3))
+    contact[samples // 2 :, :, 1] = 0.0
+    tangent = replace(tangent, jacobian=np.concatenate([tangent.jacobian, contact], axis=2))
+    more = replace(given["disturbance"], contact=3.0, contact_time=0.03)
+    return {**given, "tangent": tangent, "disturbance": more}
+
+
+def as_it_is(given: dict[str, Any]) -> dict[str, Any]:
+    """Return a case."""
+    return given
+
+
+@pytest.mark.parametrize("more", [as_it_is, vibrating, touching])
 @pytest.mark.parametrize("seed", range(3))
 def test_the_gram_matrix_is_that_of_responses_in_the_metric_of_the_readings(
-    seed: int, vibrates: bool
+    seed: int, more: Callable[[dict[str, Any]], dict[str, Any]]
 ) -> None:
-    given = vibrating(case(seed)) if vibrates else case(seed)
+    given = more(case(seed))
     tangent = given["tangent"]
     _, reads, inputs = joint(tangent, given["disturbance"])
     columns = given["readings"].shape[2]
@@ -133,10 +154,12 @@ def test_the_likelihood_is_that_of_a_normal_distribution() -> None:
     assert found.log_likelihood() == pytest.approx(exact, rel=1e-9)
 
 
-@pytest.mark.parametrize("vibrates", [False, True])
+@pytest.mark.parametrize("more", [as_it_is, vibrating, touching])
 @pytest.mark.parametrize("seed", range(3))
-def test_the_smoothed_state_is_the_mean_given_all_readings(seed: int, vibrates: bool) -> None:
-    given = vibrating(case(seed)) if vibrates else case(seed)
+def test_the_smoothed_state_is_the_mean_given_all_readings(
+    seed: int, more: Callable[[dict[str, Any]], dict[str, Any]]
+) -> None:
+    given = more(case(seed))
     tangent = given["tangent"]
     reading, push = given["readings"][:, :, 0], given["accelerations"][:, :, 0]
     states, reads, inputs = joint(tangent, given["disturbance"])
@@ -205,10 +228,12 @@ def test_a_run_in_stretches_is_the_whole_run(monkeypatch: pytest.MonkeyPatch) ->
     assert parts.logarithm == pytest.approx(whole.logarithm, rel=1e-13)
 
 
-@pytest.mark.parametrize("vibrates", [False, True])
+@pytest.mark.parametrize("more", [as_it_is, vibrating, touching])
 @pytest.mark.parametrize("seed", range(2))
-def test_the_score_is_the_derivative_of_the_likelihood(seed: int, vibrates: bool) -> None:
-    given = vibrating(case(seed)) if vibrates else case(seed)
+def test_the_score_is_the_derivative_of_the_likelihood(
+    seed: int, more: Callable[[dict[str, Any]], dict[str, Any]]
+) -> None:
+    given = more(case(seed))
     tangent, disturbance = given["tangent"], given["disturbance"]
     reading, push = given["readings"][:, :, 0], given["accelerations"][:, :, 0]
     found = scored(tangent, disturbance, reading, push)
@@ -229,7 +254,8 @@ def test_the_score_is_the_derivative_of_the_likelihood(seed: int, vibrates: bool
     for at in range(len(disturbance.scale)):
         by_hand = slope("scale", np.arange(len(disturbance.scale)) == at)
         assert found.scale[at] == pytest.approx(by_hand, **close)
-    assert len(found.vibration) == (3 if vibrates else 0)
+    assert len(found.vibration) == (3 if more is vibrating else 0)
+    assert found.contact == pytest.approx(slope("contact", np.array(1.0)), **close)
     for at in range(len(found.vibration)):
         assert found.vibration[at] == pytest.approx(slope("vibration", np.arange(3) == at), **close)
 

@@ -108,6 +108,6 @@ def test_a_delay_makes_the_times_of_commands_no_better_known(
     assert same is not None
     assert later is not None
     # Commands change every four samples.
-    assert np.flatnonzero(same[:, 0]).tolist() == list(range(4, len(same), 4))
+    assert np.flatnonzero(same[:, 0, 0]).tolist() == list(range(4, len(same), 4))
     # A hinge's inertia does not change: the jolts are those of the commands as sent.
     assert later == pytest.approx(same, rel=1e-9)

@@ -194,5 +194,5 @@ def test_commands_that_are_unsure_shake_the_joint(model: mujoco.MjModel) -> None
     jolt = found.disturbance.jolt
     assert jolt is not None
     # 2 N m for one step.
-    assert jolt[100, 0] == pytest.approx(2.0 * H / INERTIA, rel=1e-6)
-    assert np.flatnonzero(jolt[:, 0]).tolist() == [100]
+    assert jolt[100, 0, 0] == pytest.approx(2.0 * H / INERTIA, rel=1e-6)
+    assert np.flatnonzero(jolt[:, 0, 0]).tolist() == [100]

@@ -55,14 +55,19 @@ def test_a_force_must_be_more_than_rounding_and_sure(
 
 
 @pytest.mark.parametrize(
-    ("named", "by_starts", "most"),
-    [(False, 10.0, MOST_UNKNOWN), (False, 60.0, UNTOLD), (True, 10.0, UNTOLD)],
+    ("named", "by_starts", "in_motion", "most"),
+    [
+        (False, 10.0, 0.1, MOST_UNKNOWN),
+        (False, 60.0, 0.1, UNTOLD),
+        (False, 10.0, 0.001, UNTOLD),
+        (True, 10.0, 0.1, UNTOLD),
+    ],
 )
-def test_in_contact_errors_count_beside_those_of_the_starts(
-    named: bool, by_starts: float, most: float
+def test_in_contact_errors_count_beside_those_of_the_starts_and_the_motion(
+    named: bool, by_starts: float, in_motion: float, most: float
 ) -> None:
     left = Remains(
         share=30.0, channels={}, nats=1e6, in_noise=100.0, named=named, touching=True,
-        by_starts=by_starts,
+        by_starts=by_starts, in_motion=in_motion,
     )  # fmt: skip
     assert left.probability == most
