@@ -19,9 +19,9 @@ from morph.inference.change_search import (
 from morph.inference.columns import Columns
 from morph.inference.design_matrix import all_columns, effect_columns, screened
 from morph.inference.dictionary import dictionary
+from morph.inference.explained import CERTAIN
 from morph.inference.refit import Refit
 from morph.inference.search import Prior
-from morph.inference.validate import CERTAIN
 from morph.inference.whitened import Whitened, whitened, whitened_blocks
 from morph.physics.body.external_push import ExternalPush
 from morph.physics.effect import Effect

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import mujoco
 import numpy as np
@@ -16,6 +17,7 @@ from morph.arrays import Array, Mask
 from morph.body.robot import Robot
 from morph.body.spec import spec_of
 from morph.model.episodes import Episode
+from morph.physics.body_motion import times
 
 INSTANTS, LEAST = 1000, 0.003
 """Most instants of each run at which contacts are looked for; and the share of them that touch in
@@ -26,7 +28,7 @@ shapes, floors and encoders err by as much."""
 IMPACT = 0.05
 """Seconds in which a point may lose the velocity at which it touches."""
 RANK = 1e-3
-"""Singular value of the points' velocities, over the greatest, below which they depend on others."""
+"""Singular value of these velocities, over the greatest, below which one depends on others."""
 
 
 def touches(robot: Robot, episodes: Sequence[Episode]) -> bool:
@@ -53,15 +55,33 @@ def at_stops(robot: Robot, episodes: Sequence[Episode]) -> bool:
     return bool((((at < low) | (at > high)).mean(axis=0) > LEAST).any())
 
 
-def contact_rows(
-    model: mujoco.MjModel, position: Array, velocity: Array, step: float, unsure: int = 1
-) -> tuple[Array, Array]:
-    """Return the velocities that forces of contact may change, by those of the joints.
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Contact:
+    """What forces of contact may change along a motion."""
 
-    Rows are orthogonal combinations of the velocities of all points in contact, in m/s, and of
-    joints at their ends, in rad/s or m/s, that turn as little as they can from one sample to the
-    next; shape (samples, rows, dofs), zero where fewer do. With them the change of velocity in a
-    step by impacts: in 50 ms that of the fastest that has just touched, shape (samples,).
+    rows: Array
+    """Velocities of points in contact, m/s, and of joints at their ends, rad/s or m/s, by those of
+    the joints: orthogonal combinations that turn as little as they can from one sample to the next;
+    shape (samples, rows, dofs), zero where fewer do."""
+    impact: Array
+    """Change of these velocities in a step by impacts: in 50 ms that of the fastest that has just
+    touched, shape (samples,)."""
+
+    def changes(self, velocity: Array) -> float:
+        """Return the RMS change of these velocities from one sample to the next.
+
+        Args:
+            velocity: Of the joints, shape (samples, dofs).
+        """
+        there = self.rows[1:].any(axis=2)
+        changes = times(self.rows[1:], np.diff(velocity, axis=0))[there]
+        return float(np.sqrt(np.mean(changes**2))) if changes.size else 0.0
+
+
+def contact_along(
+    model: mujoco.MjModel, position: Array, velocity: Array, step: float, unsure: int = 1
+) -> Contact:
+    """Return what forces of contact may change along a motion.
 
     Args:
         model: The model.
@@ -99,7 +119,7 @@ def contact_rows(
         if len(some):
             sample[: len(some)] = some
             sample[:] = last = _turned(sample, last)
-    return rows, np.sqrt(step / IMPACT) * np.array(speed)
+    return Contact(rows=rows, impact=np.sqrt(step / IMPACT) * np.array(speed))
 
 
 def by_contact(rows: Array, mobility: Array) -> Array:

@@ -11,9 +11,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from morph.arrays import Array
-from morph.inference.floor import likeliest_contact
 from morph.inference.dictionary import search_beside
+from morph.inference.explained import certain, evidence_decides
 from morph.inference.finalist import Finalist, better, gains, labels, under
+from morph.inference.floor import likeliest_contact
 from morph.inference.inverse_dynamics import force_error
 from morph.inference.observed import Observed, missing, settled
 from morph.inference.output_error import output_error
@@ -22,7 +23,7 @@ from morph.inference.refit import Refit, refitted, seen
 from morph.inference.refit import under as refit_under
 from morph.inference.search import Explanation, Prior, Search
 from morph.inference.simulated import likeliest_limit, simulated
-from morph.inference.validate import FAR, FARTHEST, Validation, certain, evidence_decides, needed
+from morph.inference.validate import FAR, FARTHEST, Validation, needed
 from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis
 from morph.physics.effect import Effect

@@ -40,7 +40,7 @@ class Tangent:
     @property
     def contacts(self) -> int:
         """How many directions points in contact may move in."""
-        return self.jacobian.shape[2] - 3 * self.jacobian.shape[1]
+        return int(self.jacobian.shape[2]) - 3 * int(self.jacobian.shape[1])
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -95,7 +95,7 @@ def smoothed(
             (samples, dofs); by default zero, as for a motion that the model simulated.
 
     Returns:
-        The mean, shape (samples, 3 dofs + contacts + vibrating channels), and the standard deviation.
+        The mean, shape (samples, 3 dofs + contacts + vibrating channels), and the deviation.
 
     Raises:
         KernelError: There is no C compiler, or it fails.
@@ -191,7 +191,8 @@ class FilterRun:
             dofs, channels, self._forces, self._vibrating,
             0 if self._jolt is None else self._jolt.shape[2], columns, samples, self.tangent.step,
             *map(_pointer, (
-                self._keep, _packed(jacobian), None if accelerations is None else _packed(accelerations),
+                self._keep, _packed(jacobian),
+                None if accelerations is None else _packed(accelerations),
                 self._reads, np.ascontiguousarray(valid, dtype=np.uint8), _packed(readings),
                 self._noise, self._added, None if self._jolt is None else _packed(self._jolt[part]),
                 self._delta, self._covariance, white,
@@ -290,7 +291,7 @@ def _code() -> ctypes.CDLL:
         code = library.load(path, fix="delete it, so that it is built again")
     number, count, at = ctypes.c_double, ctypes.c_int, ctypes.c_void_p
     code.morph_filter.restype = number
-    code.morph_filter.argtypes = [count] * 6 + [ctypes.c_int64, number] + [at] * 16
+    code.morph_filter.argtypes = [*[count] * 6, ctypes.c_int64, number, *[at] * 16]
     code.morph_smooth.restype = None
-    code.morph_smooth.argtypes = [count] * 4 + [ctypes.c_int64, number] + [at] * 13
+    code.morph_smooth.argtypes = [*[count] * 4, ctypes.c_int64, number, *[at] * 13]
     return code

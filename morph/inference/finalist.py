@@ -9,10 +9,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from morph.arrays import Array
+from morph.inference.explained import certain, evidence_decides
 from morph.inference.quadratic import LogPosterior
 from morph.inference.refit import Refit
 from morph.inference.refit import under as refit_under
-from morph.inference.validate import Validation, certain, evidence_decides
+from morph.inference.validate import Validation
 from morph.physics import EFFECTS
 from morph.physics.effect import Effect
 

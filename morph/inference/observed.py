@@ -241,7 +241,7 @@ def _motion(
     model's: the missing force is not in it. Forces of contact are.
     """
     samples, dofs = about.velocity.shape
-    space, position = run.measurement.coordinates, run.measurement.scalars(about.position)
+    position = run.measurement.scalars(about.position)
     acceleration = np.zeros_like(about.velocity)
     acceleration[:-1] = np.diff(about.velocity, axis=0) / run.step
     acceleration[-1] = acceleration[-2]

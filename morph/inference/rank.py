@@ -16,13 +16,21 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from morph.body.robot import Robot
-from morph.inference.by_rollouts import LATER, beside, on_floor, richer, to_rollouts, without_figures
+from morph.inference.by_rollouts import (
+    LATER,
+    beside,
+    on_floor,
+    richer,
+    to_rollouts,
+    without_figures,
+)
 from morph.inference.contact import at_stops, touches
 from morph.inference.effect_selection import EffectSelection
+from morph.inference.explained import at_noise
 from morph.inference.finalist import Finalist, gains, labels, simplified, under
 from morph.inference.observed import missing
 from morph.inference.search import Prior, Search
-from morph.inference.validate import FAR, FARTHEST, Validation, at_noise
+from morph.inference.validate import FAR, FARTHEST, Validation
 from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis
 from morph.physics.effect import Effect

@@ -10,7 +10,7 @@ import numpy as np
 from morph.arrays import Array
 from morph.body.follow import chains, follow, leaders
 from morph.inference.axes import Axes, along_body, along_parent, axes_of, jacobian_along_parent
-from morph.inference.contact import by_contact, contact_rows
+from morph.inference.contact import Contact, by_contact, contact_along
 from morph.inference.disturbance import likeliest_disturbance
 from morph.inference.filter import Disturbance, Tangent, smoothed
 from morph.inference.sampled import Reference, SampledRun, later, outliers
@@ -49,29 +49,21 @@ def reference(
         before: The result of a similar model, to begin with instead of `guess`. The readings that
             it left out are left out, and no others: evidences are of the same readings.
     """
-    space = run.measurement.coordinates
-    if before is None:
-        position = np.array(guess)
-        rate = space.apart(position[1:], position[:-1]) / run.step
-        velocity = np.concatenate([rate[:1], rate])
-        # Between two readings the guess is a straight line.
-        unsure = round(1.0 / max(float(run.valid.mean()), 1e-3))
-        touching = contact_rows(model, position, velocity, run.step, unsure)
-        force = np.zeros_like(velocity)
-        found = _along(model, run, position, velocity, force, touching, None)
-    else:
-        position, velocity, known = before.position, before.velocity, before.disturbance
-        run = replace(run, valid=before.tangent.valid)
-        found = _moved(before, model, run)
-    if before is None:
-        known = likeliest_disturbance(found, steps=STEPS)
-    for _ in range(ROUNDS if before is None else 1):
-        if before is None:
-            single = outliers(found.error / run.noise, run.valid)
-            run = replace(run, valid=run.valid & ~single)
-        found = _smoothed(model, run, found, known)
     if before is not None:
-        return found
+        run = replace(run, valid=before.tangent.valid)
+        return _smoothed(model, run, _moved(before, model, run), before.disturbance)
+    position = np.array(guess)
+    rate = run.measurement.coordinates.apart(position[1:], position[:-1]) / run.step
+    velocity = np.concatenate([rate[:1], rate])
+    # Between two readings the guess is a straight line.
+    unsure = round(1.0 / max(float(run.valid.mean()), 1e-3))
+    contact = contact_along(model, position, velocity, run.step, unsure)
+    found = _along(model, run, position, velocity, np.zeros_like(velocity), contact, None)
+    known = likeliest_disturbance(found, steps=STEPS)
+    for _ in range(ROUNDS):
+        single = outliers(found.error / run.noise, run.valid)
+        run = replace(run, valid=run.valid & ~single)
+        found = _smoothed(model, run, found, known)
     return replace(found, disturbance=likeliest_disturbance(found, steps=FEWER_STEPS))
 
 
@@ -101,8 +93,7 @@ def _smoothed(
         # Rotations add up to the first order in the error alone, and chains close along curves.
         velocity[1:] = space.apart(position[1:], position[:-1]) / run.step
     follow(model, position, velocity)
-    touching = found.touching, found.impact
-    moved = _along(model, run, position, velocity, force, touching, known)
+    moved = _along(model, run, position, velocity, force, found.contact, known)
     return replace(moved, spread=spread)
 
 
@@ -112,18 +103,17 @@ def _along(
     position: Array,
     velocity: Array,
     force: Array,
-    touching: tuple[Array, Array],
+    contact: Contact,
     known: Disturbance | None,
 ) -> Reference:
     """Return a model linearised along a motion, with a known disturbance or a first guess of it."""
     space = run.measurement.coordinates
     dofs, axes = space.dofs, axes_of(space, position)
     local = _interpolated(model, position, velocity, run)
-    mobility = local[:, :, 2 * dofs :]
     jacobian, acceleration, free, error = _errors(
-        model, run, position, velocity, axes, local, touching[0]
+        model, run, position, velocity, axes, local, contact.rows
     )
-    needed = times(inverse(model, mobility), np.gradient(velocity, run.step, axis=0))
+    needed = times(inverse(model, local[:, :, 2 * dofs :]), np.gradient(velocity, run.step, axis=0))
     needed = carried(model, needed)
     inertial = np.sqrt(np.mean(needed**2, axis=0)) + 1e-12
     if known is None:
@@ -137,7 +127,7 @@ def _along(
             correlation_time=0.2,
             initial=initial.reshape(-1),
             vibration=run.noise,
-            contact=_moved_in_contact(touching[0], velocity) / run.step,
+            contact=contact.changes(velocity) / run.step,
         )
     return Reference(
         position=position,
@@ -155,9 +145,8 @@ def _along(
             reads=run.reads,
             valid=run.valid,
         ),
-        touching=touching[0],
-        impact=touching[1],
-        disturbance=replace(known, jolt=_jolt(model, run, position, jacobian, touching[1])),
+        contact=contact,
+        disturbance=replace(known, jolt=_jolt(model, run, position, jacobian, contact.impact)),
         error=error,
         sensed=run.noise,
         unread=run.guess > 0.0,
@@ -260,7 +249,7 @@ def _moved(before: Reference, model: mujoco.MjModel, run: SampledRun) -> Referen
     A smoother that is iterated once more needs them only roughly.
     """
     jacobian, acceleration, free, error = _errors(
-        model, run, before.position, before.velocity, before.axes, before.local, before.touching
+        model, run, before.position, before.velocity, before.axes, before.local, before.contact.rows
     )
     return replace(
         before,
@@ -300,12 +289,6 @@ def _jolt(
     if impact.any():
         found.append(impact[:, None, None] * jacobian[:, :, 3 * dofs :])
     return np.concatenate(found, axis=2) if found else None
-
-
-def _moved_in_contact(touching: Array, velocity: Array) -> float:
-    """Return the RMS change of the velocity of points in contact from one sample to the next."""
-    changes = times(touching[1:], np.diff(velocity, axis=0))[touching[1:].any(axis=2)]
-    return float(np.sqrt(np.mean(changes**2))) if changes.size else 0.0
 
 
 def _initial_std(run: SampledRun, values: Array) -> Array:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from morph.arrays import Array, Mask
+from morph.inference.contact import Contact
 from morph.inference.filter import Disturbance, Tangent
 from morph.model.measurement import Measurement
 
@@ -94,10 +95,8 @@ class Reference:
     """[dqacc/dq, dqacc/dv, M^-1] of the model alone, shape (samples, dofs, 3 dofs)."""
     tangent: Tangent
     """The linearised model, by the trapezoidal rule, and which readings are used."""
-    touching: Array
-    """Velocities that contact may change, by those of the joints, shape (samples, rows, dofs)."""
-    impact: Array
-    """Change of the velocity of points in contact in a step by impacts, shape (samples,)."""
+    contact: Contact
+    """What forces of contact may change along it."""
     disturbance: Disturbance
     """Noise and missing force under which the readings are likeliest."""
     error: Array

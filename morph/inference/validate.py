@@ -11,7 +11,8 @@ import numpy as np
 
 from morph.arrays import Array, Integers
 from morph.errors import EffectError
-from morph.inference.observed import Observed, missing
+from morph.inference.explained import certain
+from morph.inference.observed import Observed
 from morph.inference.quadratic import LogPosterior
 from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis
@@ -21,8 +22,7 @@ from morph.model.segments import Segments, cut
 from morph.physics.effect import Effect
 from morph.physics.joint.motor_side import MotorSideEffect
 from morph.sim.drive import all_received
-from morph.sim.rollout import rollout
-from morph.sim.simulator import Variant
+from morph.sim.rollout import Variant, rollout
 from morph.sim.trapezoid import trapezoidal
 
 HORIZON = 1.0
@@ -35,17 +35,9 @@ MATERIAL = 0.02
 """Least mean gain of an effect, nats a stretch: two per cent of the size of one channel's error."""
 STANDARD_ERRORS = 2.0
 """Least mean gain in standard errors. Prices of the evidence correct for how much was looked at."""
-LITTLE_FORCE, LITTLE_VIBRATION = 0.03, 1.0
-"""Missing force over the inertial force, and vibration in units of the noise, up to which runs are
-explained to their noise."""
-SOME_FORCE = 0.1
-"""The same force, up to which its model holds, and evidence decides that rollouts do not refute."""
-CERTAIN, EVENT = 20.0, 15.0
-"""Gain in evidence, nats, that needs no gain in rollouts where readings are at their noise; and of
-what happens in one run alone, which is looked for only where a force stands out."""
 FAR, FARTHEST = 1.0, 10.0
-"""The same force from which its model is not believed; and from which columns of servos tell
-nothing, and their limits are simulated."""
+"""Missing force over the inertial force, RMS, from which its model is not believed; and from which
+columns of servos tell nothing, and their limits are simulated."""
 BRIEF = 0.2
 """Least time that may be claimed, as a share of the period of readings: simulations step, loggers
 stamp and controllers hold at moments that differ by as much."""
@@ -239,35 +231,6 @@ def _model(hypothesis: Hypothesis, held: bytes) -> Variant | None:
         return trapezoidal(hypothesis.at(np.frombuffer(held)))
     except EffectError:
         return None
-
-
-def evidence_decides(runs: Sequence[Observed]) -> bool:
-    """Return whether the model of what remains holds: there is little beside the noise."""
-    return at_noise(runs, SOME_FORCE)
-
-
-def certain(gain: float, runs: Sequence[Observed], *, event: bool = False) -> bool:
-    """Return whether an effect needs no gain in rollouts, such is its evidence.
-
-    Args:
-        gain: Gain in evidence by it, nats.
-        runs: Smoothed runs.
-        event: Whether it happens in one run alone. The few rollouts in which it acts are never sure
-            of it, so that evidence decides beside vibration too.
-    """
-    if event:
-        return gain > EVENT and missing(runs) < SOME_FORCE
-    return gain > CERTAIN and evidence_decides(runs)
-
-
-def at_noise(runs: Sequence[Observed], force: float = LITTLE_FORCE) -> bool:
-    """Return whether runs are explained to their noise, but for a little missing force."""
-    vibrations = [
-        (run.about.disturbance.vibration / run.about.sensed) ** 2
-        for run in runs
-        if run.about.disturbance.vibration is not None
-    ]
-    return missing(runs) < force and float(np.sqrt(np.mean(vibrations))) < LITTLE_VIBRATION
 
 
 def needed(

@@ -10,7 +10,7 @@ import pytest
 
 from morph.body.load import load
 from morph.body.robot import Robot
-from morph.inference.contact import by_contact, contact_rows
+from morph.inference.contact import by_contact, contact_along
 from morph.inference.diagnose import diagnose
 from morph.record.recording import Channel, Recording
 
@@ -114,7 +114,7 @@ def test_points_in_contact_move_as_told_and_do_no_work_on_the_rest() -> None:
         masses.append(mass)
     # Impacts happen between two samples: what touches in one counts in its neighbours too.
     still = np.zeros((12, model.nv))
-    rows = contact_rows(model, np.repeat(position, 3, axis=0), still, 0.1)[0][1::3]
+    rows = contact_along(model, np.repeat(position, 3, axis=0), still, 0.1).rows[1::3]
     mobility = np.linalg.inv(np.array(masses))
     contact = by_contact(rows, mobility)
     for at in range(4):

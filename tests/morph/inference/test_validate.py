@@ -12,7 +12,8 @@ import pytest
 
 from morph.arrays import Array
 from morph.body.robot import Robot
-from morph.inference.validate import Validation, at_noise, certain, evidence_decides
+from morph.inference.explained import at_noise, certain, evidence_decides
+from morph.inference.validate import Validation
 from morph.model.episodes import Episode, episode, step_for
 from morph.model.hypothesis import Hypothesis
 from morph.model.segments import cut
