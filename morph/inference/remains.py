@@ -17,9 +17,9 @@ from morph.inference.validate import Validation
 SHARE, NATS = 0.003, 400.0
 """Where what remains is as probably physics as not: share of the joints' force, and evidence."""
 UNTOLD, ROUGH, SEEN = 0.45, 2.0, 0.01
-"""Most probability for a robot in contact, whose forces are not told; how many times what rollouts
-make of errors of their starts a model without a law may miss by, as impacts magnify them; and that
-error over the variance of the motion, below which it is the simulation's own, of its contacts."""
+"""Most probability for a robot in contact: laws of its forces show in rollouts alone; how many times
+what rollouts make of errors of their starts a model without a law may miss by, as impacts magnify
+them; and that error over the motion's variance, below which it is that of simulated contacts."""
 STEEP = 2.0
 """How steeply probability rises with the logarithm of each."""
 MOST_UNKNOWN = 0.55
@@ -47,8 +47,7 @@ class Remains:
     named: bool = False
     """Whether the model has effects."""
     touching: bool = False
-    """Whether the robot is in contact or its joints are at their described ends, whose forces are
-    among the missing."""
+    """Whether the robot is in contact or its joints are at their described ends."""
     by_starts: float = 0.0
     """Of a robot in contact, `in_noise` as errors of the rollouts' starts alone make it."""
     in_motion: float = 0.0

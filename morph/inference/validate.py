@@ -62,7 +62,7 @@ class Validation:
 
     @property
     def constrained(self) -> bool:
-        """Whether forces of contact or of stops act, which rollouts have and columns have not."""
+        """Whether forces of contact or of stops act, of whose laws rollouts alone tell."""
         return self.touching or self.stopped
 
     @classmethod

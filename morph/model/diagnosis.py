@@ -54,7 +54,7 @@ class Unexplained:
     """Error of the rollouts of a typical segment: geometric mean over channels of 1 + MSE over the
     noise's variance, less 1."""
     contact: bool = False
-    """Whether forces of contact are among the missing, so that `probability` is by rollouts."""
+    """Whether the robot touches a floor or stops, of whose forces rollouts alone tell."""
 
 
 @dataclass(frozen=True, kw_only=True)

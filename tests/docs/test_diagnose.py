@@ -37,7 +37,7 @@ def test_the_descriptions_of_the_page_load(tmp_path: Path) -> None:
     from morph.body.load import load
 
     blocks = re.findall(r"```xml\n<!-- (\S+) -->\n(.*?)```", TEXT, re.DOTALL)
-    assert [name for name, _ in blocks] == ["rov.xml", "arm.xml"]
+    assert [name for name, _ in blocks] == ["rov.xml", "arm.xml", "leg.xml"]
     for name, text in blocks:
         (tmp_path / name).write_text(text)
         assert load(tmp_path / name).actuators

@@ -131,21 +131,19 @@ def remains(diagnosis: Diagnosis) -> tuple[str, ...]:
     """Return what the answer does not explain, in words."""
     left, rmse = diagnosis.unexplained, diagnosis.held_out_rmse
     unsure = percent(left.probability)
+    said = [f"That physics is left which was not named has a probability of {unsure}."]
+    worst = sorted(left.channels.items(), key=lambda each: -each[1])[:NAMED]
+    forces = ", ".join(
+        f"{'over 100' if share > 1.0 else number(100.0 * share)} % at {name}"
+        for name, share in worst
+    )
+    if forces:
+        said.append(f"Of the inertial force of the fitted runs is missing: {forces}.")
     if left.contact:
-        said = [
-            "The robot touches a floor or the stops of its joints, whose forces are among the "
-            f"missing. That physics is left which was not named has a probability of {unsure}, by "
-            "rollouts alone."
-        ]
-    else:
-        said = [f"That physics is left which was not named has a probability of {unsure}."]
-        worst = sorted(left.channels.items(), key=lambda each: -each[1])[:NAMED]
-        forces = ", ".join(
-            f"{'over 100' if share > 1.0 else number(100.0 * share)} % at {name}"
-            for name, share in worst
+        said.append(
+            "The robot touches a floor or the stops of its joints: of these forces rollouts alone "
+            "tell."
         )
-        if forces:
-            said.append(f"Of the inertial force of the fitted runs is missing: {forces}.")
     said.append(
         f"Rollouts of a typical fitted segment err by {number(left.in_noise)} times the variance "
         "of the sensors' noise."

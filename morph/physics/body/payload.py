@@ -91,7 +91,8 @@ class Payload(WeighedEffect):
     def statement(self, *, slide: bool = False) -> str:
         """Return the finding in one plain sentence."""
         place = ", ".join(f"{1e3 * value:.3g}" for value in (self.x, self.y, self.z))
+        load = f"{self.m:.3g} kg" if self.m > 0.9995 else f"{1e3 * self.m:.3g} g"
         return (
-            f"Link {self.body} carries {1e3 * self.m:.3g} g more, at ({place}) mm of its frame: "
+            f"Link {self.body} carries {load} more, at ({place}) mm of its frame: "
             "a payload was left out."
         )
