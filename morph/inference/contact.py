@@ -93,13 +93,19 @@ def contact_along(
     near, floor = copy.copy(model), _floors(model)
     near.geom_margin[:] = REACH
     near.pair_margin[:] = REACH
-    data, ends = mujoco.MjData(near), _ends(model)
-    there = []
-    for at in position:
-        data.qpos[:] = at
-        mujoco.mj_fwdPosition(near, data)
-        there.append(_rows(near, data, floor, ends))
-    found, since, speed = [], dict.fromkeys(there[0] if there else (), -len(there)), []
+    data, (place, dofs, (low, high)) = mujoco.MjData(near), _ends(model)
+    held = position[:, place] < low + NEAR_END
+    held |= position[:, place] > high - NEAR_END
+    if not (held.any() or floor.any()):
+        return Contact(rows=np.zeros((len(position), 0, model.nv)), impact=np.zeros(len(position)))
+    there, units = [], np.eye(model.nv)
+    for at, ended in zip(position, held, strict=True):
+        there.append({(-1, int(dof)): units[[dof]] for dof in dofs[ended]})
+        if floor.any():
+            data.qpos[:] = at
+            mujoco.mj_fwdPosition(near, data)
+            there[-1] |= _touching_rows(near, data, floor)
+    found, since, speed = [], dict.fromkeys(there[0], -len(there)), []
     for at, now in enumerate(there):
         # Impacts happen between two samples.
         whole = dict(now)
@@ -113,7 +119,9 @@ def contact_along(
             if step * (at - began) < IMPACT
         ]
         speed.append(max(fast, default=0.0))
-    rows = np.zeros((len(position), max(map(len, found), default=0), model.nv))
+    # The filter is compiled for as many rows as joints, where these are few.
+    most = max(map(len, found))
+    rows = np.zeros((len(position), model.nv if most and model.nv <= 7 else most, model.nv))
     last = rows[0] if len(rows) else rows
     for sample, some in zip(rows, found, strict=True):
         if len(some):
@@ -169,14 +177,12 @@ def _ends(model: mujoco.MjModel) -> tuple[Array, Array, Array]:
     return model.jnt_qposadr[ends], model.jnt_dofadr[ends], model.jnt_range[ends].T
 
 
-def _rows(
-    model: mujoco.MjModel, data: mujoco.MjData, floor: Mask, ends: tuple[Array, Array, Array]
+def _touching_rows(
+    model: mujoco.MjModel, data: mujoco.MjData, floor: Mask
 ) -> dict[tuple[int, int], Array]:
-    """Return what contact of two shapes, or a joint at its end, may change: shapes (rows, dofs)."""
-    place, dofs, (low, high) = ends
-    at, units = data.qpos[place], np.eye(model.nv)
-    held = (at < low + NEAR_END) | (at > high - NEAR_END)
-    found = {(-1, int(dof)): units[[dof]] for dof in dofs[held]}
+    """Return what contact of each two shapes may change, shapes (rows, dofs)."""
+    found: dict[tuple[int, int], Array] = {}
+    none = np.zeros((0, model.nv))
     linear, angular = np.empty((3, model.nv)), np.empty((3, model.nv))
     for index in np.flatnonzero(_touching(model, data, floor)):
         contact = data.contact[index]
@@ -186,7 +192,7 @@ def _rows(
         # Rolling and torsional friction are moments.
         turns = angular if contact.dim > 4 else contact.frame[None, :3] @ angular
         pair = int(contact.geom[0]), int(contact.geom[1])
-        rows = [found.get(pair, units[:0]), linear, turns if contact.dim > 3 else units[:0]]
+        rows = [found.get(pair, none), linear, turns if contact.dim > 3 else none]
         found[pair] = np.concatenate(rows)
     return found
 

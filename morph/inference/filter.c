@@ -222,7 +222,8 @@ INLINE double filter(int n, int m, int p, int e, int k, int width, int64_t steps
 /* `CALL(n, p, e, width)` with numbers known to the compiler where they are small: loops of known length
  * are several times as fast, and a likelihood is evaluated thousands of times. */
 #define DISPATCH(CALL, alone) \
-	switch (!(alone) || n > 7 || p != n || (e && e != n) ? 0 : e ? 10 + n : n) { \
+	switch (!(alone) || n > 7 || (p != n && (p != 2 * n || !e)) || (e && e != n) \
+			? 0 : (e ? 10 : 0) + (p > n ? 10 : 0) + n) { \
 	case 1: CALL(1, 1, 0, 1); break; \
 	case 2: CALL(2, 2, 0, 1); break; \
 	case 3: CALL(3, 3, 0, 1); break; \
@@ -237,6 +238,13 @@ INLINE double filter(int n, int m, int p, int e, int k, int width, int64_t steps
 	case 15: CALL(5, 5, 5, 1); break; \
 	case 16: CALL(6, 6, 6, 1); break; \
 	case 17: CALL(7, 7, 7, 1); break; \
+	case 21: CALL(1, 2, 1, 1); break; \
+	case 22: CALL(2, 4, 2, 1); break; \
+	case 23: CALL(3, 6, 3, 1); break; \
+	case 24: CALL(4, 8, 4, 1); break; \
+	case 25: CALL(5, 10, 5, 1); break; \
+	case 26: CALL(6, 12, 6, 1); break; \
+	case 27: CALL(7, 14, 7, 1); break; \
 	default: CALL(n, p, e, width); \
 	}
 

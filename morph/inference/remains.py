@@ -17,9 +17,9 @@ from morph.inference.validate import Validation
 SHARE, NATS = 0.003, 400.0
 """Where what remains is as probably physics as not: share of the joints' force, and evidence."""
 UNTOLD, ROUGH, SEEN = 0.45, 2.0, 0.01
-"""Most probability for a robot in contact: laws of its forces show in rollouts alone; how many times
-what rollouts make of errors of their starts a model without a law may miss by, as impacts magnify
-them; and that error over the motion's variance, below which it is that of simulated contacts."""
+"""Most probability for a robot in contact: laws of its forces show in rollouts alone; how many
+times what rollouts make of errors of their starts a model without a law may miss by, as impacts
+magnify them; and that error over the motion's variance, below which it is a simulated contact's."""
 STEEP = 2.0
 """How steeply probability rises with the logarithm of each."""
 MOST_UNKNOWN = 0.55
