@@ -215,8 +215,7 @@ class EffectSelection:
             chosen = [*likeliest, *stable[:1], *(others or stable[1:])[: FINALISTS - 1]]
             return [list({one.members: one for one in chosen}.values())]
         stable = stable[:FINALISTS]
-        dry = bool(DRY & {effect.name for effect in base.effects})
-        drives = []
+        dry, drives = bool(DRY & {effect.name for effect in base.effects}), []
         for name, one in by_labels.items():
             inside = any(name <= labels(whole.effects) for whole in likeliest)
             laws = {effect.name for effect in one.effects}
