@@ -70,7 +70,7 @@ def test_no_effect_leaves_a_set_at_noise_against_the_evidence(
     monkeypatch.setattr(
         "morph.inference.effect_selection.needed", lambda *given, **more: ([0], whole.losses)
     )
-    monkeypatch.setattr("morph.inference.validate.evidence_decides", lambda runs: noise)
+    monkeypatch.setattr("morph.inference.explained.evidence_decides", lambda runs: noise)
     monkeypatch.setattr(Validation, "worse", lambda *given: False)
     shared = []
 

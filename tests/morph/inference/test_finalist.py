@@ -26,10 +26,10 @@ from morph.physics.joint.viscous_friction import ViscousFriction
 def test_another_law_in_the_place_of_one_needs_less_evidence_than_one_more(
     monkeypatch: pytest.MonkeyPatch, more: str, gain: float, taken: bool
 ) -> None:
-    for module in ("finalist", "validate"):
+    for module in ("finalist", "explained"):
         monkeypatch.setattr(f"morph.inference.{module}.evidence_decides", lambda runs: True)
     # A push acts in few rollouts, and a little force may be missing beside it.
-    monkeypatch.setattr("morph.inference.validate.missing", lambda runs: 0.05)
+    monkeypatch.setattr("morph.inference.explained.missing", lambda runs: 0.05)
     judge: Any = SimpleNamespace(sure=lambda a, b: False, worse=lambda a, b: False)
     one, other = (SimpleNamespace(label=each, passing=each == "push") for each in ("law", more))
     before: Any = SimpleNamespace(evidence=0.0, losses=None, effects=(one,))
