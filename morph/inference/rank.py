@@ -93,17 +93,20 @@ def ranked(
     """
     touching, stopped = (acts(nominal.robot, episodes) for acts in (touches, at_stops))
     validation = Validation.of(episodes, touching=touching, stopped=stopped)
+    # What nothing drives only the floor accelerates, and evidence says nothing of that.
+    tossed = touching and not nominal.robot.actuators
     task = EffectSelection(
         nominal=nominal,
         episodes=episodes,
         known=known,
         validation=validation,
+        by_rollouts=tossed,
         prior=Prior(alone={}),
         deadline=deadline,
     )
     own = replace(task, deadline=math.inf).refitted(nominal, nominal.start)
     told = _told(nominal.robot) and not validation.constrained
-    most = FAR if told else FARTHEST
+    most = 0.0 if tossed else FAR if told else FARTHEST
     far = missing(own.refit.runs) >= most
     found = _searched(_by_rollouts(task, own) if far else _begun(task, own), progress)
     if not far:
@@ -112,7 +115,7 @@ def ranked(
         if not found.tried and not at_noise(own.refit.runs) and not found.task.late():
             # The model of the missing force is wrong: the search goes on by errors of rollouts.
             found = _searched(_by_rollouts(replace(found.task, deadline=deadline), own), progress)
-    free = found.task.by_rollouts and not validation.constrained
+    free = found.task.by_rollouts and not tossed
     if free and missing(found.best.refit.runs) < NEAR:
         found = _whitened(found, own, progress)
     progress("trying other laws", 0.85)
