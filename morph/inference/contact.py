@@ -88,7 +88,8 @@ def contact_along(
         position: rad or m, shape (samples, nq).
         velocity: Per s, shape (samples, dofs).
         step: Seconds from one sample to the next.
-        unsure: Samples by which contact may begin earlier, and end later, than positions show.
+        unsure: Samples by which contact may begin earlier, and end later, than positions show; at
+            most 50 ms of them count.
     """
     near, floor = copy.copy(model), _floors(model)
     near.geom_margin[:] = REACH
@@ -105,6 +106,7 @@ def contact_along(
             data.qpos[:] = at
             mujoco.mj_fwdPosition(near, data)
             there[-1] |= _touching_rows(near, data, floor)
+    unsure = min(unsure, round(IMPACT / step))
     found, since, speed = [], dict.fromkeys(there[0], -len(there)), []
     for at, now in enumerate(there):
         # Impacts happen between two samples.
