@@ -10,8 +10,11 @@ import pytest
 
 from morph.body.load import load
 from morph.body.robot import Robot
+from morph.body.spec import spec_of
 from morph.inference.contact import by_contact, contact_along
 from morph.inference.diagnose import diagnose
+from morph.inference.observed import observed
+from morph.model.episodes import episode
 from morph.record.recording import Channel, Recording
 
 GRAVITY, TRUNK, LOAD = 9.81, 2.0, 0.8
@@ -96,6 +99,17 @@ def test_a_load_is_told_where_only_the_floor_carries_it(robot: Robot) -> None:
 def test_legs_that_stand_as_described_is_consistent(robot: Robot) -> None:
     found = diagnose(robot, [stood(number, 0.0) for number in range(4)])
     assert (found.findings, found.verdict) == ((), "consistent")
+
+
+def test_nothing_that_a_model_says_moves_feet_that_stand(robot: Robot) -> None:
+    model = spec_of(robot).compile()
+    about = observed(model, robot, episode(stood(0, 0.0), robot, 0.005)).about
+    feet = about.contact.rows @ about.tangent.jacobian
+    assert about.contact.rows.any(axis=(1, 2)).all()
+    # By positions, velocities and forces of the three joints: rounding of accelerations that are
+    # up to 1 / 0.1 kg, and by the feet's own acceleration that of each.
+    assert np.abs(feet[:, :, :9]).max() < 1e-9
+    assert np.allclose(np.trace(feet[:, :, 9:], axis1=1, axis2=2), 2.0)
 
 
 def test_points_in_contact_move_as_told_and_do_no_work_on_the_rest() -> None:
