@@ -67,6 +67,24 @@ class Contact:
     """Change of these velocities in a step by impacts: in 50 ms that of the fastest that has just
     touched, shape (samples,)."""
 
+    def borne(self, mobility: Array, acceleration: Array, inertial: Array) -> Array:
+        """Return the forces of joints that motion takes, at least by one joint alone in contact.
+
+        A leg on which a trunk rises pushes the trunk and not its own foot, which stands.
+
+        Args:
+            mobility: Inverse of the inertia, shape (samples, dofs, dofs).
+            acceleration: Of the joints, shape (samples, dofs).
+            inertial: Forces that the inertia takes without contact, shape (samples, dofs).
+        """
+        if not self.rows.size:
+            return inertial
+        moves = mobility - by_contact(self.rows, mobility) @ self.rows @ mobility
+        alone, whole = (np.diagonal(each, axis1=1, axis2=2) for each in (moves, mobility))
+        held = alone < RANK * whole
+        borne = np.where(held, 0.0, acceleration / np.where(held, 1.0, alone))
+        return np.asarray(np.maximum(np.abs(inertial), np.abs(borne)))
+
     def changes(self, velocity: Array) -> float:
         """Return the RMS change of these velocities from one sample to the next.
 

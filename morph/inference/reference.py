@@ -113,8 +113,9 @@ def _along(
     jacobian, acceleration, free, error = _errors(
         model, run, position, velocity, axes, local, contact.rows
     )
-    needed = times(inverse(model, local[:, :, 2 * dofs :]), np.gradient(velocity, run.step, axis=0))
-    needed = carried(model, needed)
+    mobility, moved = local[:, :, 2 * dofs :], np.gradient(velocity, run.step, axis=0)
+    needed = carried(model, times(inverse(model, mobility), moved))
+    needed = contact.borne(mobility, moved, needed)
     inertial = np.sqrt(np.mean(needed**2, axis=0)) + 1e-12
     if known is None:
         path = space.apart(position, position[:1])
@@ -237,10 +238,8 @@ def _interpolated(
     there = jacobians(model, position[keys], velocity[keys], run.command[keys])
     place = np.interp(np.arange(samples), keys, np.arange(len(keys)))
     low = np.minimum(place.astype(int), max(len(keys) - 2, 0))
-    share = (place - low)[:, None, None]
-    return np.asarray(
-        (1.0 - share) * there[low] + share * there[np.minimum(low + 1, len(keys) - 1)]
-    )
+    share, high = (place - low)[:, None, None], np.minimum(low + 1, len(keys) - 1)
+    return np.asarray((1.0 - share) * there[low] + share * there[high])
 
 
 def _moved(before: Reference, model: mujoco.MjModel, run: SampledRun) -> Reference:
