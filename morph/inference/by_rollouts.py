@@ -9,6 +9,7 @@ import numpy as np
 from morph.inference.effect_selection import EffectSelection
 from morph.inference.finalist import Finalist, gains, labels
 from morph.inference.floor import likeliest_contact
+from morph.inference.remains import remaining
 from morph.physics import EFFECTS
 
 RICHER = 0.2
@@ -68,6 +69,8 @@ def on_floor(task: EffectSelection, best: Finalist) -> Finalist:
     """Return a set with laws of the floor beside it, where rollouts surely err less with them."""
     channels = len(task.validation.segments.read)
     if np.expm1(2.0 * np.median(best.fitted) / channels) < EXPLAINED:
+        return best
+    if remaining(best, task.validation).chaotic:
         return best
     found = likeliest_contact(best, task.validation, float(best.losses.mean()))
     if found is None or task.late():

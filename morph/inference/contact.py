@@ -60,12 +60,13 @@ class Contact:
     """What forces of contact may change along a motion."""
 
     rows: Array
-    """Velocities of points in contact, m/s, and of joints at their ends, rad/s or m/s, by those of
-    the joints: orthogonal combinations that turn as little as they can from one sample to the next;
-    shape (samples, rows, dofs), zero where fewer do."""
+    """Combinations of velocities of points in contact and of joints at their ends, by those of the
+    joints: orthonormal in the inertia's metric, so that half of their squares is kinetic energy, in
+    J, and turning as little as they can from one sample to the next; shape (samples, rows, dofs),
+    zero where fewer do."""
     impact: Array
-    """Change of these velocities in a step by impacts: in 50 ms that of the fastest that has just
-    touched, shape (samples,)."""
+    """Change of these velocities in a step by impacts: in 50 ms all that the energy allows of what
+    has just touched, shape (samples,)."""
 
     def borne(self, mobility: Array, acceleration: Array, inertial: Array) -> Array:
         """Return the forces of joints that motion takes, at least by one joint alone in contact.
@@ -97,13 +98,20 @@ class Contact:
 
 
 def contact_along(
-    model: mujoco.MjModel, position: Array, velocity: Array, step: float, unsure: int = 1
+    model: mujoco.MjModel,
+    shown: Array,
+    position: Array,
+    velocity: Array,
+    step: float,
+    unsure: int = 1,
 ) -> Contact:
     """Return what forces of contact may change along a motion.
 
     Args:
         model: The model.
-        position: rad or m, shape (samples, nq).
+        shown: Positions as read, rad or m, shape (samples, nq): what smooths them rounds off knocks
+            by centimetres.
+        position: Smoothed ones, which do not leave the floor by noise.
         velocity: Per s, shape (samples, dofs).
         step: Seconds from one sample to the next.
         unsure: Samples by which contact may begin earlier, and end later, than positions show; at
@@ -113,47 +121,54 @@ def contact_along(
     near.geom_margin[:] = REACH
     near.pair_margin[:] = REACH
     data, (place, dofs, (low, high)) = mujoco.MjData(near), _ends(model)
-    held = position[:, place] < low + NEAR_END
-    held |= position[:, place] > high - NEAR_END
+    whole = np.stack([shown, position], axis=1)
+    held = (whole[:, :, place] < low + NEAR_END) | (whole[:, :, place] > high - NEAR_END)
+    held = held.any(axis=1)
     if not (held.any() or floor.any()):
         return Contact(rows=np.zeros((len(position), 0, model.nv)), impact=np.zeros(len(position)))
-    there, units = [], np.eye(model.nv)
-    for at, ended in zip(position, held, strict=True):
+    there, units, whitened = [], np.eye(model.nv), np.empty((len(position), model.nv, model.nv))
+    for sample, (both, ended) in enumerate(zip(whole, held, strict=True)):
         there.append({(-1, int(dof)): units[[dof]] for dof in dofs[ended]})
-        if floor.any():
+        for at in both:
             data.qpos[:] = at
             mujoco.mj_fwdPosition(near, data)
             there[-1] |= _touching_rows(near, data, floor)
+        mujoco.mj_fullM(near, data, whitened[sample])
+    whitened = np.linalg.cholesky(whitened)
     unsure = min(unsure, round(IMPACT / step))
+    across = np.linalg.inv(whitened).transpose(0, 2, 1)
     found, since, speed = [], dict.fromkeys(there[0], -len(there)), []
     for at, now in enumerate(there):
         # Impacts happen between two samples.
-        whole = dict(now)
+        near_by = dict(now)
         for other in there[max(at - unsure, 0) : at + unsure + 1]:
-            whole = other | whole
-        since = {key: since.get(key, at) for key in whole}
-        found.append(_independent([*whole.values()]))
-        fast = [
-            float(np.linalg.norm(velocity[max(began - 1, 0) : at + 1] @ whole[key].T, axis=1).max())
-            for key, began in since.items()
-            if step * (at - began) < IMPACT
-        ]
+            near_by = other | near_by
+        since = {key: since.get(key, at) for key in near_by}
+        found.append(_independent([*near_by.values()], across[at]))
+        fast = []
+        for key, began in since.items():
+            if step * (at - began) < IMPACT:
+                moves = _independent([near_by[key]], across[at]) @ whitened[at].T
+                before = velocity[max(began - 1, 0) : at + 1]
+                fast.append(float(np.linalg.norm(before @ moves.T, axis=1).max()))
         speed.append(max(fast, default=0.0))
     # The filter is compiled for as many rows as joints, where these are few.
     most = max(map(len, found))
     rows = np.zeros((len(position), model.nv if most and model.nv <= 7 else most, model.nv))
-    last = rows[0] if len(rows) else rows
+    last = rows[0]
     for sample, some in zip(rows, found, strict=True):
         if len(some):
             sample[: len(some)] = some
             sample[:] = last = _turned(sample, last)
-    return Contact(rows=rows, impact=np.sqrt(step / IMPACT) * np.array(speed))
+    return Contact(
+        rows=rows @ whitened.transpose(0, 2, 1), impact=np.sqrt(step / IMPACT) * np.array(speed)
+    )
 
 
 def by_contact(rows: Array, mobility: Array) -> Array:
-    """Return accelerations by contact that accelerates its points by 1 m/s2.
+    """Return accelerations by contact that changes its rows by one in a second.
 
-    With J the points' velocities by those of the joints and W = M^-1 it is W J' (J W J')^-1: of all
+    With J the rows, velocities of points by those of the joints and W = M^-1 it is W J' (J W J')^-1: of all
     accelerations that move the points so, the one that forces on them make. The points' own motion
     is then as unknown for a light robot as for a heavy one, and masses are judged by what else
     moves.
@@ -217,13 +232,17 @@ def _touching_rows(
     return found
 
 
-def _independent(parts: Sequence[Array]) -> Array:
-    """Return orthogonal combinations of rows that say the same."""
+def _independent(parts: Sequence[Array], across: Array) -> Array:
+    """Return orthonormal combinations of rows that say the same, by whitened velocities.
+
+    Args:
+        parts: Rows by velocities of joints.
+        across: These by whitened ones, of which half the sum of squares is the kinetic energy.
+    """
     if not parts:
-        return np.zeros((0, 0))
-    _, size, across = np.linalg.svd(np.concatenate(parts), full_matrices=False)
-    kept = size > RANK * max(size[0], 1e-12)
-    return np.asarray(size[kept, None] * across[kept])
+        return np.zeros((0, len(across)))
+    _, size, found = np.linalg.svd(np.concatenate(parts) @ across, full_matrices=False)
+    return np.asarray(found[size > RANK * max(size[0], 1e-12)])
 
 
 def _turned(rows: Array, last: Array) -> Array:

@@ -313,11 +313,15 @@ INLINE void smooth(int n, int m, int p, int e, int64_t steps, double h, const do
 		for (int i = 0; i < N; i++)
 			score[i] += adjoint[i] * adjoint[i] - L[i * N + i];
 		retreat(n, p, e, 1, h, keep, now, adjoint);
-		/* F' L F = F' (F' L)' as L is symmetric. */
+		/* F' L F = F' (F' L)' as L is symmetric: without the mirror a rounding that is not would
+		 * grow from step to step where the robot is in contact. */
 		for (int side = 0; side < 2; side++) {
 			retreat(n, p, e, N, h, keep, now, L);
 			transpose(N, L);
 		}
+		for (int i = 0; i < N; i++)
+			for (int j = 0; j < i; j++)
+				L[i * N + j] = L[j * N + i];
 		for (int r = m - 1; r >= 0; r--) {
 			if (!valid[t * m + r])
 				continue;

@@ -199,9 +199,14 @@ def _sampled(read: Episode) -> tuple[SampledRun, Array]:
         turned = row[channel == turn]
         attitude[at[turned], ball] = read.attitude[turned, ball]
     grid = read.step * np.arange(samples)
-    guess = np.stack([np.interp(grid, read.time, track) for track in read.position.T], axis=1)
+    shown = read.measurement.placed(read.reading, read.attitude)
+    placed, guess = (
+        np.stack([np.interp(grid, read.time, track) for track in each.T], axis=1)
+        for each in (shown, read.position)
+    )
     for place, _ in read.measurement.coordinates.balls:
-        guess[:, place : place + 4] = unit(guess[:, place : place + 4])
+        for each in (placed, guess):
+            each[:, place : place + 4] = unit(each[:, place : place + 4])
     run = SampledRun(
         measurement=read.measurement,
         step=read.step,
@@ -209,6 +214,7 @@ def _sampled(read: Episode) -> tuple[SampledRun, Array]:
         reading=reading,
         attitude=attitude,
         valid=valid,
+        placed=placed,
         noise=read.noise,
         guess=read.guess,
         time_offset=offset,

@@ -57,7 +57,7 @@ def reference(
     velocity = np.concatenate([rate[:1], rate])
     # Between two readings the guess is a straight line.
     unsure = round(1.0 / max(float(run.valid.mean()), 1e-3))
-    contact = contact_along(model, position, velocity, run.step, unsure)
+    contact = contact_along(model, run.placed, position, velocity, run.step, unsure)
     found = _along(model, run, position, velocity, np.zeros_like(velocity), contact, None)
     known = likeliest_disturbance(found, steps=STEPS)
     for _ in range(ROUNDS):

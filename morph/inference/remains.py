@@ -16,10 +16,11 @@ from morph.inference.validate import Validation
 
 SHARE, NATS = 0.003, 400.0
 """Where what remains is as probably physics as not: share of the joints' force, and evidence."""
-UNTOLD, ROUGH, SEEN = 0.45, 2.0, 0.01
+UNTOLD, ROUGH, SEEN, CHAOS = 0.45, 2.0, 0.01, 0.3
 """Most probability for a robot in contact: laws of its forces show in rollouts alone; how many
 times what rollouts make of errors of their starts a model without a law may miss by, as impacts
-magnify them; and that error over the motion's variance, below which it is a simulated contact's."""
+magnify them; that error over the motion's variance, below which it is a simulated contact's; and
+what errors of starts make of that, above which rollouts tell nothing: a robot that falls over."""
 STEEP = 2.0
 """How steeply probability rises with the logarithm of each."""
 MOST_UNKNOWN = 0.55
@@ -54,6 +55,11 @@ class Remains:
     """Of a robot in contact, that error over the variance of the segment's readings, likewise."""
 
     @property
+    def chaotic(self) -> bool:
+        """Whether a robot in contact moves elsewhere for no more than errors of its start."""
+        return self.in_motion * self.by_starts > CHAOS * self.in_noise
+
+    @property
     def probability(self) -> float:
         """How probable it is that physics is left which has no name here."""
         predicts = self.named and self.in_noise < AT_NOISE
@@ -67,7 +73,7 @@ class Remains:
         """
         tiny = 1e-12
         rough = self.in_noise > ROUGH * (1.0 + self.by_starts) and self.in_motion > SEEN
-        if self.touching and rough and not self.named:
+        if self.touching and rough and not self.named and not self.chaotic:
             return 1.0
         steep = STEEP * min(
             math.log(max(self.share, tiny) / SHARE), math.log(max(self.nats, tiny) / NATS)

@@ -36,6 +36,8 @@ class SampledRun:
     """Measured orientations, shape (samples, balls, 4)."""
     valid: Mask
     """Which readings there are, shape (samples, channels)."""
+    placed: Array
+    """Positions as read, interpolated linearly, shape (samples, nq)."""
     noise: Array
     """Standard deviation of each channel's noise, shape (channels,)."""
     guess: Array

@@ -115,6 +115,14 @@ def touching(given: dict[str, Any]) -> dict[str, Any]:
     return {**given, "tangent": tangent, "disturbance": more}
 
 
+def toppling(given: dict[str, Any]) -> dict[str, Any]:
+    """Return a longer case that topples at up to 20 per s, as readings of it that fit tell."""
+    more = case(int(given["readings"][0, 0, 0] < 0.0), samples=1500, columns=1)
+    tangent = more["tangent"]
+    tangent.jacobian[:, :, :2] += 400.0 * np.eye(2)
+    return {**more, "readings": 0.01 * more["readings"]}
+
+
 def as_it_is(given: dict[str, Any]) -> dict[str, Any]:
     """Return a case."""
     return given
@@ -228,7 +236,7 @@ def test_a_run_in_stretches_is_the_whole_run(monkeypatch: pytest.MonkeyPatch) ->
     assert parts.logarithm == pytest.approx(whole.logarithm, rel=1e-13)
 
 
-@pytest.mark.parametrize("more", [as_it_is, vibrating, touching])
+@pytest.mark.parametrize("more", [as_it_is, vibrating, touching, toppling])
 @pytest.mark.parametrize("seed", range(2))
 def test_the_score_is_the_derivative_of_the_likelihood(
     seed: int, more: Callable[[dict[str, Any]], dict[str, Any]]

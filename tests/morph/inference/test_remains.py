@@ -60,6 +60,7 @@ def test_a_force_must_be_more_than_rounding_and_sure(
         (False, 10.0, 0.1, MOST_UNKNOWN),
         (False, 60.0, 0.1, UNTOLD),
         (False, 10.0, 0.001, UNTOLD),
+        (False, 10.0, 5.0, UNTOLD),
         (True, 10.0, 0.1, UNTOLD),
     ],
 )
