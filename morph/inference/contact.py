@@ -168,7 +168,7 @@ def contact_along(
 def by_contact(rows: Array, mobility: Array) -> Array:
     """Return accelerations by contact that changes its rows by one in a second.
 
-    With J the rows, velocities of points by those of the joints and W = M^-1 it is W J' (J W J')^-1: of all
+    With J the rows, by velocities of the joints, and W = M^-1 it is W J' (J W J')^-1: of all
     accelerations that move the points so, the one that forces on them make. The points' own motion
     is then as unknown for a light robot as for a heavy one, and masses are judged by what else
     moves.
