@@ -205,6 +205,7 @@ def test_a_robot_that_is_not_on_the_shelf_is_refused(
         ("--vary", ["=0.1"]),
         ("--budget", ["0"]),
         ("--budget", ["nan"]),
+        ("--world", ["water"]),
     ],
     ids=lambda given: " ".join(given) if isinstance(given, list) else given,
 )
