@@ -38,11 +38,11 @@ Grids = Sequence[tuple[Effect, ...]]
 
 
 def likeliest_change(base: Refit, known: Sequence[Effect], prior: Prior) -> LikeliestChange | None:
-    """Return the likeliest change of one law, None where none is surely likelier than no change.
+    """Return the likeliest change of one law that gains 20 nats at least, else None.
 
     Columns of each law of the dictionary act from one time on, or until then, beside own figures
-    and the laws that were found; these may be of other strengths after it. A push in one run that
-    is likelier is no change.
+    and the laws that were found; these may be of other strengths after it. The change does not last
+    where it is a push in one run, or has no evidence more than a second from it.
 
     Source: Willsky and Jones 1976, IEEE Transactions on Automatic Control 21(1), 108-112 (the
     generalized likelihood ratio).

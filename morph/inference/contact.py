@@ -22,7 +22,7 @@ from morph.physics.body_motion import times
 INSTANTS, LEAST = 1000, 0.003
 """Most instants of each run at which contacts are looked for; and the share of them that touch in
 runs of a robot in contact: a stiff ball touches for some milliseconds of each bounce."""
-REACH, NEAR_END = 0.003, 0.005
+REACH, NEAR_END = 0.006, 0.005
 """Distance from the floor, m, and of a joint from its end, rad or m, from which forces may act:
 shapes, floors and encoders err by as much."""
 IMPACT = 0.05
@@ -65,13 +65,15 @@ class Contact:
     J, and turning as little as they can from one sample to the next; shape (samples, rows, dofs),
     zero where fewer do."""
     impact: Array
-    """Change of these velocities in a step by impacts: in 50 ms all that the energy allows of what
-    has just touched, shape (samples,)."""
+    """Standard deviation of the change of these velocities in a step by impacts, sqrt(J): in the
+    50 ms after touchdown they add up to its speed; shape (samples,)."""
 
     def borne(self, mobility: Array, acceleration: Array, inertial: Array) -> Array:
-        """Return the forces of joints that motion takes, at least by one joint alone in contact.
+        """Return the inertial forces of joints in contact, N m or N, shape (samples, dofs).
 
-        A leg on which a trunk rises pushes the trunk and not its own foot, which stands.
+        They are max(|M qacc|, |qacc_i| / D_ii) of each joint i, where D is the inverse inertia
+        projected onto the constraints of contact: a stance leg moves the trunk, and the inertia of
+        the leg's own joint understates that.
 
         Args:
             mobility: Inverse of the inertia, shape (samples, dofs, dofs).
@@ -87,7 +89,7 @@ class Contact:
         return np.asarray(np.maximum(np.abs(inertial), np.abs(borne)))
 
     def changes(self, velocity: Array) -> float:
-        """Return the RMS change of these velocities from one sample to the next.
+        """Return the RMS change of these velocities from one sample to the next, sqrt(J).
 
         Args:
             velocity: Of the joints, shape (samples, dofs).
@@ -118,7 +120,8 @@ def contact_along(
             most 50 ms of them count.
     """
     near, floor = copy.copy(model), _floors(model)
-    near.geom_margin[:] = REACH
+    # MuJoCo adds the margins of two geoms.
+    near.geom_margin[:] = 0.5 * REACH
     near.pair_margin[:] = REACH
     data, (place, dofs, (low, high)) = mujoco.MjData(near), _ends(model)
     whole = np.stack([shown, position], axis=1)
@@ -166,12 +169,10 @@ def contact_along(
 
 
 def by_contact(rows: Array, mobility: Array) -> Array:
-    """Return accelerations by contact that changes its rows by one in a second.
+    """Return the dynamically consistent inverse W J' (J W J')^-1, W = M^-1: qacc by that of J qvel.
 
-    With J the rows, by velocities of the joints, and W = M^-1 it is W J' (J W J')^-1: of all
-    accelerations that move the points so, the one that forces on them make. The points' own motion
-    is then as unknown for a light robot as for a heavy one, and masses are judged by what else
-    moves.
+    The rows J stay those of the nominal model, so that a hypothesis that changes masses does not
+    change the prior of the acceleration of points in contact.
 
     Source: Khatib 1987, IEEE Journal of Robotics and Automation 3(1), eq. 51 (the inverse of J that
     is consistent with the inertia).

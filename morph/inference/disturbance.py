@@ -26,8 +26,8 @@ FORCED = 0.3
 """Missing force as a share of the RMS force that a joint's motion needs, from which one search
 starts."""
 CONTACT, CONTACT_TIMES = (1e-3, 1e4), (1e-3, 10.0)
-"""Bounds of the acceleration of points in contact, m/s2 or rad/s2, and of its correlation time, s:
-a knock, or a run that stands."""
+"""Bounds of the standard deviation of the mass-weighted acceleration of points in contact,
+sqrt(J)/s, and of its correlation time, s: a knock, or a run that stands."""
 NUDGE = 1e-3
 """Finite-difference step of the logarithms of correlation times."""
 MOST_SAMPLES, LEAST_SAMPLES, DOFS = 1500, 300, 12
@@ -36,7 +36,7 @@ are fewer, as one over their square: the time of each grows with their cube."""
 
 
 def likeliest_disturbance(about: Reference, *, steps: int) -> Disturbance:
-    """Return the scales, the correlation time and the noise under which readings are likeliest.
+    """Return the disturbance of greatest likelihood: all its scales, times and the noise.
 
     A second or a few from the middle of a run stand for all of it.
 

@@ -71,8 +71,8 @@ class Disturbance:
     vibration_time: float = 0.1
     """Correlation time of vibration, s."""
     contact: float = 0.0
-    """Standard deviation of the acceleration of points in contact, m/s2, or of joints at their
-    ends, rad/s2 or m/s2."""
+    """Standard deviation of the mass-weighted acceleration of points in contact and of joints at
+    their ends, sqrt(J)/s."""
     contact_time: float = 0.1
     """Correlation time of that acceleration, s."""
 

@@ -16,11 +16,14 @@ from morph.inference.validate import Validation
 
 SHARE, NATS = 0.003, 400.0
 """Where what remains is as probably physics as not: share of the joints' force, and evidence."""
-UNTOLD, ROUGH, SEEN, CHAOS = 0.45, 2.0, 0.01, 0.3
-"""Most probability for a robot in contact: laws of its forces show in rollouts alone; how many
-times what rollouts make of errors of their starts a model without a law may miss by, as impacts
-magnify them; that error over the motion's variance, below which it is a simulated contact's; and
-what errors of starts make of that, above which rollouts tell nothing: a robot that falls over."""
+UNTOLD = 0.45
+"""Most probability for a robot in contact: laws of its forces show in rollouts alone."""
+ROUGH = 2.0
+"""Error of rollouts, over that by errors of their initial states alone (impacts magnify these),
+above which physics is left, if there are no findings."""
+SEEN, CHAOS = 0.01, 0.3
+"""The same over the variance of the motion, below which it may be the error of simulated contact;
+and the part of it by initial states above which rollouts tell nothing: a robot that falls over."""
 STEEP = 2.0
 """How steeply probability rises with the logarithm of each."""
 MOST_UNKNOWN = 0.55
@@ -107,7 +110,7 @@ def _typical(losses: Array, validation: Validation) -> float:
 
 
 def _by_starts(found: Finalist, validation: Validation) -> float:
-    """Return by how much rollouts of one model part that start as surely as starts are known."""
+    """Return the error of rollouts by errors of their initial states alone, as `in_noise`."""
     rng, segments, runs = np.random.default_rng(0), validation.segments, found.refit.runs
     space, begun = segments.measurement.coordinates, []
     for run in runs:
