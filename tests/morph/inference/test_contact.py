@@ -110,8 +110,8 @@ def test_nothing_that_a_model_says_moves_feet_that_stand(robot: Robot) -> None:
     # up to 1 / 0.1 kg, and by the feet's own acceleration that of each.
     assert np.abs(feet[:, :, :9]).max() < 1e-9
     assert np.allclose(np.trace(feet[:, :, 9:], axis1=1, axis2=2), 2.0)
-    # Each leg alone, and the rail, take the force that moves the trunk. Contact leaves 1e-6 of it to
-    # the feet, as they were read.
+    # Each leg alone, and the rail, take the force that moves the trunk: to 1e-6 of it, as readings
+    # let the feet move a little.
     assert about.inertial == pytest.approx(np.full(3, about.inertial[0]), rel=1e-4)
 
 
