@@ -30,9 +30,9 @@ from morph.arrays import JSON
 from morph.body.load import load
 from morph.files import write_whole
 from morph.make.divide import divide
+from print.bed_pose import laid, mesh_of
 from print.clearance import clearances
 from print.gate import check_part
-from print.lay import laid, mesh_of
 from print.part import Part
 from print.prepare import prepare
 from print.printer import Profile, material, printer

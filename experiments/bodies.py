@@ -34,7 +34,7 @@ from morph.inference.diagnose import diagnose
 from morph.inference.observed import Observed
 from morph.model.episodes import step_for
 from morph.model.hypothesis import Hypothesis
-from morph.model.knobs import knobs
+from morph.model.nuisance_parameters import knobs
 from morph.physics import EFFECTS
 from morph.physics.effect import Effect
 from morph.record.recording import Recording

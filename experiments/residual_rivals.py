@@ -9,8 +9,8 @@ import numpy as np
 from morph.arrays import Array
 from morph.model.gp.fit import fit
 from morph.model.latent.run import Run
-from morph.model.mapped import fit_map
 from morph.model.missing_force.periods import Periods
+from morph.model.transition_gp import fit_map
 
 Simulate = Callable[[Array, Array], Array]
 """From states (rows, n) and commands (rows, nu) to states one control period later, (rows, n)."""

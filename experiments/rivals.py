@@ -1,7 +1,7 @@
 """What a transfer is compared with, in figures: losses of five trials on changed cart-poles.
 
 A swing-up is planned and seen on the cart-pole as it is; then every rival of
-`morph/transfer/rivals/` has five trials on one with a longer or shorter pole, more friction or
+`morph/transfer/baselines/` has five trials on one with a longer or shorter pole, more friction or
 more mass, and, as a control, on the same cart-pole. Beside them: doing nothing, and a plan on the
 target's true parameters. Losses are interquartile means over seeds with bootstrap intervals
 (Agarwal and others 2021, Deep RL at the edge of the statistical precipice, NeurIPS).
@@ -31,8 +31,8 @@ from morph.search.ddp import Plan
 from morph.search.evaluate import evaluate
 from morph.search.search import Problem
 from morph.study.cell import cells_of
-from morph.transfer.rivals.rivals import RIVALS
-from morph.transfer.rivals.source import Source
+from morph.transfer.baselines.rivals import RIVALS
+from morph.transfer.baselines.source import Source
 
 EXAMPLE = """example:
   python -m experiments.rivals --seeds 5 --resume --json > out/rivals.json

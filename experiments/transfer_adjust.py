@@ -36,7 +36,7 @@ from morph.search.target import Experience, Simulated
 from morph.sim.threads import one_thread
 from morph.task.swing_up import swing_up
 from morph.transfer.adjustment.adjust import Made, Settings, adjusted, applied
-from morph.transfer.adjustment.pretended import most_promising
+from morph.transfer.adjustment.adjusted_rollout import most_promising
 from morph.transfer.adjustment.rounds import sources
 from morph.transfer.adjustment.source import Source
 

@@ -29,7 +29,7 @@ from morph.errors import MorphError
 from morph.inference.diagnose import diagnose
 from morph.model.episodes import episode, step_for
 from morph.model.hypothesis import Hypothesis
-from morph.model.knobs import knobs
+from morph.model.nuisance_parameters import knobs
 from morph.model.score import rollouts
 from morph.model.segments import Segments, scored_segments
 from morph.physics.effect import Effect

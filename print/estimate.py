@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from print.arrays import Array
+from print.bed_pose import back, laid, mesh_of
 from print.job import Orientation
-from print.lay import back, laid, mesh_of
 from print.part import Part
 from print.printer import Profile
 from print.sections import Section, inset, moments, sections

@@ -9,8 +9,8 @@ from print.bed import about_up, hull, room
 from print.directions import resting, spread, turned_down
 from print.errors import PlateError
 from print.job import Orientation
-from print.lying import plastic, seconds, support_plastic, wasted, ways
 from print.mesh import Mesh
+from print.orientation_cost import plastic, seconds, support_plastic, wasted, ways
 from print.overhang import Standing, standing
 from print.printer import Profile
 

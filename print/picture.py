@@ -11,7 +11,7 @@ import numpy as np
 
 from print.arrays import Array, Integers, Mask
 from print.callout import Callout, callouts
-from print.lighten import lighter
+from print.decimate import lighter
 from print.mesh import Mesh
 
 Colour = tuple[int, int, int]

@@ -7,8 +7,8 @@ from dataclasses import replace
 from functools import partial
 from threading import Event
 
+from print.bed_pose import mesh_of
 from print.job import Job, Plate
-from print.lay import mesh_of
 from print.mesh import Mesh
 from print.prepare import at_once
 from print.slicer import Code, Slicer

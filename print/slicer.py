@@ -10,16 +10,16 @@ import threading
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from print.attended import attended
+from print.bed_pose import back, edge_room, laid, mesh_of, on_bed, slim
 from print.deposit import deposit
 from print.errors import SlicerError
 from print.gcode import lines
 from print.job import Orientation
-from print.lay import back, edge_room, laid, mesh_of, on_bed, slim
 from print.mesh import Mesh
 from print.outcome import agree, ended_well, seconds, warnings, whole
 from print.part import Part
 from print.printer import Profile
+from print.run_with_timeout import attended
 from print.settings import BRIM_MM, SKIRT_MM, settings
 from print.sliced import Sliced
 

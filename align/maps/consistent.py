@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from align.arrays import Array, Integers
-from align.maps.straight import Straight
+from align.maps.feature_warping import Straight
 
 Moves = Callable[[Array, Array], tuple[Array, Array, Array]]
 """From states (rows, n) and commands (rows, k), in spreads, to changes and their slopes by both."""

@@ -9,9 +9,9 @@ from typing import ClassVar
 import numpy as np
 
 from align.errors import SettingError
-from align.maps.agree import Bends, Effort, consistent
 from align.maps.body_map import BodyMap, Given, Mapper
-from align.maps.straight import flat_curves
+from align.maps.feature_warping import flat_curves
+from align.maps.multistart import Bends, Effort, consistent
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -8,9 +8,9 @@ from typing import ClassVar
 import numpy as np
 
 from align.maps.affine_map import AffineMap
-from align.maps.agree import Effort, consistent
 from align.maps.bent_map import BentMap
 from align.maps.body_map import Given, Mapper
+from align.maps.multistart import Effort, consistent
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -30,7 +30,7 @@ from morph.inference.refit import Refit, refitted, seen
 from morph.model.corrected import corrected
 from morph.model.episodes import Episode, episode, step_for
 from morph.model.hypothesis import Hypothesis
-from morph.model.knobs import knobs
+from morph.model.nuisance_parameters import knobs
 from morph.model.residual import learned
 from morph.physics import EFFECTS
 from morph.physics.effect import Effect

@@ -32,7 +32,7 @@ from morph.inference.diagnose import diagnose
 from morph.inference.rank import ranked
 from morph.model.episodes import episode, step_for
 from morph.model.hypothesis import Hypothesis
-from morph.model.knobs import knobs
+from morph.model.nuisance_parameters import knobs
 from morph.physics.fluid.thrust import Thrust
 from morph.record.load import load as load_recordings
 

@@ -10,8 +10,8 @@ from experiments.gate.controls import SHARE
 from experiments.gate.measures import Judged, is_good
 from experiments.gate.targets import Case, hypothesis, model, noise, nominal
 from morph.arrays import JSON
+from morph.model.kwik.certify import EPSILONS, watch
 from morph.model.kwik.cost import WITHIN, foretell
-from morph.model.kwik.judge import EPSILONS, watch
 from morph.policy.policy import Policy
 from morph.search.evaluate import evaluate
 from morph.search.search import Problem

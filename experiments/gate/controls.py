@@ -10,10 +10,10 @@ from experiments.gate.measures import Judged, is_good
 from experiments.gate.targets import Case, ahead, hypothesis, model, noise, nominal
 from morph.arrays import Array
 from morph.model.gp.fit import fit
-from morph.model.kwik.account import Account
-from morph.model.kwik.judge import EPSILONS, judge, verdict_of
-from morph.model.kwik.visit import ROUGH, visit
-from morph.model.latent.transit import Transit
+from morph.model.kwik.certify import EPSILONS, judge, verdict_of
+from morph.model.kwik.innovations import Account
+from morph.model.kwik.transition_evidence import ROUGH, visit
+from morph.model.latent.transition_model import Transit
 
 DELTA, SHARE = 0.05, 0.05
 """Those of the gate."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from align.metric import apart, certain, mean_only, promise
 from align.samples import Transitions
-from align.similar import following
+from align.tracking_feasibility import following
 from experiments.kin.bodies import FAMILIES, Kin, Source, described, kin, source
 from experiments.kin.carried import agreement, by_features, wanted_of
 from experiments.kin.pairs import PLANAR

@@ -10,12 +10,12 @@ import numpy as np
 from morph.arrays import JSON
 from morph.body.load import load
 from morph.model.gp.gp import GaussianProcess
-from morph.search.belief.laws import RadialLaw
-from morph.search.belief.memory import Memory
-from morph.search.belief.particles import Chance, Particles
-from morph.search.belief.radial import scale_of
-from morph.search.belief.rollout import imagine
-from morph.search.belief.task import View, view_of
+from morph.search.gp_rollout.laws import RadialLaw
+from morph.search.gp_rollout.memory import Memory
+from morph.search.gp_rollout.particles import Chance, Particles
+from morph.search.gp_rollout.radial import scale_of
+from morph.search.gp_rollout.rollout import imagine
+from morph.search.gp_rollout.task import View, view_of
 from morph.search.mc_pilco import McPilco
 from morph.search.moments.moments import ProcessMoments
 from morph.search.target import Simulated

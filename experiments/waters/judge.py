@@ -14,9 +14,9 @@ from experiments.waters.worlds import COEFFICIENTS, DOUBTS, WORLDS, Disturbance
 from morph.arrays import JSON, Array
 from morph.model.candidate import Candidate
 from morph.model.ensemble import Ensemble
+from morph.model.ou_likelihood import Likelihood
 from morph.model.select import Unsaid, courses, posterior, weighed
 from morph.model.transitions import transitions
-from morph.model.unsaid import Likelihood
 
 AT = (0.5, 1.0, 2.0, 5.0)
 """Seconds of data after which models are weighed."""

@@ -22,7 +22,7 @@ from morph.inference.observed import Observed, observed
 from morph.inference.quadratic import information, offset
 from morph.model.episodes import episode, step_for
 from morph.model.hypothesis import Hypothesis
-from morph.model.knobs import knobs
+from morph.model.nuisance_parameters import knobs
 from morph.physics.effect import Effect
 from morph.record.recording import Channel, Recording
 

@@ -24,13 +24,13 @@ from morph.model.diagnosis import Diagnosis
 from morph.model.episodes import Episode, longest_step, step_for
 from morph.model.finding import Change
 from morph.model.hypothesis import Hypothesis
-from morph.model.knobs import knobs
 from morph.model.measurement import Measurement
+from morph.model.nuisance_parameters import knobs
 from morph.model.pieces import all_pieces, stretches
 from morph.model.segments import scored_segments
 from morph.model.split import Split, split
 from morph.model.tracked_links import with_tracked_links
-from morph.model.usable import (
+from morph.model.validate_recordings import (
     check_channels,
     check_falls,
     check_motion,

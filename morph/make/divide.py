@@ -6,19 +6,19 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from morph.body.robot import Robot
-from morph.make import bought as buying
-from morph.make.bought import Item
+from morph.make import off_the_shelf_parts as buying
+from morph.make.deduplicate_parts import made
 from morph.make.division import Division
 from morph.make.drawing import Drawing, drawing
 from morph.make.fused import fused
 from morph.make.groups import grouped
 from morph.make.hinges import hinges
-from morph.make.lost import lost, lost_links
-from morph.make.made import made
 from morph.make.names import Names, safe
+from morph.make.off_the_shelf_parts import Item
 from morph.make.pieces import pieces, printed_links
 from morph.make.room import spared
 from morph.make.skeletons import skeletons
+from morph.make.unmatched_geometry import lost, lost_links
 from print.part import Part
 from print.printer import Profile
 

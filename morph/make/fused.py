@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from morph.make.bought import Item
 from morph.make.drawing import Drawing
 from morph.make.names import Names, safe
+from morph.make.off_the_shelf_parts import Item
 from morph.make.pieces import fusions, plastic, printed_links
 from print.mesh import joined
 from print.part import Part, Placement

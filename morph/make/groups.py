@@ -8,9 +8,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from morph.arrays import Array
-from morph.make.alike import motion
 from morph.make.moments import laid
 from morph.make.pieces import Piece
+from morph.make.point_set_registration import motion
 from print.mesh import Mesh
 
 

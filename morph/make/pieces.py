@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from morph.arrays import Array
-from morph.make.alike import cloud
-from morph.make.bought import Item
 from morph.make.drawing import Drawing, Drawn
 from morph.make.names import of_file
+from morph.make.off_the_shelf_parts import Item
+from morph.make.point_set_registration import cloud
 from morph.make.seats import seats
 from print.mesh import Mesh
 from print.part import Seat

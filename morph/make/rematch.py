@@ -17,9 +17,9 @@ from morph.make.match.matcher import Matcher
 from morph.make.match.matchers import MATCHERS
 from morph.policy.pattern import pattern
 from morph.policy.policy import Policy
-from morph.policy.said import check_body
+from morph.policy.policy_json import check_body
 from morph.search.evaluate import Score
-from morph.search.plan.best import FAILURE
+from morph.search.plan.plan_selection import FAILURE
 from morph.sim.threads import one_thread
 from morph.task.task import Task
 from morph.transfer.retask import task_for

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from morph.make.bought import Item
 from morph.make.drawing import Drawn
+from morph.make.off_the_shelf_parts import Item
 from print.part import Seat
 from print.servo import case
 

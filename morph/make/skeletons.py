@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from morph.make.bought import Item
 from morph.make.drawing import Drawing
+from morph.make.off_the_shelf_parts import Item
 from morph.make.pieces import fusions, plastic, printed_links
 from morph.make.pivots import Axis, passive, pivots
 from morph.make.rigid import between, roots

@@ -18,7 +18,7 @@ from morph.model.pieces import all_pieces
 from morph.model.score import rmse, rollouts
 from morph.model.segments import Segments, scored_segments
 from morph.model.tracked_links import with_tracked_links
-from morph.model.usable import check_channels, check_recordings
+from morph.model.validate_recordings import check_channels, check_recordings
 from morph.physics.effect import Effect
 from morph.record.recording import Recording
 

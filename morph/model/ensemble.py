@@ -14,9 +14,9 @@ from morph.errors import EvidenceError
 from morph.model.candidate import Candidate
 from morph.model.latent.run import Run
 from morph.model.mixture import Mixture
+from morph.model.ou_likelihood import Likelihood
 from morph.model.select import Unsaid, Weighed, courses, posterior, weighed
 from morph.model.transitions import transitions
-from morph.model.unsaid import Likelihood
 from morph.sim.rollout import Variant, rollout
 
 

@@ -13,7 +13,7 @@ from morph.arrays import Array
 from morph.body.follow import QUICK, RIGID
 from morph.body.robot import Robot
 from morph.body.spec import spec_of
-from morph.model.knobs import Knob
+from morph.model.nuisance_parameters import Knob
 from morph.physics.body.external_push import ExternalPush
 from morph.physics.body.point import PointEffect
 from morph.physics.contact.contact_softness import ContactSoftness

@@ -14,8 +14,8 @@ from scipy.stats import norm
 
 from morph.arrays import Array
 from morph.errors import EvidenceError
+from morph.model.ou_likelihood import Likelihood, likelihood
 from morph.model.transitions import Transitions
-from morph.model.unsaid import Likelihood, likelihood
 
 WHOLE = 2
 """Kinds of motion up to which a body is looked at as one; a larger one joint by joint."""

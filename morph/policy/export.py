@@ -23,9 +23,9 @@ from morph.policy.linear import Linear
 from morph.policy.network import Network
 from morph.policy.pattern import Pattern
 from morph.policy.policy import LARGEST, Policy
+from morph.policy.policy_json import check_body, said_of
 from morph.policy.radial import Radial
 from morph.policy.replay import TOLERANCE, apart, to_replay
-from morph.policy.said import check_body, said_of
 from morph.policy.store import load_policy
 from morph.policy.track import Track
 

@@ -15,8 +15,7 @@ from morph.files import write_whole
 from morph.policy.fields import number_of
 from morph.policy.files import EXPORTED, FILES, read_json, read_tensors
 from morph.policy.policy import Policy
-from morph.policy.replay import check_replay, to_replay
-from morph.policy.said import (
+from morph.policy.policy_json import (
     actions_said,
     check_body,
     check_robot,
@@ -24,6 +23,7 @@ from morph.policy.said import (
     observations_said,
     said_of,
 )
+from morph.policy.replay import check_replay, to_replay
 
 
 def write_policy(

@@ -11,14 +11,14 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.errors import SearchError, StateError
-from morph.search.plan.best import SURE, Planned, planned
-from morph.search.plan.concluded import concluded
-from morph.search.plan.ground import grounded
-from morph.search.plan.late import late
+from morph.search.plan.delayed_actuation import late
+from morph.search.plan.evaluate_plan import concluded
+from morph.search.plan.plan_selection import SURE, Planned, planned
 from morph.search.plan.policy import track_of
+from morph.search.plan.terminal_controller import grounded
 from morph.search.search import Learned, Problem, Search, State, Told, Trial, ignore
 from morph.search.trajectory.ddp import Trajectories
-from morph.search.trajectory.line import is_late
+from morph.search.trajectory.delay_augmented_plant import is_late
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -11,9 +11,9 @@ import numpy as np
 from morph.arrays import Array
 from morph.errors import SearchError
 from morph.model.jointed.fit import fit
-from morph.search.dream.dream import HINGE, Dream, known, settings_of
-from morph.search.dream.memory import FARTHEST, Memory, recalled
-from morph.search.dream.plans import Chosen, Effort, chosen, plans
+from morph.search.learned_dynamics.dream import HINGE, Dream, known, settings_of
+from morph.search.learned_dynamics.memory import FARTHEST, Memory, recalled
+from morph.search.learned_dynamics.plans import Chosen, Effort, chosen, plans
 from morph.search.search import Learned, Problem, Search, State, Told, ignore
 
 MOST_RANDOM = 4

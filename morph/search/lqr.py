@@ -8,9 +8,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from morph.search.plan.concluded import concluded_at_once
-from morph.search.plan.ground import held
+from morph.search.plan.evaluate_plan import concluded_at_once
 from morph.search.plan.policy import linear_of
+from morph.search.plan.terminal_controller import held
 from morph.search.regulator.rest import rest
 from morph.search.search import Learned, Problem, Search, State, Told, ignore
 from morph.search.trajectory.plant import Plant

@@ -12,11 +12,11 @@ from morph.arrays import Array
 from morph.errors import SearchError
 from morph.model.gp.gp import GaussianProcess
 from morph.policy.radial import Radial
-from morph.search.belief.memory import Memory
-from morph.search.belief.particles import Chance, Particles
-from morph.search.belief.radial import radial_of, scale_of
-from morph.search.belief.search import BeliefSearch, Improved
-from morph.search.belief.task import View
+from morph.search.gp_rollout.memory import Memory
+from morph.search.gp_rollout.particles import Chance, Particles
+from morph.search.gp_rollout.radial import radial_of, scale_of
+from morph.search.gp_rollout.search import BeliefSearch, Improved
+from morph.search.gp_rollout.task import View
 
 SMALLEST_SHARE = 0.1
 """Share of the step size that is left at the last step."""

@@ -13,11 +13,11 @@ from morph.model.gp.gp import GaussianProcess
 from morph.policy.bound import limits
 from morph.policy.policy import Policy
 from morph.policy.track import Track
-from morph.search.belief.memory import Memory
-from morph.search.belief.plant import BeliefPlant, Beliefs, belief_plant
-from morph.search.belief.search import BeliefSearch, Improved
-from morph.search.belief.seeds import seeds
-from morph.search.belief.task import View
+from morph.search.gp_rollout.memory import Memory
+from morph.search.gp_rollout.plant import BeliefPlant, Beliefs, belief_plant
+from morph.search.gp_rollout.search import BeliefSearch, Improved
+from morph.search.gp_rollout.seeds import seeds
+from morph.search.gp_rollout.task import View
 from morph.search.trajectory.backward import Law, backward
 
 LENGTHS = np.array([1.0, 0.5, 0.2, 0.05])

@@ -12,12 +12,12 @@ from scipy.optimize import minimize
 from morph.arrays import Array
 from morph.model.gp.gp import GaussianProcess
 from morph.policy.radial import Radial
-from morph.search.belief.laws import RadialLaw
-from morph.search.belief.memory import Memory
-from morph.search.belief.radial import Scale, radial_of, scale_of
-from morph.search.belief.rollout import imagine
-from morph.search.belief.search import BeliefSearch, Improved
-from morph.search.belief.task import View
+from morph.search.gp_rollout.laws import RadialLaw
+from morph.search.gp_rollout.memory import Memory
+from morph.search.gp_rollout.radial import Scale, radial_of, scale_of
+from morph.search.gp_rollout.rollout import imagine
+from morph.search.gp_rollout.search import BeliefSearch, Improved
+from morph.search.gp_rollout.task import View
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,12 +9,12 @@ from typing import ClassVar
 import numpy as np
 
 from morph.errors import SearchError
-from morph.search.plan.best import joined, judged
-from morph.search.plan.concluded import concluded_at_once
+from morph.search.plan.evaluate_plan import concluded_at_once
 from morph.search.plan.feedback import feedback
-from morph.search.plan.ground import grounded
+from morph.search.plan.initial_trajectories import Ground, costed, led, swung
+from morph.search.plan.plan_selection import joined, judged
 from morph.search.plan.policy import track_of
-from morph.search.plan.seeds import Ground, costed, led, swung
+from morph.search.plan.terminal_controller import grounded
 from morph.search.search import Learned, Problem, Search, State, Told, ignore
 from morph.search.trajectory.backward import Law
 from morph.search.trajectory.ddp import Trajectories, ddp, follow

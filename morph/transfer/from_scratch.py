@@ -6,7 +6,7 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.transfer.body import Body, linear_law
-from morph.transfer.crossing import Curve
+from morph.transfer.hop_result import Curve
 
 STEPS = (0.1, 0.3, 1.0)
 """Step sizes that are tried; the best by its own runs is taken, and only its runs are counted."""

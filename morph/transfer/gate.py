@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from morph.model.hypothesis import Hypothesis
-from morph.model.kwik.judge import Verdict, judge
+from morph.model.kwik.certify import Verdict, judge
 from morph.model.latent.run import Run
 from morph.model.latent.unknowns import unknowns
 from morph.sim.threads import one_thread

@@ -18,7 +18,7 @@ from morph.policy.store import load_policy, write_policy
 from morph.regular_file import read_regular
 from morph.search.target import Experience
 from morph.task.task import Task
-from morph.transfer.tried import Tried
+from morph.transfer.trial_record import Tried
 
 STATE, TRIALS, SHOWN, ORIGIN = "loop.json", "trials", "experience.npz", "origin.json"
 """Whose trials a folder holds; and of each trial what it showed, and where its policy came from."""

@@ -12,10 +12,10 @@ from morph.errors import DiagnosisError, EffectError, SimulationFailed, Transfer
 from morph.policy.policy import Policy
 from morph.search.target import Target
 from morph.task.task import Task
-from morph.transfer.advise import Advice, advise
-from morph.transfer.foresee import Foreseen
 from morph.transfer.keep import Keep
-from morph.transfer.tried import Tried
+from morph.transfer.next_action import Advice, advise
+from morph.transfer.predicted_return import Foreseen
+from morph.transfer.trial_record import Tried
 
 UNSURE = 0.02
 """What a repaired model may leave out, as a share of a typical change of speed in a period, for its

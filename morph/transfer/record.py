@@ -12,12 +12,12 @@ from typing import Literal
 from morph.arrays import JSON
 from morph.errors import OutputError
 from morph.files import sha256
-from morph.model.kwik.judge import Verdict as Gate
-from morph.model.latent.explain import Difference, Explained
+from morph.model.kwik.certify import Verdict as Gate
+from morph.model.latent.parameter_attribution import Difference, Explained
 from morph.search.target import Experience
 from morph.task.task import Task
-from morph.transfer.foresee import Foreseen
 from morph.transfer.loop import Round
+from morph.transfer.predicted_return import Foreseen
 from morph.transfer.score import UNMEASURED
 
 SCHEMA = "morph.transfer/1"

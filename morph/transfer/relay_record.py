@@ -9,7 +9,7 @@ from importlib.metadata import version
 from morph.arrays import JSON
 from morph.files import sha256
 from morph.task.task import Task
-from morph.transfer.crossing import Crossing
+from morph.transfer.hop_result import Crossing
 from morph.transfer.record import SCHEMA, text_of
 
 

@@ -11,7 +11,7 @@ from morph.arrays import Array
 from morph.body.robot import Robot
 from morph.errors import DiagnosisError
 from morph.model.hypothesis import Hypothesis
-from morph.model.latent.explain import Explained, explain
+from morph.model.latent.parameter_attribution import Explained, explain
 from morph.model.latent.run import Run
 from morph.model.latent.unknowns import unknowns, with_knobs
 from morph.model.missing_force.corrected import Corrected

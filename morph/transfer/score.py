@@ -11,7 +11,7 @@ from morph.errors import MorphError, SearchError
 from morph.policy.pattern import pattern
 from morph.policy.policy import Policy
 from morph.search.evaluate import Score, evaluate
-from morph.search.plan.again import STAGES, again
+from morph.search.plan.replan import STAGES, again
 from morph.search.search import Problem
 from morph.search.searches import default, search
 from morph.search.target import Simulated

@@ -9,7 +9,7 @@ from align.chain import ChainMap, composed
 from align.errors import MapError
 from align.maps.affine_map import AffineMap
 from align.maps.bent_map import BentMap
-from align.maps.straight import flat_curves
+from align.maps.feature_warping import flat_curves
 
 RNG = np.random.default_rng(100)
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from experiments.rivals import WORLDS
-from morph.transfer.rivals.rivals import RIVALS
+from morph.transfer.baselines.rivals import RIVALS
 
 TEXT = (Path(__file__).resolve().parents[2] / "docs" / "rivals.md").read_text(encoding="utf-8")
 

@@ -13,7 +13,7 @@ from morph.body.load import load
 from morph.model.episodes import episode, step_for
 from morph.model.fit import fit, measure
 from morph.model.hypothesis import Hypothesis
-from morph.model.knobs import knobs
+from morph.model.nuisance_parameters import knobs
 from morph.model.score import rmse
 from morph.model.segments import cut, scored_segments
 from morph.model.shooting import predict

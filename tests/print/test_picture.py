@@ -8,7 +8,7 @@ import pytest
 import trimesh
 
 from print.callout import LINE, callouts, spread
-from print.lighten import lighter
+from print.decimate import lighter
 from print.mesh import Mesh
 from print.picture import Drawn, picture
 

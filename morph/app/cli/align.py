@@ -30,7 +30,7 @@ def run_align(asked: Align) -> int:
         AlignError: No map can be learned from what was given.
     """
     from morph.app.cli.align_learn import check_map, learned
-    from morph.app.cli.loop_beat import beating
+    from morph.app.cli.heartbeat import beating
     from morph.run_folder import lock_run_folder
 
     # Whatever the command line got wrong is told before any work is done.
@@ -131,7 +131,7 @@ def _write(found: Aligned, out: Path, *, fresh: bool) -> None:
 
 def _say(asked: Align, found: Aligned) -> None:
     from morph.app.cli.align_said import lines
-    from morph.app.cli.words import say
+    from morph.app.cli.console import say
 
     if asked.json:
         sys.stdout.write(found.text())

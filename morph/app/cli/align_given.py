@@ -11,7 +11,7 @@ import numpy as np
 
 from align.errors import SamplesError
 from align.samples import Pairs, Transitions
-from morph.app.cli.words import harmless
+from morph.app.cli.console import harmless
 from morph.errors import TransferError
 from morph.files import sha256
 from morph.npz import load_npz

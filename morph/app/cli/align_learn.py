@@ -24,7 +24,7 @@ from morph.errors import TransferError
 from morph.record.nearest import nearest
 from morph.transfer.body import Body
 from morph.transfer.controls import through
-from morph.transfer.crossed import stepping
+from morph.transfer.evaluate_hop import stepping
 from morph.transfer.guarded import guarded
 from morph.transfer.mapped.feedback import holding
 from morph.transfer.mapped.lift import lift

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from morph.app.cli.align_arguments import Align
-from morph.app.cli.words import harmless, paragraph, table, width
+from morph.app.cli.console import harmless, paragraph, table, width
 from morph.app.report.align.outcome import Aligned
 from morph.app.report.align.words import headline, lost_said, quality_rows, summary
 from morph.transfer.parts import Arrow, Parts

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from morph.app.cli.arguments import Convert
-from morph.app.cli.words import harmless, paragraph, say, width
+from morph.app.cli.console import harmless, paragraph, say, width
 from morph.errors import OutputError
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
 from morph.app.cli.arguments import Inspect
-from morph.app.cli.words import TIE, harmless, paragraph, say, table, width
+from morph.app.cli.console import TIE, harmless, paragraph, say, table, width
 
 if TYPE_CHECKING:
     from morph.body.finding import Finding

@@ -125,8 +125,8 @@ def _key(asked: Learn, task: Task, search: Search) -> dict[str, str]:
 
 def _already(asked: Learn, out: Path) -> int | None:
     """Return the status of a finished search, told once more; None if there is more to do."""
+    from morph.app.cli.console import harmless
     from morph.app.cli.search_checkpoint import record_of
-    from morph.app.cli.words import harmless
 
     before = record_of(out)
     if before is None:
@@ -208,7 +208,7 @@ def _written(
 
 
 def _interrupted(out: Path, checkpoint: Checkpoint) -> int:
-    from morph.app.cli.words import harmless
+    from morph.app.cli.console import harmless
 
     checkpoint.write()
     sys.stderr.write(
@@ -221,7 +221,7 @@ def _interrupted(out: Path, checkpoint: Checkpoint) -> int:
 
 
 def _say(asked: Learn, outcome: Outcome) -> None:
-    from morph.app.cli.words import harmless, paragraph, say, width
+    from morph.app.cli.console import harmless, paragraph, say, width
     from morph.app.report.learn.outcome import record_text
     from morph.app.report.learn.words import headline, summary
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from morph.app.cli.arguments import List
-from morph.app.cli.words import harmless, say, table, width
+from morph.app.cli.console import harmless, say, table, width
 
 
 def run_list(asked: List) -> int:

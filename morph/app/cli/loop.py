@@ -11,8 +11,8 @@ from morph.app.cli.arguments import Loop
 from morph.errors import MorphError, TransferError, TrialStopped
 
 if TYPE_CHECKING:
-    from morph.app.cli.aim import Aim
     from morph.app.cli.stages import Stages
+    from morph.app.cli.target_options import Aim
     from morph.app.report.loop.outcome import Outcome
     from morph.policy.policy import Policy
     from morph.task.task import Task
@@ -29,9 +29,9 @@ def run_loop(asked: Loop) -> int:
         MorphError: An input cannot be used, the target cannot be tried, or a result cannot be
             written.
     """
-    from morph.app.cli.aim import check_choice, live_aim, told_aim
     from morph.app.cli.loop_key import check_fresh
     from morph.app.cli.outputs import LOOP, RECORDED, check_out
+    from morph.app.cli.target_options import check_choice, live_aim, told_aim
     from morph.run_folder import lock_run_folder
 
     # Whatever the command line got wrong is told before any work is done.
@@ -57,7 +57,7 @@ def run_loop(asked: Loop) -> int:
 
 def _run(asked: Loop, task: Task, given: Policy | None, aim: Aim | None, out: Path) -> int:
     """Carry a policy in a folder that nobody else works in, and return the exit status."""
-    from morph.app.cli.loop_beat import beating
+    from morph.app.cli.heartbeat import beating
     from morph.app.cli.loop_key import keep_of, key_of
     from morph.app.cli.loop_said import already
     from morph.app.cli.outputs import LOOP, claim, clear
@@ -100,7 +100,7 @@ def _task(asked: Loop) -> Task:
         found = replace(found, world=asked.world, effects=world(asked.world, robot).effects)
     if not asked.limit:
         return found
-    from morph.app.cli.aim import limits
+    from morph.app.cli.target_options import limits
     from morph.transfer.live.within import within
 
     # What is searched and foreseen knows the limits of what will be tried.
@@ -135,9 +135,9 @@ def _carried(
     asked: Loop, task: Task, given: Policy | None, aim: Aim | None, keep: Keep, told: Stages
 ) -> Outcome:
     """Return what came of all trials, written."""
-    from morph.app.cli.aim import conduct_notes, live_of, sealed_aim
     from morph.app.cli.loop_source import source
     from morph.app.cli.outputs import LOOP, claim, clear
+    from morph.app.cli.target_options import conduct_notes, live_of, sealed_aim
     from morph.app.report.loop.files import write_loop
     from morph.app.report.loop.words import round_said
     from morph.transfer.loop import Loop as Trials
@@ -224,9 +224,9 @@ def _ended(error: BaseException, out: Path) -> int:
     Raises:
         MorphError: It was not interrupted, but cannot go on.
     """
+    from morph.app.cli.console import harmless
     from morph.app.cli.loop_said import finished
     from morph.app.cli.outputs import LOOP, SOURCE, clear
-    from morph.app.cli.words import harmless
 
     tried, learned = finished(out), (out / SOURCE[0]).is_file()
     if not tried and not (learned and isinstance(error, KeyboardInterrupt)):

@@ -11,7 +11,7 @@ from morph.app.cli.outputs import LOOP
 from morph.errors import OutputError
 
 if TYPE_CHECKING:
-    from morph.app.cli.aim import Aim
+    from morph.app.cli.target_options import Aim
     from morph.policy.policy import Policy
     from morph.record.recording import Recording
     from morph.task.task import Task

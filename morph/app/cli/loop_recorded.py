@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from morph.app.cli.arguments import Loop
-from morph.app.cli.loop_beat import beating
+from morph.app.cli.heartbeat import beating
 from morph.app.cli.loop_key import keep_of, key_of_recordings
 from morph.app.cli.loop_said import command, say_outcome
 from morph.app.cli.outputs import LOOP, claim, clear
@@ -15,7 +15,7 @@ from morph.app.cli.stages import Stages
 from morph.app.report.loop.files import write_loop
 from morph.app.report.loop.outcome import Outcome
 from morph.model.hypothesis import Hypothesis
-from morph.model.kwik.judge import Verdict, judge
+from morph.model.kwik.certify import Verdict, judge
 from morph.model.latent.run import Run
 from morph.model.latent.unknowns import unknowns
 from morph.record.load import load

@@ -35,7 +35,7 @@ def already(asked: Loop, out: Path, task: Task) -> int | None:
     A record that is spoilt, or whose policy is gone, is none: the trials are there, and all else
     is computed again.
     """
-    from morph.app.cli.words import harmless
+    from morph.app.cli.console import harmless
 
     found = _finished(out, task)
     if found is None:
@@ -76,7 +76,7 @@ def _finished(out: Path, task: Task) -> tuple[str, bool, int] | None:
 
 def say_outcome(asked: Loop, outcome: Outcome) -> None:
     """Say what was found at the terminal, in words or as JSON."""
-    from morph.app.cli.words import harmless, paragraph, say, width
+    from morph.app.cli.console import harmless, paragraph, say, width
 
     if asked.json:
         sys.stdout.write(outcome.record().text())
@@ -95,7 +95,7 @@ def say_outcome(asked: Loop, outcome: Outcome) -> None:
 
 def _lines(asked: Loop, outcome: Outcome, columns: int | None) -> Iterator[tuple[str, str, bool]]:
     """Yield each text, its style, and whether it is laid out already."""
-    from morph.app.cli.words import table
+    from morph.app.cli.console import table
     from morph.app.report.loop.verdict import headline, rivals_said, sealed_rows, summary
     from morph.app.report.loop.words import differences
 

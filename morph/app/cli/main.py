@@ -24,12 +24,12 @@ from morph.app.cli.arguments import (
     Loop,
     Simulate,
 )
+from morph.app.cli.console import harmless
 from morph.app.cli.excite_arguments import Excite
 from morph.app.cli.print_arguments import Print
 from morph.app.cli.study_arguments import Study
 from morph.app.cli.view_arguments import View
 from morph.app.cli.weigh_arguments import Weigh
-from morph.app.cli.words import harmless
 from morph.errors import MorphError
 
 DONE, UNUSABLE, STOPPED_SHORT, INTERRUPTED = 0, 2, 3, 130

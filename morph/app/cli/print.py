@@ -10,9 +10,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from morph.app.cli.console import harmless, paragraph, say, width
 from morph.app.cli.print_arguments import Print
 from morph.app.cli.stages import stages
-from morph.app.cli.words import harmless, paragraph, say, width
 from morph.errors import MakeError, OutputError
 
 if TYPE_CHECKING:

@@ -36,7 +36,7 @@ def progress(quiet: bool, what: str) -> Iterator[Callable[[Trial], None]]:
 
 def in_words(trial: Trial) -> str:
     """Return a trial in a line."""
-    from morph.app.cli.words import harmless
+    from morph.app.cli.console import harmless
 
     words = f"trial {trial.number}, loss {trial.loss:.4g}, success {100.0 * trial.success:.0f} %"
     if trial.experience > 0.0:

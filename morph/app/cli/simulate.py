@@ -73,8 +73,8 @@ def run_simulate(asked: Simulate) -> int:
 
 
 def _say(asked: Simulate, done: Done) -> None:
+    from morph.app.cli.console import say, width
     from morph.app.cli.summary import as_json, in_words
-    from morph.app.cli.words import say, width
 
     if asked.json:
         sys.stdout.write(json.dumps(as_json(done), indent=2, allow_nan=False) + "\n")
@@ -93,7 +93,7 @@ def _done(
 ) -> Done:
     from morph.app.cli.summary import Done
     from morph.record.noise import noisy
-    from morph.sim.buried import buried
+    from morph.sim.initial_penetration import buried
 
     name = Path(asked.out).name.partition(".")[0] if asked.out else simulator.robot.name
     recording = noisy(simulator.recorded(moved, name or "simulated"), asked.noise)

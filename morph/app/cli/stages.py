@@ -48,6 +48,6 @@ def _line(said: str) -> None:
 
 
 def _harmless(said: str) -> str:
-    from morph.app.cli.words import harmless
+    from morph.app.cli.console import harmless
 
     return harmless(said)

@@ -8,8 +8,8 @@ from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
+from morph.app.cli.console import harmless, say
 from morph.app.cli.study_arguments import Study
-from morph.app.cli.words import harmless, say
 from morph.errors import StudyError
 from morph.regular_file import read_regular
 from morph.study.cell import check_function

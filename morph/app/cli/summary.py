@@ -8,8 +8,8 @@ from importlib.metadata import version
 
 import numpy as np
 
+from morph.app.cli.console import harmless, paragraph, table
 from morph.app.cli.effects import shown
-from morph.app.cli.words import harmless, paragraph, table
 from morph.arrays import JSON
 from morph.body.robot import Robot
 from morph.physics.effect import Effect

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from morph.app.cli.stages import Stages
     from morph.app.cli.transfer_bodies import Given
     from morph.transfer.body import Body
-    from morph.transfer.hops_kept import HopsKept, Kept
+    from morph.transfer.hop_checkpoint import HopsKept, Kept
     from morph.transfer.relay_record import RelayRecord
 
 DONE, STOPPED_SHORT, INTERRUPTED = 0, 3, 130
@@ -128,11 +128,11 @@ def check_periods(bodies: Sequence[Body]) -> None:
 
 def _run(asked: Transfer, bodies: list[Body], start: Given, out: Path, began: float) -> int:
     """Carry the policy in a folder that nobody else works in, and return the exit status."""
-    from morph.app.cli.loop_beat import beating
+    from morph.app.cli.heartbeat import beating
     from morph.app.cli.outputs import TRANSFER, claim, clear
     from morph.app.cli.transfer_said import say_outcome
     from morph.app.report.transfer.words import done
-    from morph.transfer.hops_kept import HopsKept
+    from morph.transfer.hop_checkpoint import HopsKept
 
     if asked.fresh:
         clear(out, TRANSFER, progress=True)
@@ -166,7 +166,7 @@ def _hops(
         AlignError: No map of it can be learned.
     """
     from morph.app.report.transfer.words import hop_said
-    from morph.transfer.crossed import Asked, crossed
+    from morph.transfer.evaluate_hop import Asked, crossed
     from morph.transfer.relay import as_believed
 
     gain, shift, source = start.gain, start.shift, bodies[0]
@@ -260,8 +260,8 @@ def _ended(error: BaseException, out: Path, hops: int) -> int:
     Raises:
         BaseException: It was not interrupted, but cannot go on.
     """
+    from morph.app.cli.console import harmless
     from morph.app.cli.outputs import TRANSFER, clear
-    from morph.app.cli.words import harmless
 
     if not hops:
         clear(out, TRANSFER, progress=True)

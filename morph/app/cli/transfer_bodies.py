@@ -19,8 +19,8 @@ from morph.task.tasks import check_name
 from morph.transfer.balancers import PUSHED, balancer
 from morph.transfer.body import Body, body
 from morph.transfer.mapped.feedback import holding
+from morph.transfer.policy_conversion import gain_of
 from morph.transfer.riders import PUSHES, RIDERS, rider, riding
-from morph.transfer.stored import gain_of
 
 TASKS = ("balance",)
 """Tasks about a state of rest that bodies share: what a relay carries so far."""

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 from morph.app.cli.align_arguments import Transfer
 from morph.app.cli.align_said import arrows
-from morph.app.cli.words import harmless, paragraph, say, table, width
+from morph.app.cli.console import harmless, paragraph, say, table, width
 from morph.app.report.transfer.page import chain_rows
 from morph.app.report.transfer.words import done, headline, saved, summary
 from morph.transfer.relay_record import RelayRecord

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from morph.app.cli.align_arguments import Transfer
-from morph.app.cli.words import harmless
+from morph.app.cli.console import harmless
 from morph.errors import TransferError
 
 if TYPE_CHECKING:

@@ -10,8 +10,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from morph.app.cli.console import harmless
 from morph.app.cli.view_arguments import View
-from morph.app.cli.words import harmless
 from morph.errors import OutputError, ViewError
 
 if TYPE_CHECKING:

@@ -6,9 +6,9 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from morph.app.cli.console import harmless, paragraph, say, width
 from morph.app.cli.stages import stages
 from morph.app.cli.weigh_arguments import Weigh
-from morph.app.cli.words import harmless, paragraph, say, width
 from morph.errors import MakeError
 
 if TYPE_CHECKING:

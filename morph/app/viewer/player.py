@@ -14,7 +14,7 @@ from morph.app.viewer.content import Actor, Colour
 from morph.app.viewer.layout import Layout, title
 from morph.app.viewer.mover import mover
 from morph.app.viewer.quiver import Quiver
-from morph.app.viewer.room import gone
+from morph.app.viewer.swept_bounds import gone
 from morph.arrays import Array
 
 ARROWS: dict[str, Colour] = {

@@ -12,8 +12,8 @@ from contextlib import contextmanager
 from html import escape
 from typing import Any
 
-from morph.app.viewer.door import HOST, PORT, Door, open_door, quiet
 from morph.app.viewer.opening import Opening
+from morph.app.viewer.serve import HOST, PORT, Door, open_door, quiet
 from morph.app.viewer.session import Session
 from morph.app.viewer.view import View
 

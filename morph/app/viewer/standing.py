@@ -9,8 +9,8 @@ import numpy as np
 
 from morph.app.viewer.content import Actor
 from morph.app.viewer.motion import RATE
-from morph.app.viewer.room import EIGHT, Room, looked_at, room
 from morph.app.viewer.sight import outline
+from morph.app.viewer.swept_bounds import EIGHT, Room, looked_at, room
 from morph.arrays import Array, Integers
 
 STRAYS = 0.6

@@ -9,7 +9,7 @@ import numpy as np
 
 from morph.app.viewer.colour import linear
 from morph.app.viewer.content import Actor, Tie
-from morph.app.viewer.room import matrices
+from morph.app.viewer.swept_bounds import matrices
 from morph.arrays import Array, Integers
 
 THIN, THICK = 1.5, 7.0

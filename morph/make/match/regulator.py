@@ -13,8 +13,8 @@ from morph.make.match.matcher import Matcher
 from morph.policy.linear import Linear
 from morph.policy.policy import Policy
 from morph.search.lqr import Lqr
-from morph.search.plan.ground import held
 from morph.search.plan.policy import linear_of
+from morph.search.plan.terminal_controller import held
 from morph.search.regulator.rest import rest
 from morph.search.searches import default
 from morph.search.trajectory.plant import Plant

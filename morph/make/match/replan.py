@@ -10,7 +10,7 @@ from typing import ClassVar
 from morph.make.match.case import Case
 from morph.make.match.matcher import Matcher
 from morph.policy.policy import Policy
-from morph.search.plan.again import STAGES, again
+from morph.search.plan.replan import STAGES, again
 from morph.search.searches import DEFAULTS, OTHERWISE, default
 
 LONGER = 4.0

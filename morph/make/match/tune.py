@@ -15,7 +15,7 @@ from morph.make.match.near.near import near
 from morph.policy.policy import Policy
 from morph.search.cmaes import Adapting
 from morph.search.generations.population import tried
-from morph.search.plan.best import FAILURE
+from morph.search.plan.plan_selection import FAILURE
 
 
 @dataclass(frozen=True, kw_only=True)

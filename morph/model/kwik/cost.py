@@ -13,11 +13,11 @@ from mujoco.batch import Batch
 from morph.arrays import Array, Integers
 from morph.errors import DiagnosisError
 from morph.model.hypothesis import Hypothesis
-from morph.model.kwik.closer import closer
+from morph.model.kwik.certify import EPSILONS, Answer
 from morph.model.kwik.features import Unnamed
-from morph.model.kwik.judge import EPSILONS, Answer
+from morph.model.kwik.refine_linearisation import closer
 from morph.model.latent.run import Run
-from morph.model.latent.transit import Transit
+from morph.model.latent.transition_model import Transit
 from morph.policy.observing import Observer
 from morph.policy.policy import LARGEST, Policy
 from morph.sim.rollout import Variant, quiet, rollout

@@ -10,12 +10,12 @@ import numpy as np
 from morph.arrays import Array
 from morph.body.robot import Robot
 from morph.model.hypothesis import Hypothesis, same_kind
-from morph.model.knobs import Knob
 from morph.model.latent.infer import Inferred
 from morph.model.latent.run import Run
 from morph.model.latent.sparse import likelihood_of, precisions, weighed
 from morph.model.latent.subsets import precision_of
-from morph.model.latent.transit import Slopes, Transit
+from morph.model.latent.transition_model import Slopes, Transit
+from morph.model.nuisance_parameters import Knob
 from morph.physics import EFFECTS
 from morph.physics.effect import Effect
 

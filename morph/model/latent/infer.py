@@ -16,7 +16,7 @@ from morph.model.fit import Room
 from morph.model.gaussian.states import Band, Trust
 from morph.model.hypothesis import Hypothesis
 from morph.model.latent.run import Run
-from morph.model.latent.transit import Slopes, Transit
+from morph.model.latent.transition_model import Slopes, Transit
 from morph.model.latent.unknowns import MOST, with_knobs
 from morph.physics.effect import Effect
 from morph.sim.integrator import Integrator

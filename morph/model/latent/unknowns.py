@@ -12,7 +12,7 @@ from morph.body.spec import bare_spec
 from morph.body.vary.apply import edited
 from morph.errors import DiagnosisError
 from morph.files import sha256
-from morph.model.knobs import Knob, that_matter
+from morph.model.nuisance_parameters import Knob, that_matter
 
 WIDE = 1.2
 """Standard deviation of the logarithm of a figure that may be anything: two of it are a factor

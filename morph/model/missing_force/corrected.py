@@ -14,9 +14,9 @@ from morph.model.gaussian.information import Information
 from morph.model.hypothesis import Hypothesis
 from morph.model.latent.unknowns import with_knobs
 from morph.model.missing_force.force import MissingForce
+from morph.model.missing_force.fourier_features import Waves
 from morph.model.missing_force.periods import Periods
 from morph.model.missing_force.settings import Settings
-from morph.model.missing_force.waves import Waves
 from morph.physics.effect import Effect
 from morph.sim.integrator import Integrator
 from morph.sim.simulator import Simulator

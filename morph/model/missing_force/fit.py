@@ -12,11 +12,11 @@ from morph.errors import DiagnosisError
 from morph.model.hypothesis import Hypothesis
 from morph.model.latent.run import Run
 from morph.model.missing_force.corrected import Corrected, within
+from morph.model.missing_force.fourier_features import waves_of
 from morph.model.missing_force.periods import Periods, Slopes
 from morph.model.missing_force.posterior import Reduced
 from morph.model.missing_force.problem import Iterate, Problem, typical_forces
 from morph.model.missing_force.settings import Settings, first_settings, settled
-from morph.model.missing_force.waves import waves_of
 from morph.sim.integrator import Integrator
 
 ROUNDS = 3

@@ -10,7 +10,7 @@ import numpy as np
 from morph.arrays import Array
 from morph.body.robot import Robot
 from morph.errors import EffectError
-from morph.model.missing_force.waves import Waves
+from morph.model.missing_force.fourier_features import Waves
 from morph.physics.effect import Effect, Simulations
 from morph.physics.motion import Motion
 

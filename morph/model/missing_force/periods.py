@@ -14,7 +14,7 @@ from morph.arrays import Array
 from morph.errors import DiagnosisError, SimulationFailed
 from morph.model.hypothesis import Hypothesis
 from morph.model.latent.run import Run
-from morph.model.missing_force.waves import Waves
+from morph.model.missing_force.fourier_features import Waves
 from morph.physics.fluid.settle import batches
 from morph.sim.integrator import INTEGRATORS, Integrator, best_integrator
 from morph.sim.rollout import quiet

@@ -10,10 +10,10 @@ import numpy as np
 from morph.arrays import Array
 from morph.model.gaussian.information import Information
 from morph.model.latent.run import Run
+from morph.model.missing_force.fourier_features import Waves
 from morph.model.missing_force.periods import Periods, Slopes
 from morph.model.missing_force.posterior import Reduced, jump_variance, reduced
 from morph.model.missing_force.settings import Settings
-from morph.model.missing_force.waves import Waves
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -10,8 +10,8 @@ from morph.physics.contact.presets import SURFACES
 from morph.search.family.family import Family
 from morph.search.family.follow import follow
 from morph.search.family.gait import gait
-from morph.search.family.hold import hold
 from morph.search.family.parts import parts_of
+from morph.search.family.posture_policies import hold
 from morph.search.family.stride import stride
 from morph.task.arm import Arm
 from morph.task.task import Task

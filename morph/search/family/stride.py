@@ -15,7 +15,7 @@ from morph.policy.policy import Action, Observation, actions_of
 from morph.policy.track import Track
 from morph.search.family.family import Family, Number
 from morph.search.family.gait import Gait, gait
-from morph.search.family.hold import springs
+from morph.search.family.posture_policies import springs
 
 WIDEST = 0.6
 """Farthest that a set point swings from the posture, rad."""

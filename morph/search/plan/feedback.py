@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 
 from morph.arrays import Array
-from morph.search.plan.ground import aided
-from morph.search.plan.seeds import Ground
+from morph.search.plan.initial_trajectories import Ground
+from morph.search.plan.terminal_controller import aided
 from morph.search.trajectory.backward import backward
 from morph.search.trajectory.ddp import Trajectories
 from morph.search.trajectory.linearise import linearise

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from morph.arrays import Array, Mask
-from morph.search.plan.seeds import Ground
+from morph.search.plan.initial_trajectories import Ground
 from morph.search.trajectory.ddp import Trajectories
 from morph.search.trajectory.plant import Plant
 

@@ -15,8 +15,8 @@ from morph.policy.linear import Linear
 from morph.policy.observing import addresses, observations_of
 from morph.policy.policy import actions_of
 from morph.policy.track import Track
-from morph.search.plan.best import Planned
-from morph.search.plan.seeds import Ground
+from morph.search.plan.initial_trajectories import Ground
+from morph.search.plan.plan_selection import Planned
 from morph.search.regulator.lqr import Regulator
 from morph.search.regulator.rest import Rest
 from morph.search.trajectory.plant import Plant

@@ -10,7 +10,7 @@ import numpy as np
 from align.adjust import Adjustment, adjustment
 from align.inverse import GaussianInverse, Inverse, gaussian_inverse, local_inverse
 from align.regression import MOST_DATA
-from align.similar import Following, following
+from align.tracking_feasibility import Following, following
 from morph.errors import TransferError
 from morph.policy.adjusted import Adjusted, newest
 from morph.policy.angles import turning

@@ -15,7 +15,7 @@ from morph.search.search import Problem
 from morph.search.target import Experience, Target
 from morph.sim.threads import one_thread
 from morph.transfer.adjustment.adjust import Made, Settings, adjusted, applied
-from morph.transfer.adjustment.pretended import most_promising
+from morph.transfer.adjustment.adjusted_rollout import most_promising
 from morph.transfer.adjustment.source import Source
 
 MARGINS = (0.0, 0.2, 0.3)

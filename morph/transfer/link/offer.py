@@ -17,7 +17,7 @@ from morph.errors import TransferError
 from morph.files import sha256
 from morph.policy.files import FILES, MOST_BYTES
 from morph.policy.policy import Policy
-from morph.policy.said import hash_of
+from morph.policy.policy_json import hash_of
 from morph.policy.store import write_policy
 from morph.regular_file import read_regular
 from morph.search.target import Experience

@@ -11,8 +11,8 @@ from morph.errors import TransferError, TrialStopped
 from morph.policy.policy import Policy
 from morph.search.target import Experience, Target
 from morph.transfer.link.offer import experience_of, experience_said, offer_of
+from morph.transfer.link.outbox import Post
 from morph.transfer.link.policies import Policies
-from morph.transfer.link.post import Post
 
 EXPERIENCE, POLICY, VERDICT = "experience", "policy", "verdict"
 """Kinds of messages: what a trial showed, an offer, and what became of it."""

@@ -16,10 +16,10 @@ from morph.search.evaluate import check_period
 from morph.search.target import Experience, Target
 from morph.task.moved import Moved
 from morph.task.task import UNSTABLE, Task
+from morph.transfer.live.actuator_gain_check import heed_of
 from morph.transfer.live.conduct import Conduct, odd_velocities
 from morph.transfer.live.connection import Connection
 from morph.transfer.live.delay import Delay, delay_of
-from morph.transfer.live.heed import heed_of
 from morph.transfer.live.keep import last_kept, write_trial
 from morph.transfer.live.limits import Guard, Limits
 from morph.transfer.live.session import Asked, Ended, Session

@@ -8,9 +8,9 @@ import pytest
 from align.arrays import Array
 from align.maps.affine_map import SHAPES, AffineMap
 from align.maps.bent_map import BentMap
+from align.maps.feature_warping import Curves
 from align.maps.follow import Linear, linear
 from align.maps.state_law import unscaled
-from align.maps.straight import Curves
 from align.samples import Transitions
 from align.scale import Scale
 

@@ -9,11 +9,11 @@ import pytest
 
 from align.arrays import Array
 from align.errors import SamplesError, SettingError
-from align.maps.agree import Effort
 from align.maps.body_map import Given
 from align.maps.consistent import Agreement, Guess, Seen, descended
+from align.maps.feature_warping import Straight, flat_curves, idle_network, no_curves
 from align.maps.maps import mapper
-from align.maps.straight import Straight, flat_curves, idle_network, no_curves
+from align.maps.multistart import Effort
 from align.maps.surrogate import surrogate
 from align.samples import Transitions
 

@@ -15,7 +15,7 @@ from morph.inference.rank import ranked
 from morph.inference.refit import seen
 from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis
-from morph.model.knobs import knobs
+from morph.model.nuisance_parameters import knobs
 from morph.physics.joint.coulomb_friction import CoulombFriction
 from tests.morph.inference.dry_disc import INERTIA, STEP, pushed
 

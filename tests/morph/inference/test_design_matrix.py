@@ -27,7 +27,7 @@ from morph.inference.sticking import sensed
 from morph.inference.whitened import whitened
 from morph.model.episodes import Episode, episode
 from morph.model.hypothesis import Hypothesis
-from morph.model.knobs import knobs
+from morph.model.nuisance_parameters import knobs
 from morph.physics.actuator.torque_saturation import TorqueSaturation
 from morph.physics.effect import Effect
 from morph.physics.joint.coulomb_friction import CoulombFriction

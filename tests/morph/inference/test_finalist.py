@@ -14,7 +14,7 @@ from morph.inference.finalist import Finalist, better, gains, simplified
 from morph.inference.quadratic import LogPosterior
 from morph.inference.refit import Refit
 from morph.model.hypothesis import Hypothesis
-from morph.model.knobs import knobs
+from morph.model.nuisance_parameters import knobs
 from morph.physics.joint.stribeck_friction import StribeckFriction
 from morph.physics.joint.viscous_friction import ViscousFriction
 

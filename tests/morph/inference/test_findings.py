@@ -13,7 +13,7 @@ from morph.inference.intervals import estimates, in_units, shifted
 from morph.inference.quadratic import LogPosterior
 from morph.model.finding import Estimate
 from morph.model.hypothesis import Hypothesis
-from morph.model.knobs import Knob
+from morph.model.nuisance_parameters import Knob
 from morph.physics.actuator.torque_saturation import TorqueSaturation
 from morph.physics.body.external_push import ExternalPush
 from morph.physics.body.payload import Payload

@@ -26,7 +26,7 @@ from morph.inference.search import Prior
 from morph.inference.validate import Validation
 from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis
-from morph.model.knobs import knobs
+from morph.model.nuisance_parameters import knobs
 from morph.physics.joint.coulomb_friction import CoulombFriction
 from morph.physics.joint.viscous_friction import ViscousFriction
 from tests.morph.inference.dry_disc import INERTIA, STEP, pushed, pushes, turned

@@ -16,7 +16,7 @@ from morph.inference.search import Prior
 from morph.inference.validate import Validation
 from morph.model.episodes import episode
 from morph.model.hypothesis import Hypothesis
-from morph.model.knobs import knobs
+from morph.model.nuisance_parameters import knobs
 from morph.physics.joint.coulomb_friction import CoulombFriction
 from morph.record.recording import Channel, Recording
 from tests.morph.inference.dry_disc import INERTIA, STEP, turned

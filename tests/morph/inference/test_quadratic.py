@@ -10,7 +10,7 @@ import pytest
 from morph.body.load import load
 from morph.inference.quadratic import LogPosterior
 from morph.model.hypothesis import Hypothesis
-from morph.model.knobs import knobs
+from morph.model.nuisance_parameters import knobs
 from morph.physics.body.link_inertia import LinkInertia
 from morph.physics.joint.viscous_friction import ViscousFriction
 

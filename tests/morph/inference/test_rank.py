@@ -25,7 +25,7 @@ from morph.inference.observed import observed
 from morph.inference.rank import ranked
 from morph.model.episodes import episode, step_for
 from morph.model.hypothesis import Hypothesis
-from morph.model.knobs import knobs
+from morph.model.nuisance_parameters import knobs
 from morph.physics.effect import Effect
 from morph.physics.joint.end_stop import EndStop
 from morph.record.load import load as load_recordings

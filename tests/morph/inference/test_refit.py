@@ -19,7 +19,7 @@ from morph.inference.refit import refitted, seen
 from morph.inference.validate import Validation
 from morph.model.episodes import Episode, episode
 from morph.model.hypothesis import Hypothesis
-from morph.model.knobs import knobs
+from morph.model.nuisance_parameters import knobs
 from morph.physics import EFFECTS
 from morph.physics.effect import Effect
 from morph.record.recording import Channel, Recording

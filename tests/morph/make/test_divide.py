@@ -13,10 +13,10 @@ import pytest
 from morph.body.description import read_description
 from morph.body.load import load
 from morph.body.spec import bare_spec
-from morph.make.bought import axes, items
 from morph.make.divide import divide
 from morph.make.division import Division
 from morph.make.drawing import drawing
+from morph.make.off_the_shelf_parts import axes, items
 from print.clearance import clearances
 from print.gate import check_part
 from print.part import Part

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from morph.body.load import load
-from morph.make.bought import Item, items
 from morph.make.drawing import drawing
+from morph.make.off_the_shelf_parts import Item, items
 
 
 def seats(name: str) -> dict[str, Item]:

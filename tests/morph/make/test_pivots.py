@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from morph.body.load import load
-from morph.make.bought import items
 from morph.make.drawing import drawing
+from morph.make.off_the_shelf_parts import items
 from morph.make.skeletons import skeletons
 from print.skeleton import Skeleton
 

@@ -13,8 +13,8 @@ from morph.errors import DiagnosisError, EvidenceError
 from morph.model.candidate import Candidate
 from morph.model.ensemble import Ensemble
 from morph.model.hypothesis import Hypothesis
-from morph.model.knobs import knobs
 from morph.model.latent.run import Run
+from morph.model.nuisance_parameters import knobs
 from morph.physics.joint.viscous_friction import ViscousFriction
 from morph.sim.simulator import Simulator
 from morph.sim.tangent import moved_by

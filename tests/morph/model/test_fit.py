@@ -12,7 +12,7 @@ from morph.body.robot import Robot
 from morph.model.episodes import episode, step_for
 from morph.model.fit import Fit, Room, fit, measure
 from morph.model.hypothesis import Hypothesis
-from morph.model.knobs import knobs
+from morph.model.nuisance_parameters import knobs
 from morph.model.segments import cut
 from morph.model.shooting import predict
 from morph.physics.actuator.torque_saturation import TorqueSaturation

@@ -12,9 +12,9 @@ from morph.arrays import Array
 from morph.body.load import load
 from morph.body.spec import spec_of
 from morph.errors import EvidenceError
+from morph.model.ou_likelihood import Likelihood
 from morph.model.select import Unsaid, blocks, courses, posterior, weighed
 from morph.model.transitions import Transitions
-from morph.model.unsaid import Likelihood
 
 PERIOD = 0.1
 NOISE = np.array([0.02, 0.02])

@@ -13,8 +13,8 @@ from morph.policy.linear import Linear
 from morph.search.ddp import Plan
 from morph.search.evaluate import attempt, evaluate
 from morph.search.lqr import Lqr
-from morph.search.plan.ground import grounded
-from morph.search.plan.seeds import led, swung
+from morph.search.plan.initial_trajectories import led, swung
+from morph.search.plan.terminal_controller import grounded
 from morph.search.receding import Receding
 from morph.search.search import Learned, Problem, State, Trial
 from morph.task.task import Task

@@ -11,9 +11,9 @@ from morph.arrays import Array
 from morph.body.load import load
 from morph.errors import SearchError
 from morph.policy.policy import Policy
-from morph.search.dream.memory import recalled
-from morph.search.dream.plans import Effort
 from morph.search.gp_ddp import LearnedPlans
+from morph.search.learned_dynamics.memory import recalled
+from morph.search.learned_dynamics.plans import Effort
 from morph.search.search import Learned, Problem, State, Trial
 from morph.search.target import Experience, Simulated, Target
 from morph.task.task import Task

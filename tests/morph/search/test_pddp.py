@@ -8,8 +8,8 @@ import pytest
 from morph.arrays import Array
 from morph.body.load import load
 from morph.model.gp.gp import GaussianProcess
-from morph.search.belief.plant import BeliefPlant, Beliefs, belief_plant
-from morph.search.belief.task import view_of
+from morph.search.gp_rollout.plant import BeliefPlant, Beliefs, belief_plant
+from morph.search.gp_rollout.task import view_of
 from morph.search.pddp import begun, followed
 from morph.search.trajectory.backward import backward
 from morph.task.tasks import task

@@ -10,7 +10,7 @@ from morph.arrays import Array
 from morph.body.load import load
 from morph.errors import SearchError, StateError
 from morph.policy.policy import Policy
-from morph.search.belief.search import BeliefSearch
+from morph.search.gp_rollout.search import BeliefSearch
 from morph.search.mc_pilco import McPilco
 from morph.search.pddp import Pddp
 from morph.search.pilco import Pilco
@@ -126,7 +126,7 @@ def test_data_that_are_no_numbers_are_refused(short: Task) -> None:
 
 
 def test_random_commands_stay_within_their_bounds_and_are_held(short: Task) -> None:
-    from morph.search.belief.task import view_of
+    from morph.search.gp_rollout.task import view_of
 
     view = view_of(short)
     told: Array = replace(SMALL[0], hold=4).random(view, np.random.default_rng(0))

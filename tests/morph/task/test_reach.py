@@ -12,7 +12,7 @@ from morph.body.robot import Robot
 from morph.body.spec import spec_of
 from morph.errors import TaskError
 from morph.search.family.families import family_of
-from morph.search.family.hold import hold as hold_near
+from morph.search.family.posture_policies import hold as hold_near
 from morph.search.generations.population import tried
 from morph.task.arm import Arm
 from morph.task.hold import hold

@@ -13,7 +13,7 @@ import morph.transfer
 from morph.body.load import load
 from morph.search.target import Experience
 from morph.task.tasks import task
-from morph.transfer.foresee import Foreseen
+from morph.transfer.predicted_return import Foreseen
 from morph.transfer.record import Guard, Hop, Record, Verdict, guard
 
 SCHEMA = json.loads((Path(morph.transfer.__file__).parent / "transfer.schema.json").read_text())

@@ -19,8 +19,8 @@ from morph.search.target import Simulated
 from morph.search.trajectory.plant import Plant
 from morph.task.swing_up import swing_up
 from morph.task.task import Task
-from morph.transfer.foresee import foresee
 from morph.transfer.gate import gated
+from morph.transfer.predicted_return import foresee
 from morph.transfer.repair import Model, Repair, repaired
 
 

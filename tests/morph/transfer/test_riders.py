@@ -12,11 +12,11 @@ import pytest
 from morph.body.load import load
 from morph.body.spec import spec_of
 from morph.errors import RobotError, TransferError
-from morph.transfer.boarded import on_board, servo_for
 from morph.transfer.body import Body, linear_law, still_law
 from morph.transfer.mapped.belief import read
 from morph.transfer.mapped.feedback import plain
 from morph.transfer.riders import rider, riding
+from morph.transfer.skateboard_bodies import on_board, servo_for
 
 FEET = ("left_foot", "right_foot")
 

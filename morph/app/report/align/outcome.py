@@ -10,7 +10,7 @@ from importlib.metadata import version
 
 from align.maps.body_map import BodyMap
 from morph.arrays import JSON
-from morph.transfer.crossing import parts_said
+from morph.transfer.hop_result import parts_said
 from morph.transfer.parts import Names, Parts
 from morph.transfer.record import Guard
 

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from morph.arrays import JSON
-from morph.model.kwik.judge import Verdict
-from morph.model.latent.explain import Difference
+from morph.model.kwik.certify import Verdict
+from morph.model.latent.parameter_attribution import Difference
 from morph.policy.policy import Policy
 from morph.search.target import Experience
 from morph.task.task import Task

@@ -7,7 +7,7 @@ from morph.app.report.loop import words
 from morph.app.report.loop.outcome import Outcome
 from morph.app.report.words import counted, percent, plain
 from morph.arrays import JSON
-from morph.model.latent.explain import Difference
+from morph.model.latent.parameter_attribution import Difference
 from morph.physics import effect_class
 from morph.transfer.score import SEARCHED
 

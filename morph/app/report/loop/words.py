@@ -7,12 +7,12 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from morph.app.report.words import counted, percent, plain
 from morph.body.robot import Robot
-from morph.model.kwik.judge import Verdict
-from morph.model.latent.explain import Difference
+from morph.model.kwik.certify import Verdict
+from morph.model.latent.parameter_attribution import Difference
 from morph.physics import effect_class
 from morph.physics.effect import SLIDING, Parameter
-from morph.transfer.foresee import Foreseen
 from morph.transfer.loop import Round
+from morph.transfer.predicted_return import Foreseen
 
 FIGURES: Mapping[str, str] = {
     "length": "{part} is {factor} times as long",

@@ -8,8 +8,8 @@ import numpy as np
 
 from morph.arrays import JSON, Array
 from morph.make.content import Package
+from print.decimate import lighter
 from print.explode import exploded
-from print.lighten import lighter
 from print.mesh import Mesh
 from print.part import Part
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from morph.app.report.learn.plots import Line, Plot
 from morph.app.report.transfer.words import NAMED
-from morph.transfer.crossing import Crossing, Curve
+from morph.transfer.hop_result import Crossing, Curve
 from morph.transfer.relay_record import RelayRecord
 
 LOOKS = {

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from morph.app.report.align.words import VERDICTS
 from morph.app.report.words import counted, percent
-from morph.transfer.crossing import ENOUGH, Crossing
+from morph.transfer.hop_result import ENOUGH, Crossing
 from morph.transfer.relay_record import RelayRecord
 
 NAMED: Mapping[str, str] = {

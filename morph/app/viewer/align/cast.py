@@ -14,9 +14,9 @@ from morph.body.robot import Robot
 from morph.errors import MorphError, TransferError
 from morph.files import sha256
 from morph.transfer.balancers import PUSHED, pushed, seen_with
-from morph.transfer.boarded import Board
 from morph.transfer.body import Body, body
 from morph.transfer.riders import FEET, PUSHES, RIDERS, riding
+from morph.transfer.skateboard_bodies import Board
 
 TASK = "balance"
 """What bodies of a relay do."""

@@ -19,7 +19,7 @@ from morph.policy.store import load_policy
 from morph.transfer.body import Body, Law, linear_law
 from morph.transfer.controls import through
 from morph.transfer.mapped.feedback import holding
-from morph.transfer.stored import law_of
+from morph.transfer.policy_conversion import law_of
 
 MOST_BYTES = 20_000_000
 """Largest file of a law, packed or not."""

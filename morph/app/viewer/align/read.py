@@ -16,7 +16,7 @@ from morph.app.viewer.align.story import Story, Told
 from morph.app.viewer.align.values import Values
 from morph.errors import ViewError
 from morph.regular_file import read_regular
-from morph.transfer.crossing import Crossing, Curve
+from morph.transfer.hop_result import Crossing, Curve
 from morph.transfer.parts import Arrow, Parts
 from morph.transfer.record import Guard
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from morph.transfer.crossing import Crossing
+from morph.transfer.hop_result import Crossing
 from morph.transfer.parts import Parts
 from morph.transfer.record import Guard
 

@@ -12,7 +12,7 @@ from morph.app.picture.scene import rounded
 from morph.app.viewer.compare.forces import Forces
 from morph.app.viewer.figure import Figure
 from morph.app.viewer.motion import Motion
-from morph.app.viewer.room import matrices
+from morph.app.viewer.swept_bounds import matrices
 from morph.arrays import Array
 
 FORCES = ("contact", "fluid", "buoyancy")

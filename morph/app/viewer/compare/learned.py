@@ -14,7 +14,7 @@ from morph.errors import MorphError, PolicyError
 from morph.files import sha256
 from morph.policy.files import read_json
 from morph.policy.policy import Policy
-from morph.policy.said import hash_of
+from morph.policy.policy_json import hash_of
 from morph.policy.store import load_policy, write_policy
 from morph.search.searches import default, search
 from morph.task.task import Task

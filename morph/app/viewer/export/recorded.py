@@ -10,7 +10,7 @@ import numpy as np
 
 from morph.app.viewer.camera import Camera
 from morph.app.viewer.content import Actor, Content
-from morph.app.viewer.door import open_door
+from morph.app.viewer.serve import open_door
 from morph.app.viewer.stage import Stage
 from morph.arrays import Array
 

@@ -9,7 +9,7 @@ import numpy as np
 from morph.app.viewer.figure import Figure
 from morph.app.viewer.mismatch.freedoms import axes, freedoms
 from morph.app.viewer.mismatch.heat import forces
-from morph.app.viewer.mismatch.take import DESCRIBED, Take
+from morph.app.viewer.mismatch.window import DESCRIBED, Take
 from morph.arrays import Array
 
 LONG = 0.35

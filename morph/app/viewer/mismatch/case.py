@@ -12,7 +12,7 @@ from morph.app.viewer.mismatch import loose, rollouts
 from morph.app.viewer.mismatch.diagnosed import Diagnosed, Event, Found
 from morph.app.viewer.mismatch.missing import clearest, joint_of, missing
 from morph.app.viewer.mismatch.poses import poses, span, untold
-from morph.app.viewer.mismatch.take import CORRECTED, DESCRIBED, Ask, Missing, Model, Take
+from morph.app.viewer.mismatch.window import CORRECTED, DESCRIBED, Ask, Missing, Model, Take
 from morph.app.viewer.mismatch.windows import windows
 from morph.app.viewer.mismatch.worst import STRETCH, worst_of, worst_stretches
 from morph.body.robot import Robot

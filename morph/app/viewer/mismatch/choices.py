@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from morph.app.viewer.mismatch.case import Case
 from morph.app.viewer.mismatch.drawn import BY_ERROR, COLOURINGS
-from morph.app.viewer.mismatch.take import DESCRIBED, Ask
+from morph.app.viewer.mismatch.window import DESCRIBED, Ask
 from morph.arrays import JSON
 from morph.errors import ViewError
 

@@ -13,8 +13,8 @@ from morph.app.viewer.mismatch.arrows import scale_of, wrenches
 from morph.app.viewer.mismatch.case import Case
 from morph.app.viewer.mismatch.freedoms import axes, freedoms
 from morph.app.viewer.mismatch.heat import Heat, by_error, by_force
-from morph.app.viewer.mismatch.take import CORRECTED, DESCRIBED, Model, Take
 from morph.app.viewer.mismatch.told import charts, notes, tables
+from morph.app.viewer.mismatch.window import CORRECTED, DESCRIBED, Model, Take
 from morph.app.viewer.mismatch.worst import worst_trace
 from morph.app.viewer.motion import RATE, posed
 from morph.arrays import Array

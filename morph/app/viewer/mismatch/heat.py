@@ -9,7 +9,7 @@ import numpy as np
 
 from morph.app.viewer.figure import Figure
 from morph.app.viewer.mismatch.freedoms import freedoms
-from morph.app.viewer.mismatch.take import DESCRIBED, Take, Trace
+from morph.app.viewer.mismatch.window import DESCRIBED, Take, Trace
 from morph.app.viewer.motion import RATE
 from morph.arrays import Array
 from morph.model.motion import low_pass

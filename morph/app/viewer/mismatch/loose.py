@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from morph.app.viewer.mismatch.poses import speeds
-from morph.app.viewer.mismatch.take import Model, Trace
+from morph.app.viewer.mismatch.window import Model, Trace
 from morph.app.viewer.motion import RATE
 from morph.arrays import Array
 from morph.body.robot import Joint, Robot

@@ -8,7 +8,7 @@ import numpy as np
 
 from morph.app.viewer.mismatch.freedoms import freedoms
 from morph.app.viewer.mismatch.rollouts import hypothesis_of
-from morph.app.viewer.mismatch.take import Missing, Model
+from morph.app.viewer.mismatch.window import Missing, Model
 from morph.arrays import Array
 from morph.body.robot import Robot
 from morph.model.episodes import Episode

@@ -11,7 +11,7 @@ from morph.app.viewer.mismatch.choices import BOTH, Choices
 from morph.app.viewer.mismatch.diagnosed import Found
 from morph.app.viewer.mismatch.drawn import COLOURINGS
 from morph.app.viewer.mismatch.missing import link_of
-from morph.app.viewer.mismatch.take import Model
+from morph.app.viewer.mismatch.window import Model
 from morph.app.viewer.widget import add_widget, set_value
 
 if TYPE_CHECKING:

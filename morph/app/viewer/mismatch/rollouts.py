@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from morph.app.viewer.mismatch.take import Model, Trace
+from morph.app.viewer.mismatch.window import Model, Trace
 from morph.app.viewer.motion import RATE
 from morph.arrays import Array
 from morph.body.load import FREEDOMS

@@ -13,7 +13,7 @@ from morph.app.viewer.mismatch.arrows import scale_of
 from morph.app.viewer.mismatch.case import Case
 from morph.app.viewer.mismatch.freedoms import freedoms
 from morph.app.viewer.mismatch.heat import Heat
-from morph.app.viewer.mismatch.take import CORRECTED, DESCRIBED, Model, Take, Trace
+from morph.app.viewer.mismatch.window import CORRECTED, DESCRIBED, Model, Take, Trace
 
 MOST_CHARTED = 6
 """Channels that are charted, the worst ones."""

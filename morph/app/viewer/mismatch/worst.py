@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from morph.app.viewer.mismatch.rollouts import simulated
-from morph.app.viewer.mismatch.take import DESCRIBED, Model, Take, Trace
+from morph.app.viewer.mismatch.window import DESCRIBED, Model, Take, Trace
 from morph.model.episodes import Episode
 from morph.model.score import by_segment
 

@@ -7,9 +7,9 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from morph.app.viewer.compare.arrows import KINDS
+from morph.app.viewer.compare.compare_content import lengths, told
 from morph.app.viewer.compare.panel import Panel
-from morph.app.viewer.compare.told import lengths, told
-from morph.app.viewer.compare.troupe import Cast, Troupe
+from morph.app.viewer.compare.simulation_cache import Cast, Troupe
 from morph.app.viewer.content import Content
 from morph.app.viewer.given import Given
 from morph.app.viewer.player import CONSTANT

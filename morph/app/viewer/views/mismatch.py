@@ -12,7 +12,7 @@ from morph.app.viewer.mismatch.case import Case
 from morph.app.viewer.mismatch.choices import Choices
 from morph.app.viewer.mismatch.drawn import drawn
 from morph.app.viewer.mismatch.load_case import load_case
-from morph.app.viewer.mismatch.take import Take
+from morph.app.viewer.mismatch.window import Take
 from morph.app.viewer.view import View
 from morph.arrays import JSON
 from morph.errors import MorphError

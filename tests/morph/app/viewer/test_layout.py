@@ -16,9 +16,9 @@ from morph.app.picture.shapes import Shape
 from morph.app.viewer.content import Actor
 from morph.app.viewer.layout import MOST_LETTERS, Layout, laid_out, title
 from morph.app.viewer.motion import RATE, Motion
-from morph.app.viewer.room import looked_at, matrices, room
 from morph.app.viewer.rows import gap, in_file, in_rows
 from morph.app.viewer.standing import lanes_of
+from morph.app.viewer.swept_bounds import looked_at, matrices, room
 from morph.arrays import Array
 
 UP = np.array([0.0, 0.0, 3.0])

@@ -10,10 +10,10 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from morph.model.kwik.account import Account
-from morph.model.kwik.judge import _answer, believed, verdict_of
-from morph.model.kwik.visit import Visit
-from morph.model.kwik.wager import bets
+from morph.model.kwik.certify import _answer, believed, verdict_of
+from morph.model.kwik.e_values import bets
+from morph.model.kwik.innovations import Account
+from morph.model.kwik.transition_evidence import Visit
 
 SURE = math.log(20.0)
 """What a bet must have won where verdicts may be wrong once in twenty times."""

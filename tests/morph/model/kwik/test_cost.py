@@ -9,8 +9,8 @@ import pytest
 
 from morph.errors import DiagnosisError
 from morph.model.hypothesis import Hypothesis
+from morph.model.kwik.certify import judge
 from morph.model.kwik.cost import foretell
-from morph.model.kwik.judge import judge
 from morph.model.latent.run import Run
 from morph.policy.observing import observations_of
 from morph.policy.policy import actions_of

@@ -8,7 +8,7 @@ from morph.errors import SearchError
 from morph.policy.policy import Policy
 from morph.search.family.families import family_of
 from morph.search.family.follow import follow
-from morph.search.family.hold import hold
+from morph.search.family.posture_policies import hold
 from morph.search.generations.population import tried
 from morph.task.arm import Arm
 from morph.task.track import Course, track

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from morph.model.gp.gp import GaussianProcess
-from morph.search.belief.belief import Plant
-from morph.search.belief.laws import LinearLaw, RadialLaw
-from morph.search.belief.rollout import imagine
+from morph.search.gp_rollout.belief import Plant
+from morph.search.gp_rollout.laws import LinearLaw, RadialLaw
+from morph.search.gp_rollout.rollout import imagine
+from morph.search.moments.moment_matching_rff import Lift, Squash
 from morph.search.moments.moments import ProcessMoments
 from morph.search.moments.radial import RadialNumbers, radial_backward, radial_forward
 from morph.search.moments.saturating import ExpectedCost
-from morph.search.moments.waves import Lift, Squash
 
 RNG = np.random.default_rng(11)
 TIP = ExpectedCost(

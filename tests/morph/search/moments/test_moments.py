@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from morph.model.gp.gp import GaussianProcess
+from morph.search.moments.moment_matching_rff import Lift, Squash
 from morph.search.moments.moments import ProcessMoments
 from morph.search.moments.radial import RadialNumbers, radial_forward
 from morph.search.moments.saturating import ExpectedCost
-from morph.search.moments.waves import Lift, Squash
 
 SAMPLES = 1_000_000
 

@@ -8,8 +8,8 @@ from scipy.linalg import solve_discrete_are
 
 from morph.body.load import load
 from morph.search.plan.filtered import along, filtered, gains
-from morph.search.plan.ground import grounded
-from morph.search.plan.seeds import Ground, costed
+from morph.search.plan.initial_trajectories import Ground, costed
+from morph.search.plan.terminal_controller import grounded
 from morph.search.trajectory.ddp import Trajectories
 from morph.task.tasks import task
 

@@ -10,7 +10,7 @@ from scipy.linalg import expm
 
 from morph.body.load import load
 from morph.errors import SearchError
-from morph.search.plan.ground import held
+from morph.search.plan.terminal_controller import held
 from morph.search.regulator.lqr import lqr, noise_aware
 from morph.search.regulator.rest import rest
 from morph.search.trajectory.linearise import linearise

@@ -10,8 +10,8 @@ from scipy.optimize import minimize
 
 from morph.arrays import Array
 from morph.body.load import load
-from morph.search.plan.ground import grounded
-from morph.search.plan.seeds import Ground, costed
+from morph.search.plan.initial_trajectories import Ground, costed
+from morph.search.plan.terminal_controller import grounded
 from morph.search.trajectory.backward import backward
 from morph.search.trajectory.cost import Quadratic, TaskCost
 from morph.search.trajectory.ddp import Trajectories, ddp

@@ -19,8 +19,8 @@ from morph.search.search import Problem
 from morph.search.target import Experience, Simulated
 from morph.task.balance import balance
 from morph.transfer.adjustment.adjust import Made, Settings, adjusted, applied
+from morph.transfer.adjustment.adjusted_rollout import Pretended, foreseen, most_promising
 from morph.transfer.adjustment.beyond import beyond
-from morph.transfer.adjustment.pretended import Pretended, foreseen, most_promising
 from morph.transfer.adjustment.source import Source, states_of
 
 

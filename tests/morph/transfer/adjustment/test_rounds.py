@@ -12,7 +12,7 @@ from morph.search.evaluate import evaluate
 from morph.search.target import Experience, Simulated
 from morph.transfer.adjustment.adjust import adjusted
 from morph.transfer.adjustment.direct import Direct
-from morph.transfer.adjustment.many import Many
+from morph.transfer.adjustment.multi_trajectory import Many
 from morph.transfer.adjustment.rounds import best, rounds
 from morph.transfer.adjustment.source import Source
 

@@ -15,7 +15,7 @@ from morph.policy.linear import Linear
 from morph.policy.observing import observations_of
 from morph.policy.policy import actions_of
 from morph.transfer.link.link import Link
-from morph.transfer.link.post import Post
+from morph.transfer.link.outbox import Post
 
 Making = Callable[..., Linear]
 

@@ -10,10 +10,10 @@ from morph.body.robot import Robot
 from morph.errors import TransferError, TrialStopped
 from morph.policy.policy import Policy
 from morph.search.target import Experience, Target
+from morph.transfer.link.fault_injection import Rough, Weather, pair
 from morph.transfer.link.offer import experience_of, experience_said
 from morph.transfer.link.online import Online, Service
 from morph.transfer.link.policies import Policies
-from morph.transfer.link.rough import Rough, Weather, pair
 
 STORM = Weather(down=0.3, lost=0.2, late=0.3, twice=0.3, spoilt=0.2)
 

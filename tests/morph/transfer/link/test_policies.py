@@ -11,7 +11,7 @@ from morph.body.load import load
 from morph.body.robot import Robot
 from morph.errors import TransferError
 from morph.policy.policy import Action
-from morph.policy.said import hash_of
+from morph.policy.policy_json import hash_of
 from morph.transfer.link.offer import offer_of
 from morph.transfer.link.policies import Policies
 

@@ -15,7 +15,7 @@ from morph.search.target import Simulated
 from morph.search.trajectory.plant import bounds_of
 from morph.task.task import Task
 from morph.task.tasks import task
-from morph.transfer.live.called import Called
+from morph.transfer.live.callable_target import Called
 from morph.transfer.live.limits import Guard, Limits
 from morph.transfer.live.live import Live
 from morph.transfer.live.watch import Watch

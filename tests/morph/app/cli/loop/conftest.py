@@ -16,8 +16,8 @@ from jsonschema import Draft202012Validator
 import morph.transfer
 from morph.app.cli.main import main
 from morph.body.load import load
-from morph.model.kwik.judge import Verdict
-from morph.model.latent.explain import Difference, Explained
+from morph.model.kwik.certify import Verdict
+from morph.model.latent.parameter_attribution import Difference, Explained
 from morph.model.latent.unknowns import turned
 from morph.policy.linear import Linear
 from morph.policy.observing import observations_of
@@ -26,8 +26,8 @@ from morph.policy.store import write_policy
 from morph.search.evaluate import evaluate
 from morph.task.task import Task
 from morph.task.tasks import task
-from morph.transfer.advise import Advice
-from morph.transfer.foresee import Foreseen
+from morph.transfer.next_action import Advice
+from morph.transfer.predicted_return import Foreseen
 from morph.transfer.repair import Model, Repair
 from morph.transfer.retask import task_for
 from morph.transfer.score import judged

@@ -111,7 +111,7 @@ def test_the_seal_is_opened_at_the_end_and_not_before(
 ) -> None:
     # Under a heavier cart the oracle stays the best: no plan is searched there from the policy.
     truth = Concealed(factors={"length:pole": 1.15, "weight:cart": 1.4})
-    monkeypatch.setattr("morph.app.cli.aim.drawn", lambda *_: truth)
+    monkeypatch.setattr("morph.app.cli.target_options.drawn", lambda *_: truth)
     bench.loop("--sealed", "7")
     told = capsys.readouterr()
     assert "as heavy" not in told.err

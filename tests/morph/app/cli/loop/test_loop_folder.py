@@ -14,10 +14,10 @@ from typing import Any
 
 import pytest
 
-from morph.app.cli.aim import live_aim
 from morph.app.cli.arguments import Loop
-from morph.app.cli.loop_beat import beating
+from morph.app.cli.heartbeat import beating
 from morph.app.cli.loop_key import key_of
+from morph.app.cli.target_options import live_aim
 from morph.body.load import load
 from morph.run_folder import LOCK
 from morph.task.tasks import task
@@ -131,7 +131,7 @@ def test_a_pipe_is_told_what_is_done_and_not_of_every_stage(
         while looked[0] < until:
             time.sleep(0.001)
 
-    monkeypatch.setattr("morph.app.cli.loop_beat.time", SimpleNamespace(monotonic=clock))
+    monkeypatch.setattr("morph.app.cli.heartbeat.time", SimpleNamespace(monotonic=clock))
     monkeypatch.setattr(sys.stderr, "write", noticed)
     with beating(False, every=0.2) as told:
         told.now("short")

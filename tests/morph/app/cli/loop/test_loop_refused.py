@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
-from morph.app.cli.aim import limits
 from morph.app.cli.main import main
+from morph.app.cli.target_options import limits
 from morph.body.load import load
 from morph.errors import TransferError
 from morph.task.tasks import task
@@ -123,6 +123,6 @@ def test_recordings_are_diagnosed_and_nothing_is_tried_or_learned(
 
 def explained_without_effects(*given: Any, **how: Any) -> Any:
     """Explain with figures alone; the whole library takes seconds."""
-    from morph.model.latent.explain import explain
+    from morph.model.latent.parameter_attribution import explain
 
     return explain(*given, **{**how, "candidates": ()})

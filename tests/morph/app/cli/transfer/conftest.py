@@ -138,6 +138,6 @@ def bench(
     knowing = Knowing()
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "100")
-    monkeypatch.setattr("morph.transfer.crossed.carry", knowing)
+    monkeypatch.setattr("morph.transfer.evaluate_hop.carry", knowing)
     monkeypatch.setattr("morph.app.cli.transfer_bodies.body_of", shorter)
     return Bench(capsys, knowing)

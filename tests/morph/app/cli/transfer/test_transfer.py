@@ -14,7 +14,7 @@ from morph.body.load import load
 from morph.policy.store import load_policy, write_policy
 from morph.transfer.balancers import balancer
 from morph.transfer.mapped.feedback import holding
-from morph.transfer.stored import gain_of, stored
+from morph.transfer.policy_conversion import gain_of, stored
 
 CHAIN = ("--chain", "cartpole", "rider_rigid_driven", "rider_two_links_driven")
 

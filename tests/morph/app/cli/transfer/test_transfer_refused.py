@@ -11,7 +11,7 @@ from morph.policy.pattern import pattern
 from morph.policy.store import write_policy
 from morph.transfer.balancers import balancer
 from morph.transfer.mapped.feedback import holding
-from morph.transfer.stored import stored
+from morph.transfer.policy_conversion import stored
 
 
 def words(*more: str) -> list[str]:

@@ -11,7 +11,7 @@ from morph.app.report.loop.drawn import predicted, true_states
 from morph.app.report.loop.outcome import Outcome
 from morph.app.report.loop.page import loop_page
 from morph.body.load import load
-from morph.model.latent.explain import Difference, Explained
+from morph.model.latent.parameter_attribution import Difference, Explained
 from morph.model.latent.unknowns import turned
 from morph.search.target import Experience, Simulated
 from morph.task.tasks import task

@@ -12,10 +12,10 @@ from morph.app.report.loop.files import UNNAMED, write_loop
 from morph.app.report.loop.outcome import Outcome
 from morph.app.report.loop.verdict import beyond, sealed_rows, summary
 from morph.body.load import load
-from morph.model.latent.explain import Difference, Explained
+from morph.model.latent.parameter_attribution import Difference, Explained
 from morph.model.latent.unknowns import turned
 from morph.model.missing_force.force import MissingForce
-from morph.model.missing_force.waves import Waves
+from morph.model.missing_force.fourier_features import Waves
 from morph.physics.joint.coulomb_friction import CoulombFriction
 from morph.physics.joint.stribeck_friction import StribeckFriction
 from morph.physics.store import load_effects

@@ -6,7 +6,7 @@ import pytest
 
 from morph.app.report.loop.words import FIGURES, differences, told, truth
 from morph.body.load import load
-from morph.model.latent.explain import Difference
+from morph.model.latent.parameter_attribution import Difference
 from morph.model.latent.unknowns import unknowns
 
 

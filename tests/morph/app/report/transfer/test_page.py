@@ -12,7 +12,7 @@ from morph.app.report.transfer.page import transfer_page
 from morph.app.report.transfer.words import credit, headline, saved, summary
 from morph.body.load import load
 from morph.task.tasks import task
-from morph.transfer.crossing import Crossing, Curve
+from morph.transfer.hop_result import Crossing, Curve
 from morph.transfer.parts import Arrow, Parts
 from morph.transfer.record import Guard
 from morph.transfer.relay_record import RelayRecord

@@ -16,7 +16,7 @@ from morph.app.viewer.mismatch.diagnosed import load_diagnosed
 from morph.app.viewer.mismatch.freedoms import axes
 from morph.app.viewer.mismatch.heat import by_error, by_force, forces
 from morph.app.viewer.mismatch.missing import clearest
-from morph.app.viewer.mismatch.take import CORRECTED, DESCRIBED, Ask
+from morph.app.viewer.mismatch.window import CORRECTED, DESCRIBED, Ask
 from morph.app.viewer.mismatch.windows import windows
 from morph.app.viewer.motion import RATE
 from morph.body.load import load

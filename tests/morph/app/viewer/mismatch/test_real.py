@@ -13,7 +13,7 @@ from morph.app.report.files import diagnosis_text
 from morph.app.viewer.given import Given
 from morph.app.viewer.mismatch.choices import Choices
 from morph.app.viewer.mismatch.load_case import load_case
-from morph.app.viewer.mismatch.take import CORRECTED, DESCRIBED
+from morph.app.viewer.mismatch.window import CORRECTED, DESCRIBED
 from morph.app.viewer.view import View
 from morph.app.viewer.views.mismatch import maker
 from morph.body.load import load

@@ -10,7 +10,7 @@ import pytest
 
 from morph.app.viewer.mismatch.arrows import scale_of, wrenches
 from morph.app.viewer.mismatch.case import Case
-from morph.app.viewer.mismatch.take import DESCRIBED, Ask
+from morph.app.viewer.mismatch.window import DESCRIBED, Ask
 from morph.app.viewer.motion import RATE
 from morph.body.load import load
 from morph.sim.simulator import Simulator

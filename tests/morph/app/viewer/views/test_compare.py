@@ -12,7 +12,7 @@ import pytest
 
 from morph.app.viewer.clock import Clock
 from morph.app.viewer.compare.panel import SWEEP
-from morph.app.viewer.compare.troupe import Troupe
+from morph.app.viewer.compare.simulation_cache import Troupe
 from morph.app.viewer.compare.work import Work
 from morph.app.viewer.given import Given
 from morph.app.viewer.player import ARROWS

@@ -14,7 +14,7 @@ import pytest
 from morph.app.viewer.clock import Clock
 from morph.app.viewer.mismatch.case import Case
 from morph.app.viewer.mismatch.diagnosed import Diagnosed, Event, Found
-from morph.app.viewer.mismatch.take import CORRECTED, DESCRIBED
+from morph.app.viewer.mismatch.window import CORRECTED, DESCRIBED
 from morph.app.viewer.views.mismatch import Mismatch
 from morph.body.load import load
 from morph.body.robot import Robot

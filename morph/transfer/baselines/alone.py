@@ -1,0 +1,23 @@
+"""Runs of the target alone: of the source nothing is kept but the first trial."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from morph.model.jointed.fit import Settings, fit
+from morph.model.jointed.jointed import Jointed
+from morph.search.learned_dynamics.memory import Memory
+from morph.transfer.baselines.learner import Learner, periods
+from morph.transfer.baselines.source import Source
+
+
+@dataclass(frozen=True, kw_only=True)
+class Alone(Learner):
+    """Learns from the target alone, which is what pooled data must beat to be worth anything."""
+
+    name: ClassVar[str] = "target data alone"
+
+    def learned(self, source: Source, memory: Memory, settings: Settings) -> Jointed:
+        """Return what runs of the target say."""
+        return fit(periods(memory.experience, settings, source.task), settings, memory.logs)

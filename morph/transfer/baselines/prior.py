@@ -1,0 +1,32 @@
+"""The source's accelerations as the mean of the target's."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from morph.model.jointed.fit import Settings, fit
+from morph.model.jointed.jointed import Jointed
+from morph.search.learned_dynamics.memory import Memory
+from morph.transfer.baselines.learner import Learner, periods
+from morph.transfer.baselines.source import Source
+
+
+@dataclass(frozen=True, kw_only=True)
+class Prior(Learner):
+    """Learns what the source misses: far from the target's runs it believes the source.
+
+    The mean of the target's Gaussian process is that of one learned from many runs in the
+    source's simulator.
+
+    Source: Cutler and How 2015, Efficient reinforcement learning for robots using informative
+    simulated priors, ICRA; there the mean is a network of radial basis functions, and the policy
+    PILCO's.
+    """
+
+    name: ClassVar[str] = "simulator as prior"
+
+    def learned(self, source: Source, memory: Memory, settings: Settings) -> Jointed:
+        """Return what the source says, corrected by what runs of the target say."""
+        data = periods(memory.experience, settings, source.task)
+        return fit(data, settings, memory.logs, source.believed.mean)

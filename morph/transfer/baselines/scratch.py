@@ -1,0 +1,30 @@
+"""Learning from scratch on the target: as if there were no source."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from morph.model.jointed.fit import Settings, fit
+from morph.model.jointed.jointed import Jointed
+from morph.search.learned_dynamics.memory import Memory
+from morph.transfer.baselines.learner import Learner, periods, randomly
+from morph.transfer.baselines.rival import Step
+from morph.transfer.baselines.source import Source
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scratch(Learner):
+    """Begins with random commands; then it is the search gp-ddp, at this effort."""
+
+    name: ClassVar[str] = "from scratch"
+
+    def learned(self, source: Source, memory: Memory, settings: Settings) -> Jointed:
+        """Return what runs of the target say."""
+        return fit(periods(memory.experience, settings, source.task), settings, memory.logs)
+
+    def first(self, source: Source, rng: np.random.Generator) -> Step:
+        """Return random commands."""
+        return randomly(source.task, rng, share=1.0, why="nothing is known")

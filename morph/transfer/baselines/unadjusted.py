@@ -1,0 +1,23 @@
+"""The source's policy, again and again."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from morph.search.learned_dynamics.memory import Memory
+from morph.transfer.baselines.rival import Rival, Step
+from morph.transfer.baselines.source import Source
+
+
+@dataclass(frozen=True, kw_only=True)
+class Unadjusted(Rival):
+    """Tries what worked on the source in every trial, and learns nothing."""
+
+    name: ClassVar[str] = "unadjusted"
+
+    def step(self, source: Source, memory: Memory, rng: np.random.Generator) -> Step:
+        """Return the source's policy."""
+        return Step(policy=source.policy, note="the source's policy")
