@@ -33,7 +33,7 @@ SAFE, UNSAFE = 0.05, 0.5
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Trial:
+class TrialTask:
     """What a run on the target would be like, as far as its task tells."""
 
     outcome: Array
@@ -65,7 +65,7 @@ class Trial:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Foreseen:
+class PredictedScores:
     """What a policy and holding still would score on every body drawn from a belief."""
 
     score: Array
@@ -109,12 +109,12 @@ class Verdict:
 def foreseen(
     belief: Belief,
     law: Law,
-    trial: Trial,
+    trial: TrialTask,
     rng: np.random.Generator,
     *,
     draws: int = DRAWS,
     still: Array | None = None,
-) -> Foreseen:
+) -> PredictedScores:
     """Return what a policy would score on bodies drawn from a belief, and what holding still.
 
     Every body drawn is run from every start under the policy, which sees states through the
@@ -139,10 +139,12 @@ def foreseen(
     none = still
     if none is None:
         none = _scores(laws, belief, rested, trial, np.random.default_rng(seed))
-    return Foreseen(score=ours, still=none)
+    return PredictedScores(score=ours, still=none)
 
 
-def _scores(laws: Array, belief: Belief, law: Law, trial: Trial, rng: np.random.Generator) -> Array:
+def _scores(
+    laws: Array, belief: Belief, law: Law, trial: TrialTask, rng: np.random.Generator
+) -> Array:
     """Return the mean score of a policy on each body, shape (draws,)."""
     draws, m, n = len(laws), *trial.starts.shape
     half = trial.outcome[: len(trial.outcome) // 2]
@@ -171,12 +173,12 @@ def odds(features: Array) -> float:
     """Return the probability of harm of what was foreseen, by the logistic law of `WEIGHTS`.
 
     Args:
-        features: As `Foreseen.features` gives them, shape (5,).
+        features: As `PredictedScores.features` gives them, shape (5,).
     """
     return float(1.0 / (1.0 + np.exp(-np.clip(features @ np.array(WEIGHTS), -30.0, 30.0))))
 
 
-def judge(found: Foreseen, *, safe: float = SAFE, unsafe: float = UNSAFE) -> Verdict:
+def judge(found: PredictedScores, *, safe: float = SAFE, unsafe: float = UNSAFE) -> Verdict:
     """Return the verdict on what was foreseen.
 
     Args:

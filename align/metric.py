@@ -9,7 +9,7 @@ import numpy as np
 from align.arrays import Array
 from align.belief import Belief
 from align.errors import SamplesError
-from align.guard import Law, Trial, foreseen
+from align.guard import Law, TrialTask, foreseen
 
 LINES = 64
 """Directions on which clouds of transitions are compared."""
@@ -36,7 +36,7 @@ def certain(law: Array, *, noise: Array) -> Belief:
 
 
 def promise(
-    known: Belief, law: Law, trial: Trial, rng: np.random.Generator, *, draws: int = 32
+    known: Belief, law: Law, trial: TrialTask, rng: np.random.Generator, *, draws: int = 32
 ) -> float:
     """Return what a carried policy is expected to score beyond holding still, -1 to 1.
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from align.arrays import Array, Integers, Mask
 from align.errors import AlignError, SamplesError
-from align.maps.body_map import BodyMap, Given, Mapper
+from align.maps.body_map import BodyMap, MapData, Mapper
 from align.samples import Step, Transitions
 
 
@@ -71,7 +71,9 @@ def quality(
     )
 
 
-def resampled(mapper: Mapper, given: Given, rng: np.random.Generator, *, rounds: int = 5) -> float:
+def resampled(
+    mapper: Mapper, given: MapData, rng: np.random.Generator, *, rounds: int = 5
+) -> float:
     """Return how far maps of resampled transitions lie apart, in spreads of what they say.
 
     Transitions of the target are drawn again with putting back, and the map is learned anew from

@@ -14,7 +14,7 @@ LEAST_SPREAD = 1e-9
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Scale:
+class Standardizer:
     """z = (x - middle) / spread."""
 
     middle: Array
@@ -31,7 +31,7 @@ class Scale:
         return np.asarray(self.middle + self.spread * z)
 
 
-def scale(x: Array) -> Scale:
+def scale(x: Array) -> Standardizer:
     """Return what gives every column of these data a mean of 0 and a standard deviation of 1.
 
     Args:
@@ -47,4 +47,4 @@ def scale(x: Array) -> Scale:
             fix="give at least two rows of numbers",
         )
     spread = x.std(axis=0)
-    return Scale(middle=x.mean(axis=0), spread=np.where(spread > LEAST_SPREAD, spread, 1.0))
+    return Standardizer(middle=x.mean(axis=0), spread=np.where(spread > LEAST_SPREAD, spread, 1.0))

@@ -14,7 +14,7 @@ from align.states import change, features
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Following:
+class TrackingFeasibility:
     """Which steps of a source's trajectory a target can follow, by three looks at them."""
 
     euclidean: Mask
@@ -40,7 +40,7 @@ def following(
     near: float = 0.5,
     alike: float = 0.25,
     noise: float = 0.0,
-) -> Following:
+) -> TrackingFeasibility:
     """Return which steps of a source's trajectory the target can follow.
 
     The Euclidean look scales each feature of a state, and each number of a change, by its
@@ -93,7 +93,7 @@ def following(
             permitted &= (asked + doubt >= low).all(axis=1)
         if high is not None:
             permitted &= (asked - doubt <= high).all(axis=1)
-    return Following(
+    return TrackingFeasibility(
         euclidean=np.asarray(whole.min(axis=1) <= near),
         relative=np.asarray(off <= alike * size + chance),
         permitted=permitted,

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from morph.body.finding import Finding
+from morph.body.finding import DescriptionFinding
 from morph.body.robot import Robot
 from morph.errors import RobotError
 
@@ -44,7 +44,7 @@ class Masses:
     """Why the masses of the text could not be counted; empty if they were."""
 
 
-def judge_masses(path: Path, robot: Robot, findings: Iterable[Finding]) -> Masses:
+def judge_masses(path: Path, robot: Robot, findings: Iterable[DescriptionFinding]) -> Masses:
     """Return the masses of a description's text beside those that morph simulates."""
     from morph.body.agreement import read_by_mujoco
 
@@ -173,16 +173,16 @@ def _inertials_of_mjcf(path: Path) -> dict[str, float]:
     }
 
 
-def _told(findings: Iterable[Finding]) -> dict[str, list[Finding]]:
+def _told(findings: Iterable[DescriptionFinding]) -> dict[str, list[DescriptionFinding]]:
     """Return the repairs that may change a mass, by link."""
-    told: dict[str, list[Finding]] = {}
+    told: dict[str, list[DescriptionFinding]] = {}
     for finding in findings:
         if finding.severity == "repaired" and finding.code in MASSES:
             told.setdefault(finding.where.name, []).append(finding)
     return told
 
 
-def _is_named(before: float, after: float, findings: Iterable[Finding]) -> bool:
+def _is_named(before: float, after: float, findings: Iterable[DescriptionFinding]) -> bool:
     """Return whether a repair at the link is of such a mass, and states the mass simulated."""
     for finding in findings:
         due = before <= NO_MASS if finding.code == "mass-missing" else before < 0.0

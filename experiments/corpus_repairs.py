@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from experiments.corpus_masses import urdf_of
-from morph.body.finding import Finding
+from morph.body.finding import DescriptionFinding
 from morph.body.robot import Link, Robot
 from morph.errors import RobotError
 
@@ -17,7 +17,9 @@ AGREE = 1e-9
 """Greatest relative difference of two readings that agree (`morph.body.agreement.difference`)."""
 
 
-def judge_difference(path: Path, robot: Robot, findings: Sequence[Finding]) -> tuple[bool, str]:
+def judge_difference(
+    path: Path, robot: Robot, findings: Sequence[DescriptionFinding]
+) -> tuple[bool, str]:
     """Return whether a difference to Pinocchio's reading is the named repairs, and which.
 
     The repairs are made anew in the text of the file, each at the very link or joint that its
@@ -41,7 +43,7 @@ def judge_difference(path: Path, robot: Robot, findings: Sequence[Finding]) -> t
     return bool(needed), ", ".join(needed)
 
 
-def _left(path: Path, robot: Robot, repairs: Sequence[Finding]) -> float:
+def _left(path: Path, robot: Robot, repairs: Sequence[DescriptionFinding]) -> float:
     """Return how far MuJoCo's reading is from Pinocchio's of the file with some repairs made."""
     from lxml import etree
 
@@ -59,13 +61,13 @@ def _left(path: Path, robot: Robot, repairs: Sequence[Finding]) -> float:
             return float("inf")
 
 
-def _mass(root: Any, robot: Robot, finding: Finding) -> None:
+def _mass(root: Any, robot: Robot, finding: DescriptionFinding) -> None:
     """Give the link all of the inertial that is simulated: it had no mass to keep."""
     for element, link in _links(root, robot, finding):
         _write(element, link, mass=link.mass, com=link.com)
 
 
-def _inertia(root: Any, robot: Robot, finding: Finding) -> None:
+def _inertia(root: Any, robot: Robot, finding: DescriptionFinding) -> None:
     """Give the link the inertia that is simulated; a mass above zero and its place stay."""
     for element, link in _links(root, robot, finding):
         mass = float(element.xpath("number(inertial/mass/@value)"))
@@ -77,13 +79,13 @@ def _inertia(root: Any, robot: Robot, finding: Finding) -> None:
             _write(element, link, mass=link.mass, com=link.com)
 
 
-def _links(root: Any, robot: Robot, finding: Finding) -> list[tuple[Any, Link]]:
+def _links(root: Any, robot: Robot, finding: DescriptionFinding) -> list[tuple[Any, Link]]:
     ours = {link.name: link for link in robot.links}
     name = finding.where.name
     return [(one, ours[name]) for one in _named("link", root, finding) if name in ours]
 
 
-def _named(what: str, root: Any, finding: Finding) -> list[Any]:
+def _named(what: str, root: Any, finding: DescriptionFinding) -> list[Any]:
     return list(root.xpath(f"/robot/{what}[@name=$name]", name=finding.where.name))
 
 
@@ -100,14 +102,14 @@ def _write(element: Any, link: Link, *, mass: float, com: tuple[float, float, fl
     etree.SubElement(inertial, "inertia", values)
 
 
-def _weld(root: Any, robot: Robot, finding: Finding) -> None:
+def _weld(root: Any, robot: Robot, finding: DescriptionFinding) -> None:
     """Weld the joint if its finding says so; another range changes no inertia."""
     for joint in _named("joint", root, finding):
         if finding.done.startswith("it was welded"):
             joint.set("type", "fixed")
 
 
-def _axis(root: Any, robot: Robot, finding: Finding) -> None:
+def _axis(root: Any, robot: Robot, finding: DescriptionFinding) -> None:
     """Turn the joint about the axis that is simulated."""
     ours = {joint.name: joint for joint in robot.joints}
     for joint in _named("joint", root, finding):
@@ -116,7 +118,7 @@ def _axis(root: Any, robot: Robot, finding: Finding) -> None:
                 axis.set("xyz", " ".join(map(repr, ours[joint.get("name")].axis)))
 
 
-def _unfollow(root: Any, robot: Robot, finding: Finding) -> None:
+def _unfollow(root: Any, robot: Robot, finding: DescriptionFinding) -> None:
     """Let the joint follow no other."""
     for joint in _named("joint", root, finding):
         for mimic in joint.findall("mimic"):

@@ -29,7 +29,7 @@ from rich.console import Console
 from rich.table import Table
 
 from align.errors import AlignError
-from align.maps.body_map import Given
+from align.maps.body_map import MapData
 from experiments.disguised.disguise import disguise
 from experiments.disguised.excited import SHARE, WIDE, bare, wild, worn
 from experiments.disguised.judge import Truth, judged, symmetries
@@ -103,7 +103,7 @@ def measured(case: Case) -> JSON:
     truth = Truth(target=unseen.state, told=unseen.command, state=x, command=u)
     free = symmetries(body, np.random.default_rng(0))
     began = time.monotonic()
-    given = Given(source=source, target=target, step=body.step)
+    given = MapData(source=source, target=target, step=body.step)
     try:
         said = WAYS[case.way](given, rng)(truth.target, truth.told)
     except AlignError as error:

@@ -14,7 +14,7 @@ from morph.sim.threads import one_thread
 from morph.task.balance import balance
 from morph.task.push import Push
 from morph.transfer.body import Body, linear_law
-from morph.transfer.iterations import Drift, Printed, first_of, iterations, nearby
+from morph.transfer.iterations import Drift, PrintedBody, first_of, iterations, nearby
 from morph.transfer.linear_belief import LinearBelief, anew, regressed, regulator
 
 BODIES = {"cartpole": 0.4, "rider_rigid_driven": 0.4, "cart_two_links": 0.2}
@@ -97,11 +97,11 @@ def _measured(case: Case) -> JSON:
     return {"body": case.body, "seed": case.seed, "rows": rows}
 
 
-def _printed(name: str) -> Printed:
+def _printed(name: str) -> PrintedBody:
     robot = load(name)
     mass = sum(link.mass for link in robot.links)
     push = Push(link=robot.joints[1].link, impulse=(BODIES[name] * mass, 0.0, 0.0))
-    return Printed(described=robot, pose=balance, push=push, drift=Drift())
+    return PrintedBody(described=robot, pose=balance, push=push, drift=Drift())
 
 
 def _gain(W: Array, task: Body, bounds: Body) -> Array:
@@ -111,7 +111,7 @@ def _gain(W: Array, task: Body, bounds: Body) -> Array:
 def _iterated(
     case: Case,
     number: int,
-    printed: Printed,
+    printed: PrintedBody,
     made: Body,
     first: Body,
     never: Array,

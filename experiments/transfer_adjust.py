@@ -35,10 +35,10 @@ from morph.search.evaluate import evaluate
 from morph.search.target import Experience, Simulated
 from morph.sim.threads import one_thread
 from morph.task.swing_up import swing_up
-from morph.transfer.adjustment.adjust import Made, Settings, adjusted, applied
+from morph.transfer.adjustment.adjust import AdjustedPolicy, AdjustSettings, adjusted, applied
 from morph.transfer.adjustment.adjusted_rollout import most_promising
 from morph.transfer.adjustment.rounds import sources
-from morph.transfer.adjustment.source import Source
+from morph.transfer.adjustment.source import SimulatedTask
 
 EXAMPLE = """example:
   python -m experiments.transfer_adjust --only friction --seed 100 --seeds 5 --save-as friction.json
@@ -56,11 +56,11 @@ FIGURE = tuple((name, factor) for name in ("g", "l", "m", "M", "b") for factor i
 ROWS = 30
 """Noisy runs by which each policy is judged beside its first trial."""
 
-WAYS: dict[str, Settings] = {
-    "local": Settings(inverse="local"),
-    "without a guess": Settings(guessed=False),
-    "starts: source": Settings(starts="source"),
-    "starts: target": Settings(starts="target"),
+WAYS: dict[str, AdjustSettings] = {
+    "local": AdjustSettings(inverse="local"),
+    "without a guess": AdjustSettings(guessed=False),
+    "starts: source": AdjustSettings(starts="source"),
+    "starts: target": AdjustSettings(starts="target"),
 }
 """Other ways to adjust, compared on the friction."""
 
@@ -69,7 +69,7 @@ class Known(Inverse):
     """The inverse dynamics of the target itself, which no transfer knows."""
 
     def __init__(self, target: Simulated) -> None:
-        self._source = Source(task=target.task, simulator=target.simulator)
+        self._source = SimulatedTask(task=target.task, simulator=target.simulator)
 
     def predict(self, state: Array, after: Array) -> tuple[Array, Array]:
         """Return the command that leads nearest, without doubt."""
@@ -96,7 +96,9 @@ class Tried:
 class Case:
     """One seed on one target: the run of the source's policy, and all that is made of it."""
 
-    def __init__(self, source: Source, plans: Sequence[Policy], target: Simulated, seed: int):
+    def __init__(
+        self, source: SimulatedTask, plans: Sequence[Policy], target: Simulated, seed: int
+    ):
         self.source, self.plans, self.target, self.seed = source, plans, target, seed
         self.run = target.trial(plans[0], np.random.default_rng([seed, 1]))
 
@@ -122,9 +124,9 @@ class Case:
         self,
         run: Experience | None = None,
         *,
-        settings: Settings | None = None,
+        settings: AdjustSettings | None = None,
         inverse: Inverse | None = None,
-    ) -> Made:
+    ) -> AdjustedPolicy:
         """Return what is made of one run."""
         return adjusted(
             self.source,
@@ -135,7 +137,7 @@ class Case:
             inverse=inverse,
         )
 
-    def chosen(self, made: Made) -> Adjusted:
+    def chosen(self, made: AdjustedPolicy) -> Adjusted:
         """Return the plan of the source that promises most under an adjustment."""
         rng = np.random.default_rng([self.seed, 5])
         return most_promising(self.source, made.adjustment, self.plans, rng=rng)[0]
@@ -173,7 +175,7 @@ def measured(
 ) -> JSON:
     """Return every case over every seed."""
     task = swing_up(cartpole())
-    source = Source(task=task, simulator=task.simulator())
+    source = SimulatedTask(task=task, simulator=task.simulator())
     targets = {case: target_of(changed(*case)) for case in cases}
     found: dict[tuple[str, float], list[JSON]] = {case: [] for case in cases}
     planning = []

@@ -20,7 +20,7 @@ from morph.task.crouch import crouch
 from morph.task.stand import stand
 from morph.task.task import Task
 from morph.task.walk import walk
-from morph.transfer.strides import Carried, Response, Told, carried, joint_map, tried
+from morph.transfer.strides import Response, Told, TransferredGaits, carried, joint_map, tried
 
 DISTANCE, HORIZON = 0.5, 5.0
 """How far both are to walk, m, and how long they have, s."""
@@ -223,7 +223,7 @@ def _humanoid(
 
 def _carried(
     gait: Gait, values: Array | None, responses: tuple[Response, Response], task: Task, map: Array
-) -> Carried:
+) -> TransferredGaits:
     return replace(carried(gait, values, responses, task, map=map), sigma=NARROW)
 
 
@@ -253,7 +253,7 @@ def _servos(task: Task) -> Told:
 
 def _parts_of(family: Family, biped: Task, task: Task) -> JSON:
     """Return, for each joint of the biped, which of the humanoid's does most of its work."""
-    if not isinstance(family, Carried):
+    if not isinstance(family, TransferredGaits):
         return {}
     names = [each.name for each in task.robot.actuators]
     best = np.abs(family.map).argmax(axis=0)

@@ -23,7 +23,7 @@ CENTRED = (
 
 
 @dataclass(frozen=True, kw_only=True)
-class Step:
+class AssemblyStep:
     """Something to do, once or for several links that are alike."""
 
     title: str
@@ -36,7 +36,9 @@ class Step:
     """How, a sentence each."""
 
 
-def steps(parts: Sequence[Part], hinges: Sequence[Hinge], told: Explosion) -> tuple[Step, ...]:
+def steps(
+    parts: Sequence[Part], hinges: Sequence[Hinge], told: Explosion
+) -> tuple[AssemblyStep, ...]:
     """Return how to put a body together.
 
     Args:
@@ -90,7 +92,7 @@ def _alike(pairs: Iterable[tuple[Key, Found]]) -> list[tuple[Key, list[Found]]]:
     return list(found.items())
 
 
-def _make(contents: Contents, links: Sequence[str]) -> Step:
+def _make(contents: Contents, links: Sequence[str]) -> AssemblyStep:
     printed = [(count, part) for count, part in contents if part.kind == "printed"]
     bought = [(count, part) for count, part in contents if part.kind == "bought"]
     said = []
@@ -111,7 +113,7 @@ def _make(contents: Contents, links: Sequence[str]) -> Step:
     ]
     if loose:
         said.append(f"In it go, where there is room for them: {', '.join(loose)}.")
-    return Step(
+    return AssemblyStep(
         title=f"Make {short(links)}",
         links=tuple(links),
         needs=tuple((count, part.number, part.name) for count, part in contents),
@@ -132,7 +134,7 @@ def _chained(joined: Iterable[tuple[object, list[Hinge]]]) -> list[list[Hinge]]:
     return found
 
 
-def _join(found: Sequence[Hinge], parent: Mapping[str, str], *, first: bool) -> Step:
+def _join(found: Sequence[Hinge], parent: Mapping[str, str], *, first: bool) -> AssemblyStep:
     said = [CENTRED] if first else []
     for hinge in found[:MOST_NAMED]:
         way = "turns about" if hinge.kind == "hinge" else "slides along"
@@ -141,7 +143,7 @@ def _join(found: Sequence[Hinge], parent: Mapping[str, str], *, first: bool) -> 
             f"The {short([hinge.moving])} goes onto the {short([hinge.still])}: it {way} the axis "
             f"of the joint {short([hinge.name])}.{closing}"
         )
-    return Step(
+    return AssemblyStep(
         title=f"Put on {short([hinge.moving for hinge in found])}",
         links=tuple(hinge.moving for hinge in found),
         said=tuple(said),

@@ -23,7 +23,7 @@ CROWDED_MM3 = 50.0
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Group:
+class LinkSolids:
     """The solids of one link, in the world with all joints at zero."""
 
     solids: tuple[tuple[str, Any], ...]
@@ -56,13 +56,13 @@ def clearances(
         profile: How it is printed; not used yet, since play is in the parts already.
     """
     del profile
-    groups: dict[str, Group] = {}
+    groups: dict[str, LinkSolids] = {}
     for link in {name for hinge in hinges for name in (hinge.still, hinge.moving)}:
         groups[link] = _group(parts, link)
     return tuple(_clearance(hinge, groups[hinge.still], groups[hinge.moving]) for hinge in hinges)
 
 
-def _group(parts: Sequence[Part], link: str) -> Group:
+def _group(parts: Sequence[Part], link: str) -> LinkSolids:
     solids, unknown, printed = [], [], {}
     for part in parts:
         for placement in part.placements:
@@ -77,10 +77,10 @@ def _group(parts: Sequence[Part], link: str) -> Group:
                     printed[part.name] = float(solid.volume())
             except SolidError:
                 unknown.append(part.name)
-    return Group(solids=tuple(solids), printed=printed, unknown=tuple(unknown))
+    return LinkSolids(solids=tuple(solids), printed=printed, unknown=tuple(unknown))
 
 
-def _clearance(hinge: Hinge, still: Group, moving: Group) -> Check:
+def _clearance(hinge: Hinge, still: LinkSolids, moving: LinkSolids) -> Check:
     left_out = sorted({*still.unknown, *moving.unknown})
     note = f"; without {', '.join(left_out)}, no solid" if left_out else ""
     if not still.solids or not moving.solids:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from print.arrays import Array, Mask
-from print.gcode import Lines
+from print.gcode import ExtrusionLines
 from print.printer import Profile
 from print.weight import MM, Weight
 
@@ -36,7 +36,7 @@ class Deposit:
     """Mass of each type of line, kg."""
 
 
-def deposit(lines: Lines, profile: Profile) -> Deposit:
+def deposit(lines: ExtrusionLines, profile: Profile) -> Deposit:
     """Return what is left on the bed.
 
     Each line is a box of its length, width and height, of the mass of the filament that was
@@ -59,7 +59,7 @@ def deposit(lines: Lines, profile: Profile) -> Deposit:
     )
 
 
-def _weight(lines: Lines, mass: Array, stays: Mask, profile: Profile) -> Weight:
+def _weight(lines: ExtrusionLines, mass: Array, stays: Mask, profile: Profile) -> Weight:
     """Return the lines that stay as one body.
 
     With the second moments S = sum m (c c' + (l2 u u' + w2 n n' + h2 z z') / 12), where u is

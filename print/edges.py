@@ -11,7 +11,7 @@ from print.mesh import Mesh
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Edges:
+class DirectedEdges:
     """Directed edges, three a triangle, and what of them keeps a mesh from being closed."""
 
     directed: Integers
@@ -44,14 +44,14 @@ class Edges:
         return bool((self.along == self.against).all())
 
 
-def edges(mesh: Mesh) -> Edges:
+def edges(mesh: Mesh) -> DirectedEdges:
     """Return the edges of a mesh; corners count as one only if they have one index."""
     directed = mesh.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
     low, high = directed.min(axis=1), directed.max(axis=1)
     _, edge = np.unique(low * (int(high.max(initial=0)) + 1) + high, return_inverse=True)
     up = directed[:, 0] < directed[:, 1]
     count = int(edge.max(initial=-1)) + 1
-    return Edges(
+    return DirectedEdges(
         directed=directed,
         edge=edge.astype(np.int64),
         along=np.bincount(edge[up], minlength=count),

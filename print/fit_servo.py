@@ -15,7 +15,7 @@ from print.printer import Profile
 from print.screw import screw
 from print.servo import (
     FREE_MM,
-    Servo,
+    ServoSize,
     Side,
     case,
     horn_disc,
@@ -101,11 +101,11 @@ def _pocket(mount: Mount, walls: Any, others: Any, profile: Profile) -> Fitting:
     )
 
 
-def _strapped(which: Servo) -> str:
+def _strapped(which: ServoSize) -> str:
     return f"which screws hold an {which.name} is not known here: a strap round its pocket does"
 
 
-def _walls(which: Servo, play: float) -> Any:
+def _walls(which: ServoSize, play: float) -> Any:
     """Return the block around a case, up to its top or to the underside of its flange."""
     grow = play + WALL_MM
     near, far = -which.axis_mm - grow, which.length_mm - which.axis_mm + grow
@@ -117,7 +117,7 @@ def _walls(which: Servo, play: float) -> Any:
     return box((near, -half, low), (far, half, high))
 
 
-def _screws(which: Servo, mount: Mount, play: float) -> tuple[Seat, ...]:
+def _screws(which: ServoSize, mount: Mount, play: float) -> tuple[Seat, ...]:
     """Return the seats of the screws that hold a servo."""
     size = screw(which.hole_screw)
     rim = which.held_by == "rim" and which.flange is not None

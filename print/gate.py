@@ -9,7 +9,7 @@ from print.check.subject import Subject
 from print.errors import PrintError
 from print.part import Check, Part
 from print.printer import Profile
-from print.repair import Repair, repaired
+from print.repair import MeshRepair, repaired
 
 
 def check_part(part: Part, profile: Profile) -> tuple[Part, tuple[Check, ...]]:
@@ -52,7 +52,7 @@ def check_part(part: Part, profile: Profile) -> tuple[Part, tuple[Check, ...]]:
     return mended, tuple(checks)
 
 
-def _told(found: Repair) -> str:
+def _told(found: MeshRepair) -> str:
     """Return what was mended, and how far the part is now from what was given."""
     if not found.steps:
         return "nothing to mend"

@@ -27,7 +27,7 @@ BLANK = np.isin(np.arange(256), np.frombuffer(b" \t\n\r\v\f", dtype=np.uint8))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Lines:
+class ExtrusionLines:
     """Every straight line along which plastic was laid, in the order of printing."""
 
     start: Array
@@ -46,7 +46,7 @@ class Lines:
     """Types of lines by the slicer's names; the first is empty: before any was named."""
 
 
-def lines(gcode: bytes, *, where: str = "G-code") -> Lines:
+def lines(gcode: bytes, *, where: str = "G-code") -> ExtrusionLines:
     """Return the lines that a G-code lays; absolute and relative distances are both read.
 
     Homing (G28) brings an axis to 0. Retraction, and what undoes it, moves filament but not
@@ -74,7 +74,7 @@ def lines(gcode: bytes, *, where: str = "G-code") -> Lines:
     at = words.line[laid]
     remarks = _remarks(gcode, breaks)
     feature, features = _features(remarks[b"TYPE"], at)
-    return Lines(
+    return ExtrusionLines(
         start=before[laid],
         end=place[laid],
         filament=pushed[laid],

@@ -42,7 +42,7 @@ FLATTEST, TALLEST = 0.45, 1.25
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Drawn:
+class PlacedMesh:
     """A mesh where it is to be drawn."""
 
     mesh: Mesh
@@ -54,7 +54,7 @@ class Drawn:
 
 
 def picture(
-    drawn: Sequence[Drawn],
+    drawn: Sequence[PlacedMesh],
     *,
     title: str,
     towards: Array = TOWARDS,
@@ -115,7 +115,7 @@ def _view(towards: Array) -> Array:
     return np.stack((right, np.cross(forward, right), forward))
 
 
-def _shares(drawn: Sequence[Drawn], faces: int) -> list[int]:
+def _shares(drawn: Sequence[PlacedMesh], faces: int) -> list[int]:
     """Return how many triangles each mesh may have: the larger its surface, the more."""
     area = np.array([max(float(each.mesh.trimesh.area), 1e-9) for each in drawn])
     # Small parts have as many edges as large ones, and show fewer: a power lies between both.
@@ -134,7 +134,7 @@ def _amid(mesh: Mesh, xy: Array, view: Array) -> Array:
 
 
 def _faces(
-    drawn: Sequence[Drawn], light: Sequence[Mesh], placed: Sequence[Array], view: Array
+    drawn: Sequence[PlacedMesh], light: Sequence[Mesh], placed: Sequence[Array], view: Array
 ) -> str:
     """Return the paths of all faces that look this way, the farthest first."""
     shine = LIGHT / np.linalg.norm(LIGHT)

@@ -22,7 +22,7 @@ FIX = "export what is printed alone, without motors and screws, as one closed so
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Repair:
+class MeshRepair:
     """A solid, and what was done to the mesh that was given."""
 
     mesh: Mesh
@@ -35,7 +35,7 @@ class Repair:
     """Greatest distance between the surfaces before and after."""
 
 
-def repaired(mesh: Mesh, *, where: str) -> Repair:
+def repaired(mesh: Mesh, *, where: str) -> MeshRepair:
     """Return the mesh as a solid, mended as little as it takes.
 
     In this order, until manifold3d takes it: coinciding corners become one, and those of open
@@ -65,7 +65,7 @@ def repaired(mesh: Mesh, *, where: str) -> Repair:
     whole, overlap = _one_shell(found)
     if whole is not found:
         steps = (*steps, f"joined its shells, which share {100 * overlap:.2g} % of their volume")
-    return Repair(
+    return MeshRepair(
         mesh=whole,
         steps=steps,
         volume_change=None if change is None else max(change, overlap),

@@ -16,7 +16,7 @@ from print.errors import SeatError
 from print.mesh import Mesh, from_manifold
 from print.screw import screw
 from print.servos import SERVOS as SERVOS
-from print.servos import Servo as Servo
+from print.servos import ServoSize as ServoSize
 from print.solid import box, hull, rod, union
 
 Side = Literal["+z", "+y", "-y"]
@@ -44,7 +44,7 @@ SCREW_MM = 8.0
 """How deep a screw goes into plastic."""
 
 
-def servo(name: str) -> Servo:
+def servo(name: str) -> ServoSize:
     """Return a servo by its name.
 
     Raises:
@@ -61,24 +61,24 @@ def servo(name: str) -> Servo:
     )
 
 
-def disc_radius(which: Servo) -> float:
+def disc_radius(which: ServoSize) -> float:
     """Return the radius of the disc that is screwed to its horn, mm."""
     if which.horn.arm_mm is not None:
         return which.horn.arm_mm[0] + ARM_WALL_MM
     return which.horn.diameter_mm / 2 + RIM_MM
 
 
-def case(which: Servo) -> Mesh:
+def case(which: ServoSize) -> Mesh:
     """Return its case with its flange, without its horn."""
     return from_manifold(_case(which, 0.0))
 
 
-def body(which: Servo) -> Mesh:
+def body(which: ServoSize) -> Mesh:
     """Return all of it, with its horn."""
     return from_manifold(union([_case(which, 0.0), _horn(which)]))
 
 
-def pocket(which: Servo, play_mm: float, side: Side = "+z") -> Mesh:
+def pocket(which: ServoSize, play_mm: float, side: Side = "+z") -> Mesh:
     """Return what must be empty for it to go in, to turn its horn, and for its wires.
 
     Args:
@@ -91,7 +91,7 @@ def pocket(which: Servo, play_mm: float, side: Side = "+z") -> Mesh:
     )
 
 
-def way_in(which: Servo, play_mm: float, side: Side = "+z") -> Any:
+def way_in(which: ServoSize, play_mm: float, side: Side = "+z") -> Any:
     """Return the room of the case, and the way by which it comes there, as a solid."""
     room = _case(which, play_mm)
     far = which.height_mm + which.horn.top_mm if side == "+z" else which.width_mm
@@ -101,13 +101,13 @@ def way_in(which: Servo, play_mm: float, side: Side = "+z") -> Any:
     return union([hull([part, part.translate(list(away))]) for part in parts])
 
 
-def turning_room(which: Servo) -> Any:
+def turning_room(which: ServoSize) -> Any:
     """Return where its horn turns, with the disc that is screwed to it, as a solid."""
     top = which.horn.top_mm + DISC_MM + FREE_MM
     return rod(disc_radius(which) + FREE_MM, 0.0, top)
 
 
-def screw_holes(which: Servo, floor_mm: float) -> Mesh | None:
+def screw_holes(which: ServoSize, floor_mm: float) -> Mesh | None:
     """Return what to cut for the screws that hold it; None if a strap holds it.
 
     Args:
@@ -131,7 +131,7 @@ def screw_holes(which: Servo, floor_mm: float) -> Mesh | None:
     return from_manifold(union(holes))
 
 
-def horn_pattern(which: Servo, play_mm: float) -> Mesh:
+def horn_pattern(which: ServoSize, play_mm: float) -> Mesh:
     """Return what to cut from the disc on its horn: its holes, and the room of an arm.
 
     Args:
@@ -151,7 +151,7 @@ def horn_pattern(which: Servo, play_mm: float) -> Mesh:
     return from_manifold(union(parts))
 
 
-def horn_reach(which: Servo) -> Any:
+def horn_reach(which: ServoSize) -> Any:
     """Return the ways by which a driver reaches the screws of its horn, as a solid."""
     top = which.horn.top_mm + DISC_MM
     head = screw(which.horn.screw).head_mm / 2 + REACH_MM
@@ -159,14 +159,14 @@ def horn_reach(which: Servo) -> Any:
     return union([rod(which.horn.centre_mm / 2, top - 0.1, top + FAR_MM), *ways])
 
 
-def _circle(which: Servo) -> list[tuple[float, float]]:
+def _circle(which: ServoSize) -> list[tuple[float, float]]:
     """Return where the screws of its horn are."""
     radius, turns = which.horn.circle_mm / 2, 2.0 * math.pi * np.arange(which.horn.count)
     turns = turns / max(which.horn.count, 1)
     return [(radius * math.cos(turn), radius * math.sin(turn)) for turn in turns]
 
 
-def horn_disc(which: Servo) -> Any:
+def horn_disc(which: ServoSize) -> Any:
     """Return the disc that is screwed to its horn, without its holes, as a solid."""
     low, high = which.horn.top_mm, which.horn.top_mm + DISC_MM
     if which.horn.arm_mm is None:
@@ -177,12 +177,12 @@ def horn_disc(which: Servo) -> Any:
     return hull([hub, rod(tip + ARM_WALL_MM, low, high, (length - tip, 0.0))])
 
 
-def _case(which: Servo, play: float) -> Any:
+def _case(which: ServoSize, play: float) -> Any:
     """Return the case and its flange, grown on all sides."""
     return union(_split(which, play))
 
 
-def _split(which: Servo, play: float) -> list[Any]:
+def _split(which: ServoSize, play: float) -> list[Any]:
     """Return the case, and the part of its flange that is above its underside."""
     near, far = -which.axis_mm - play, which.length_mm - which.axis_mm + play
     half = which.width_mm / 2 + play
@@ -195,7 +195,7 @@ def _split(which: Servo, play: float) -> list[Any]:
     return parts
 
 
-def _horn(which: Servo) -> Any:
+def _horn(which: ServoSize) -> Any:
     horn = which.horn
     if horn.arm_mm is None:
         return rod(horn.diameter_mm / 2, 0.0, horn.top_mm)
@@ -206,7 +206,7 @@ def _horn(which: Servo) -> Any:
     return union([hub, arm])
 
 
-def wire_room(which: Servo, play: float) -> Any:
+def wire_room(which: ServoSize, play: float) -> Any:
     """Return a window through the floor, for its wires, as a solid."""
     low, high, half = which.wires_mm
     floor = -which.height_mm

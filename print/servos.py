@@ -39,7 +39,7 @@ class Flange:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Servo:
+class ServoSize:
     """A servo's size, in a frame on its axis, z out of the case, x towards the far end."""
 
     name: str
@@ -70,7 +70,7 @@ class Servo:
     """Its tabs, if it has some."""
 
 
-AX_12 = Servo(
+AX_12 = ServoSize(
     name="AX-12",
     length_mm=50.0,
     width_mm=32.0,
@@ -91,7 +91,7 @@ AX_12 = Servo(
 """The AX-12A, whose case the AX-18A shares."""
 
 SERVOS = (
-    Servo(
+    ServoSize(
         name="STS3215",
         length_mm=45.2,
         width_mm=24.7,
@@ -111,7 +111,7 @@ SERVOS = (
             "not checked"
         ),
     ),
-    Servo(
+    ServoSize(
         name="XL-320",
         length_mm=36.0,
         width_mm=24.0,
@@ -132,7 +132,7 @@ SERVOS = (
     ),
     AX_12,
     replace(AX_12, name="AX-18", mass=0.0559),
-    Servo(
+    ServoSize(
         name="MX-28",
         length_mm=50.6,
         width_mm=35.6,
@@ -149,7 +149,7 @@ SERVOS = (
             "RhobanProject/MetabotStudio at 1518e66, backends/dxl/models/mx28.scad, mx28-arm.scad"
         ),
     ),
-    Servo(
+    ServoSize(
         name="MX-64",
         length_mm=61.1,
         width_mm=40.2,
@@ -168,7 +168,7 @@ SERVOS = (
             "RhobanProject/MetabotStudio at 1f6996e, backends/dxl/models/mx64.scad, mx64-arm.scad"
         ),
     ),
-    Servo(
+    ServoSize(
         name="SG90",
         length_mm=22.8,
         width_mm=12.6,

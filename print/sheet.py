@@ -11,12 +11,12 @@ import jinja2
 import numpy as np
 from markupsafe import Markup
 
-from print.assembly import Step, short, steps
+from print.assembly import AssemblyStep, short, steps
 from print.explode import exploded
 from print.gauge import PLAYS_MM
 from print.job import Job
 from print.part import Hinge, Part
-from print.picture import Colour, Drawn, picture
+from print.picture import Colour, PlacedMesh, picture
 
 FOLDER = Path(__file__).parent
 
@@ -96,7 +96,7 @@ def _apart(job: Job, hinges: Sequence[Hinge], title: str) -> str:
     told, colours = exploded(job.parts, hinges), _colours(job.parts)
     copies = sum(part.count for part in job.parts if part.mesh is not None)
     drawn = [
-        Drawn(
+        PlacedMesh(
             mesh=part.mesh.moved(told.pose(part, copy)),
             colour=colours[part.name],
             label="" if copy and copies > MOST_LABELS else part.number or part.name,
@@ -121,7 +121,7 @@ def _row(part: Part, job: Job, colours: dict[str, Colour], among: int) -> Row:
     if part.mesh is not None and lies is not None:
         pose = np.eye(4)
         pose[:3, :3] = lies.turn
-        drawn = Drawn(mesh=part.mesh.moved(pose), colour=colours.get(part.name, COLOURS[0]))
+        drawn = PlacedMesh(mesh=part.mesh.moved(pose), colour=colours.get(part.name, COLOURS[0]))
         few = max(120, min(SMALL, SMALL_IN_ALL // max(among, 1)))
         name = f"{part.name} as it lies on the bed"
         drawing = Markup(picture([drawn], title=name, towards=LEANING, faces=few, margin=20.0))
@@ -146,7 +146,7 @@ def _hours(seconds: float) -> str:
     return f"{hours} h {rest:02d} min" if hours else f"{rest} min"
 
 
-def _needs(step: Step) -> str:
+def _needs(step: AssemblyStep) -> str:
     times = "" if len(step.links) < 2 else f"{len(step.links)} times: "
     return times + ", ".join(
         f"{count} × {number or name.replace('_', ' ')}" for count, number, name in step.needs

@@ -12,7 +12,7 @@ from align.arrays import Array
 from align.errors import MapError
 from align.maps.affine_map import SHAPES, AffineMap
 from align.maps.body_map import BodyMap
-from align.maps.feature_warping import Straight, straight_of
+from align.maps.feature_warping import InvertibleWarp, straight_of
 
 ABOUT = ("middle", "spread", "command_middle", "command_spread")
 """Names of what the target's numbers are moved and divided by."""
@@ -30,9 +30,9 @@ class BentMap(BodyMap):
 
     affine: AffineMap
     """From straightened numbers of the target to the source's, both ways."""
-    states: Straight
+    states: InvertibleWarp
     """z of the states."""
-    commands: Straight
+    commands: InvertibleWarp
     """z of the commands."""
     middle: Array
     """Of the target's states, shape (n_t,)."""

@@ -64,7 +64,7 @@ class BodyMap(ABC):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Given:
+class MapData:
     """What a map is learned from; each mapper says in `needs` what it cannot do without."""
 
     source: Transitions
@@ -90,7 +90,7 @@ class Mapper(ABC):
     needs: ClassVar[frozenset[str]] = frozenset()
     """Which of `pairs`, `step`, `source_worth` and `target_worth` it cannot do without."""
 
-    def fit(self, given: Given, rng: np.random.Generator) -> BodyMap:
+    def fit(self, given: MapData, rng: np.random.Generator) -> BodyMap:
         """Return the map that the data make most likely.
 
         Raises:
@@ -107,5 +107,5 @@ class Mapper(ABC):
         return self.found(given, rng)
 
     @abstractmethod
-    def found(self, given: Given, rng: np.random.Generator) -> BodyMap:
+    def found(self, given: MapData, rng: np.random.Generator) -> BodyMap:
         """Return what `fit` is to give back; what it needs is there."""

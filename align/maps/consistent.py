@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from align.arrays import Array, Integers
-from align.maps.feature_warping import Straight
+from align.maps.feature_warping import InvertibleWarp
 
 Moves = Callable[[Array, Array], tuple[Array, Array, Array]]
 """From states (rows, n) and commands (rows, k), in spreads, to changes and their slopes by both."""
@@ -25,7 +25,7 @@ LEAST_GAIN = 1e-4
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Seen:
+class ScaledTransitions:
     """A target's transitions, every number in its spread about its mean."""
 
     before: Array
@@ -44,10 +44,10 @@ class Seen:
         change: Array = (self.after - self.before).std(axis=0)
         return np.stack([1.0 / np.maximum(change, 1e-6), np.ones_like(change)])
 
-    def rows(self, which: Integers) -> Seen:
+    def rows(self, which: Integers) -> ScaledTransitions:
         """Return some of them."""
         parts = (self.before[which], self.command[which], self.after[which])
-        return Seen(before=parts[0], command=parts[1], after=parts[2])
+        return ScaledTransitions(before=parts[0], command=parts[1], after=parts[2])
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -66,9 +66,9 @@ class Guess:
     """Shape (m, n)."""
     b: Array
     """Shape (m,)."""
-    states: Straight
+    states: InvertibleWarp
     """z."""
-    commands: Straight
+    commands: InvertibleWarp
     """z_a."""
 
     @property
@@ -95,7 +95,7 @@ class Guess:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Fit:
+class MapGuess:
     """A guess, and how far it is from the transitions."""
 
     guess: Guess
@@ -114,12 +114,12 @@ class Agreement:
     foresees nothing there and is no solution.
     """
 
-    seen: Seen
+    seen: ScaledTransitions
     """The target's transitions."""
     moves: Moves
     """How the source moves."""
     weight: Array
-    """What errors are multiplied by, shape (2, m); as `Seen.plain`."""
+    """What errors are multiplied by, shape (2, m); as `ScaledTransitions.plain`."""
 
     def weighed(self, guess: Guess) -> Agreement:
         """Return this with every number weighed by how well a guess foresees it.
@@ -176,7 +176,7 @@ class Agreement:
 
 def descended(
     guess: Guess, agree: Agreement, *, rounds: int, hold: float, gain: float = LEAST_GAIN
-) -> Fit:
+) -> MapGuess:
     """Return the guess to which the rule leads from a guess.
 
     Source: Marquardt 1963, J. SIAM 11(2).
@@ -213,12 +213,12 @@ def descended(
                     break
                 damping *= 5.0
             if not loss < before:
-                return Fit(guess=guess, loss=before)
+                return MapGuess(guess=guess, loss=before)
             guess, off, at = trial, trial_off, trial_at
             damping = max(damping / 5.0, 1e-7)
             if before - loss < gain * before:
                 break
-    return Fit(guess=guess, loss=loss)
+    return MapGuess(guess=guess, loss=loss)
 
 
 def _outer(law: Array, number: Array) -> Array:

@@ -27,7 +27,7 @@ NEWTON = 5
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Straight(ABC):
+class InvertibleWarp(ABC):
     """A map z(t) of numbers in their spreads, about 0, that has an inverse everywhere."""
 
     @property
@@ -66,7 +66,7 @@ class Straight(ABC):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Curves(Straight):
+class Curves(InvertibleWarp):
     """z_i = t_i + sum_kj (sqrt(pi) / 2) w erf((t_i - c_k) / w) cos(pi j (k + 1/2) / K) h_ij.
 
     Each number has its curve. Its slope is 1 and a sum of K Gaussian kernels of width w, whose
@@ -168,7 +168,7 @@ def flat_curves(m: int, cosines: int, reach: float) -> Curves:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Network(Straight):
+class NetworkWarp(InvertibleWarp):
     """z = t + V (tanh(W t + b) - tanh(b)): one hidden layer beside the straight way through.
 
     Source: Behrmann, Grathwohl, Chen, Duvenaud and Jacobsen 2019, ICML (a residual block whose
@@ -218,7 +218,7 @@ class Network(Straight):
         bent = 1.0 - np.tanh(t @ self.into.T + self.bias) ** 2
         return np.asarray(np.eye(len(self.out)) + (self.out * bent[:, None, :]) @ self.into)
 
-    def at(self, parameters: Array) -> Network:
+    def at(self, parameters: Array) -> NetworkWarp:
         """Return the network of these parameters, V shrunk until it can be inverted."""
         m, hidden = self.out.shape
         out, into, bias = np.split(parameters, [m * hidden, 2 * m * hidden])
@@ -241,23 +241,23 @@ class Network(Straight):
         return np.asarray(wave @ self.out.T)
 
 
-def idle_network(m: int, hidden: int, rng: np.random.Generator) -> Network:
+def idle_network(m: int, hidden: int, rng: np.random.Generator) -> NetworkWarp:
     """Return a network of which nothing comes out yet."""
-    return Network(
+    return NetworkWarp(
         out=np.zeros((m, hidden)),
         into=rng.standard_normal((hidden, m)) / np.sqrt(m),
         bias=rng.uniform(-1.0, 1.0, size=hidden),
     )
 
 
-def straight_of(weights: Mapping[str, Array]) -> Straight:
+def straight_of(weights: Mapping[str, Array]) -> InvertibleWarp:
     """Return the curves or the network that these numbers make.
 
     Raises:
         MapError: They make neither, or what they make cannot be inverted.
     """
     w = {name: np.asarray(value, dtype=float) for name, value in weights.items()}
-    found: Straight | None = None
+    found: InvertibleWarp | None = None
     if set(w) == {"height", "centre", "width"} and w["height"].ndim == 2 and not w["width"].ndim:
         kernels, cosines = w["centre"].shape, w["height"].shape[1]
         spaced = bool((np.diff(w["centre"]) > 0.0).all()) if len(kernels) == 1 else False
@@ -266,7 +266,7 @@ def straight_of(weights: Mapping[str, Array]) -> Straight:
     if set(w) == {"out", "into", "bias"} and w["out"].ndim == 2:
         m, hidden = w["out"].shape
         if w["into"].shape == (hidden, m) and w["bias"].shape == (hidden,):
-            found = Network(out=w["out"], into=w["into"], bias=w["bias"])
+            found = NetworkWarp(out=w["out"], into=w["into"], bias=w["bias"])
     whole = found is not None and np.isfinite(found.parameters).all()
     if found is None or not whole or not _kept(found):
         raise MapError(
@@ -277,7 +277,7 @@ def straight_of(weights: Mapping[str, Array]) -> Straight:
     return found
 
 
-def _kept(found: Straight) -> bool:
+def _kept(found: InvertibleWarp) -> bool:
     """Return whether nothing has to be mended before it can be inverted."""
     mended = found.at(found.parameters).parameters
     return bool(np.allclose(mended, found.parameters, rtol=1e-6, atol=1e-12))

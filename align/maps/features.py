@@ -9,7 +9,7 @@ import numpy as np
 
 from align.arrays import Array
 from align.errors import MapError
-from align.maps.body_map import Given
+from align.maps.body_map import MapData
 from align.maps.follow import Following
 from align.maps.state_law import StateLaw
 
@@ -28,7 +28,7 @@ class Features(Following):
     target_look: Array = field(default_factory=lambda: np.zeros((0, 0)))
     """C_t, the same on the target, shape (k, n_t)."""
 
-    def states(self, given: Given, rng: np.random.Generator) -> StateLaw:
+    def states(self, given: MapData, rng: np.random.Generator) -> StateLaw:
         """Return the map that the looks say."""
         wanted = (given.source.state.shape[1], given.target.state.shape[1])
         found = (self.source_look.shape[1], self.target_look.shape[1])

@@ -15,7 +15,7 @@ import numpy as np
 from align.arrays import Array
 from align.errors import MapError, SamplesError, SettingError
 from align.maps.affine_map import AffineMap
-from align.maps.body_map import Given, Mapper
+from align.maps.body_map import MapData, Mapper
 from align.maps.state_law import StateLaw
 from align.samples import Transitions
 
@@ -27,7 +27,7 @@ FLAT = 1e-8
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Linear:
+class LinearDynamics:
     """x' = A x + B u + c."""
 
     A: Array
@@ -38,7 +38,7 @@ class Linear:
     """Shape (n,)."""
 
 
-def linear(seen: Transitions) -> Linear:
+def linear(seen: Transitions) -> LinearDynamics:
     """Return the linear model of a body that its transitions make most likely, by ridge.
 
     Raises:
@@ -60,7 +60,7 @@ def linear(seen: Transitions) -> Linear:
     )
     law = (slope / spread[:, None]).T
     c = move.mean(axis=0) - law @ middle
-    return Linear(A=law[:, :n] + np.eye(n), B=law[:, n:], c=c)
+    return LinearDynamics(A=law[:, :n] + np.eye(n), B=law[:, n:], c=c)
 
 
 def followed(
@@ -164,7 +164,7 @@ class Following(Mapper):
                 fix="give a horizon of 1 to 200 and a positive effort",
             )
 
-    def found(self, given: Given, rng: np.random.Generator) -> AffineMap:
+    def found(self, given: MapData, rng: np.random.Generator) -> AffineMap:
         """Return the map of states with commands that follow."""
         return followed(
             self.states(given, rng),
@@ -175,5 +175,5 @@ class Following(Mapper):
         )
 
     @abstractmethod
-    def states(self, given: Given, rng: np.random.Generator) -> StateLaw:
+    def states(self, given: MapData, rng: np.random.Generator) -> StateLaw:
         """Return how the target's states are seen as the source's."""

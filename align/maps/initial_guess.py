@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from align.arrays import Array
-from align.maps.consistent import Guess, Seen
+from align.maps.consistent import Guess, ScaledTransitions
 from align.maps.feature_warping import no_curves
 
 FAINT = 1e-3
@@ -55,7 +55,7 @@ class Beginnings:
         )  # fmt: skip
 
 
-def beginnings(x: Array, u: Array, move: Array, seen: Seen) -> Beginnings:
+def beginnings(x: Array, u: Array, move: Array, seen: ScaledTransitions) -> Beginnings:
     """Return what linear models of both bodies say of the map between them.
 
     Args:

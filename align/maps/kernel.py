@@ -9,9 +9,9 @@ from typing import ClassVar
 import numpy as np
 
 from align.errors import SettingError
-from align.maps.body_map import BodyMap, Given, Mapper
+from align.maps.body_map import BodyMap, MapData, Mapper
 from align.maps.feature_warping import flat_curves
-from align.maps.multistart import Bends, Effort, consistent
+from align.maps.multistart import Bends, FitBudget, consistent
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,7 +34,7 @@ class KernelMapper(Mapper):
     """The same for a command's; commands by chance have no long tails."""
     hold: float = 1e-4
     """How strongly curves are held straight."""
-    effort: Effort = field(default_factory=Effort)
+    effort: FitBudget = field(default_factory=FitBudget)
     """How long it is looked for."""
 
     def __post_init__(self) -> None:
@@ -47,7 +47,7 @@ class KernelMapper(Mapper):
                 fix="give one cosine or more, and positive numbers",
             )
 
-    def found(self, given: Given, rng: np.random.Generator) -> BodyMap:
+    def found(self, given: MapData, rng: np.random.Generator) -> BodyMap:
         """Return the curves and the affine map that agree best with the transitions."""
         bends = Bends(
             states=partial(flat_curves, cosines=self.cosines, reach=self.reach),

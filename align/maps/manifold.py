@@ -9,7 +9,7 @@ import numpy as np
 
 from align.arrays import Array
 from align.errors import SamplesError, SettingError
-from align.maps.body_map import Given
+from align.maps.body_map import MapData
 from align.maps.follow import Following
 from align.maps.graph import alike, neighbours, patterns
 from align.maps.joint import across, together
@@ -41,7 +41,7 @@ class Manifold(Following):
         super().__post_init__()
         check_graph(self.nearest, self.weight, where=f"map {self.name}")
 
-    def states(self, given: Given, rng: np.random.Generator) -> StateLaw:
+    def states(self, given: MapData, rng: np.random.Generator) -> StateLaw:
         """Return the law by which both embeddings are one."""
         return aligned(
             given, rng, nearest=self.nearest, weight=self.weight, free=0.0, where=self.name
@@ -70,7 +70,7 @@ class ManifoldFree(Following):
         super().__post_init__()
         check_graph(self.nearest, self.weight, where=f"map {self.name}")
 
-    def states(self, given: Given, rng: np.random.Generator) -> StateLaw:
+    def states(self, given: MapData, rng: np.random.Generator) -> StateLaw:
         """Return the law by which both embeddings are one."""
         return aligned(
             given, rng, nearest=self.nearest, weight=0.0, free=self.weight, where=self.name
@@ -107,7 +107,7 @@ def some(states: Array, rng: np.random.Generator, *, least: int, where: str) -> 
 
 
 def aligned(
-    given: Given,
+    given: MapData,
     rng: np.random.Generator,
     *,
     nearest: int,

@@ -11,9 +11,9 @@ from align.arrays import Array
 from align.errors import MapError, SamplesError, SettingError
 from align.maps.affine_map import AffineMap
 from align.maps.bent_map import BentMap
-from align.maps.body_map import Given
-from align.maps.consistent import Agreement, Fit, Guess, Moves, Seen, descended
-from align.maps.feature_warping import Straight
+from align.maps.body_map import MapData
+from align.maps.consistent import Agreement, Guess, MapGuess, Moves, ScaledTransitions, descended
+from align.maps.feature_warping import InvertibleWarp
 from align.maps.initial_guess import beginnings
 from align.maps.surrogate import LEAST_SPREAD, Surrogate, surrogate
 from align.samples import Step, Transitions
@@ -39,7 +39,7 @@ WORST = 1e6
 
 
 @dataclass(frozen=True, kw_only=True)
-class Effort:
+class FitBudget:
     """How long a consistent map is looked for."""
 
     starts: int = 32
@@ -67,16 +67,16 @@ class Effort:
 class Bends:
     """What straightens the numbers of a target, made for so many of them."""
 
-    states: Callable[[int], Straight] = field()
+    states: Callable[[int], InvertibleWarp] = field()
     """For the states."""
-    commands: Callable[[int], Straight] = field()
+    commands: Callable[[int], InvertibleWarp] = field()
     """For the commands."""
     hold: float
     """How strongly their parameters are held to 0, where they do nothing."""
 
 
 def consistent(
-    given: Given, rng: np.random.Generator, *, effort: Effort, bends: Bends | None, where: str
+    given: MapData, rng: np.random.Generator, *, effort: FitBudget, bends: Bends | None, where: str
 ) -> BentMap:
     """Return the map under which the target moves as the source's simulator says.
 
@@ -98,7 +98,7 @@ def consistent(
     middle, spread = target.state.mean(axis=0), target.state.std(axis=0)
     low, wide = target.command.mean(axis=0), target.command.std(axis=0)
     before = (target.state - middle) / spread
-    seen = Seen(
+    seen = ScaledTransitions(
         before=before,
         command=(target.command - low) / wide,
         after=before + change(target.state, target.after, target.turns) / spread,
@@ -148,11 +148,11 @@ def _check_heard(step: Step, cubic: Surrogate, source: Transitions, where: str) 
 def _finalists(
     source: Transitions,
     cubic: Surrogate,
-    seen: Seen,
+    seen: ScaledTransitions,
     rng: np.random.Generator,
-    effort: Effort,
+    effort: FitBudget,
     bends: Bends | None,
-) -> list[Fit]:
+) -> list[MapGuess]:
     """Return different maps that the starts came to under the cubic, the best first."""
     x = (source.state - cubic.middle) / cubic.spread
     u = (source.command - cubic.command_middle) / cubic.command_spread
@@ -173,7 +173,7 @@ def _finalists(
     return _different(sorted(fits, key=lambda fit: fit.loss), effort.finalists)
 
 
-def _different(fits: list[Fit], count: int) -> list[Fit]:
+def _different(fits: list[MapGuess], count: int) -> list[MapGuess]:
     """Return the best of sorted fits, one of each loss: some that err alike are one map."""
     found = fits[:1]
     for fit in fits[1:]:
@@ -183,13 +183,13 @@ def _different(fits: list[Fit], count: int) -> list[Fit]:
 
 
 def _best(
-    fits: list[Fit],
+    fits: list[MapGuess],
     step: Step,
     cubic: Surrogate,
-    seen: Seen,
-    effort: Effort,
+    seen: ScaledTransitions,
+    effort: FitBudget,
     bends: Bends | None,
-) -> Fit:
+) -> MapGuess:
     """Return the map that agrees best under the simulator, from where it agreed with the cubic."""
     exact, hold = _exact(step, cubic), 0.0 if bends is None else bends.hold
     # What the cubic cannot tell apart the simulator tells within a few rounds, on part of the data.
@@ -201,7 +201,7 @@ def _best(
     return descended(best.guess, agree.weighed(best.guess), rounds=effort.rounds, hold=hold)
 
 
-def _part(seen: Seen, count: int) -> Seen:
+def _part(seen: ScaledTransitions, count: int) -> ScaledTransitions:
     """Return so many transitions, evenly from all; all if there are no more."""
     rows = len(seen.before)
     return seen.rows(np.linspace(0, rows - 1, min(count, rows)).astype(np.int64))

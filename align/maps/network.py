@@ -9,9 +9,9 @@ from typing import ClassVar
 import numpy as np
 
 from align.errors import SettingError
-from align.maps.body_map import BodyMap, Given, Mapper
+from align.maps.body_map import BodyMap, MapData, Mapper
 from align.maps.feature_warping import idle_network
-from align.maps.multistart import Bends, Effort, consistent
+from align.maps.multistart import Bends, FitBudget, consistent
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,7 +30,7 @@ class NetworkMapper(Mapper):
     """Width of the hidden layer, for states; a half of it for commands."""
     hold: float = 1e-4
     """How strongly weights are held to 0."""
-    effort: Effort = field(default_factory=Effort)
+    effort: FitBudget = field(default_factory=FitBudget)
     """How long it is looked for."""
 
     def __post_init__(self) -> None:
@@ -42,7 +42,7 @@ class NetworkMapper(Mapper):
                 fix="give two or more, and a positive number",
             )
 
-    def found(self, given: Given, rng: np.random.Generator) -> BodyMap:
+    def found(self, given: MapData, rng: np.random.Generator) -> BodyMap:
         """Return the network and the affine map that agree best with the transitions."""
         bends = Bends(
             states=partial(idle_network, hidden=self.hidden, rng=rng),

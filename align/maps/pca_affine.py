@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from align.maps.body_map import Given
+from align.maps.body_map import MapData
 from align.maps.follow import Following
 from align.maps.state_law import StateLaw, components, labelled, ridged, unscaled
 from align.scale import scale
@@ -27,7 +27,7 @@ class PcaAffine(Following):
     ridge: float = 0.003
     """What a slope of 1 between components costs, as a share of the pairs."""
 
-    def states(self, given: Given, rng: np.random.Generator) -> StateLaw:
+    def states(self, given: MapData, rng: np.random.Generator) -> StateLaw:
         """Return the affine map through the components."""
         pairs = labelled(given, where=f"map {self.name}")
         ours, theirs = scale(given.source.state), scale(given.target.state)

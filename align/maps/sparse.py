@@ -9,7 +9,7 @@ import numpy as np
 
 from align.arrays import Array
 from align.errors import SettingError
-from align.maps.body_map import Given
+from align.maps.body_map import MapData
 from align.maps.follow import Following
 from align.maps.manifold import some
 from align.maps.state_law import StateLaw, labelled, ridged, unscaled
@@ -59,7 +59,7 @@ class Sparse(Following):
                 fix="give 1 to 200 atoms, at least as many as are active, and a positive weight",
             )
 
-    def states(self, given: Given, rng: np.random.Generator) -> StateLaw:
+    def states(self, given: MapData, rng: np.random.Generator) -> StateLaw:
         """Return the map after the last round."""
         pairs = labelled(given, where=f"map {self.name}")
         ours, theirs = scale(given.source.state), scale(given.target.state)

@@ -8,9 +8,9 @@ import numpy as np
 
 from align.arrays import Array
 from align.errors import MapError, SamplesError
-from align.maps.body_map import Given
+from align.maps.body_map import MapData
 from align.samples import Pairs
-from align.scale import Scale
+from align.scale import Standardizer
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -27,13 +27,13 @@ class StateLaw:
         return np.asarray(target @ self.S.T + self.s)
 
 
-def unscaled(law: Array, shift: Array, source: Scale, target: Scale) -> StateLaw:
+def unscaled(law: Array, shift: Array, source: Standardizer, target: Standardizer) -> StateLaw:
     """Return in the bodies' units what z_s = law z_t + shift is in spreads."""
     S = source.spread[:, None] * law / target.spread
     return StateLaw(S=S, s=source.back(shift) - S @ target.middle)
 
 
-def labelled(given: Given, *, where: str) -> Pairs:
+def labelled(given: MapData, *, where: str) -> Pairs:
     """Return the pairs that a map is learned from.
 
     Raises:

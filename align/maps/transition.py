@@ -9,8 +9,8 @@ import numpy as np
 
 from align.maps.affine_map import AffineMap
 from align.maps.bent_map import BentMap
-from align.maps.body_map import Given, Mapper
-from align.maps.multistart import Effort, consistent
+from align.maps.body_map import MapData, Mapper
+from align.maps.multistart import FitBudget, consistent
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -23,10 +23,10 @@ class TransitionMapper(Mapper):
     name: ClassVar[str] = "transition"
     needs: ClassVar[frozenset[str]] = frozenset({"step"})
 
-    effort: Effort = field(default_factory=Effort)
+    effort: FitBudget = field(default_factory=FitBudget)
     """How long it is looked for."""
 
-    def found(self, given: Given, rng: np.random.Generator) -> AffineMap:
+    def found(self, given: MapData, rng: np.random.Generator) -> AffineMap:
         """Return the affine map that agrees best with the transitions."""
         where = f"map {self.name}"
         return straightened(consistent(given, rng, effort=self.effort, bends=None, where=where))

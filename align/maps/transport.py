@@ -11,7 +11,7 @@ import numpy as np
 
 from align.arrays import Array
 from align.errors import SettingError
-from align.maps.body_map import Given
+from align.maps.body_map import MapData
 from align.maps.follow import Following
 from align.maps.manifold import some
 from align.maps.state_law import StateLaw, labelled, unscaled
@@ -47,7 +47,7 @@ class Transport(Following):
                 fix="let it count more than 0 and at most 1, for 10 to 500 states",
             )
 
-    def states(self, given: Given, rng: np.random.Generator) -> StateLaw:
+    def states(self, given: MapData, rng: np.random.Generator) -> StateLaw:
         """Return the affine map that is nearest to the plan."""
         ours, theirs = scale(given.source.state), scale(given.target.state)
         least = len(theirs.spread) + 2

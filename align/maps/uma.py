@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from align.maps.body_map import Given
+from align.maps.body_map import MapData
 from align.maps.follow import Following
 from align.maps.manifold import aligned, check_graph
 from align.maps.state_law import StateLaw
@@ -38,7 +38,7 @@ class Uma(Following):
         super().__post_init__()
         check_graph(self.nearest, min(self.weight, self.geometry), where=f"map {self.name}")
 
-    def states(self, given: Given, rng: np.random.Generator) -> StateLaw:
+    def states(self, given: MapData, rng: np.random.Generator) -> StateLaw:
         """Return the law by which both embeddings are one."""
         told = given.pairs is not None
         return aligned(

@@ -10,7 +10,7 @@ import numpy as np
 
 from align.arrays import Array
 from align.maps.affine_map import AffineMap
-from align.maps.body_map import Given
+from align.maps.body_map import MapData
 from align.maps.follow import linear
 from align.pairs import posed
 from experiments.aligning.formula import CartPole, plain, worn
@@ -124,7 +124,7 @@ def _shelf(case: Case) -> JSON:
     ours = source.transitions(COUNTS[0], rng, share=_share(source))
     theirs = target.transitions(COUNTS[1], rng, share=_share(target))
     pairs = posed(theirs.state, source.outcome, target.outcome, int(case.level), rng)
-    given = Given(source=ours, target=theirs, pairs=pairs)
+    given = MapData(source=ours, target=theirs, pairs=pairs)
     gain = feedback(source)
 
     def score(found: AffineMap) -> float:
@@ -157,7 +157,7 @@ def _formula(case: Case) -> JSON:
     to_units = np.diag(1.0 / here.spread)
     law = to_units @ there.law
     pairs = posed(theirs.state, np.eye(4), law, int(at["pairs"]), rng, error=at["error"])
-    given = Given(source=ours, target=theirs, pairs=pairs)
+    given = MapData(source=ours, target=theirs, pairs=pairs)
     gain = first.gain() @ np.diag(here.spread)
 
     def score(found: AffineMap) -> float:

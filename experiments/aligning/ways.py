@@ -11,7 +11,7 @@ import numpy as np
 from align.arrays import Array, Mask
 from align.errors import AlignError
 from align.maps.affine_map import AffineMap
-from align.maps.body_map import Given
+from align.maps.body_map import MapData
 from align.maps.features import Features
 from align.maps.follow import Following, linear
 from align.maps.manifold import Manifold, ManifoldFree
@@ -45,7 +45,7 @@ class PairsOnly(Following):
 
     name: ClassVar[str] = RIDGE
 
-    def states(self, given: Given, rng: np.random.Generator) -> StateLaw:
+    def states(self, given: MapData, rng: np.random.Generator) -> StateLaw:
         """Return the regression; the transitions give no more than the scales."""
         pairs = labelled(given, where="pairs only")
         ours, theirs = scale(given.source.state), scale(given.target.state)
@@ -59,7 +59,7 @@ def flipped(pairs: Pairs, numbers: Mask) -> Pairs:
 
 
 def shown_by(
-    given: Given, looks: tuple[Array, Array], law: Array, score: Score, seed: int
+    given: MapData, looks: tuple[Array, Array], law: Array, score: Score, seed: int
 ) -> dict[str, JSON]:
     """Return score and agreement of every way, by its name.
 
@@ -73,7 +73,7 @@ def shown_by(
         score: What a map is worth.
         seed: Of all chance here.
     """
-    told: dict[str, tuple[Following, Given]] = {}
+    told: dict[str, tuple[Following, MapData]] = {}
     if given.pairs is not None:
         wrong = shuffled(given.pairs, np.random.default_rng([seed, 1]))
         # A place and its rate turned, the tilt not: the sign that geometry cannot know.
@@ -91,7 +91,7 @@ def shown_by(
     return {name: _measured(each, what, law, score, seed) for name, (each, what) in told.items()}
 
 
-def _measured(mapper: Following, given: Given, law: Array, score: Score, seed: int) -> JSON:
+def _measured(mapper: Following, given: MapData, law: Array, score: Score, seed: int) -> JSON:
     try:
         found = mapper.found(given, np.random.default_rng([seed, 2]))
     except AlignError as error:
@@ -102,7 +102,7 @@ def _measured(mapper: Following, given: Given, law: Array, score: Score, seed: i
     return {"score": score(found), "agreement": max(float(np.median(share)), -1.0)}
 
 
-def measures(given: Given) -> dict[str, float]:
+def measures(given: MapData) -> dict[str, float]:
     """Return what may foretell, without a label, whether two bodies share a manifold.
 
     `dimension`: by how much the participation ratios (sum l)^2 / sum l^2 of the spectra of

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from align.maps.body_map import Given
+from align.maps.body_map import MapData
 from align.maps.maps import mapper
 from morph.arrays import Array
 
@@ -15,28 +15,28 @@ Read = Callable[[Array, Array], tuple[Array, Array]]
 """From states and commands of a target to what they are taken for."""
 
 
-def shuffled(given: Given, rng: np.random.Generator) -> Given:
+def shuffled(given: MapData, rng: np.random.Generator) -> MapData:
     """Return the same with the target's next states in another order: nothing follows."""
     target = given.target
     return replace(given, target=replace(target, after=rng.permutation(target.after)))
 
 
-def learned(name: str) -> Callable[[Given, np.random.Generator], Read]:
+def learned(name: str) -> Callable[[MapData, np.random.Generator], Read]:
     """Return what reads by a map of the family that has this name."""
 
-    def found(given: Given, rng: np.random.Generator) -> Read:
+    def found(given: MapData, rng: np.random.Generator) -> Read:
         body_map = mapper(name).fit(given, rng)
         return lambda y, a: (body_map.state(y), body_map.action_back(y, a))
 
     return found
 
 
-def lost(given: Given, rng: np.random.Generator) -> Read:
+def lost(given: MapData, rng: np.random.Generator) -> Read:
     """Return what reads by the map of curves learned from shuffled transitions."""
     return learned("transition_kernel")(shuffled(given, rng), rng)
 
 
-def principal(given: Given, rng: np.random.Generator) -> Read:
+def principal(given: MapData, rng: np.random.Generator) -> Read:
     """Return what takes principal components for each other, the greatest for the greatest."""
     state = _principal(given.source.state, given.target.state)
     command = _principal(given.source.command, given.target.command)
@@ -55,7 +55,7 @@ def _axes(x: Array) -> Array:
     return np.asarray((vector * np.sqrt(np.maximum(value, 1e-12)))[:, ::-1])
 
 
-def any_order(given: Given, rng: np.random.Generator) -> Read:
+def any_order(given: MapData, rng: np.random.Generator) -> Read:
     """Return what takes the target's numbers for the source's in any order, with any signs."""
     state = _any(given.source.state, given.target.state, rng)
     command = _any(given.source.command, given.target.command, rng)
@@ -70,7 +70,7 @@ def _any(source: Array, target: Array, rng: np.random.Generator) -> Callable[[Ar
     return lambda x: np.asarray(middle + scale * (x[:, chosen] - there))
 
 
-WAYS: dict[str, Callable[[Given, np.random.Generator], Read]] = {
+WAYS: dict[str, Callable[[MapData, np.random.Generator], Read]] = {
     "transition_kernel": learned("transition_kernel"),
     "transition": learned("transition"),
     "transition_network": learned("transition_network"),

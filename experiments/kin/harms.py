@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from align.belief import Belief
-from align.guard import Foreseen, Trial, foreseen
+from align.guard import PredictedScores, TrialTask, foreseen
 from align.samples import Transitions
 from experiments.kin.bodies import kin
 from experiments.kin.carried import agreement, wanted_of
@@ -65,8 +65,8 @@ def harms(seed: int, number: int) -> JSON:
 
 
 def _ahead(
-    known: Belief, law: Law | None, looks: Trial, seed: int, number: int, still: Array | None
-) -> Foreseen:
+    known: Belief, law: Law | None, looks: TrialTask, seed: int, number: int, still: Array | None
+) -> PredictedScores:
     """Return what is foreseen; every policy of a target meets the same chance."""
     rng = np.random.default_rng([seed, number, 75])
     act = still_law(len(looks.low)) if law is None else law

@@ -6,7 +6,7 @@ import numpy as np
 
 from align.belief import Belief, believed, mechanical
 from align.errors import SamplesError
-from align.guard import Trial
+from align.guard import TrialTask
 from align.samples import Transitions
 from experiments.kin.bodies import Kin
 from morph.transfer.body import Body
@@ -80,11 +80,11 @@ def belief(body: Body, transitions: Transitions) -> Belief:
     return believed(transitions, noise=noise, base=base, lift=lift, wide=wide)
 
 
-def trial(body: Body, rng: np.random.Generator, *, rows: int = 4) -> Trial:
+def trial(body: Body, rng: np.random.Generator, *, rows: int = 4) -> TrialTask:
     """Return what a run of a body's task is like: where it begins, after the push, is told."""
     q, v = body.task.start.sample(body.task.robot, body.plant.model, rows, rng)
     low, high = body.bounds
-    return Trial(
+    return TrialTask(
         outcome=body.outcome,
         starts=body.state(q, v),
         low=low,

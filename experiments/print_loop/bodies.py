@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from morph.arrays import Array
-from morph.body.card import Print
+from morph.body.card import PrintTable
 from morph.body.load import load
 from morph.body.robot import Robot
 from morph.body.spec import bare_spec
@@ -78,7 +78,7 @@ def printable(name: str, *links: str) -> Robot:
     robot = load(name)
     if robot.card is None:
         return robot
-    return replace(robot, card=replace(robot.card, print=Print(printed=links)))
+    return replace(robot, card=replace(robot.card, print=PrintTable(printed=links)))
 
 
 def leg() -> Robot:

@@ -15,7 +15,7 @@ from morph.search.gp_rollout.memory import Memory
 from morph.search.gp_rollout.particles import Chance, Particles
 from morph.search.gp_rollout.radial import scale_of
 from morph.search.gp_rollout.rollout import imagine
-from morph.search.gp_rollout.task import View, view_of
+from morph.search.gp_rollout.task import TaskSums, view_of
 from morph.search.mc_pilco import McPilco
 from morph.search.moments.moments import ProcessMoments
 from morph.search.target import Simulated
@@ -26,7 +26,7 @@ PEER = 0.65
 """MC-PILCO's own step of 100 particles on a loaded core, s, as its measurement was handed down."""
 
 
-def learned(trials: int) -> tuple[View, Memory, GaussianProcess]:
+def learned(trials: int) -> tuple[TaskSums, Memory, GaussianProcess]:
     """Return what so many trials with random commands show of the cart-pole."""
     wanted = task("swing-up", load("cartpole"))
     target = Simulated(task=wanted, simulator=wanted.simulator())
@@ -37,7 +37,7 @@ def learned(trials: int) -> tuple[View, Memory, GaussianProcess]:
     return view, memory, search.learned(view, memory)
 
 
-def errors(view: View, memory: Memory, process: GaussianProcess, *, samples: int) -> JSON:
+def errors(view: TaskSums, memory: Memory, process: GaussianProcess, *, samples: int) -> JSON:
     """Return the greatest error of means, in standard deviations, and of variances, relative.
 
     The inputs are as uncertain as a belief becomes in a swing: a tenth of what was seen.
@@ -64,7 +64,7 @@ def errors(view: View, memory: Memory, process: GaussianProcess, *, samples: int
     return worst
 
 
-def steps(view: View, memory: Memory, process: GaussianProcess, *, repeats: int) -> JSON:
+def steps(view: TaskSums, memory: Memory, process: GaussianProcess, *, repeats: int) -> JSON:
     """Return the time of one gradient step by moments and by 100 particles, by turns, s."""
     rng = np.random.default_rng(1)
     m, S = view.start

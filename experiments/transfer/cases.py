@@ -25,8 +25,8 @@ from morph.sim.threads import one_thread
 from morph.task.swing_up import swing_up
 from morph.task.task import Task
 from morph.transfer.adjustment.rounds import rounds, sources
-from morph.transfer.adjustment.source import Source
-from morph.transfer.loop import Loop
+from morph.transfer.adjustment.source import SimulatedTask
+from morph.transfer.loop import TransferLoop
 
 ROWS = 64
 """Noisy runs by which each policy is judged."""
@@ -93,7 +93,9 @@ def judged(target: Simulated, policy: Policy, seed: int) -> Score:
 def by_loop(case: Case, seed: int, trials: int) -> list[JSON]:
     """Return each trial of the loop: how its policy does, and what the loop took."""
     target = case.target()
-    found = Loop(trials=trials, seed=seed).run(case.task(), source_policy(case.body, seed), target)
+    found = TransferLoop(trials=trials, seed=seed).run(
+        case.task(), source_policy(case.body, seed), target
+    )
     lines = []
     for each in found.rounds:
         lines.append(
@@ -126,7 +128,7 @@ def _line(target: Simulated, policy: Policy, seed: int) -> JSON:
 def by_adjustment(case: Case, seed: int, trials: int) -> list[JSON]:
     """Return each trial of adjusting alone."""
     target, task = case.target(), case.task()
-    source = Source(task=task, simulator=task.simulator())
+    source = SimulatedTask(task=task, simulator=task.simulator())
     first = source_policy(case.body, seed)
     policies = (first, *sources(source, seed=seed, margins=(0.2, 0.3)))
     made = rounds(source, policies, target, trials=trials - 1, rng=np.random.default_rng([seed, 5]))

@@ -12,7 +12,7 @@ import numpy as np
 from experiments.viewed.browser import free_port, page_of
 from experiments.viewed.people import LOOKS, opened_and_closed
 from experiments.viewed.served import memory
-from morph.app.viewer.given import Given
+from morph.app.viewer.given import ViewRequest
 from morph.app.viewer.server import Viewer
 from morph.app.viewer.views.views import makers
 from morph.arrays import JSON
@@ -33,7 +33,7 @@ def leaked(browser: Any, times: int) -> JSON:
         times: How many, one after another.
     """
     robots = tuple(load(name) for name in BODIES)
-    found, first = makers(Given(robots=robots, asked=BODIES))
+    found, first = makers(ViewRequest(robots=robots, asked=BODIES))
     viewer = Viewer(lambda: [make() for make in found], first=first, port=free_port())
     try:
         control = _empty(browser, min(times, FEW))

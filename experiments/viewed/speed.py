@@ -14,7 +14,7 @@ import numpy as np
 from experiments.viewed.browser import free_port, page_of
 from morph.app.viewer.content import Actor, Content, Tie
 from morph.app.viewer.figure import Figure, figure
-from morph.app.viewer.motion import RATE, Motion, posed
+from morph.app.viewer.motion import RATE, MotionFrames, posed
 from morph.app.viewer.server import Viewer
 from morph.app.viewer.view import View
 from morph.arrays import JSON
@@ -154,7 +154,7 @@ def _description(links: int) -> str:
     return f'<mujoco model="many"><worldbody>{parts}</worldbody></mujoco>'
 
 
-def _motion(drawn: Figure, *, busy: bool) -> Motion:
+def _motion(drawn: Figure, *, busy: bool) -> MotionFrames:
     pictures = round(SECONDS * RATE) + 1
     time_of = np.arange(pictures) / RATE
     phase = np.linspace(0.0, 2.0 * np.pi, drawn.model.nq, endpoint=False)
@@ -165,7 +165,7 @@ def _motion(drawn: Figure, *, busy: bool) -> Motion:
         return moved
     starts = moved.position[:, 1 : 1 + PULLS]
     ends = starts + 0.3 * np.abs(np.sin(time_of))[:, None, None]
-    return Motion(
+    return MotionFrames(
         position=moved.position,
         turn=moved.turn,
         arrows={"contact": np.stack((starts, ends), axis=2)},

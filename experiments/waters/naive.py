@@ -9,12 +9,12 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.model.latent.run import Run
-from morph.model.transitions import Transitions
+from morph.model.transitions import ModelTransitions
 from morph.sim.rollout import Variant, rollout
 from morph.sim.tangent import apart
 
 
-def by_transitions(seen: Transitions, noise: Array) -> Array:
+def by_transitions(seen: ModelTransitions, noise: Array) -> Array:
     """Return log p of a run up to each sample, each transition by itself, (models, periods)."""
     variance = noise**2 + (seen.carry**2) @ noise**2
     return _normal(seen.miss, variance)

@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 
 from morph.arrays import Array
-from morph.body.finding import Finding, Where
+from morph.body.finding import DescriptionFinding, Where
 from morph.body.quiet import quiet
 from morph.body.robot import Robot
 from morph.body.spec import spec_of
@@ -34,7 +34,7 @@ UNREAD = "Pinocchio cannot read it: "
 
 
 @dataclass(frozen=True, kw_only=True)
-class Reading:
+class EngineReading:
     """What an engine makes of a body at home, a free base at the origin."""
 
     mass: float
@@ -45,7 +45,7 @@ class Reading:
     """Of the joint-space inertia without rotors, ascending, shape (dof,)."""
 
 
-def disagreement(robot: Robot) -> list[Finding]:
+def disagreement(robot: Robot) -> list[DescriptionFinding]:
     """Return a finding if the two disagree and no repair explains it.
 
     Pinocchio reads the robot's own file. Where that cannot be, or where a repair or
@@ -76,8 +76,8 @@ def disagreement(robot: Robot) -> list[Finding]:
     return [_finding(robot, what)]
 
 
-def _finding(robot: Robot, what: str, done: str = "nothing") -> Finding:
-    return Finding(
+def _finding(robot: Robot, what: str, done: str = "nothing") -> DescriptionFinding:
+    return DescriptionFinding(
         code="agreement",
         severity="info",
         where=Where(kind="robot", name=robot.name, file=str(robot.source or "")),
@@ -92,7 +92,7 @@ def _short(words: str) -> str:
     return " ".join(words.rpartition("message:")[2].split()).removeprefix(UNREAD)[:200]
 
 
-def difference(one: Reading, other: Reading) -> float:
+def difference(one: EngineReading, other: EngineReading) -> float:
     """Return the greatest relative difference of two readings; infinite if dof differ."""
     if len(one.eigenvalues) != len(other.eigenvalues):
         return float("inf")
@@ -103,7 +103,7 @@ def difference(one: Reading, other: Reading) -> float:
     return max(worst)
 
 
-def read_by_mujoco(robot: Robot) -> Reading:
+def read_by_mujoco(robot: Robot) -> EngineReading:
     """Return what MuJoCo simulates."""
     spec = spec_of(robot)
     for geom in list(spec.geoms):
@@ -120,14 +120,14 @@ def read_by_mujoco(robot: Robot) -> Reading:
     mujoco.mj_fullM(model, data, full)
     full -= np.diag(model.dof_armature)
     masses = model.body_mass[1:]
-    return Reading(
+    return EngineReading(
         mass=float(masses.sum()),
         com=_centre(masses, data.xipos[1:]),
         eigenvalues=np.linalg.eigvalsh(full) if model.nv else np.zeros(0),
     )
 
 
-def read_by_pinocchio(robot: Robot, *, repaired: bool = False) -> Reading:
+def read_by_pinocchio(robot: Robot, *, repaired: bool = False) -> EngineReading:
     """Return what Pinocchio reads in the robot's own file, or in what MuJoCo is given.
 
     Raises:
@@ -152,7 +152,7 @@ def read_by_pinocchio(robot: Robot, *, repaired: bool = False) -> Reading:
     centres = [data.oMi[k].act(model.inertias[k].lever) for k in range(model.njoints)]
     upper = np.triu(pinocchio.crba(model, data, home)) if model.nv else np.zeros((0, 0))
     full = upper + np.triu(upper, 1).T - np.diag(model.armature)
-    return Reading(
+    return EngineReading(
         mass=float(masses.sum()),
         com=_centre(masses, np.array(centres)),
         eigenvalues=np.linalg.eigvalsh(full) if model.nv else np.zeros(0),

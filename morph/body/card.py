@@ -21,7 +21,7 @@ MOST_BYTES = 2**18
 
 
 @dataclass(frozen=True, kw_only=True)
-class Source:
+class Citation:
     """Where some of a body's numbers come from."""
 
     what: str
@@ -93,7 +93,7 @@ class Closure:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Parameter:
+class CardParameter:
     """What a designer may change."""
 
     name: str
@@ -127,7 +127,7 @@ class Bought:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Print:
+class PrintTable:
     """How a body that is printed divides into parts."""
 
     printed: tuple[str, ...] = ()
@@ -152,7 +152,7 @@ class Card:
     """MJCF or URDF file beside the card."""
     base: str
     """`fixed`, `floating` or `board`."""
-    source: tuple[Source, ...]
+    source: tuple[Citation, ...]
     """Where every number comes from."""
     licence: str
     """SPDX name of its licence."""
@@ -168,9 +168,9 @@ class Card:
     """Links that were weighed."""
     closure: tuple[Closure, ...] = ()
     """Closed chains."""
-    parameter: tuple[Parameter, ...] = ()
+    parameter: tuple[CardParameter, ...] = ()
     """What a designer may change."""
-    print: Print | None = None
+    print: PrintTable | None = None
     """Only for bodies that are printed."""
 
 

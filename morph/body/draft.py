@@ -86,7 +86,7 @@ class DraftLink:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Mimic:
+class DraftMimic:
     """A joint that follows another: position = ratio * other + offset."""
 
     joint: str
@@ -125,7 +125,7 @@ class DraftJoint:
     """N m s/rad or N s/m."""
     friction: float = 0.0
     """N m or N."""
-    mimic: Mimic | None = None
+    mimic: DraftMimic | None = None
     """Set if it follows another joint."""
     line: int = 0
     """Its line in the description."""

@@ -28,7 +28,7 @@ class Where:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Finding:
+class DescriptionFinding:
     """One thing about a description that its author would want to know."""
 
     code: str

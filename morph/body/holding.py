@@ -13,7 +13,7 @@ from morph.body.robot import Robot
 
 
 @dataclass(frozen=True, kw_only=True)
-class Motor:
+class HoldingMotor:
     """A motor and what it is for."""
 
     name: str
@@ -45,7 +45,7 @@ class Holding:
         self._posture, model = posture, posture.model
         known = [(each, robot.driven_by(each)) for each in robot.actuators if each.joint]
         self.motors = tuple(
-            Motor(
+            HoldingMotor(
                 name=each.name,
                 joint=joint.name,
                 unit=joint.effort_unit,

@@ -9,7 +9,7 @@ from typing import Any, Literal
 import mujoco
 import numpy as np
 
-from morph.body.finding import Finding
+from morph.body.finding import DescriptionFinding
 from morph.body.load import load
 from morph.body.quiet import quiet
 from morph.body.refusal import about_file
@@ -27,7 +27,7 @@ class Inspection:
 
     name: str
     """The robot's name, or the file's if there is no robot."""
-    findings: tuple[Finding, ...]
+    findings: tuple[DescriptionFinding, ...]
     """Everything found, in the order of the checks."""
     robot: Robot | None
     """The robot; None if it was refused."""

@@ -14,10 +14,10 @@ from morph.body.card import Card
 from morph.body.check import LOOKS
 from morph.body.check.collision import overlaps, self_collisions
 from morph.body.check.meshes import check_meshes
-from morph.body.finding import Finding
+from morph.body.finding import DescriptionFinding
 from morph.body.inertia import is_physical, mended
 from morph.body.measured import marked, weigh
-from morph.body.mjcf_draft import Lines, draft_of, touching
+from morph.body.mjcf_draft import ElementLines, draft_of, touching
 from morph.body.mjcf_files import gather
 from morph.body.normal import refused, robot_of
 from morph.body.paths import Files
@@ -36,7 +36,7 @@ def robot_from_mjcf(tree: Element, path: Path, files: Files, card: Card | None) 
         DescriptionRefused: It holds something that no description may, or that
             cannot be simulated.
     """
-    lines = Lines(tree, path)
+    lines = ElementLines(tree, path)
     if card and card.closure:
         raise RobotError(
             "its card closes chains, which an MJCF does itself",
@@ -75,14 +75,14 @@ def robot_from_mjcf(tree: Element, path: Path, files: Files, card: Card | None) 
     return replace(robot, findings=(*findings, *robot.findings))
 
 
-def _unchanged(finding: Finding) -> Finding:
+def _unchanged(finding: DescriptionFinding) -> DescriptionFinding:
     # MJCF says itself what touches what and how large meshes are: it is only told.
     if finding.severity == "info":
         return finding
     return replace(finding, severity="info", done="nothing")
 
 
-def _mend(spec: Any, lines: Lines) -> list[Finding]:
+def _mend(spec: Any, lines: ElementLines) -> list[DescriptionFinding]:
     """Mend inertias that no body has; return what was found."""
     findings = []
     for body in spec.bodies[1:]:
@@ -95,7 +95,7 @@ def _mend(spec: Any, lines: Lines) -> list[Finding]:
         severity = "refused" if nearest is None else "repaired"
         moments = ", ".join(f"{value:.4g}" for value in np.linalg.eigvalsh(given))
         findings.append(
-            Finding(
+            DescriptionFinding(
                 code="inertia-broken",
                 severity="refused" if nearest is None else "repaired",
                 where=lines.place("body", body.name),

@@ -35,7 +35,7 @@ JOINTS = {
 """What URDF calls MuJoCo's joints."""
 
 
-class Lines:
+class ElementLines:
     """Where in its file each named element stands."""
 
     def __init__(self, tree: Element, path: Path) -> None:
@@ -59,7 +59,7 @@ class Lines:
         return Where(kind=kind, name=name, file=element.file, line=element.line)
 
 
-def draft_of(robot: Robot, model: Any, path: Path, lines: Lines) -> Draft:
+def draft_of(robot: Robot, model: Any, path: Path, lines: ElementLines) -> Draft:
     """Return a robot's draft: masses and shapes as MuJoCo compiled them."""
     meshes: dict[int, Mesh] = {}
     links, joints = [], []
@@ -134,7 +134,7 @@ def _mesh(model: Any, mesh: int, meshes: dict[int, Mesh]) -> Mesh:
     return meshes[mesh]
 
 
-def _joints(model: Any, body: int, lines: Lines) -> list[DraftJoint]:
+def _joints(model: Any, body: int, lines: ElementLines) -> list[DraftJoint]:
     name, parent = model.body(body).name, model.body(model.body_parentid[body]).name
     pose = _pose(model.body_pos[body], model.body_quat[body])
     first, count = model.body_jntadr[body], model.body_jntnum[body]

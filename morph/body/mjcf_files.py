@@ -6,10 +6,10 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
-from morph.body.finding import Finding, Severity
+from morph.body.finding import DescriptionFinding, Severity
 from morph.body.mjcf_assets import asset_content
 from morph.body.mjcf_bounds import check_bounds, float_or
-from morph.body.mjcf_draft import Lines
+from morph.body.mjcf_draft import ElementLines
 from morph.body.mjcf_numbers import check_numbers
 from morph.body.paths import Files
 from morph.body.shapes import MOST_FACES
@@ -25,8 +25,8 @@ KINDS = ("mesh", "hfield", "texture")
 
 
 def gather(
-    tree: Element, path: Path, files: Files, lines: Lines
-) -> tuple[Element, dict[str, bytes], list[Finding]]:
+    tree: Element, path: Path, files: Files, lines: ElementLines
+) -> tuple[Element, dict[str, bytes], list[DescriptionFinding]]:
     """Return an MJCF with its includes in place, the files it names, and what was found.
 
     Each file stands in the tree under a name of its own, so that MuJoCo opens
@@ -45,7 +45,7 @@ def gather(
 
 
 def _include(
-    tree: Element, path: Path, files: Files, lines: Lines, open_: set[Path], depth: int
+    tree: Element, path: Path, files: Files, lines: ElementLines, open_: set[Path], depth: int
 ) -> None:
     for parent in list(tree.everything()):
         for at, child in reversed(list(enumerate(parent))):
@@ -76,10 +76,10 @@ def _include(
 class _Gatherer:
     """Reads the files of assets; takes out those that cannot be read."""
 
-    def __init__(self, tree: Element, files: Files, lines: Lines) -> None:
+    def __init__(self, tree: Element, files: Files, lines: ElementLines) -> None:
         self.tree, self.files, self.lines = tree, files, lines
         self.assets: dict[str, bytes] = {}
-        self.findings: list[Finding] = []
+        self.findings: list[DescriptionFinding] = []
         self.folders = {"mesh": "", "texture": ""}
 
     def run(self) -> None:
@@ -172,7 +172,9 @@ class _Gatherer:
         if not where.line:
             where = replace(where, file=element.file, line=element.line)
         self.findings.append(
-            Finding(code=code, severity=severity, where=where, what=what, done=done, fix=fix)
+            DescriptionFinding(
+                code=code, severity=severity, where=where, what=what, done=done, fix=fix
+            )
         )
 
 

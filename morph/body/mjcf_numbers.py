@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from morph.body.finding import Finding, Where
-from morph.body.mjcf_draft import Lines
+from morph.body.finding import DescriptionFinding, Where
+from morph.body.mjcf_draft import ElementLines
 from morph.body.refusal import refusal
 from morph.body.xml import Element
 
@@ -28,7 +28,7 @@ RANGES = {
 """Attributes that may say that there is no limit, and those by which MJCF itself says so."""
 
 
-def check_numbers(tree: Element, lines: Lines) -> list[Finding]:
+def check_numbers(tree: Element, lines: ElementLines) -> list[DescriptionFinding]:
     """Take limits that are infinite out of an MJCF; return what was found.
 
     Raises:
@@ -36,7 +36,7 @@ def check_numbers(tree: Element, lines: Lines) -> list[Finding]:
             a robot.
     """
     names = {element.get("name", "") for element in tree.everything()}
-    findings: list[Finding] = []
+    findings: list[DescriptionFinding] = []
     for element in tree.everything():
         for key, text in list(element.attrib.items()):
             if len(text) < LONGEST_NAME and text in names:
@@ -61,14 +61,14 @@ def _is_absurd(word: str) -> bool:
         return False  # No number at all: MuJoCo says where one is due.
 
 
-def _where(element: Element, lines: Lines) -> Where:
+def _where(element: Element, lines: ElementLines) -> Where:
     tag = {"body": "link", "freejoint": "joint"}.get(element.tag, element.tag)
     file = element.file or lines.file
     return Where(kind=tag, name=element.get("name", ""), file=file, line=element.line)
 
 
-def _refused(element: Element, key: str, word: str, lines: Lines) -> Finding:
-    return Finding(
+def _refused(element: Element, key: str, word: str, lines: ElementLines) -> DescriptionFinding:
+    return DescriptionFinding(
         code="ill-typed",
         severity="refused",
         where=_where(element, lines),
@@ -77,8 +77,8 @@ def _refused(element: Element, key: str, word: str, lines: Lines) -> Finding:
     )
 
 
-def _unlimited(element: Element, key: str, text: str, lines: Lines) -> Finding:
-    return Finding(
+def _unlimited(element: Element, key: str, text: str, lines: ElementLines) -> DescriptionFinding:
+    return DescriptionFinding(
         code="limit-absurd",
         severity="repaired",
         where=_where(element, lines),

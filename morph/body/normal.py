@@ -10,12 +10,12 @@ import numpy as np
 
 from morph.body.actuators import actuator_of
 from morph.body.card import MOST_BYTES, Card
-from morph.body.finding import Finding, Where
+from morph.body.finding import DescriptionFinding, Where
 from morph.body.follow import followers, from_zero
 from morph.body.fulltext import fulltext
 from morph.body.mesh import mesh_content
 from morph.body.quiet import quiet
-from morph.body.robot import Joint, Link, Loop, Mimic, Robot, Sensor
+from morph.body.robot import ClosedChain, Joint, Link, Mimic, Robot, Sensor
 from morph.body.weight import check_model
 from morph.errors import MeshError, RobotError
 from morph.files import sha256
@@ -91,8 +91,8 @@ def robot_of(
     )
 
 
-def _warning(words: str, name: str, source: Path) -> Finding:
-    return Finding(
+def _warning(words: str, name: str, source: Path) -> DescriptionFinding:
+    return DescriptionFinding(
         code="engine-warning",
         severity="info",
         where=Where(kind="robot", name=name, file=str(source)),
@@ -233,10 +233,10 @@ def _closes(model: Any, index: int) -> bool:
     return kind in (mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD)
 
 
-def _loop(model: Any, index: int) -> Loop:
+def _loop(model: Any, index: int) -> ClosedChain:
     ends = model.eq_obj1id[index], model.eq_obj2id[index]
     if model.eq_objtype[index] == mujoco.mjtObj.mjOBJ_SITE:
         ends = tuple(model.site_bodyid[end] for end in ends)
     kind = "weld" if model.eq_type[index] == mujoco.mjtEq.mjEQ_WELD else "connect"
     first, second = (model.body(int(end)).name for end in ends)
-    return Loop(name=model.equality(index).name, kind=kind, links=(first, second))
+    return ClosedChain(name=model.equality(index).name, kind=kind, links=(first, second))

@@ -30,7 +30,7 @@ MOST_ALIKE = 200
 
 
 @dataclass(frozen=True, kw_only=True)
-class Found:
+class ResolvedPath:
     """What became of a path."""
 
     path: Path | None
@@ -60,7 +60,7 @@ class Files:
         self.beside = description.resolve().parent
         self.folder = (folder or own_folder(description)).resolve()
 
-    def find(self, written: str, inner: str = "") -> Found:
+    def find(self, written: str, inner: str = "") -> ResolvedPath:
         """Return the file that a description means.
 
         Args:
@@ -69,7 +69,7 @@ class Files:
         """
         scheme, rest = _parts(written)
         if "\0" in rest or not rest.strip("/. ") or len(rest) > LONGEST:
-            return Found(path=None, how="missing")
+            return ResolvedPath(path=None, how="missing")
         if scheme in ("", "file"):
             plain = Path(os.path.normpath(self.beside / inner / rest))
         elif rest.partition("/")[0] in self.packages:
@@ -77,10 +77,10 @@ class Files:
         else:
             plain = None
         if plain is not None and self._mine(plain) and plain.is_file():
-            return Found(path=plain, how="exact")
+            return ResolvedPath(path=plain, how="exact")
         near = self._search(PurePosixPath(rest), scheme not in ("", "file"))
         if near.path is None and plain is not None and not self._stays(plain):
-            return Found(path=None, how="outside")
+            return ResolvedPath(path=None, how="outside")
         return near
 
     @cached_property
@@ -115,7 +115,7 @@ class Files:
                 break
         return index
 
-    def _search(self, wanted: PurePosixPath, package: bool) -> Found:
+    def _search(self, wanted: PurePosixPath, package: bool) -> ResolvedPath:
         best: tuple[int, int, int] | None = None
         chosen: Path | None = None
         for path in self._index.get(wanted.name.lower(), [])[:MOST_ALIKE]:
@@ -125,12 +125,12 @@ class Files:
             if (best is None or rank > best) and self._mine(path) and path.is_file():
                 best, chosen = rank, path
         if best is None or chosen is None:
-            return Found(path=None, how="missing")
+            return ResolvedPath(path=None, how="missing")
         alike, exact, _ = best
         if exact < alike:
-            return Found(path=chosen, how="case")
+            return ResolvedPath(path=chosen, how="case")
         whole = package and self._holds(wanted.parts, chosen.relative_to(self.folder).parts, alike)
-        return Found(path=chosen, how="package" if whole else "moved")
+        return ResolvedPath(path=chosen, how="package" if whole else "moved")
 
     def _holds(self, wanted: tuple[str, ...], there: tuple[str, ...], alike: int) -> bool:
         """Return whether a path is right in a package of which this folder is all or a part."""

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from morph.body.finding import Finding, Where
+from morph.body.finding import DescriptionFinding, Where
 from morph.errors import DescriptionRefused, RobotError
 
 
-def refusal(findings: Sequence[Finding]) -> DescriptionRefused:
+def refusal(findings: Sequence[DescriptionFinding]) -> DescriptionRefused:
     """Return the error for findings of which some are `refused`."""
     refused = [finding for finding in findings if finding.severity == "refused"]
     first, more = refused[0], len(refused) - 1
@@ -23,11 +23,11 @@ def refusal(findings: Sequence[Finding]) -> DescriptionRefused:
     )
 
 
-def about_file(error: RobotError, path: Path, *, code: str = "file-refused") -> Finding:
+def about_file(error: RobotError, path: Path, *, code: str = "file-refused") -> DescriptionFinding:
     """Return an error as a finding about a file, at the line that it names."""
     file, _, line = error.where.rpartition(":")
     known = bool(file) and line.isdigit()
-    return Finding(
+    return DescriptionFinding(
         code=getattr(error, "code", code),
         severity="refused",
         where=Where(

@@ -11,7 +11,7 @@ from morph.errors import RobotError
 
 if TYPE_CHECKING:
     from morph.body.card import Card
-    from morph.body.finding import Finding
+    from morph.body.finding import DescriptionFinding
 
 Part = TypeVar("Part", "Link", "Joint", "Actuator")
 
@@ -111,7 +111,7 @@ class Sensor:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Loop:
+class ClosedChain:
     """A closed chain: two links that a constraint holds together."""
 
     name: str
@@ -146,9 +146,9 @@ class Robot:
     """What the shelf knows about it."""
     sensors: tuple[Sensor, ...] = ()
     """Every sensor."""
-    loops: tuple[Loop, ...] = ()
+    loops: tuple[ClosedChain, ...] = ()
     """Every closed chain."""
-    findings: tuple[Finding, ...] = ()
+    findings: tuple[DescriptionFinding, ...] = ()
     """What the importer found in the description."""
 
     def joint(self, name: str) -> Joint:

@@ -7,10 +7,10 @@ from dataclasses import replace
 from pathlib import Path
 
 from morph.body.draft import Draft, DraftLink, Shape
-from morph.body.finding import Finding, Severity, Where
+from morph.body.finding import DescriptionFinding, Severity, Where
 from morph.body.mesh import Mesh, mesh_content, read_mesh, thinned
 from morph.body.mesh.limits import too_large
-from morph.body.paths import Files, Found
+from morph.body.paths import Files, ResolvedPath
 from morph.errors import MeshError
 
 MOST_BYTES = 512 * 2**20
@@ -26,7 +26,7 @@ MOST_DRAWN = 4 * MOST_TOGETHER
 """Most faces of all shapes, a mesh counted as often as it is drawn: MuJoCo holds it once."""
 
 
-def read_shapes(draft: Draft, files: Files) -> tuple[Draft, list[Finding]]:
+def read_shapes(draft: Draft, files: Files) -> tuple[Draft, list[DescriptionFinding]]:
     """Return the draft with the content of its meshes, and what was found on the way.
 
     A shape whose file is missing or damaged stays in the draft without a mesh,
@@ -42,7 +42,7 @@ class _Reader:
 
     def __init__(self, draft: Draft, files: Files) -> None:
         self.draft, self.files = draft, files
-        self.findings: list[Finding] = []
+        self.findings: list[DescriptionFinding] = []
         self.read: dict[Path, Mesh | MeshError] = {}
         self.thin: set[Path] = set()
         self.coarse: dict[Path, Mesh] = {}
@@ -141,14 +141,16 @@ class _Reader:
         self.told.add((link.name, code, shape.file))
         where = Where(kind="link", name=link.name, file=str(self.draft.file), line=shape.line)
         self.findings.append(
-            Finding(code=code, severity=severity, where=where, what=what, done=done, fix=fix)
+            DescriptionFinding(
+                code=code, severity=severity, where=where, what=what, done=done, fix=fix
+            )
         )
 
 
 Said = tuple[str, Severity, str, str, str]
 
 
-def _missing(shape: Shape, _found: Found, folder: Path) -> Said:
+def _missing(shape: Shape, _found: ResolvedPath, folder: Path) -> Said:
     return (
         "mesh-missing",
         "repaired",
@@ -158,7 +160,7 @@ def _missing(shape: Shape, _found: Found, folder: Path) -> Said:
     )
 
 
-def _outside(shape: Shape, _found: Found, folder: Path) -> Said:
+def _outside(shape: Shape, _found: ResolvedPath, folder: Path) -> Said:
     return (
         "mesh-outside",
         "repaired",
@@ -168,7 +170,7 @@ def _outside(shape: Shape, _found: Found, folder: Path) -> Said:
     )
 
 
-def _case(shape: Shape, found: Found, folder: Path) -> Said:
+def _case(shape: Shape, found: ResolvedPath, folder: Path) -> Said:
     return (
         "mesh-case",
         "repaired",
@@ -178,7 +180,7 @@ def _case(shape: Shape, found: Found, folder: Path) -> Said:
     )
 
 
-def _moved(shape: Shape, found: Found, folder: Path) -> Said:
+def _moved(shape: Shape, found: ResolvedPath, folder: Path) -> Said:
     return (
         "mesh-path",
         "repaired",
@@ -188,11 +190,11 @@ def _moved(shape: Shape, found: Found, folder: Path) -> Said:
     )
 
 
-def _shown(found: Found, folder: Path) -> str:
+def _shown(found: ResolvedPath, folder: Path) -> str:
     return "" if found.path is None else str(found.path.relative_to(folder))
 
 
-HOW: dict[str, Callable[[Shape, Found, Path], Said]] = {
+HOW: dict[str, Callable[[Shape, ResolvedPath, Path], Said]] = {
     "missing": _missing,
     "outside": _outside,
     "case": _case,

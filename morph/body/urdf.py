@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from morph.body.draft import MOVING, Draft, DraftJoint, DraftLink, Mimic, Pose, Shape
-from morph.body.finding import Finding, Where
+from morph.body.draft import MOVING, Draft, DraftJoint, DraftLink, DraftMimic, Pose, Shape
+from morph.body.finding import DescriptionFinding, Where
 from morph.body.numbers import SMALLEST, maybe_number, number, numbers, rotation
 from morph.body.refusal import about_file, refusal
 from morph.body.urdf_elements import GEOMETRIES, strangers
@@ -26,7 +26,7 @@ LONGEST_NAME, LONGEST_FILE = 200, 1000
 """Most characters of a name, and of a mesh's path."""
 
 
-def draft_urdf(tree: Element, path: Path) -> tuple[Draft, list[Finding]]:
+def draft_urdf(tree: Element, path: Path) -> tuple[Draft, list[DescriptionFinding]]:
     """Return the draft that a URDF states, and what its text alone shows.
 
     Raises:
@@ -183,7 +183,7 @@ def _end(element: Element, tag: str) -> str:
     return "" if held is None else held.get("link", "")[: LONGEST_NAME + 1]
 
 
-def _joint(element: Element, name: str, path: Path) -> tuple[DraftJoint, list[Finding]]:
+def _joint(element: Element, name: str, path: Path) -> tuple[DraftJoint, list[DescriptionFinding]]:
     kind = element.get("type", "")
     findings = []
     if kind not in (*MOVING, "fixed") or kind == "ball":
@@ -212,7 +212,7 @@ def _joint(element: Element, name: str, path: Path) -> tuple[DraftJoint, list[Fi
             friction=0.0 if dynamics is None else number(dynamics, "friction", 0.0),
             mimic=None
             if mimic is None
-            else Mimic(
+            else DraftMimic(
                 joint=mimic.get("joint", "")[: LONGEST_NAME + 1],
                 ratio=number(mimic, "multiplier", 1.0),
                 offset=number(mimic, "offset", 0.0),
@@ -223,9 +223,9 @@ def _joint(element: Element, name: str, path: Path) -> tuple[DraftJoint, list[Fi
     )
 
 
-def _kind(element: Element, name: str, kind: str) -> Finding:
+def _kind(element: Element, name: str, kind: str) -> DescriptionFinding:
     near = difflib.get_close_matches(kind, (*MOVING, "fixed"), n=1, cutoff=0.0)
-    return Finding(
+    return DescriptionFinding(
         code="joint-kind",
         severity="refused",
         where=Where(kind="joint", name=name, file=element.file, line=element.line),
@@ -234,9 +234,11 @@ def _kind(element: Element, name: str, kind: str) -> Finding:
     )
 
 
-def _axis(name: str, vector: np.ndarray, length: float, path: Path, line: int) -> Finding:
+def _axis(
+    name: str, vector: np.ndarray, length: float, path: Path, line: int
+) -> DescriptionFinding:
     zero = length == 0
-    return Finding(
+    return DescriptionFinding(
         code="joint-axis",
         severity="refused" if zero else "repaired",
         where=Where(kind="joint", name=name, file=str(path), line=line),

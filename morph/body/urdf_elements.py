@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 
-from morph.body.finding import Finding, Where
+from morph.body.finding import DescriptionFinding, Where
 from morph.body.xml import Element
 
 MOST_STRANGERS, MOST_KINDS, LONGEST_TAG = 100, 1000, 40
@@ -34,14 +34,14 @@ GEOMETRIES = ("mesh", "box", "sphere", "cylinder", "capsule")
 """The shapes that a `<geometry>` may hold."""
 
 
-def strangers(tree: Element) -> list[Finding]:
+def strangers(tree: Element) -> list[DescriptionFinding]:
     """Return what is told of elements that are misspelt, doubled, blank or no shape."""
     found = _doubles(tree) + _shapeless(tree) + _blank_limits(tree)
     return [*found[:MOST_STRANGERS], *_misspelt(tree)]
 
 
-def _misspelt(tree: Element) -> list[Finding]:
-    found: list[Finding] = []
+def _misspelt(tree: Element) -> list[DescriptionFinding]:
+    found: list[DescriptionFinding] = []
     harmless: set[tuple[str, str]] = set()
     parts = list(tree.children("link", "joint"))
     inertials = [inertial for part in parts for inertial in part.children("inertial")]
@@ -65,10 +65,10 @@ def _misspelt(tree: Element) -> list[Finding]:
     return found
 
 
-def _stranger(parent: Element, child: Element, what: str, fix: str) -> Finding:
+def _stranger(parent: Element, child: Element, what: str, fix: str) -> DescriptionFinding:
     kind = parent.tag if parent.tag in ("link", "joint") else "robot"
     name = parent.get("name", parent.tag)
-    return Finding(
+    return DescriptionFinding(
         code="unknown-element",
         severity="info",
         where=Where(kind=kind, name=name, file=child.file, line=child.line),
@@ -78,7 +78,7 @@ def _stranger(parent: Element, child: Element, what: str, fix: str) -> Finding:
     )
 
 
-def _doubles(tree: Element) -> list[Finding]:
+def _doubles(tree: Element) -> list[DescriptionFinding]:
     return [
         _left_out(
             part, second, f"it is the second <{tag}>", "the first was taken", f"keep one <{tag}>"
@@ -89,7 +89,7 @@ def _doubles(tree: Element) -> list[Finding]:
     ]
 
 
-def _shapeless(tree: Element) -> list[Finding]:
+def _shapeless(tree: Element) -> list[DescriptionFinding]:
     found = []
     for link in tree.children("link"):
         for shape in link.children("visual", "collision"):
@@ -104,7 +104,7 @@ def _shapeless(tree: Element) -> list[Finding]:
     return found
 
 
-def _blank_limits(tree: Element) -> list[Finding]:
+def _blank_limits(tree: Element) -> list[DescriptionFinding]:
     found = []
     for joint in tree.children("joint"):
         limit = joint.child("limit")
@@ -115,7 +115,7 @@ def _blank_limits(tree: Element) -> list[Finding]:
             continue
         free = all(not limit.get(key, "").strip() for key in ENDS)
         found.append(
-            Finding(
+            DescriptionFinding(
                 code="limit-range",
                 severity="info",
                 where=_where(joint, limit),
@@ -131,8 +131,8 @@ def _where(part: Element, child: Element) -> Where:
     return Where(kind=part.tag, name=part.get("name", ""), file=child.file, line=child.line)
 
 
-def _left_out(part: Element, child: Element, what: str, done: str, fix: str) -> Finding:
-    return Finding(
+def _left_out(part: Element, child: Element, what: str, done: str, fix: str) -> DescriptionFinding:
+    return DescriptionFinding(
         code="unknown-element",
         severity="repaired",
         where=_where(part, child),

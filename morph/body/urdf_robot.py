@@ -11,7 +11,7 @@ from morph.body.check import check
 from morph.body.check.collision import overlaps, self_collisions
 from morph.body.check.place import WORLD, at_robot
 from morph.body.draft import Draft
-from morph.body.finding import Finding
+from morph.body.finding import DescriptionFinding
 from morph.body.linkage import close_chain
 from morph.body.measured import marked, weighed
 from morph.body.motors import add_motors
@@ -22,7 +22,11 @@ from morph.body.robot import Mimic, Robot
 
 
 def robot_from_draft(
-    draft: Draft, findings: list[Finding], files: Files, card: Card | None, base: str | None
+    draft: Draft,
+    findings: list[DescriptionFinding],
+    files: Files,
+    card: Card | None,
+    base: str | None,
 ) -> Robot:
     """Return the Robot that a draft describes, with everything found on the way.
 
@@ -49,12 +53,12 @@ def robot_from_draft(
     return replace(marked(_enriched(robot, draft)), findings=(*findings, *robot.findings))
 
 
-def _assumed(draft: Draft) -> list[Finding]:
+def _assumed(draft: Draft) -> list[DescriptionFinding]:
     (root,) = draft.roots()
     if root == WORLD:
         return []
     return [
-        Finding(
+        DescriptionFinding(
             code="base-assumed",
             severity="info",
             where=at_robot(draft),

@@ -26,7 +26,7 @@ from morph.inference.level import EffectColumn, WhitenedLevel
 from morph.inference.observed import Observed
 from morph.inference.quadratic import information, offset
 from morph.inference.refit import Refit
-from morph.inference.search import Prior, Search
+from morph.inference.search import BeamSearch, Prior
 from morph.inference.streaming import Streaming, streams
 from morph.physics import EFFECTS
 from morph.physics.body.tether import Tether
@@ -54,7 +54,7 @@ def search_beside(
     blocks: int,
     *,
     by_forces: bool = False,
-) -> Search:
+) -> BeamSearch:
     """Return a search for effects to add to a refitted hypothesis.
 
     Args:
@@ -84,7 +84,7 @@ def search_beside(
         levels = whitened_levels(own, grids, runs, blocks)
     columns = tuple(effect_columns(grids))
     trust, at = information(hypothesis), offset(hypothesis, point)
-    return Search(
+    return BeamSearch(
         columns=columns,
         prior=whole,
         found=base.effects,

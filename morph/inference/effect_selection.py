@@ -21,7 +21,7 @@ from morph.inference.output_error import output_error
 from morph.inference.quadratic import quadratic
 from morph.inference.refit import Refit, refitted, seen
 from morph.inference.refit import under as refit_under
-from morph.inference.search import Explanation, Prior, Search
+from morph.inference.search import BeamSearch, Explanation, Prior
 from morph.inference.simulated import likeliest_limit, simulated
 from morph.inference.validate import FAR, FARTHEST, Validation, needed
 from morph.model.episodes import Episode
@@ -84,7 +84,7 @@ class EffectSelection:
         """Whether linearised strengths are."""
         return self.by_forces or not self.by_rollouts
 
-    def search(self, base: Finalist) -> Search:
+    def search(self, base: Finalist) -> BeamSearch:
         """Return a search for effects to add to a set.
 
         Where the linearisation is not believed it only proposes: a part of the runs will do.
@@ -140,7 +140,9 @@ class EffectSelection:
         price = self.prior.price({effect.label for effect in refit.effects})
         return Finalist(refit=refit, price=price, losses=losses, fitted=fitted, about=about)
 
-    def added(self, base: Finalist, search: Search, most: int) -> tuple[list[Finalist], Finalist]:
+    def added(
+        self, base: Finalist, search: BeamSearch, most: int
+    ) -> tuple[list[Finalist], Finalist]:
         """Return larger sets, refitted, and the best; none where all leave too much force.
 
         Sets that are proposed later are refitted only where none of those before is better.
@@ -179,7 +181,7 @@ class EffectSelection:
         return tried, functools.reduce(pick, gained or [base])
 
     def proposals(
-        self, search: Search, sets: Sequence[Explanation], base: Finalist
+        self, search: BeamSearch, sets: Sequence[Explanation], base: Finalist
     ) -> list[list[Explanation]]:
         """Return the sets to refit: the likeliest, and those with the least error in rollouts.
 
@@ -245,7 +247,7 @@ class EffectSelection:
         # A time that the refit has shortened is no more to be claimed than one found short.
         return self.reduced(fewer) if any(map(validation.idle, fewer.effects)) else fewer
 
-    def replaced(self, best: Finalist, search: Search, gone: Set[str]) -> Finalist | None:
+    def replaced(self, best: Finalist, search: BeamSearch, gone: Set[str]) -> Finalist | None:
         """Return a set with another law in the place of one, a likelier or a simpler, or none.
 
         What was found first was found beside all that had not been found yet. A simpler law is

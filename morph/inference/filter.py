@@ -106,7 +106,7 @@ def smoothed(
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Score:
+class LikelihoodScore:
     """A log likelihood, and its derivatives by the logarithms of what a disturbance consists of."""
 
     log_likelihood: float
@@ -123,7 +123,7 @@ class Score:
 
 def scored(
     tangent: Tangent, disturbance: Disturbance, reading: Array, acceleration: Array
-) -> Score:
+) -> LikelihoodScore:
     """Return the log likelihood of readings and its derivatives, by one filter and smoother.
 
     Source: Koopman and Shephard 1992, Biometrika 79(4), 823-826.
@@ -226,7 +226,7 @@ class FilterRun:
         self._backwards(white, (*states, *gains), (state, variance))
         return state, np.sqrt(np.maximum(variance, 0.0))
 
-    def scored(self, reading: Array, acceleration: Array) -> Score:
+    def scored(self, reading: Array, acceleration: Array) -> LikelihoodScore:
         """Return the log likelihood and its derivatives."""
         (samples, channels), size, dofs = reading.shape, len(self._delta), self._dofs
         kept = None, None, np.empty((samples, channels, size)), np.empty((samples, channels))
@@ -239,7 +239,7 @@ class FilterRun:
         constant = int(self.tangent.valid.sum()) * math.log(2.0 * math.pi)
         by_scale = 2.0 * self._added * step[2 * dofs :]
         by_scale += 2.0 * self._spread[2 * dofs :] ** 2 * initial[2 * dofs :]
-        return Score(
+        return LikelihoodScore(
             log_likelihood=-0.5 * (square + logarithm + constant),
             scale=by_scale[:dofs],
             vibration=by_scale[self._forces :],

@@ -29,7 +29,7 @@ from morph.inference.effect_selection import EffectSelection
 from morph.inference.explained import at_noise
 from morph.inference.finalist import Finalist, gains, labels, simplified, under
 from morph.inference.observed import missing
-from morph.inference.search import Prior, Search
+from morph.inference.search import BeamSearch, Prior
 from morph.inference.validate import FAR, FARTHEST, Validation
 from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis
@@ -57,7 +57,7 @@ class Ranking:
     """Those compared under one criterion, the likeliest first; the empty set is among them."""
     validation: Validation
     """The stretches on which they were compared."""
-    search: Search
+    search: BeamSearch
     """All effects that might stand beside the best, or in the place of one of its own."""
     stopped: bool
     """Whether there was no time to try all."""
@@ -154,7 +154,7 @@ class _Found:
     none: Finalist
     """The description with its own figures refitted."""
     best: Finalist
-    search: Search
+    search: BeamSearch
     """Beside the best."""
     tried: tuple[Finalist, ...] = ()
     """Sets that were refitted, less the empty one."""

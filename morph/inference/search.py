@@ -52,11 +52,11 @@ class Explanation:
     members: tuple[int, ...]
     """Its entries of the dictionary."""
     level: int
-    """Index of the scale of the missing force at which it is likeliest, in `Search.levels`."""
+    """Index of the scale of the missing force at which it is likeliest, in `BeamSearch.levels`."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Search:
+class BeamSearch:
     """A beam search for sets of effects."""
 
     columns: tuple[EffectColumn, ...]

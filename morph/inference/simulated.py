@@ -9,7 +9,7 @@ import numpy as np
 
 from morph.inference.dictionary import dictionary
 from morph.inference.finalist import Finalist
-from morph.inference.search import Explanation, Search
+from morph.inference.search import BeamSearch, Explanation
 from morph.inference.validate import MATERIAL, Validation
 from morph.physics.actuator.limit import LimitEffect
 from morph.physics.effect import Effect
@@ -19,7 +19,12 @@ STRENGTHS = (1.0, 0.3, 0.1)
 
 
 def simulated(
-    found: Explanation, search: Search, base: Finalist, validation: Validation, *, believed: bool
+    found: Explanation,
+    search: BeamSearch,
+    base: Finalist,
+    validation: Validation,
+    *,
+    believed: bool,
 ) -> tuple[float, Explanation]:
     """Return the mean loss of a set that is added to another, and the set as it is simulated.
 

@@ -9,8 +9,8 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.make.drawing import Drawing
-from morph.make.groups import Group
-from morph.make.names import Names, shared, sided
+from morph.make.groups import PieceGroup
+from morph.make.names import UniqueNames, shared, sided
 from print.errors import PrintError
 from print.mesh import Mesh
 from print.part import Check, Part, Placement, Seat
@@ -25,7 +25,7 @@ Hand = Literal["left", "right"]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Made:
+class DeduplicatedParts:
     """What came of pieces that are alike."""
 
     parts: tuple[Part, ...]
@@ -36,17 +36,19 @@ class Made:
     """What a reader should know."""
 
 
-def made(drawn: Drawing, group: Group, profile: Profile, names: Names) -> Made:
+def made(
+    drawn: Drawing, group: PieceGroup, profile: Profile, names: UniqueNames
+) -> DeduplicatedParts:
     """Return the parts of a group, its twin's too, or why there are none."""
     name = _name(group)
     try:
         grown, checks = _solid(group, profile, name)
     except PrintError as error:
-        return Made(parts=(), checks=(_check(names.one(name), "refused", error),))
+        return DeduplicatedParts(parts=(), checks=(_check(names.one(name), "refused", error),))
     notes = tuple(f"{name}: {note}" for note in grown.notes)
     if group.twin is None or group.twin.mirror is None:
         parts = (_part(drawn, group, grown.mesh, grown.seats, names.one(name)),)
-        return Made(parts=parts, checks=checks, notes=notes)
+        return DeduplicatedParts(parts=parts, checks=checks, notes=notes)
     mirror = group.twin.mirror
     hands = _hands(drawn, group, group.twin)
     plain = "_".join(word for word in name.split("_") if word not in ("left", "right"))
@@ -55,20 +57,20 @@ def made(drawn: Drawing, group: Group, profile: Profile, names: Names) -> Made:
     turned = grown.mesh.moved(mirror)
     other = _part(drawn, group.twin, turned, seats, names.one(f"{plain}_{hands[1]}"))
     pair = (replace(one, hand=hands[0]), replace(other, hand=hands[1]))
-    return Made(parts=pair, checks=checks, notes=notes)
+    return DeduplicatedParts(parts=pair, checks=checks, notes=notes)
 
 
 def _check(name: str, verdict: Literal["noted", "refused"], error: PrintError) -> Check:
     return Check(part=name, name="shape", verdict=verdict, what=error.what, fix=error.fix)
 
 
-def _name(group: Group) -> str:
+def _name(group: PieceGroup) -> str:
     if group.first.file and all(piece.file == group.first.file for piece in group.pieces):
         return group.first.name
     return shared([piece.name for piece in group.pieces])
 
 
-def _solid(group: Group, profile: Profile, name: str) -> tuple[Shell, tuple[Check, ...]]:
+def _solid(group: PieceGroup, profile: Profile, name: str) -> tuple[Shell, tuple[Check, ...]]:
     """Return a piece's solid; if neighbours leave no room for one, one that is in their way."""
     piece = group.first
     if isinstance(piece.source, Mesh):
@@ -84,7 +86,7 @@ def _solid(group: Group, profile: Profile, name: str) -> tuple[Shell, tuple[Chec
         return _in_the_way(body, profile), (_check(name, "noted", error),)
 
 
-def _others(group: Group) -> list[Mesh]:
+def _others(group: PieceGroup) -> list[Mesh]:
     """Return the room that neighbours of its copies and of its twin need, as the first sees it."""
     twin = group.twin
     mirror = np.eye(4) if twin is None or twin.mirror is None else twin.mirror
@@ -110,7 +112,9 @@ def _in_the_way(body: Skeleton, profile: Profile) -> Shell:
     return shell(replace(body, spared=()), profile)
 
 
-def _part(drawn: Drawing, group: Group, mesh: Mesh, seats: tuple[Seat, ...], name: str) -> Part:
+def _part(
+    drawn: Drawing, group: PieceGroup, mesh: Mesh, seats: tuple[Seat, ...], name: str
+) -> Part:
     placements = tuple(
         Placement(
             link=piece.link,
@@ -122,7 +126,7 @@ def _part(drawn: Drawing, group: Group, mesh: Mesh, seats: tuple[Seat, ...], nam
     return Part(name=name, kind="printed", mesh=mesh, placements=placements, seats=seats)
 
 
-def _hands(drawn: Drawing, one: Group, other: Group) -> tuple[Hand, Hand]:
+def _hands(drawn: Drawing, one: PieceGroup, other: PieceGroup) -> tuple[Hand, Hand]:
     """Return the hands of two twins: y points to the left."""
     said = sided(piece.name for piece, _ in one.members)
     said = said or sided(piece.link for piece, _ in one.members)

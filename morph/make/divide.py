@@ -13,7 +13,7 @@ from morph.make.drawing import Drawing, drawing
 from morph.make.fused import fused
 from morph.make.groups import grouped
 from morph.make.hinges import hinges
-from morph.make.names import Names, safe
+from morph.make.names import UniqueNames, safe
 from morph.make.off_the_shelf_parts import Item
 from morph.make.pieces import pieces, printed_links
 from morph.make.room import spared
@@ -38,7 +38,7 @@ def divide(robot: Robot, profile: Profile) -> Division:
     joints = hinges(drawn)
     bones = spared(drawn, skeletons(drawn, things), joints)
     found = grouped(pieces(drawn, things, bones))
-    names = Names()
+    names = UniqueNames()
     results = [made(drawn, group, profile, names) for group in found]
     printed = [part for result in results for part in result.parts]
     missing = {
@@ -82,7 +82,7 @@ def _taken(robot: Robot) -> tuple[str, ...]:
     return (f"no card says what is bought: all that is drawn is taken to be printed{where}",)
 
 
-def _bought(drawn: Drawing, things: Sequence[Item], names: Names) -> list[Part]:
+def _bought(drawn: Drawing, things: Sequence[Item], names: UniqueNames) -> list[Part]:
     return [
         replace(part, name=names.one(safe(part.name)), number=f"B-{at:02d}")
         for at, part in enumerate(buying.parts(drawn, things), start=1)

@@ -26,7 +26,7 @@ MM = 1e3
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Drawn:
+class LinkShape:
     """One shape of a link."""
 
     name: str
@@ -60,7 +60,7 @@ class Drawing:
     """It as a `mujoco.MjModel`."""
     data: Any
     """Where everything is at zero: a `mujoco.MjData`."""
-    shapes: Mapping[str, tuple[Drawn, ...]]
+    shapes: Mapping[str, tuple[LinkShape, ...]]
     """What is drawn of each link."""
     unread: tuple[str, ...]
     """What could not be read, in words."""
@@ -78,7 +78,7 @@ def drawing(robot: Robot) -> Drawing:
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
     files = _Files(robot, spec)
-    shapes: dict[str, list[Drawn]] = {link.name: [] for link in robot.links}
+    shapes: dict[str, list[LinkShape]] = {link.name: [] for link in robot.links}
     for geom in range(model.ngeom):
         link = model.body(int(model.geom_bodyid[geom])).name
         if model.geom_group[geom] < SHOWN_GROUPS and link in shapes:
@@ -93,7 +93,7 @@ def drawing(robot: Robot) -> Drawing:
     )
 
 
-def _drawn(model: Any, geom: int, link: str, files: _Files) -> Drawn | None:
+def _drawn(model: Any, geom: int, link: str, files: _Files) -> LinkShape | None:
     kinds = mujoco.mjtGeom
     kind = kinds(model.geom_type[geom])
     turn = np.empty(9)
@@ -115,7 +115,7 @@ def _drawn(model: Any, geom: int, link: str, files: _Files) -> Drawn | None:
         if found is None:
             return None
         mesh = found
-    return Drawn(name=name, link=link, kind=word, mesh=mesh, pose=pose, size=size, file=file)
+    return LinkShape(name=name, link=link, kind=word, mesh=mesh, pose=pose, size=size, file=file)
 
 
 class _Files:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from morph.make.drawing import Drawing
-from morph.make.names import Names, safe
+from morph.make.names import UniqueNames, safe
 from morph.make.off_the_shelf_parts import Item
 from morph.make.pieces import fusions, plastic, printed_links
 from print.mesh import joined
@@ -15,7 +15,7 @@ from print.part import Part, Placement
 
 
 def fused(
-    drawing: Drawing, bought: Sequence[Item], printed: Sequence[Part], names: Names
+    drawing: Drawing, bought: Sequence[Item], printed: Sequence[Part], names: UniqueNames
 ) -> tuple[Part, ...]:
     """Return what is drawn of each link that is one piece with another, in its own frame."""
     into = fusions(drawing, printed_links(drawing))

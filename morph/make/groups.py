@@ -15,12 +15,12 @@ from print.mesh import Mesh
 
 
 @dataclass(kw_only=True, eq=False)
-class Group:
+class PieceGroup:
     """Pieces that are one part, each with the motion from the first one's frame to its own."""
 
     members: list[tuple[Piece, Array]]
     """Pieces and motions, shape (4, 4), mm; the first one's is the identity."""
-    twin: Group | None = None
+    twin: PieceGroup | None = None
     """The mirrored ones."""
     mirror: Array | None = None
     """Of a twin: from the frame of the first piece of its original to that of its own first."""
@@ -39,17 +39,17 @@ class Group:
         return self.members[0][0]
 
 
-def grouped(pieces: Iterable[Piece]) -> tuple[Group, ...]:
+def grouped(pieces: Iterable[Piece]) -> tuple[PieceGroup, ...]:
     """Return pieces in groups, in order; twins stand in their group's `twin`."""
-    found: list[Group] = []
+    found: list[PieceGroup] = []
     for piece in pieces:
         points = piece.points()
         if not any(_joins(group, piece, points) for group in found):
-            found.append(Group(members=[(piece, np.eye(4))], points=points))
+            found.append(PieceGroup(members=[(piece, np.eye(4))], points=points))
     return tuple(found)
 
 
-def _joins(group: Group, piece: Piece, points: Array) -> bool:
+def _joins(group: PieceGroup, piece: Piece, points: Array) -> bool:
     """Add a piece to a group or its twin if it is like it; return whether it was."""
     if isinstance(group.first.source, Mesh) != isinstance(piece.source, Mesh):
         return False
@@ -59,13 +59,13 @@ def _joins(group: Group, piece: Piece, points: Array) -> bool:
     if np.linalg.det(found[:3, :3]) > 0:
         group.members.append((piece, found))
     elif group.twin is None or group.twin.mirror is None:
-        group.twin = Group(members=[(piece, np.eye(4))], mirror=found)
+        group.twin = PieceGroup(members=[(piece, np.eye(4))], mirror=found)
     else:
         group.twin.members.append((piece, found @ np.linalg.inv(group.twin.mirror)))
     return True
 
 
-def _motion(group: Group, piece: Piece, points: Array) -> Array | None:
+def _motion(group: PieceGroup, piece: Piece, points: Array) -> Array | None:
     one, other = group.first.source, piece.source
     if one is other:
         return np.eye(4)

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from morph.arrays import Array
-from morph.make.drawing import MM, Drawing, Drawn
+from morph.make.drawing import MM, Drawing, LinkShape
 from morph.make.solids import placed
-from print.servos import Servo
+from print.servos import ServoSize
 
 LEVEL = 0.5
 """How far off the box's middle, in halves of its height, the joint tells which way is out."""
@@ -39,7 +39,7 @@ class Seated:
         return self.off_mm <= ON_AXIS_MM and self.off_deg <= ON_AXIS_DEG
 
 
-def seated(drawing: Drawing, drawn: Drawn, joint: str, servo: Servo) -> Seated:
+def seated(drawing: Drawing, drawn: LinkShape, joint: str, servo: ServoSize) -> Seated:
     """Return how a servo sits that is drawn as a box and turns a joint.
 
     The box's sides are told apart by the servo's sizes, and where these do not tell, by the
@@ -77,7 +77,7 @@ def seated(drawing: Drawing, drawn: Drawn, joint: str, servo: Servo) -> Seated:
     return Seated(pose=drawn.pose @ pose, horn=drawn.pose @ horn, off_mm=off_mm, off_deg=lean)
 
 
-def _sides(size: Array, axis: Array, servo: Servo) -> tuple[int, int]:
+def _sides(size: Array, axis: Array, servo: ServoSize) -> tuple[int, int]:
     """Return along which sides of the box a servo's length and its height are."""
     wanted = np.array([servo.length_mm, servo.width_mm, servo.height_mm])
 
@@ -90,7 +90,7 @@ def _sides(size: Array, axis: Array, servo: Servo) -> tuple[int, int]:
     return best[0], best[2]
 
 
-def _toward(drawing: Drawing, drawn: Drawn, joint: str, to_box: Array) -> Array:
+def _toward(drawing: Drawing, drawn: LinkShape, joint: str, to_box: Array) -> Array:
     """Return where what a servo turns is drawn, in halves of the servo's box, shape (3,)."""
     robot = drawing.robot
     moved = robot.joint(joint).link

@@ -31,7 +31,7 @@ def shared(links: Sequence[str]) -> str:
     return "_".join(kept or words or split[0])
 
 
-class Names:
+class UniqueNames:
     """Gives each name once."""
 
     def __init__(self) -> None:

@@ -9,14 +9,14 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.body.card import Bought
-from morph.make.drawing import MM, Drawing, Drawn
+from morph.make.drawing import MM, Drawing, LinkShape
 from morph.make.mounts import Seated, seated
 from morph.make.printed import designed
 from print.errors import SeatError
 from print.mesh import Mesh
 from print.part import Check, Part, Placement
 from print.servo import case, servo
-from print.servos import Servo
+from print.servos import ServoSize
 from print.weight import Weight, box
 
 SAME = 0.1
@@ -29,9 +29,9 @@ class Item:
 
     entry: Bought
     """What the card says."""
-    drawn: Drawn | None
+    drawn: LinkShape | None
     """The shape that stands for it."""
-    servo: Servo | None = None
+    servo: ServoSize | None = None
     """What the catalogue says of it, if it is a servo that turns a joint."""
     seated: Seated | None = None
     """How it sits, if it is one."""
@@ -70,7 +70,7 @@ def _item(drawing: Drawing, entry: Bought, whole: bool) -> Item:
     )
 
 
-def _servo(name: str) -> Servo | None:
+def _servo(name: str) -> ServoSize | None:
     try:
         return servo(name)
     except SeatError:

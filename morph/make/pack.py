@@ -22,7 +22,7 @@ from morph.make.packed import (
     PackedLink,
     PackedPart,
     PackedPlate,
-    Printed,
+    PrintedCopy,
     Spread,
 )
 from print.job import Job, Plate
@@ -107,11 +107,11 @@ def _part(part: Part, package: Package, files: Mapping[str, str]) -> PackedPart:
     )
 
 
-def _printed(name: str, job: Job) -> Printed | None:
+def _printed(name: str, job: Job) -> PrintedCopy | None:
     if name not in job.sliced:
         return None
     sliced, lies = job.sliced[name], job.orientations[name]
-    return Printed(
+    return PrintedCopy(
         source=sliced.source,
         slicer=sliced.slicer,
         turn=row(lies.turn),

@@ -11,7 +11,7 @@ import numpy as np
 
 import morph
 from morph.body.card import SCHEMA as CARD
-from morph.body.card import Card, Checks, Source
+from morph.body.card import Card, Checks, Citation
 from morph.body.card_text import card_text
 from morph.body.convert import FORMATS, convert
 from morph.body.load import FREEDOMS, load
@@ -57,7 +57,7 @@ def write_printed(folder: Path, robot: Robot, package: Package) -> Robot:
     """
     made = printed_robot(robot, package.links)
     sources = sorted({each.source for each in package.links})
-    origin = Source(
+    origin = Citation(
         what="masses, centres of mass and inertias of the links",
         from_=f"parts printed by morph {morph.__version__}: {', '.join(sources)}; see package.json",
     )
@@ -114,7 +114,7 @@ def _lying(part: Part, mesh: Mesh, job: Job) -> Mesh:
     return mesh.moved(pose)
 
 
-def _write_robot(folder: Path, robot: Robot, title: str, origins: tuple[Source, ...]) -> Robot:
+def _write_robot(folder: Path, robot: Robot, title: str, origins: tuple[Citation, ...]) -> Robot:
     name = folder.name
     for form in FORMATS:
         convert(replace(robot, name=name), form, folder)
@@ -131,11 +131,11 @@ def _write_robot(folder: Path, robot: Robot, title: str, origins: tuple[Source, 
     return found
 
 
-def _card(robot: Robot, name: str, title: str, origins: tuple[Source, ...]) -> Card:
+def _card(robot: Robot, name: str, title: str, origins: tuple[Citation, ...]) -> Card:
     """Return the card of a robot in a package: what still holds of the original's."""
     before = robot.card
     floats = any(joint.kind == "free" for joint in robot.joints)
-    stated = Source(
+    stated = Citation(
         what="everything else",
         from_=f"the robot {robot.name}, by morph {morph.__version__}",
     )

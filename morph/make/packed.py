@@ -62,7 +62,7 @@ class Feature:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Printed:
+class PrintedCopy:
     """How one copy of a part is printed."""
 
     source: str
@@ -111,7 +111,7 @@ class PackedPart:
     """What is held in it."""
     weight: Spread | None = None
     """Of one copy in the part's frame, as predicted; of what is bought, as its maker says."""
-    printed: Printed | None = None
+    printed: PrintedCopy | None = None
     """How it is printed; None of what is not."""
     measured_g: float | None = None
     """What a scale showed for one copy, g."""

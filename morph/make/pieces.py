@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from morph.arrays import Array
-from morph.make.drawing import Drawing, Drawn
+from morph.make.drawing import Drawing, LinkShape
 from morph.make.names import of_file
 from morph.make.off_the_shelf_parts import Item
 from morph.make.point_set_registration import cloud
@@ -85,7 +85,7 @@ def fusions(drawing: Drawing, printed: Sequence[str]) -> dict[str, str]:
     return into
 
 
-def plastic(drawing: Drawing, link: str, bought: Sequence[Item]) -> tuple[Drawn, ...]:
+def plastic(drawing: Drawing, link: str, bought: Sequence[Item]) -> tuple[LinkShape, ...]:
     """Return what is drawn of a link and not bought."""
     taken = {id(item.drawn) for item in bought}
     return tuple(shape for shape in drawing.shapes[link] if id(shape) not in taken)
@@ -115,5 +115,5 @@ def pieces(
     return tuple(found)
 
 
-def _name(shape: Drawn) -> str:
+def _name(shape: LinkShape) -> str:
     return of_file(shape.file) if shape.file else shape.name or shape.link

@@ -32,7 +32,7 @@ UNCHANGED = "unchanged"
 
 
 @dataclass(frozen=True, kw_only=True)
-class Tried:
+class MatchTrial:
     """What one way of matching came to, in the runs by which a policy is chosen."""
 
     by: str
@@ -67,7 +67,7 @@ class Matched:
     """How long judging and matching took, s."""
     seed: int
     """Random seed."""
-    tried: tuple[Tried, ...] = field(default=())
+    tried: tuple[MatchTrial, ...] = field(default=())
     """Every way that was tried, in order."""
 
     @property
@@ -180,7 +180,7 @@ def _found(case: Case, matchers: Sequence[Matcher]) -> Matched:
         still=case.judged(rest, on=case.designed, rows=FIRST),
     )
     policy, by, kept = case.policy, UNCHANGED, unchanged
-    record: list[Tried] = []
+    record: list[MatchTrial] = []
     if not unchanged.close and case.left > 0.0:
         asked = [each for each in matchers if each.suits(case)]
         if unchanged.holds:
@@ -204,7 +204,7 @@ def _found(case: Case, matchers: Sequence[Matcher]) -> Matched:
 
 
 def _best(
-    case: Case, unchanged: Comparison, matchers: Sequence[Matcher], record: list[Tried]
+    case: Case, unchanged: Comparison, matchers: Sequence[Matcher], record: list[MatchTrial]
 ) -> tuple[Policy, str]:
     """Return the policy that does best in the runs that choose, and by which way it came."""
     begun = time.monotonic()
@@ -244,8 +244,8 @@ def _with(unchanged: Comparison, printed: Score) -> Comparison:
     return Comparison(designed=unchanged.designed, printed=printed, still=unchanged.still)
 
 
-def _line(by: str, score: Score | None, begun: float, note: str = "") -> Tried:
-    return Tried(
+def _line(by: str, score: Score | None, begun: float, note: str = "") -> MatchTrial:
+    return MatchTrial(
         by=by,
         loss=math.inf if score is None else score.mean,
         success=0.0 if score is None else score.share,

@@ -25,7 +25,7 @@ FORGET = "predicted"
 
 
 @dataclass(frozen=True, kw_only=True)
-class Reading:
+class ScaleReading:
     """One reading."""
 
     part: str
@@ -34,7 +34,9 @@ class Reading:
     """What one copy weighs, kg; None to forget what was read before."""
 
 
-def readings(package: Package, said: Iterable[str], *, anyway: bool = False) -> tuple[Reading, ...]:
+def readings(
+    package: Package, said: Iterable[str], *, anyway: bool = False
+) -> tuple[ScaleReading, ...]:
     """Return readings of parts, once they have proved to make sense.
 
     `PART=GRAMS` is the mass of one copy, `PART=GRAMS/COUNT` that of so many copies on the scale
@@ -50,13 +52,13 @@ def readings(package: Package, said: Iterable[str], *, anyway: bool = False) -> 
         MakeError: A part is unknown, no part of the robot's or weighed twice; a number is none;
             or a reading is far off what was predicted.
     """
-    found: dict[str, Reading] = {}
+    found: dict[str, ScaleReading] = {}
     for each in said:
         name, stated, value = each.partition("=")
         if not stated:
             raise _refused(f"{each!r} says no mass", each, "write PART=GRAMS, such as P-01=12.3")
         part = _part(package, name.strip())
-        reading = Reading(part=part.name, kg=_kg(value.strip(), each))
+        reading = ScaleReading(part=part.name, kg=_kg(value.strip(), each))
         if found.setdefault(part.name, reading) != reading:
             raise _refused(
                 f"{part.name!r} is weighed twice, with different masses",
@@ -68,7 +70,7 @@ def readings(package: Package, said: Iterable[str], *, anyway: bool = False) -> 
     return tuple(found.values())
 
 
-def taken(before: Mapping[str, float], new: Iterable[Reading]) -> dict[str, float]:
+def taken(before: Mapping[str, float], new: Iterable[ScaleReading]) -> dict[str, float]:
     """Return all readings, kg by the part's name: the later one of a part counts."""
     after = dict(before)
     for each in new:
@@ -120,7 +122,7 @@ def _kg(value: str, said: str) -> float | None:
     return 1e-3 * mass / copies
 
 
-def _check_far(package: Package, found: Iterable[Reading]) -> None:
+def _check_far(package: Package, found: Iterable[ScaleReading]) -> None:
     weights = {part.name: part.weight for part in package.job.parts}
     far = []
     for each in found:

@@ -6,13 +6,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from morph.make.drawing import Drawn
+from morph.make.drawing import LinkShape
 from morph.make.off_the_shelf_parts import Item
 from print.part import Seat
 from print.servo import case
 
 
-def seats(shape: Drawn, others: Sequence[Drawn], bought: Sequence[Item]) -> tuple[Seat, ...]:
+def seats(
+    shape: LinkShape, others: Sequence[LinkShape], bought: Sequence[Item]
+) -> tuple[Seat, ...]:
     """Return the seats of a link's servos in one of its meshes, in the mesh's own frame.
 
     Args:
@@ -41,7 +43,7 @@ def seats(shape: Drawn, others: Sequence[Drawn], bought: Sequence[Item]) -> tupl
     return tuple(found)
 
 
-def _away(shape: Drawn, item: Item) -> float:
+def _away(shape: LinkShape, item: Item) -> float:
     """Return how far a mesh's corners are from the middle of a servo, mm."""
     if item.servo is None or item.seated is None:
         return float("inf")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
-from morph.body.finding import Finding
+from morph.body.finding import DescriptionFinding
 from morph.body.robot import Robot
 from morph.make.names import safe
 from print.part import Check
@@ -36,16 +36,16 @@ def lost_links(robot: Robot) -> frozenset[str]:
     return frozenset(_of(robot.findings))
 
 
-def _of(findings: Iterable[Finding]) -> Iterable[str]:
+def _of(findings: Iterable[DescriptionFinding]) -> Iterable[str]:
     return (each.where.name for each in findings if _shape(each) and LEFT_OUT in each.done)
 
 
-def _shape(finding: Finding) -> bool:
+def _shape(finding: DescriptionFinding) -> bool:
     of_shape = finding.code.startswith("mesh-") or finding.code == "shape-size"
     return of_shape and (LEFT_OUT in finding.done or finding.code == COARSER)
 
 
-def _check(finding: Finding, drawn: Mapping[str, Sequence[object]]) -> Check:
+def _check(finding: DescriptionFinding, drawn: Mapping[str, Sequence[object]]) -> Check:
     gone = LEFT_OUT in finding.done
     return Check(
         part=safe(finding.where.name),

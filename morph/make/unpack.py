@@ -13,7 +13,7 @@ from morph.body.inertia import is_physical
 from morph.errors import MakeError
 from morph.make.content import Package
 from morph.make.link_mass import LinkMass
-from morph.make.packed import Packed, PackedLink, PackedPart, Printed, Spread
+from morph.make.packed import Packed, PackedLink, PackedPart, PrintedCopy, Spread
 from print.job import Job, Laid, Orientation, Plate
 from print.mesh import Mesh
 from print.part import Check, Hinge, Part, Placement, Seat
@@ -138,7 +138,7 @@ class _Reader:
             piece_of=said.piece_of,
         )
 
-    def orientation(self, said: Printed) -> Orientation:
+    def orientation(self, said: PrintedCopy) -> Orientation:
         return Orientation(
             turn=self.turn(said.turn),
             support_mm3=said.support_mm3,

@@ -15,7 +15,7 @@ from morph.model.candidate import Candidate
 from morph.model.latent.run import Run
 from morph.model.mixture import Mixture
 from morph.model.ou_likelihood import Likelihood
-from morph.model.select import Unsaid, Weighed, courses, posterior, weighed
+from morph.model.select import Unsaid, WeighedModels, courses, posterior, weighed
 from morph.model.transitions import transitions
 from morph.sim.rollout import Variant, rollout
 
@@ -122,7 +122,7 @@ class Ensemble:
         return replace(self, told=told)
 
     @cached_property
-    def weighed(self) -> Weighed | None:
+    def weighed(self) -> WeighedModels | None:
         """What runs so far say in sum; None before any."""
         return weighed(self.told) if self.told else None
 

@@ -13,11 +13,11 @@ from morph.errors import DiagnosisError
 from morph.model.latent.run import Run
 from morph.model.missing_force.corrected import Corrected
 from morph.model.missing_force.periods import Periods
-from morph.model.missing_force.problem import Iterate, Problem
+from morph.model.missing_force.problem import ForceProblem, Iterate
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Candidate:
+class CandidateRun:
     """A run that might be recorded."""
 
     start: Array
@@ -29,7 +29,7 @@ class Candidate:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Choice:
+class ProposedRun:
     """A run to record, and why."""
 
     index: int
@@ -38,7 +38,7 @@ class Choice:
     """What it is expected to tell beside those that were chosen before, nats."""
 
 
-def information(corrected: Corrected, candidates: Sequence[Candidate]) -> list[Array]:
+def information(corrected: Corrected, candidates: Sequence[CandidateRun]) -> list[Array]:
     """Return what each run would add to the precision of figures and weights, (k, k) each.
 
     Each run is simulated as the model expects it, and its slopes say how it answers to figures
@@ -58,7 +58,7 @@ def information(corrected: Corrected, candidates: Sequence[Candidate]) -> list[A
             command=each.command,
             period=corrected.period,
         )
-        problem = Problem(
+        problem = ForceProblem(
             periods=periods,
             runs=(run,),
             noise=corrected.noise,
@@ -72,7 +72,9 @@ def information(corrected: Corrected, candidates: Sequence[Candidate]) -> list[A
     return found
 
 
-def chosen(corrected: Corrected, candidates: Sequence[Candidate], count: int) -> list[Choice]:
+def chosen(
+    corrected: Corrected, candidates: Sequence[CandidateRun], count: int
+) -> list[ProposedRun]:
     """Return the runs to record next, in order: every other one explores.
 
     A model that is right where its data are serves a policy only where that policy goes, and the
@@ -102,13 +104,13 @@ def chosen(corrected: Corrected, candidates: Sequence[Candidate], count: int) ->
     added = information(corrected, candidates)
     precision = corrected.posterior.H
     left = list(range(len(candidates)))
-    found: list[Choice] = []
+    found: list[ProposedRun] = []
     for number in range(count):
         wanted = [at for at in left if candidates[at].explores == (number % 2 == 0)] or left
         L = np.asarray(np.linalg.cholesky(precision), dtype=np.float64)
         gains = {at: _gain(L, added[at]) for at in wanted}
         best = max(wanted, key=lambda at: gains[at])
-        found.append(Choice(index=best, gain=gains[best]))
+        found.append(ProposedRun(index=best, gain=gains[best]))
         precision = precision + added[best]
         left.remove(best)
     return found
@@ -122,7 +124,7 @@ def _gain(factor: Array, added: Array) -> float:
     return 0.5 * float(np.log1p(np.maximum(values, 0.0)).sum())
 
 
-def _expected(periods: Periods, corrected: Corrected, each: Candidate) -> Array:
+def _expected(periods: Periods, corrected: Corrected, each: CandidateRun) -> Array:
     """Return the states that the model expects, shape (periods + 1, n)."""
     models = periods.models([corrected.point])
     force = np.zeros((1, periods.nv)) if corrected.unit is None else corrected.missing.force

@@ -33,7 +33,7 @@ LIKE = 0.1
 
 
 @dataclass(frozen=True, kw_only=True)
-class Room:
+class PointBounds:
     """Where a point may lie and what it costs to stray."""
 
     low: Array
@@ -76,9 +76,9 @@ class Room:
         return np.clip(change, low, high)
 
 
-def room(hypothesis: Hypothesis, point: Array) -> Room:
+def room(hypothesis: Hypothesis, point: Array) -> PointBounds:
     """Return a hypothesis' room: knobs are drawn to the description, most effects to nowhere."""
-    return Room(
+    return PointBounds(
         low=hypothesis.low,
         high=hypothesis.high,
         trust=hypothesis.trust,

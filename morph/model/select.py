@@ -15,7 +15,7 @@ from scipy.stats import norm
 from morph.arrays import Array
 from morph.errors import EvidenceError
 from morph.model.ou_likelihood import Likelihood, likelihood
-from morph.model.transitions import Transitions
+from morph.model.transitions import ModelTransitions
 
 WHOLE = 2
 """Kinds of motion up to which a body is looked at as one; a larger one joint by joint."""
@@ -133,7 +133,9 @@ def blocks(model: Any) -> tuple[Block, ...]:
     return tuple(found)
 
 
-def courses(model: Any, seen: Transitions, noise: Array, unsaid: Unsaid) -> tuple[Likelihood, ...]:
+def courses(
+    model: Any, seen: ModelTransitions, noise: Array, unsaid: Unsaid
+) -> tuple[Likelihood, ...]:
     """Return how probable a run is, up to each of its samples, under each setting of each block.
 
     Between blocks noise leaks as if it were independent from one sample to the next; what models
@@ -177,7 +179,7 @@ def courses(model: Any, seen: Transitions, noise: Array, unsaid: Unsaid) -> tupl
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Weighed:
+class WeighedModels:
     """How probable runs are under each model, and what each model has to leave out."""
 
     log_evidence: Array
@@ -203,7 +205,7 @@ class Weighed:
         return np.asarray(np.clip(1.0 - fine, 0.0, 1.0))
 
 
-def weighed(parts: Sequence[Likelihood]) -> Weighed:
+def weighed(parts: Sequence[Likelihood]) -> WeighedModels:
     """Return the evidence of likelihoods by block, over all settings and figures in doubt.
 
     All settings are as probable as each other, and figures in doubt are normal. One block is
@@ -225,10 +227,10 @@ def weighed(parts: Sequence[Likelihood]) -> Weighed:
     price = 0.5 * (away - np.linalg.slogdet(spread)[1])
     bound = sum((_mixed(log) for log in logs), start=np.zeros(1))
     left = np.sqrt(np.diagonal(spread, axis1=-2, axis2=-1))
-    return Weighed(log_evidence=bound - price, settings=weight, doubt=mean, doubt_left=left)
+    return WeighedModels(log_evidence=bound - price, settings=weight, doubt=mean, doubt_left=left)
 
 
-def _exactly(parts: Sequence[Likelihood]) -> Weighed:
+def _exactly(parts: Sequence[Likelihood]) -> WeighedModels:
     """Return what each block says by itself, figures in doubt integrated in each setting."""
     total, settings = np.zeros(1), []
     for part in parts:
@@ -243,7 +245,7 @@ def _exactly(parts: Sequence[Likelihood]) -> Weighed:
     doubt = np.sum(weight * best, axis=1)
     own = np.diagonal(np.linalg.inv(precision), axis1=-2, axis2=-1)
     left = np.sqrt(np.sum(weight * (own + (best - doubt[:, None]) ** 2), axis=1))
-    return Weighed(log_evidence=total, settings=tuple(settings), doubt=doubt, doubt_left=left)
+    return WeighedModels(log_evidence=total, settings=tuple(settings), doubt=doubt, doubt_left=left)
 
 
 def _doubts(parts: Sequence[Likelihood], weight: Sequence[Array]) -> tuple[Array, Array]:

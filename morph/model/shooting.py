@@ -108,7 +108,7 @@ def _predict(
 
 
 @dataclass(frozen=True, kw_only=True)
-class Quadratic:
+class SegmentQuadratic:
     """The loss of each segment near a point, its start already chosen best: c - 2 g.d + d.H.d."""
 
     hessian: Array
@@ -232,7 +232,7 @@ def sensitivity(
     )
 
 
-def quadratic(segments: Segments, around: Sensitivity, weight: Array) -> Quadratic:
+def quadratic(segments: Segments, around: Sensitivity, weight: Array) -> SegmentQuadratic:
     """Return the loss with each segment's start eliminated, times the segments' weights.
 
     Source: variable projection, Golub and Pereyra 1973, SIAM J. Numer. Anal. 10(2).
@@ -253,7 +253,7 @@ def quadratic(segments: Segments, around: Sensitivity, weight: Array) -> Quadrat
         + (moved**2 * segments.start_trust).sum(axis=1)
         - (pull * best).sum(axis=1)
     )
-    return Quadratic(
+    return SegmentQuadratic(
         hessian=weight[:, None, None] * (outer @ by_point - crossed @ slope_of_best),
         slope=weight[:, None] * (outer @ error[..., None] - crossed @ best[..., None])[..., 0],
         loss=weight * least,

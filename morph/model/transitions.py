@@ -22,7 +22,7 @@ NUDGE = 1e-5
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Transitions:
+class ModelTransitions:
     """One run through several models, one control period at a time.
 
     With a state x, its observation y and the error delta = x - y, to first order
@@ -54,7 +54,7 @@ def transitions(
     doubts: Sequence[Sequence[Variant]] = (),
     each: bool = True,
     carry: Array | None = None,
-) -> Transitions:
+) -> ModelTransitions:
     """Return a run's transitions under several models, all in one batch.
 
     Args:
@@ -102,7 +102,7 @@ def transitions(
             ]
         )
     changed = miss[models:].reshape(models, doubted, periods, 2 * nv) - miss[:models, None]
-    return Transitions(
+    return ModelTransitions(
         period=run.period,
         miss=miss[:models],
         change=v_end[:models] - np.stack([velocity[:-1] for _, velocity in seen[:models]]),

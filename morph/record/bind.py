@@ -10,7 +10,7 @@ import numpy as np
 from morph.arrays import Array
 from morph.errors import RecordingError
 from morph.files import sha256
-from morph.record.binding import Binding, Episode
+from morph.record.binding import Binding, EpisodeFiles
 from morph.record.clean import clean
 from morph.record.column import Column
 from morph.record.read.any import read
@@ -24,7 +24,7 @@ MOST_SHORT = 2
 """By how many samples a command may be shorter than its clock: none is sent at the end."""
 
 
-def bind(episode: Episode, binding: Binding) -> Recording:
+def bind(episode: EpisodeFiles, binding: Binding) -> Recording:
     """Return an episode's recording.
 
     Raises:

@@ -20,7 +20,7 @@ HOLDS = ("zero-order",)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Episode:
+class EpisodeFiles:
     """One episode's files."""
 
     file: Path
@@ -47,7 +47,7 @@ class Binding:
     """A path relative to the file, or a name on the shelf."""
     rate_hz: float | None = None
     """Sampling rate of files without a clock, Hz."""
-    episodes: tuple[Episode, ...]
+    episodes: tuple[EpisodeFiles, ...]
     """The episodes, in the order of the file."""
     columns: Mapping[str, Column] = field(default_factory=dict)
     """Each canonical channel's column; also `time`, without a rate and outside bags."""
@@ -89,7 +89,7 @@ def load_binding(path: Path, *, root: Path | None = None) -> Binding:
     )
 
 
-def _check_clock(top: Entry, episodes: tuple[Episode, ...], rate: bool, time: bool) -> None:
+def _check_clock(top: Entry, episodes: tuple[EpisodeFiles, ...], rate: bool, time: bool) -> None:
     """Refuse a binding whose files are left without a clock, or have one too many."""
     files = [one.file for one in episodes] + [one.command for one in episodes if one.command]
     clocked = [is_bag(file) for file in files]
@@ -164,7 +164,7 @@ def _flat(table: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
     return flat
 
 
-def _episodes(top: Entry, root: Path) -> tuple[Episode, ...]:
+def _episodes(top: Entry, root: Path) -> tuple[EpisodeFiles, ...]:
     tables = top.table.get("episode")
     if not isinstance(tables, list) or not tables:
         raise top.error(
@@ -184,13 +184,13 @@ def _episodes(top: Entry, root: Path) -> tuple[Episode, ...]:
     return episodes
 
 
-def _episode(entry: Entry, root: Path) -> Episode:
+def _episode(entry: Entry, root: Path) -> EpisodeFiles:
     entry.allow("file", "name", "key", "session", "command")
     file, key = entry.text("file"), entry.text("key")
     if not file:
         raise entry.error("the episode has no file", "", 'add file = "..."')
     stem = stem_of(Path(file)) + (f"_{key}" if key is not None else "")
-    return Episode(
+    return EpisodeFiles(
         file=root / file,
         name=entry.text("name") or stem,
         key=key,

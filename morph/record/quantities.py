@@ -15,7 +15,7 @@ TURNS = ("orientation", "angular_velocity")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Quantity:
+class ChannelQuantity:
     """One thing that a channel can hold."""
 
     name: str
@@ -29,21 +29,21 @@ class Quantity:
 
 
 QUANTITIES = (
-    Quantity(name="position", part="joint", dimensions=("rad", "m")),
-    Quantity(name="velocity", part="joint", dimensions=("rad/s", "m/s")),
-    Quantity(name="acceleration", part="joint", dimensions=("rad/s2", "m/s2")),
-    Quantity(name="effort", part="joint", dimensions=("N m", "N")),
-    Quantity(name="command", part="actuator", dimensions=()),
-    Quantity(name="current", part="actuator", dimensions=("A",)),
-    Quantity(name="voltage", part="actuator", dimensions=("V",)),
-    Quantity(name="temperature", part="actuator", dimensions=("degC",)),
-    Quantity(name="position", part="link", dimensions=("m",), axes=XYZ),
-    Quantity(name="orientation", part="link", dimensions=("1",), axes=WXYZ),
-    Quantity(name="linear_velocity", part="link", dimensions=("m/s",), axes=XYZ),
-    Quantity(name="angular_velocity", part="link", dimensions=("rad/s",), axes=XYZ),
-    Quantity(name="gyro", part="site", dimensions=("rad/s",), axes=XYZ),
-    Quantity(name="accelerometer", part="site", dimensions=("m/s2",), axes=XYZ),
-    Quantity(name="force", part="site", dimensions=("N",), axes=XYZ),
+    ChannelQuantity(name="position", part="joint", dimensions=("rad", "m")),
+    ChannelQuantity(name="velocity", part="joint", dimensions=("rad/s", "m/s")),
+    ChannelQuantity(name="acceleration", part="joint", dimensions=("rad/s2", "m/s2")),
+    ChannelQuantity(name="effort", part="joint", dimensions=("N m", "N")),
+    ChannelQuantity(name="command", part="actuator", dimensions=()),
+    ChannelQuantity(name="current", part="actuator", dimensions=("A",)),
+    ChannelQuantity(name="voltage", part="actuator", dimensions=("V",)),
+    ChannelQuantity(name="temperature", part="actuator", dimensions=("degC",)),
+    ChannelQuantity(name="position", part="link", dimensions=("m",), axes=XYZ),
+    ChannelQuantity(name="orientation", part="link", dimensions=("1",), axes=WXYZ),
+    ChannelQuantity(name="linear_velocity", part="link", dimensions=("m/s",), axes=XYZ),
+    ChannelQuantity(name="angular_velocity", part="link", dimensions=("rad/s",), axes=XYZ),
+    ChannelQuantity(name="gyro", part="site", dimensions=("rad/s",), axes=XYZ),
+    ChannelQuantity(name="accelerometer", part="site", dimensions=("m/s2",), axes=XYZ),
+    ChannelQuantity(name="force", part="site", dimensions=("N",), axes=XYZ),
 )
 """Every quantity of specs/recording.md, in SI."""
 
@@ -54,7 +54,7 @@ class ChannelName:
 
     part: str
     """The joint, actuator, link or site."""
-    quantity: Quantity
+    quantity: ChannelQuantity
     """What is measured."""
     axis: str = ""
     """Its axis; empty for a scalar, and for all axes together."""
@@ -139,7 +139,7 @@ def check_part(channel: ChannelName, name: str, robot: Robot, *, where: str) -> 
     )
 
 
-def _shown(quantity: Quantity, whole: bool) -> str:
+def _shown(quantity: ChannelQuantity, whole: bool) -> str:
     if not quantity.axes or whole:
         return quantity.name
     return f"{quantity.name}.{{{','.join(quantity.axes)}}}"

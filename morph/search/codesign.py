@@ -11,7 +11,7 @@ import mujoco
 import numpy as np
 
 from morph.arrays import Array, Mask
-from morph.body.card import Parameter
+from morph.body.card import CardParameter
 from morph.body.robot import Robot
 from morph.body.spec import spec_of
 from morph.body.vary import with_parameters
@@ -58,7 +58,7 @@ class Design:
             )
 
     @cached_property
-    def _parameters(self) -> Mapping[str, Parameter]:
+    def _parameters(self) -> Mapping[str, CardParameter]:
         card = self.robot.card
         return {each.name: each for each in card.parameter} if card else {}
 

@@ -23,12 +23,12 @@ class Evolution(Generations):
 
     name: ClassVar[str] = "evolution"
 
-    def sampler(self, start: Array, sigma: float, state: State | None) -> Round:
+    def sampler(self, start: Array, sigma: float, state: State | None) -> IsotropicNormal:
         """Return a round normal distribution whose size adapts."""
-        return Round(start, sigma, state)
+        return IsotropicNormal(start, sigma, state)
 
 
-class Round:
+class IsotropicNormal:
     """A normal distribution that is equally wide along every side of the cube.
 
     Args:
@@ -69,7 +69,7 @@ class Round:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Chance(Generations):
+class RandomSearch(Generations):
     """Policies drawn anywhere in the family: what any search must beat."""
 
     name: ClassVar[str] = "chance"

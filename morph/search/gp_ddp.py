@@ -12,8 +12,8 @@ from morph.arrays import Array
 from morph.errors import SearchError
 from morph.model.jointed.fit import fit
 from morph.search.learned_dynamics.dream import HINGE, Dream, known, settings_of
-from morph.search.learned_dynamics.memory import FARTHEST, Memory, recalled
-from morph.search.learned_dynamics.plans import Chosen, Effort, chosen, plans
+from morph.search.learned_dynamics.memory import FARTHEST, SearchCheckpoint, recalled
+from morph.search.learned_dynamics.plans import Chosen, TrialBudget, chosen, plans
 from morph.search.search import Learned, Problem, Search, State, Told, ignore
 
 MOST_RANDOM = 4
@@ -55,7 +55,7 @@ class LearnedPlans(Search):
     those of joints without dry friction, stops or fluid are; what is not is learned beside it."""
     slides: bool = False
     """Whether it matters where slides are: springs, or rails that end."""
-    effort: Effort = field(default_factory=Effort)
+    effort: TrialBudget = field(default_factory=TrialBudget)
     """How much is computed for each trial."""
 
     def __post_init__(self) -> None:
@@ -91,7 +91,7 @@ class LearnedPlans(Search):
                 fix="give one trial or more",
             )
         model, bounds = known(task)
-        memory = Memory() if state is None else recalled(state)
+        memory = SearchCheckpoint() if state is None else recalled(state)
         begun = time.perf_counter() - memory.seconds
         while not memory.experience or (memory.tried is None and self._wild(memory, model)):
             rng = np.random.default_rng((seed, 0, memory.begun))
@@ -113,7 +113,7 @@ class LearnedPlans(Search):
         _, best = self._best(problem, model, bounds, memory, rng, anew=False)
         return self._learned(problem, memory, best)
 
-    def _wild(self, memory: Memory, model: Any) -> bool:
+    def _wild(self, memory: SearchCheckpoint, model: Any) -> bool:
         """Return whether the last random commands spun the body too fast to learn much from."""
         turns = model.jnt_type == HINGE
         steps = np.abs(np.diff(memory.experience[-1].position, axis=0))[:, turns]
@@ -134,11 +134,11 @@ class LearnedPlans(Search):
         problem: Problem,
         model: Any,
         bounds: tuple[Array, Array],
-        memory: Memory,
+        memory: SearchCheckpoint,
         rng: np.random.Generator,
         *,
         anew: bool,
-    ) -> tuple[Memory, Chosen]:
+    ) -> tuple[SearchCheckpoint, Chosen]:
         """Return what promises most by all that was seen, of new plans too if they are wanted."""
         task = problem.task
         settings = settings_of(model, bounds, slides=self.slides, lawful=self.lawful)
@@ -160,7 +160,7 @@ class LearnedPlans(Search):
         best = chosen(task, dream, new, memory.tried, noise, self.effort, rng)
         return replace(memory, logs=learned.logs.numpy()), best
 
-    def _learned(self, problem: Problem, memory: Memory, best: Chosen) -> Learned:
+    def _learned(self, problem: Problem, memory: SearchCheckpoint, best: Chosen) -> Learned:
         number = best.tried or 0
         succeeded = memory.experience[number + memory.begun].success
         tried = len(memory.experience) - memory.begun

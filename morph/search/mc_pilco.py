@@ -16,7 +16,7 @@ from morph.search.gp_rollout.memory import Memory
 from morph.search.gp_rollout.particles import Chance, Particles
 from morph.search.gp_rollout.radial import radial_of, scale_of
 from morph.search.gp_rollout.search import BeliefSearch, Improved
-from morph.search.gp_rollout.task import View
+from morph.search.gp_rollout.task import TaskSums
 
 SMALLEST_SHARE = 0.1
 """Share of the step size that is left at the last step."""
@@ -57,7 +57,7 @@ class McPilco(BeliefSearch):
             )
 
     def improved(
-        self, view: View, process: GaussianProcess, memory: Memory, rng: np.random.Generator
+        self, view: TaskSums, process: GaussianProcess, memory: Memory, rng: np.random.Generator
     ) -> Improved:
         """Return the policy after the steps."""
         scale = scale_of(view, memory, self.units)
@@ -78,7 +78,7 @@ class McPilco(BeliefSearch):
         )
 
     def _descended(
-        self, bunch: Particles, start: Array, view: View, rng: np.random.Generator
+        self, bunch: Particles, start: Array, view: TaskSums, rng: np.random.Generator
     ) -> Array:
         at = torch.from_numpy(start.copy()).requires_grad_()
         first, second = torch.zeros_like(at), torch.zeros_like(at)

@@ -17,8 +17,8 @@ from morph.search.gp_rollout.memory import Memory
 from morph.search.gp_rollout.plant import BeliefPlant, Beliefs, belief_plant
 from morph.search.gp_rollout.search import BeliefSearch, Improved
 from morph.search.gp_rollout.seeds import seeds
-from morph.search.gp_rollout.task import View
-from morph.search.trajectory.backward import Law, backward
+from morph.search.gp_rollout.task import TaskSums
+from morph.search.trajectory.backward import FeedbackLaw, backward
 
 LENGTHS = np.array([1.0, 0.5, 0.2, 0.05])
 """Shares of the change that are tried, all at once."""
@@ -65,7 +65,7 @@ class Pddp(BeliefSearch):
             )
 
     def improved(
-        self, view: View, process: GaussianProcess, memory: Memory, rng: np.random.Generator
+        self, view: TaskSums, process: GaussianProcess, memory: Memory, rng: np.random.Generator
     ) -> Improved:
         """Return the trajectory of the least expected cost that was found."""
         plant = belief_plant(view, process, self.effort)
@@ -125,7 +125,7 @@ def begun(plant: BeliefPlant, command: Array) -> Beliefs:
         gain=np.zeros((1, periods, size, d)),
         cost=np.zeros(1),
     )
-    law = Law(
+    law = FeedbackLaw(
         change=np.zeros((1, periods, size)),
         gain=np.zeros((1, periods, size, d + len(plant.upper[0]))),
         promised=np.zeros(1),
@@ -133,7 +133,9 @@ def begun(plant: BeliefPlant, command: Array) -> Beliefs:
     return _run(plant, empty, law, np.zeros(1), np.array([-np.inf]), np.array([np.inf]), m, S)
 
 
-def followed(plant: BeliefPlant, now: Beliefs, law: Law, low: Array, high: Array) -> Beliefs:
+def followed(
+    plant: BeliefPlant, now: Beliefs, law: FeedbackLaw, low: Array, high: Array
+) -> Beliefs:
     """Return the best of all lengths, as one row."""
     m, S = plant.view.start
     tried = _run(plant, now, law, LENGTHS, low, high, m, S)
@@ -144,7 +146,7 @@ def followed(plant: BeliefPlant, now: Beliefs, law: Law, low: Array, high: Array
 def _run(
     plant: BeliefPlant,
     now: Beliefs,
-    law: Law,
+    law: FeedbackLaw,
     length: Array,
     low: Array,
     high: Array,
@@ -173,7 +175,7 @@ def _run(
     return Beliefs(mean=mean, covariance=covariance, command=command, gain=gain, cost=cost)
 
 
-def _policy(view: View, beliefs: Beliefs) -> Policy:
+def _policy(view: TaskSums, beliefs: Beliefs) -> Policy:
     # The last knot is held after the horizon, with its gain.
     return Track(
         nominal=beliefs.mean[0, :-1],

@@ -14,10 +14,10 @@ from morph.model.gp.gp import GaussianProcess
 from morph.policy.radial import Radial
 from morph.search.gp_rollout.laws import RadialLaw
 from morph.search.gp_rollout.memory import Memory
-from morph.search.gp_rollout.radial import Scale, radial_of, scale_of
+from morph.search.gp_rollout.radial import RadialScale, radial_of, scale_of
 from morph.search.gp_rollout.rollout import imagine
 from morph.search.gp_rollout.search import BeliefSearch, Improved
-from morph.search.gp_rollout.task import View
+from morph.search.gp_rollout.task import TaskSums
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,7 +41,7 @@ class Pilco(BeliefSearch):
     """Policies from which each search begins: the one before, and others by chance."""
 
     def improved(
-        self, view: View, process: GaussianProcess, memory: Memory, rng: np.random.Generator
+        self, view: TaskSums, process: GaussianProcess, memory: Memory, rng: np.random.Generator
     ) -> Improved:
         """Return the policy of the least expected loss that was found."""
         plant, (m, S) = view.plant(process), view.start
@@ -66,7 +66,7 @@ class Pilco(BeliefSearch):
 
 
 def _descended(
-    cost: Callable[[Array], tuple[float, Array]], start: Array, scale: Scale, steps: int
+    cost: Callable[[Array], tuple[float, Array]], start: Array, scale: RadialScale, steps: int
 ) -> tuple[float, Array]:
     """Return the least cost that L-BFGS finds in so many steps, and where."""
     run = minimize(

@@ -11,12 +11,12 @@ import numpy as np
 from morph.errors import SearchError
 from morph.search.plan.evaluate_plan import concluded_at_once
 from morph.search.plan.feedback import feedback
-from morph.search.plan.initial_trajectories import Ground, costed, led, swung
+from morph.search.plan.initial_trajectories import SeedInputs, costed, led, swung
 from morph.search.plan.plan_selection import joined, judged
 from morph.search.plan.policy import track_of
 from morph.search.plan.terminal_controller import grounded
 from morph.search.search import Learned, Problem, Search, State, Told, ignore
-from morph.search.trajectory.backward import Law
+from morph.search.trajectory.backward import FeedbackLaw
 from morph.search.trajectory.ddp import Trajectories, ddp, follow
 
 EFFORTS = (1.0, 3.0, 10.0)
@@ -94,7 +94,7 @@ class Receding(Search):
 
 
 def followed(
-    ground: Ground, plan: Trajectories, most: int, rng: np.random.Generator
+    ground: SeedInputs, plan: Trajectories, most: int, rng: np.random.Generator
 ) -> Trajectories:
     """Return what a body does that is told the first command of an ever new plan, one row.
 
@@ -116,7 +116,7 @@ def followed(
         )
         gains = [feedback(ground, plan, effort) for effort in EFFORTS]
         many = joined([plan] * len(EFFORTS))
-        law = Law(
+        law = FeedbackLaw(
             change=np.zeros_like(many.command),
             gain=np.concatenate(gains),
             promised=np.zeros(len(EFFORTS)),

@@ -26,7 +26,7 @@ Act = Callable[[Array, Array, float], Array]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Loop:
+class ClosedLoopRuns:
     """States and commands of many simulations that ran in a closed loop."""
 
     time: Array
@@ -50,7 +50,7 @@ def closed_loop(
     period: float,
     seconds: float,
     every_step: bool = False,
-) -> Loop:
+) -> ClosedLoopRuns:
     """Return what many simulations do when each command depends on the state.
 
     Args:
@@ -91,7 +91,7 @@ def closed_loop(
             advance(given[..., now % steps :][..., :each] if given.shape[-1] > 1 else given)
             qs[at + 1], vs[at + 1] = q, v
     us[-1] = us[-2]
-    return Loop(
+    return ClosedLoopRuns(
         time=np.asarray(each * simulator.step * np.arange(samples), dtype=float),
         position=qs.swapaxes(0, 1),
         velocity=vs.swapaxes(0, 1),

@@ -19,10 +19,10 @@ from morph.transfer.guarded import guarded
 from morph.transfer.hop import Hopped, through_map
 from morph.transfer.hop_checkpoint import Kept, map_name
 from morph.transfer.hop_result import Crossing, Curve
-from morph.transfer.mapped.belief import Belief, learned
+from morph.transfer.mapped.belief import LinearPosterior, learned
 from morph.transfer.mapped.feedback import cautious, chosen, holding
 from morph.transfer.parts import Spreads, names_of, parts
-from morph.transfer.record import Guard
+from morph.transfer.record import GuardRecord
 from morph.transfer.relay import carry, tried
 
 COUNTS = (1 / 6, 1 / 3, 2 / 3, 1.0)
@@ -127,7 +127,7 @@ def crossed(
 
 def carried(
     source: Body, gain: Array, target: Body, count: int, seed: int
-) -> tuple[Hopped, Belief]:
+) -> tuple[Hopped, LinearPosterior]:
     """Return a hop of a relay, and what is believed of the target after it.
 
     The policy is the one that is made anew, or the source's own through the map where that is
@@ -192,16 +192,18 @@ def stepping(body: Body) -> Step:
 
 def _guard(
     found: Hopped, target: Body, seen: Transitions, rng: np.random.Generator
-) -> tuple[Guard, tuple[str, ...]]:
+) -> tuple[GuardRecord, tuple[str, ...]]:
     if found.guard is not None:
         verdict = found.guard
-        return Guard(verdict=verdict.verdict, probability=1.0 - verdict.probability), ()
+        return GuardRecord(verdict=verdict.verdict, probability=1.0 - verdict.probability), ()
     if target.sight is not None:
-        return Guard(verdict="unsure", probability=None), (UNJUDGED,)
+        return GuardRecord(verdict="unsure", probability=None), (UNJUDGED,)
     try:
         return guarded(target, seen, linear_law(found.gain, found.shift), rng), ()
     except AlignError as error:
-        return Guard(verdict="unsure", probability=None), (f"the guard cannot tell: {error.what}",)
+        return GuardRecord(verdict="unsure", probability=None), (
+            f"the guard cannot tell: {error.what}",
+        )
 
 
 def _curves(

@@ -5,18 +5,20 @@ from __future__ import annotations
 import numpy as np
 
 from morph.model.hypothesis import Hypothesis
-from morph.model.kwik.certify import Verdict, judge
+from morph.model.kwik.certify import ModelVerdict, judge
 from morph.model.latent.run import Run
 from morph.model.latent.unknowns import unknowns
 from morph.sim.threads import one_thread
 from morph.task.task import Task
-from morph.transfer.repair import Model, noise_of
+from morph.transfer.repair import TaskModel, noise_of
 
 DELTA = 0.05
 """How often a verdict may be wrong."""
 
 
-def gated(model: Model, run: Run, task: Task, *, seed: int, delta: float = DELTA) -> Verdict:
+def gated(
+    model: TaskModel, run: Run, task: Task, *, seed: int, delta: float = DELTA
+) -> ModelVerdict:
     """Return whether a model is good enough for what the target did in a run.
 
     The run must be one that the model was not fitted to.

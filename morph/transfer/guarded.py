@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from align.belief import Belief, believed, mechanical
-from align.guard import Trial, foreseen, judge
+from align.guard import TrialTask, foreseen, judge
 from align.samples import Transitions
 from morph.transfer.body import Body, Law
-from morph.transfer.record import Guard
+from morph.transfer.record import GuardRecord
 
 STARTS = 4
 """Starts from which every body that is thought possible is run."""
@@ -17,7 +17,7 @@ LEAST = 1e-6
 """Noise of a reading that is taken for certain."""
 
 
-def guarded(body: Body, seen: Transitions, law: Law, rng: np.random.Generator) -> Guard:
+def guarded(body: Body, seen: Transitions, law: Law, rng: np.random.Generator) -> GuardRecord:
     """Return the guard's verdict on a law from a few transitions of a body; it runs nothing there.
 
     Its probability is that the law does no harm: that it scores no less than holding still.
@@ -28,7 +28,7 @@ def guarded(body: Body, seen: Transitions, law: Law, rng: np.random.Generator) -
     task, model = body.task, body.plant.model
     q, v = task.start.sample(task.robot, model, STARTS, rng)
     low, high = body.bounds
-    trial = Trial(
+    trial = TrialTask(
         outcome=body.outcome,
         starts=body.seen(body.state(q, v)),
         low=low,
@@ -38,7 +38,7 @@ def guarded(body: Body, seen: Transitions, law: Law, rng: np.random.Generator) -
     )
     belief = belief_of(body, seen)
     verdict = judge(foreseen(belief, law, trial, rng))
-    return Guard(verdict=verdict.verdict, probability=1.0 - verdict.probability)
+    return GuardRecord(verdict=verdict.verdict, probability=1.0 - verdict.probability)
 
 
 def belief_of(body: Body, seen: Transitions) -> Belief:

@@ -20,7 +20,7 @@ from morph.npz import load_npz
 from morph.regular_file import read_regular
 from morph.transfer.hop_result import Crossing, Curve, parts_said
 from morph.transfer.parts import Arrow, Parts
-from morph.transfer.record import Guard
+from morph.transfer.record import GuardRecord
 
 STATE, HOPS, LAW, TOLD = "relay.json", "hops", "law.npz", "hop.json"
 """Whose hops a folder holds; and of each hop its law, and what is told of it."""
@@ -176,7 +176,7 @@ def _crossing(said: Any) -> Crossing:
         samples=int(said["samples"]),
         quality={str(name): float(value) for name, value in said["quality"].items()},
         measured={str(name): float(value) for name, value in said["measured"].items()},
-        guard=Guard(**said["guard"]),
+        guard=GuardRecord(**said["guard"]),
         parts=Parts(**arrows, lost=tuple(map(str, said["parts"]["lost"]))),
         notes=tuple(map(str, said["notes"])),
         curves=tuple(

@@ -11,7 +11,7 @@ import numpy as np
 from morph.arrays import JSON, Array
 from morph.errors import TransferError
 from morph.transfer.parts import Arrow, Parts
-from morph.transfer.record import Guard
+from morph.transfer.record import GuardRecord
 from morph.transfer.score import UNMEASURED
 
 ENOUGH = 0.95
@@ -84,7 +84,7 @@ class Crossing:
     """Which part is which."""
     quality: Mapping[str, float]
     """How good the map is."""
-    guard: Guard
+    guard: GuardRecord
     """What is thought of the policy before it is tried."""
     samples: int
     """Transitions of the target that it took."""

@@ -58,7 +58,7 @@ class Drift:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Printed:
+class PrintedBody:
     """A described body of which no two copies are alike: numbers w tell what a copy has become.
 
     Each is the logarithm of what a length, a mass or a motor has come to be over what is
@@ -132,7 +132,7 @@ class Printed:
         return LinearBelief(model=self.linear, mean=np.zeros(size), covariance=sure)
 
 
-def iterations(printed: Printed, *, count: int, rng: np.random.Generator) -> tuple[Array, ...]:
+def iterations(printed: PrintedBody, *, count: int, rng: np.random.Generator) -> tuple[Array, ...]:
     """Return what so many bodies have become, each a change by chance of the one before.
 
     Raises:
@@ -146,7 +146,7 @@ def iterations(printed: Printed, *, count: int, rng: np.random.Generator) -> tup
     return tuple(found)
 
 
-def _next(printed: Printed, now: Array, rng: np.random.Generator) -> Array:
+def _next(printed: PrintedBody, now: Array, rng: np.random.Generator) -> Array:
     for _ in range(TRIES):
         after = now + printed.spread * rng.standard_normal(len(now))
         try:

@@ -18,7 +18,7 @@ from morph.policy.store import load_policy, write_policy
 from morph.regular_file import read_regular
 from morph.search.target import Experience
 from morph.task.task import Task
-from morph.transfer.trial_record import Tried
+from morph.transfer.trial_record import TrialRecord
 
 STATE, TRIALS, SHOWN, ORIGIN = "loop.json", "trials", "experience.npz", "origin.json"
 """Whose trials a folder holds; and of each trial what it showed, and where its policy came from."""
@@ -75,7 +75,7 @@ class Keep:
         np.savez_compressed(held, allow_pickle=False, **arrays)
         write_whole(self._folder(number) / SHOWN, held.getvalue())
 
-    def trial(self, number: int) -> Tried | None:
+    def trial(self, number: int) -> TrialRecord | None:
         """Return a finished trial, or None if it is yet to be made.
 
         Raises:
@@ -87,7 +87,7 @@ class Keep:
         try:
             policy = load_policy(folder / "policy", self.task.robot)
             origin = str(json.loads(read_regular(folder / ORIGIN, MOST_BYTES))["origin"])
-            return Tried(policy=policy, experience=_read(folder / SHOWN), origin=origin)
+            return TrialRecord(policy=policy, experience=_read(folder / SHOWN), origin=origin)
         except SPOILT as error:
             raise OutputError(
                 f"trial {number + 1} cannot be read: {error}",

@@ -13,9 +13,9 @@ from morph.policy.policy import Policy
 from morph.search.target import Target
 from morph.task.task import Task
 from morph.transfer.keep import Keep
-from morph.transfer.next_action import Advice, advise
-from morph.transfer.predicted_return import Foreseen
-from morph.transfer.trial_record import Tried
+from morph.transfer.next_action import NextAction, advise
+from morph.transfer.predicted_return import PredictedReturn
+from morph.transfer.trial_record import TrialRecord
 
 UNSURE = 0.02
 """What a repaired model may leave out, as a share of a typical change of speed in a period, for its
@@ -27,12 +27,12 @@ LIKELY = 0.5
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Round:
+class LoopRound:
     """One trial, and what was learned from it."""
 
-    tried: Tried
+    tried: TrialRecord
     """What was tried, and what it showed."""
-    advice: Advice | None
+    advice: NextAction | None
     """What to try next; None if nothing more was asked."""
     seconds: float
     """Time that it took to compute the advice, s."""
@@ -42,13 +42,13 @@ class Round:
 class Transferred:
     """What a loop gives back."""
 
-    rounds: tuple[Round, ...]
+    rounds: tuple[LoopRound, ...]
     """Every trial, in order; the first is the source's policy."""
     policy: Policy
     """The best policy for the target, as far as is known."""
     origin: str
     """Where it comes from."""
-    foreseen: Foreseen | None
+    foreseen: PredictedReturn | None
     """What it promises; None if no model could be repaired."""
     succeeded: bool
     """Whether its own trial reached every goal."""
@@ -66,11 +66,11 @@ class Transferred:
         return sum(each.tried.experience.seconds for each in self.rounds)
 
 
-Told = Callable[[Round], None]
+Told = Callable[[LoopRound], None]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Loop:
+class TransferLoop:
     """Trials of a policy on a target, each followed by a better model and a better policy.
 
     Source: Gamboa Higuera 2015, section 3.3, six steps, and section 3.4, the choice between
@@ -115,7 +115,7 @@ class Loop:
             TransferError: The target stopped answering, or refuses the policy.
             SearchError: The policy does not fit the task.
         """
-        rounds: list[Round] = []
+        rounds: list[LoopRound] = []
         upcoming, origin = policy, "source"
         for number in range(self.trials):
             said(f"trial {number + 1}: {origin}")
@@ -131,10 +131,10 @@ class Loop:
             except (DiagnosisError, EffectError, SimulationFailed) as error:
                 # The trial was made, and what it showed must not be lost.
                 seconds = time.perf_counter() - began
-                rounds.append(Round(tried=tried, advice=None, seconds=seconds))
+                rounds.append(LoopRound(tried=tried, advice=None, seconds=seconds))
                 return concluded(rounds, hindered=error.what)
             seconds = time.perf_counter() - began
-            rounds.append(Round(tried=tried, advice=advice, seconds=seconds))
+            rounds.append(LoopRound(tried=tried, advice=advice, seconds=seconds))
             told(rounds[-1])
             if not worth_trying(advice, tries):
                 break
@@ -143,20 +143,20 @@ class Loop:
 
     def _tried(
         self, policy: Policy, origin: str, target: Target, number: int, keep: Keep | None
-    ) -> Tried:
+    ) -> TrialRecord:
         before = None if keep is None else keep.trial(number)
         if before is not None:
             return before
         if keep is not None:
             keep.begin(number, policy, origin)
         experience = target.trial(policy, np.random.default_rng([self.seed, number]))
-        tried = Tried(policy=policy, experience=experience, origin=origin)
+        tried = TrialRecord(policy=policy, experience=experience, origin=origin)
         if keep is not None:
             keep.end(number, experience)
         return tried
 
 
-def worth_trying(advice: Advice, tries: Sequence[Tried]) -> bool:
+def worth_trying(advice: NextAction, tries: Sequence[TrialRecord]) -> bool:
     """Return whether the advised policy is to be tried: a new one, or one that failed by chance."""
     before = [each for each in tries if each.policy is advice.policy]
     if not before:
@@ -165,7 +165,7 @@ def worth_trying(advice: Advice, tries: Sequence[Tried]) -> bool:
     return failed and len(before) == 1 and advice.foreseen.success >= LIKELY
 
 
-def concluded(rounds: Sequence[Round], *, hindered: str = "") -> Transferred:
+def concluded(rounds: Sequence[LoopRound], *, hindered: str = "") -> Transferred:
     """Return what a loop gives back: of all policies tried, the one to keep.
 
     With `hindered`, why no model could be made of the last trial.
@@ -178,7 +178,9 @@ def concluded(rounds: Sequence[Round], *, hindered: str = "") -> Transferred:
     tries = [each.tried for each in rounds]
     if last is not None and believed:
         best = _best_of([each for each in tries if each.policy is last.policy] or tries[-1:])
-        foreseen: Foreseen | None = last.known if last.policy is not best.policy else last.foreseen
+        foreseen: PredictedReturn | None = (
+            last.known if last.policy is not best.policy else last.foreseen
+        )
     else:
         best = _best_of(tries)
         foreseen = None
@@ -193,12 +195,12 @@ def concluded(rounds: Sequence[Round], *, hindered: str = "") -> Transferred:
     )
 
 
-def _best_of(tries: Sequence[Tried]) -> Tried:
+def _best_of(tries: Sequence[TrialRecord]) -> TrialRecord:
     """Return the trial that did best: one that succeeded, of the least loss."""
     return min(tries, key=lambda each: (not each.experience.success, each.experience.loss))
 
 
-def _why(rounds: Sequence[Round], foreseen: Foreseen | None) -> str:
+def _why(rounds: Sequence[LoopRound], foreseen: PredictedReturn | None) -> str:
     advice = rounds[-1].advice
     if advice is None or foreseen is None:
         return f"no trial of {len(rounds)} reached every goal, and the model is not good enough"

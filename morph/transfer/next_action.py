@@ -8,16 +8,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from morph.errors import MorphError
-from morph.model.kwik.certify import Verdict
+from morph.model.kwik.certify import ModelVerdict
 from morph.policy.policy import Policy
-from morph.search.plan.replan import Effort, again
+from morph.search.plan.replan import ReplanBudget, again
 from morph.task.task import Task
 from morph.transfer.adjustment.adjust import adjusted
-from morph.transfer.adjustment.source import Source
+from morph.transfer.adjustment.source import SimulatedTask
 from morph.transfer.gate import gated
-from morph.transfer.predicted_return import Foreseen, foresee
-from morph.transfer.repair import Model, Repair, repaired
-from morph.transfer.trial_record import Tried
+from morph.transfer.predicted_return import PredictedReturn, foresee
+from morph.transfer.repair import Repair, TaskModel, repaired
+from morph.transfer.trial_record import TrialRecord
 
 DRAWS = 3
 """Models drawn beside the most probable one, in which policies are judged."""
@@ -26,9 +26,9 @@ WORTH = 0.05
 """Share of the loss that another policy must promise to save before it is tried."""
 
 STAGES = (
-    Effort(recalled=48, rows=512, keep=4, most=15, runs=24),
-    Effort(recalled=0, rows=768, keep=4, most=20, runs=32, share=0.65),
-    Effort(recalled=48, rows=1536, keep=6, most=20, runs=32, share=0.8),
+    ReplanBudget(recalled=48, rows=512, keep=4, most=15, runs=24),
+    ReplanBudget(recalled=0, rows=768, keep=4, most=20, runs=32, share=0.65),
+    ReplanBudget(recalled=48, rows=1536, keep=6, most=20, runs=32, share=0.8),
 )
 """What a search spends, stage after stage while no plan succeeds: the first is already wide, as the
 first plan that succeeds may still cost half as much again as the best."""
@@ -37,10 +37,10 @@ Said = Callable[[str], None]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Advice:
+class NextAction:
     """What to try next, and why."""
 
-    verdict: Verdict
+    verdict: ModelVerdict
     """Whether the model by which the last policy was made was good enough for its trial."""
     repair: Repair
     """The model as all trials say it should be."""
@@ -48,9 +48,9 @@ class Advice:
     """What to try, or to keep."""
     origin: str
     """Where it comes from."""
-    foreseen: Foreseen
+    foreseen: PredictedReturn
     """What it promises on the target as it is known now."""
-    known: Foreseen
+    known: PredictedReturn
     """What the best policy that was already tried promises."""
     searched: bool = False
     """Whether another policy was adjusted or searched, whatever came of it."""
@@ -58,13 +58,13 @@ class Advice:
 
 def advise(
     task: Task,
-    tried: Sequence[Tried],
+    tried: Sequence[TrialRecord],
     *,
-    before: Model | None = None,
+    before: TaskModel | None = None,
     seed: int,
     more: bool = True,
     said: Said = lambda _: None,
-) -> Advice:
+) -> NextAction:
     """Return the policy that promises most on a target.
 
     The gate says whether the model was good enough for the last trial. The source's simulation
@@ -87,7 +87,7 @@ def advise(
         DiagnosisError: The body floats, or a trial does not fit the task.
     """
     last = tried[-1]
-    model = before or Model(task=task, effects=())
+    model = before or TaskModel(task=task, effects=())
     said("asking whether the model is good enough")
     verdict = gated(model, last.experience.run, task, seed=seed)
     said("repairing the model")
@@ -113,14 +113,14 @@ def advise(
 
 
 def _advice(
-    verdict: Verdict,
+    verdict: ModelVerdict,
     repair: Repair,
     policy: Policy,
     origin: str,
-    known: Foreseen,
-    foreseen: Foreseen | None = None,
-) -> Advice:
-    return Advice(
+    known: PredictedReturn,
+    foreseen: PredictedReturn | None = None,
+) -> NextAction:
+    return NextAction(
         verdict=verdict,
         repair=repair,
         policy=policy,
@@ -130,17 +130,17 @@ def _advice(
     )
 
 
-def adjusted_policy(model: Model, last: Tried, *, seed: int) -> Policy | None:
+def adjusted_policy(model: TaskModel, last: TrialRecord, *, seed: int) -> Policy | None:
     """Return the last policy adjusted to the target, or None if it cannot be adjusted."""
     try:
-        source = Source(task=model.task, simulator=model.simulator)
+        source = SimulatedTask(task=model.task, simulator=model.simulator)
         rng = np.random.default_rng([seed, 4])
         return adjusted(source, last.policy, [last.experience], rng=rng).policy
     except MorphError:
         return None
 
 
-def searched(models: Sequence[Model], old: Policy, *, seed: int) -> Policy | None:
+def searched(models: Sequence[TaskModel], old: Policy, *, seed: int) -> Policy | None:
     """Return a policy for the first of some models that does in the others too.
 
     It begins from an old policy; None if none can be searched.

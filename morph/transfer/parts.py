@@ -38,7 +38,7 @@ class Arrow:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Names:
+class BodyNames:
     """What the numbers of a body are called."""
 
     body: str
@@ -73,7 +73,7 @@ class Spreads:
     """Of its commands, shape (nu,)."""
 
 
-def names_of(body: Body) -> Names:
+def names_of(body: Body) -> BodyNames:
     """Return what the numbers of a body's state about rest and of its commands are called."""
     robot = body.task.robot
     kinds = {
@@ -92,7 +92,7 @@ def names_of(body: Body) -> Names:
     command = tuple(actuator.name for actuator in robot.actuators)
     if not _each(body.together):
         command = tuple(f"group {at + 1}" for at in range(len(body.bounds[0])))
-    return Names(
+    return BodyNames(
         body=robot.name,
         state=(*place, *(f"speed of {name}" for name in place)),
         command=command,
@@ -106,7 +106,7 @@ def _each(taken: Array | None) -> bool:
 
 
 def parts(
-    found: BodyMap, source: Names, target: Names, spread_s: Spreads, spread_t: Spreads
+    found: BodyMap, source: BodyNames, target: BodyNames, spread_s: Spreads, spread_t: Spreads
 ) -> Parts:
     """Return the arrows of a map near rest, the strongest of each number first.
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from align.guard import Trial
+from align.guard import TrialTask
 from align.metric import certain, promise
 from morph.errors import TransferError
 from morph.transfer.body import Body, linear_law
@@ -65,7 +65,7 @@ def apart(source: Body, target: Body, *, seed: int = 0) -> float:
     task, model = target.task, target.plant.model
     q, v = task.start.sample(task.robot, model, STARTS, rng)
     low, high = target.bounds
-    trial = Trial(
+    trial = TrialTask(
         outcome=target.outcome,
         starts=target.seen(target.state(q, v)),
         low=low,

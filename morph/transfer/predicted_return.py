@@ -11,14 +11,14 @@ from morph.policy.policy import Policy
 from morph.search.evaluate import evaluate
 from morph.search.plan.plan_selection import FAILURE
 from morph.sim.threads import one_thread
-from morph.transfer.repair import Model
+from morph.transfer.repair import TaskModel
 
 ROWS = 32
 """Noisy runs by which a policy is judged in each model."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Foreseen:
+class PredictedReturn:
     """What a policy promises."""
 
     loss: float
@@ -33,8 +33,8 @@ class Foreseen:
 
 
 def foresee(
-    policies: Sequence[Policy], models: Sequence[Model], *, seed: int, rows: int = ROWS
-) -> tuple[Foreseen, ...]:
+    policies: Sequence[Policy], models: Sequence[TaskModel], *, seed: int, rows: int = ROWS
+) -> tuple[PredictedReturn, ...]:
     """Return what each policy promises in some models, all by the same chance.
 
     Args:
@@ -53,6 +53,6 @@ def foresee(
                 found = evaluate(model.task, policy, simulator, rng=rng, rows=rows)
                 losses[which, at], shares[which, at] = found.mean, found.share
     return tuple(
-        Foreseen(loss=float(loss), success=float(share))
+        PredictedReturn(loss=float(loss), success=float(share))
         for loss, share in zip(losses.mean(axis=1), shares.mean(axis=1), strict=True)
     )

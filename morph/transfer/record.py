@@ -12,12 +12,12 @@ from typing import Literal
 from morph.arrays import JSON
 from morph.errors import OutputError
 from morph.files import sha256
-from morph.model.kwik.certify import Verdict as Gate
+from morph.model.kwik.certify import ModelVerdict as Gate
 from morph.model.latent.parameter_attribution import Difference, Explained
 from morph.search.target import Experience
 from morph.task.task import Task
-from morph.transfer.loop import Round
-from morph.transfer.predicted_return import Foreseen
+from morph.transfer.loop import LoopRound
+from morph.transfer.predicted_return import PredictedReturn
 from morph.transfer.score import UNMEASURED
 
 SCHEMA = "morph.transfer/1"
@@ -31,7 +31,7 @@ Verdict = Literal["safe", "unsafe", "unsure"]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Guard:
+class GuardRecord:
     """What is thought of a policy before anybody relies on it."""
 
     verdict: Verdict
@@ -40,16 +40,16 @@ class Guard:
     """How probably it reaches every goal there; None if no model is believed."""
 
 
-def guard(foreseen: Foreseen | None) -> Guard:
+def guard(foreseen: PredictedReturn | None) -> GuardRecord:
     """Return the verdict on a policy by what the repaired model promises of it, if it is believed.
 
     It is `unsure` where no model is good enough to promise anything, and between the two shares.
     """
     if foreseen is None or not math.isfinite(foreseen.success):
-        return Guard(verdict="unsure", probability=None)
+        return GuardRecord(verdict="unsure", probability=None)
     share = foreseen.success
     verdict: Verdict = "safe" if share >= SAFE else "unsafe" if share < UNSAFE else "unsure"
-    return Guard(verdict=verdict, probability=share)
+    return GuardRecord(verdict=verdict, probability=share)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -62,11 +62,11 @@ class Hop:
     """What the target is called."""
     runs: tuple[Experience, ...]
     """What the target showed, in order."""
-    rounds: tuple[Round, ...]
+    rounds: tuple[LoopRound, ...]
     """The trials among it; none if it was recorded."""
     explained: Explained | None
     """What the last model says that differs; None if nothing could be said."""
-    guard: Guard
+    guard: GuardRecord
     """What is thought of the policy to keep."""
     gate: Gate | None = None
     """Whether the source's model is good enough for what the target showed; None: not asked."""
@@ -108,8 +108,8 @@ class Hop:
             "unsaid": None if self.explained is None else self.explained.unsaid,
         }  # fmt: skip
 
-    def _pairs(self) -> list[tuple[Experience, Round | None]]:
-        rounds: Sequence[Round | None] = self.rounds or [None] * len(self.runs)
+    def _pairs(self) -> list[tuple[Experience, LoopRound | None]]:
+        rounds: Sequence[LoopRound | None] = self.rounds or [None] * len(self.runs)
         return list(zip(self.runs, rounds, strict=True))
 
 
@@ -123,7 +123,7 @@ def differences_said(differences: Sequence[Difference]) -> list[JSON]:
     return [dict(vars(each)) for each in differences]
 
 
-def _trial(run: Experience, done: Round | None) -> JSON:
+def _trial(run: Experience, done: LoopRound | None) -> JSON:
     said: JSON = {
         "origin": "recorded" if done is None else done.tried.origin,
         "loss": run.loss,

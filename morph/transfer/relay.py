@@ -14,7 +14,7 @@ from morph.errors import TransferError
 from morph.transfer.balancers import explored, seen_with
 from morph.transfer.body import Body, linear_law
 from morph.transfer.hop import Hopped
-from morph.transfer.mapped.belief import Belief, carried, learned, read
+from morph.transfer.mapped.belief import LinearPosterior, carried, learned, read
 from morph.transfer.mapped.feedback import cautious, chosen, plain
 from morph.transfer.mapped.lift import lift, quality_of
 
@@ -37,7 +37,7 @@ class Relayed:
 
     hops: tuple[Hopped, ...]
     """In order; the target of one is the source of the next."""
-    beliefs: tuple[Belief, ...]
+    beliefs: tuple[LinearPosterior, ...]
     """What is believed of each target after its transitions."""
 
     @property
@@ -46,7 +46,7 @@ class Relayed:
         return sum(each.samples for each in self.hops)
 
     @property
-    def last(self) -> Belief:
+    def last(self) -> LinearPosterior:
         """What is believed of the last body."""
         return self.beliefs[-1]
 
@@ -85,7 +85,7 @@ def relay(
             where="a relay",
             fix="give two bodies or more, and a count of 1 or more for each hop",
         )
-    known, hops, beliefs = chain[0], list[Hopped](), list[Belief]()
+    known, hops, beliefs = chain[0], list[Hopped](), list[LinearPosterior]()
     gain = plain(read(known), known)
     for at, (target, count) in enumerate(zip(chain[1:], counts, strict=True)):
         own = seed + 1000 * at
@@ -107,7 +107,7 @@ def carry(
     source_gain: Array | None = None,
     rows: int = 0,
     spoil: Callable[[AffineMap], AffineMap] | None = None,
-) -> tuple[Hopped, Belief]:
+) -> tuple[Hopped, LinearPosterior]:
     """Return one hop of a relay, and what is believed of the target after it.
 
     Bodies that are seen and told by the same groups of joints are mapped one to one; others by

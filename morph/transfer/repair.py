@@ -33,7 +33,7 @@ QUIETEST = 1e-4
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Model:
+class TaskModel:
     """A task with the simulation in which it is thought to take place."""
 
     task: Task
@@ -51,7 +51,7 @@ class Model:
 class Repair:
     """A repaired model, and what else the runs allow."""
 
-    model: Model
+    model: TaskModel
     """The most probable."""
     explained: Explained
     """What differs, and how surely."""
@@ -60,7 +60,7 @@ class Repair:
     learned: Corrected | None = None
     """The force that no name explains, if one was needed, with all else fitted to it."""
 
-    def drawn(self, count: int, rng: np.random.Generator) -> tuple[Model, ...]:
+    def drawn(self, count: int, rng: np.random.Generator) -> tuple[TaskModel, ...]:
         """Return models that the runs allow as well, drawn by their probability.
 
         With a learned force there are none: it is as good as its most probable form.
@@ -76,7 +76,7 @@ class Repair:
         )
         return tuple(self._at(point) for point in points)
 
-    def _at(self, point: Array) -> Model:
+    def _at(self, point: Array) -> TaskModel:
         hypothesis = self.explained.inferred.hypothesis
         knobs = hypothesis.knobs
         robot = with_knobs(hypothesis.robot, knobs, point[: len(knobs)])
@@ -149,7 +149,9 @@ def noise_of(task: Task, simulator: Simulator) -> Array:
     return np.full(2 * int(simulator.model.nv), max(task.noise, QUIETEST))
 
 
-def _model(task: Task, robot: Robot, effects: tuple[Effect, ...]) -> Model:
+def _model(task: Task, robot: Robot, effects: tuple[Effect, ...]) -> TaskModel:
     """Return the task for a body under effects, of which the first are the task's own."""
     own = len(task.effects)
-    return Model(task=replace(task_for(task, robot), effects=effects[:own]), effects=effects[own:])
+    return TaskModel(
+        task=replace(task_for(task, robot), effects=effects[:own]), effects=effects[own:]
+    )

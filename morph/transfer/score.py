@@ -32,7 +32,7 @@ SEARCHED, KEPT, AS_IT_CAME = "searched there", "the policy to keep", "the source
 
 
 @dataclass(frozen=True, kw_only=True)
-class Judged:
+class PolicyScores:
     """What policies do on a target over many noisy runs, all by the same chance."""
 
     still: Score
@@ -88,7 +88,7 @@ def score(loss: float, still: float, oracle: float) -> float | None:
 
 def judged(
     target: Simulated, source: Policy, final: Policy, *, seed: int, rows: int = ROWS
-) -> Judged:
+) -> PolicyScores:
     """Return how policies do on a simulated target, beside holding still and the oracle.
 
     Only this looks inside the target, once nothing is left to try on it.
@@ -121,7 +121,7 @@ def judged(
             for name, one in ((KEPT, ended), (AS_IT_CAME, began)):
                 if one.mean < best.mean:
                     best, which = one, name
-        return Judged(still=by(rest), source=began, final=ended, oracle=best, best=which)
+        return PolicyScores(still=by(rest), source=began, final=ended, oracle=best, best=which)
 
 
 def _better(one: Score, other: Score) -> Score:

@@ -181,7 +181,7 @@ def _solved(
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Carried(Family):
+class TransferredGaits(Family):
     """The gaits of a source as a target's patterns: p + M g_s(t) + s a sin(2 pi F t + f).
 
     What a source in a plane cannot know, how the target leans aside (a and f), is added.
@@ -227,7 +227,7 @@ def carried(
     target: Task,
     *,
     map: Array | None = None,
-) -> Carried:
+) -> TransferredGaits:
     """Return the gaits of a source on a target, begun at the source's own.
 
     Time goes with the square root of the legs, as of pendulums.
@@ -260,7 +260,7 @@ def carried(
         target.start.position.get(target.robot.driven_by(each).name, 0.0)
         for each in target.robot.actuators
     ]
-    return Carried(
+    return TransferredGaits(
         numbers=tuple(numbers),
         sigma=0.15,
         gait=gait,

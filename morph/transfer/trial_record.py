@@ -9,7 +9,7 @@ from morph.search.target import Experience
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Tried:
+class TrialRecord:
     """One trial on a target."""
 
     policy: Policy

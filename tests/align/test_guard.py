@@ -10,7 +10,7 @@ import pytest
 from align.arrays import Array
 from align.belief import mechanical
 from align.errors import SettingError
-from align.guard import GONE, Foreseen, Law, Trial, foreseen, judge
+from align.guard import GONE, Law, PredictedScores, TrialTask, foreseen, judge
 from align.metric import apart, certain, promise
 
 PERIOD = 0.02
@@ -22,8 +22,8 @@ def falling(command: float = 5.0) -> Array:
     return np.asarray(base + lift @ (PERIOD * np.array([[19.62, 0.0, command]])))
 
 
-def trial(periods: int = 100) -> Trial:
-    return Trial(
+def trial(periods: int = 100) -> TrialTask:
+    return TrialTask(
         outcome=np.array([[4.0, 0.0], [0.0, 0.8]]),
         starts=np.array([[0.05, 0.0], [-0.05, 0.1]]),
         low=np.array([-20.0]),
@@ -37,7 +37,7 @@ def linear(gain: float, damping: float) -> Law:
     return lambda x, time: -(gain * x[:, :1] + damping * x[:, 1:])
 
 
-def ahead(law: Law, *, noise: float = 1e-3) -> Foreseen:
+def ahead(law: Law, *, noise: float = 1e-3) -> PredictedScores:
     known = certain(falling(), noise=np.full(2, noise))
     return foreseen(known, law, trial(), np.random.default_rng(0), draws=8)
 

@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from align.guard import LEAST, Foreseen, Trial, foreseen, judge
+from align.guard import LEAST, PredictedScores, TrialTask, foreseen, judge
 from align.metric import certain
 
 
-def alike(ratio: float) -> Foreseen:
+def alike(ratio: float) -> PredictedScores:
     """Return scores on nine bodies that all have one logarithm of the ratio of scores."""
     still = np.full(9, 0.2)
-    return Foreseen(score=still * np.exp(ratio) - LEAST, still=still - LEAST)
+    return PredictedScores(score=still * np.exp(ratio) - LEAST, still=still - LEAST)
 
 
 def probability(ratio: float, share: float) -> float:
@@ -47,7 +47,7 @@ def test_a_policy_is_unsafe_from_an_even_chance_on(share: float, verdict: str) -
     harmed = round(share * 10 - 0.5)
     gain = np.where(np.arange(9) < harmed, -1e-12, 1e-12)
     still = np.full(9, 0.2)
-    found = Foreseen(score=still + gain, still=still)
+    found = PredictedScores(score=still + gain, still=still)
     assert found.share == pytest.approx((harmed + 0.5) / 10.0)
     told = judge(found)
     assert told.probability == pytest.approx(probability(0.0, found.share), abs=1e-9)
@@ -58,7 +58,7 @@ def test_lowest_middle_and_highest_tenth_stand_in_this_order() -> None:
     # Eleven bodies: the tenths are the second, the sixth and the tenth of them.
     ratio = np.linspace(-0.5, 1.5, 11)
     still = np.full(11, 0.2)
-    found = Foreseen(score=(still + LEAST) * np.exp(ratio) - LEAST, still=still)
+    found = PredictedScores(score=(still + LEAST) * np.exp(ratio) - LEAST, still=still)
     # Those at -0.5, -0.3 and -0.1 are harmed.
     share = (3 + 0.5) / 12.0
     expected = [1.0, np.log(share / (1.0 - share)), 0.5, -0.3, 1.3]
@@ -70,8 +70,8 @@ def test_a_bad_lowest_tenth_makes_harm_likelier_than_a_good_one() -> None:
     low, high = still.copy(), still.copy()
     low[:2], high[:2] = 0.21, 0.6
     rest = np.full(9, 0.8)
-    bad = Foreseen(score=np.concatenate([low[:2], rest]), still=still)
-    good = Foreseen(score=np.concatenate([high[:2], rest]), still=still)
+    bad = PredictedScores(score=np.concatenate([low[:2], rest]), still=still)
+    good = PredictedScores(score=np.concatenate([high[:2], rest]), still=still)
     assert judge(bad).probability > judge(good).probability
 
 
@@ -79,7 +79,7 @@ def test_a_policy_acts_on_readings_with_their_noise_as_a_random_walk_does() -> N
     # Told to stay where it reads that it is, a body walks by the noise of each reading: after t
     # periods it is N(0, 0.09 t), and the mean of exp(-x^2 / 2) is 1 / sqrt(1 + 0.09 t).
     known = certain(np.array([[0.0, 1.0]]), noise=np.array([0.3]))
-    trial = Trial(
+    trial = TrialTask(
         outcome=np.array([[1.0], [0.0]]),
         starts=np.zeros((1, 1)),
         low=np.array([-9.0]),

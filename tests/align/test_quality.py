@@ -11,7 +11,7 @@ import pytest
 from align.arrays import Array
 from align.errors import SamplesError
 from align.maps.affine_map import AffineMap
-from align.maps.body_map import BodyMap, Given, Mapper
+from align.maps.body_map import BodyMap, MapData, Mapper
 from align.quality import quality, resampled
 from align.samples import Transitions
 
@@ -99,7 +99,7 @@ class Scaling(Mapper):
 
     name: ClassVar[str] = "scaling"
 
-    def found(self, given: Given, rng: np.random.Generator) -> BodyMap:
+    def found(self, given: MapData, rng: np.random.Generator) -> BodyMap:
         """Return it."""
         return times(float(given.source.state.std() / given.target.state.std()))
 
@@ -111,6 +111,6 @@ def test_the_bootstrap_is_as_wide_as_the_spread_of_a_known_statistic() -> None:
     rng = np.random.default_rng(102)
     x = rng.standard_normal((100, 2))
     seen = Transitions(state=x, command=x[:, :1], after=x, turns=LEVEL)
-    given = Given(source=seen, target=seen)
+    given = MapData(source=seen, target=seen)
     found = resampled(Scaling(), given, np.random.default_rng(103), rounds=40)
     assert found == pytest.approx(0.05, rel=0.5)

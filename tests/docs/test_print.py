@@ -13,7 +13,7 @@ from morph.app.cli.main import main
 from morph.app.cli.print_arguments import Print
 from morph.app.cli.weigh_arguments import Weigh
 from morph.app.report.print.files import ASSEMBLY, REPORT
-from morph.app.viewer.given import Given
+from morph.app.viewer.given import ViewRequest
 from morph.app.viewer.views.views import makers
 from morph.make.link_mass import Source
 from morph.make.packed import SCHEMA
@@ -66,7 +66,7 @@ def test_every_file_of_a_package_is_on_the_page_and_the_other_way_round(package:
 
 
 def test_the_view_takes_the_package(package: Path) -> None:
-    (make,), _ = makers(Given(robots=(), asked=(), package=package))
+    (make,), _ = makers(ViewRequest(robots=(), asked=(), package=package))
     content = make().content()
     assert content.actors[0].figure.shapes
     masses = next(table for table in content.tables if table.title.startswith("Mass"))

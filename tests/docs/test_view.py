@@ -7,7 +7,7 @@ import shlex
 from dataclasses import fields
 from pathlib import Path
 
-from morph.app.cli.view_arguments import View
+from morph.app.cli.view_arguments import ViewCommand
 from morph.app.viewer.compare.figures import COST, ENERGY, MARGIN
 from morph.app.viewer.transport import KEYS, STEPS
 from morph.app.viewer.views.views import VIEWS
@@ -17,7 +17,7 @@ from morph.task.tasks import TASKS
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 TEXT = (DOCS / "view.md").read_text(encoding="utf-8")
 COMMANDS = re.findall(r"^morph view .*$", TEXT, re.MULTILINE)
-OPTIONS = {each.name for each in fields(View)} - {"robots"}
+OPTIONS = {each.name for each in fields(ViewCommand)} - {"robots"}
 
 
 def test_every_option_of_the_page_is_one_of_the_command_and_the_other_way_round() -> None:

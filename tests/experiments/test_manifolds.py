@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from align.maps.body_map import Given
+from align.maps.body_map import MapData
 from align.maps.features import Features
 from experiments.aligning.cases import LEVELS, Case, cases_of, measured
 from experiments.aligning.formula import PERIOD, SPREAD, CartPole, plain, worn
@@ -57,7 +57,7 @@ def test_its_own_feedback_balances_and_holding_still_does_not() -> None:
     gain = CartPole().gain() @ np.diag(SPREAD)
     seen = body.transitions(200, rng)
     same = Features(source_look=np.eye(4), target_look=np.eye(4))
-    found = same.fit(Given(source=seen, target=seen), rng)
+    found = same.fit(MapData(source=seen, target=seen), rng)
     assert body.score(found, gain, np.random.default_rng(1)) > 0.9  # type: ignore[arg-type]
     # Told nothing, the target still follows a source that nobody steers: it falls.
     assert body.score(found, 0.0 * gain, np.random.default_rng(1)) < 0.5  # type: ignore[arg-type]

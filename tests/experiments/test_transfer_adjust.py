@@ -13,10 +13,10 @@ from experiments.transfer_adjust import Known, main, measured, report
 from morph.policy.policy import Policy
 from morph.search.ddp import Plan
 from morph.search.search import Problem
-from morph.transfer.adjustment.source import Source
+from morph.transfer.adjustment.source import SimulatedTask
 
 
-def cheap(source: Source, *, seed: int) -> tuple[Policy, ...]:
+def cheap(source: SimulatedTask, *, seed: int) -> tuple[Policy, ...]:
     """Return one plan twice, of which a fifth of the command's range is left free."""
     problem = Problem(task=source.task, simulator=source.simulator)
     search = Plan(margin=0.2, rows=512, keep=2, rounds=1, runs=8)
@@ -43,7 +43,7 @@ def test_one_case_is_measured_with_its_controls(
 
 def test_the_oracle_knows_the_target() -> None:
     target = target_of(changed("b", 11.0))
-    source = Source(task=target.task, simulator=target.simulator)
+    source = SimulatedTask(task=target.task, simulator=target.simulator)
     rng = np.random.default_rng(0)
     x, u = rng.normal(size=(10, 4)), rng.uniform(-9.0, 9.0, (10, 1))
     told, doubt = Known(target).predict(x, source.after(x, u))

@@ -10,7 +10,7 @@ import trimesh
 from print.callout import LINE, callouts, spread
 from print.decimate import lighter
 from print.mesh import Mesh
-from print.picture import Drawn, picture
+from print.picture import PlacedMesh, picture
 
 FRONT = np.array([0.0, -1.0, 1e-9])
 
@@ -30,8 +30,8 @@ def fills(svg: str) -> list[str]:
 
 def test_what_is_nearer_is_painted_later_whatever_was_named_first() -> None:
     red, blue = (
-        Drawn(mesh=box(0, 20), colour=(255, 0, 0)),
-        Drawn(mesh=box(0, 0), colour=(0, 0, 255)),
+        PlacedMesh(mesh=box(0, 20), colour=(255, 0, 0)),
+        PlacedMesh(mesh=box(0, 0), colour=(0, 0, 255)),
     )
     for drawn in ([red, blue], [blue, red]):
         painted = fills(picture(drawn, title="two", towards=FRONT))
@@ -39,20 +39,20 @@ def test_what_is_nearer_is_painted_later_whatever_was_named_first() -> None:
 
 
 def test_faces_that_look_away_are_not_there() -> None:
-    svg = picture([Drawn(mesh=box(0, 0), colour=(9, 9, 9))], title="one", towards=FRONT)
+    svg = picture([PlacedMesh(mesh=box(0, 0), colour=(9, 9, 9))], title="one", towards=FRONT)
     # A box seen from its front shows one side: two triangles.
     assert sum(path.count("z") for path in re.findall(r' d="([^"]*)"', svg)) == 2
 
 
 def test_only_edges_of_a_box_are_drawn_and_not_the_diagonals_of_its_sides() -> None:
-    svg = picture([Drawn(mesh=box(0, 0), colour=(9, 9, 9))], title="one", towards=FRONT)
+    svg = picture([PlacedMesh(mesh=box(0, 0), colour=(9, 9, 9))], title="one", towards=FRONT)
     (lines,) = re.findall(r'stroke="#24303c" fill="none" d="([^"]*)"', svg)
     assert lines.count("M") == 4
 
 
 def test_everything_stays_within_the_drawing_and_names_do_no_harm() -> None:
     drawn = [
-        Drawn(mesh=box(30.0 * at, 7.0 * at, -9.0 * at), colour=(200, 90, 9), label=f"<P-{at}>")
+        PlacedMesh(mesh=box(30.0 * at, 7.0 * at, -9.0 * at), colour=(200, 90, 9), label=f"<P-{at}>")
         for at in range(12)
     ]
     svg = picture(drawn, title='<script>"&')
@@ -70,7 +70,7 @@ def test_a_drawing_of_a_fine_mesh_is_light() -> None:
     ball = trimesh.creation.icosphere(subdivisions=6)
     mesh = Mesh(vertices=np.array(ball.vertices), faces=np.array(ball.faces, dtype=np.int64))
     assert len(mesh.faces) > 80_000
-    assert len(picture([Drawn(mesh=mesh, colour=(1, 2, 3))] * 4, title="balls")) < 300_000
+    assert len(picture([PlacedMesh(mesh=mesh, colour=(1, 2, 3))] * 4, title="balls")) < 300_000
 
 
 def test_a_plate_that_is_full_of_holes_is_light_too() -> None:

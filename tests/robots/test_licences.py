@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from morph.body import shelf
-from morph.body.card import Source, load_card
+from morph.body.card import Citation, load_card
 
 ROOT = Path(__file__).parents[2]
 NOTICE = " ".join((ROOT / "NOTICE").read_text().split())
@@ -33,7 +33,7 @@ HEADINGS = {
 }
 
 
-def places(source: Source) -> set[str]:
+def places(source: Citation) -> set[str]:
     """Return the repositories, pages and commits that a source names."""
     return {place for shape in PUBLIC for place in re.findall(shape, source.from_)}
 
@@ -52,7 +52,7 @@ def places(source: Source) -> set[str]:
     ],
 )
 def test_a_public_file_is_told_from_a_publication(words: str, named: set[str]) -> None:
-    assert places(Source(what="numbers", from_=words)) == named
+    assert places(Citation(what="numbers", from_=words)) == named
 
 
 def test_every_number_from_a_public_file_names_its_licence() -> None:

@@ -16,7 +16,7 @@ from morph.errors import TransferError
 from morph.files import sha256
 from morph.npz import load_npz
 from morph.transfer.body import Body
-from morph.transfer.parts import Names, Spreads, names_of
+from morph.transfer.parts import BodyNames, Spreads, names_of
 from morph.transfer.relay import tried
 
 ARRAYS = ("state", "command", "after")
@@ -48,7 +48,7 @@ JUDGED = 100
 class Side:
     """One of the two bodies."""
 
-    names: Names
+    names: BodyNames
     """What its numbers are called."""
     seen: Transitions
     """What it did, to learn from."""
@@ -105,7 +105,7 @@ def read(path: Path, option: str) -> Side:
         raise _refused(
             path, option, f"it holds {len(state)} transitions", f"give {FEWEST + out} or more"
         )
-    names = Names(
+    names = BodyNames(
         body=harmless(path.stem),
         state=_named(path, option, held, "state", columns),
         command=_named(path, option, held, "command", command.shape[1]),

@@ -10,7 +10,7 @@ from typing import ClassVar
 import numpy as np
 
 from align.errors import AlignError
-from align.maps.body_map import BodyMap, Given, Mapper
+from align.maps.body_map import BodyMap, MapData, Mapper
 from align.maps.features import Features
 from align.maps.maps import MAPPERS
 from align.quality import quality
@@ -29,10 +29,10 @@ from morph.transfer.guarded import guarded
 from morph.transfer.mapped.feedback import holding
 from morph.transfer.mapped.lift import lift
 from morph.transfer.parts import parts
-from morph.transfer.record import Guard
+from morph.transfer.record import GuardRecord
 from morph.transfer.relay_record import hashes
 
-UNKNOWN = Guard(verdict="unsure", probability=None)
+UNKNOWN = GuardRecord(verdict="unsure", probability=None)
 """Of a map through which no policy can be seen."""
 
 
@@ -47,7 +47,7 @@ class TaskMapper(Mapper):
     target: Body
     """The target."""
 
-    def found(self, given: Given, rng: np.random.Generator) -> BodyMap:
+    def found(self, given: MapData, rng: np.random.Generator) -> BodyMap:
         """Return the map with which `morph transfer` would carry a policy."""
         return lift(self.source, self.target, given.target)
 
@@ -122,8 +122,8 @@ def check_shared(source: Side, target: Side) -> None:
         )
 
 
-def _given(source: Side, target: Side, known: Pairs | None) -> Given:
-    return Given(
+def _given(source: Side, target: Side, known: Pairs | None) -> MapData:
+    return MapData(
         source=source.seen,
         target=target.seen,
         pairs=known,
@@ -158,7 +158,7 @@ def _worth(body: Body | None) -> Worth | None:
     return lambda state: np.asarray(np.square(state @ outcome.T).sum(axis=1))
 
 
-def _mapper(name: str | None, known: Given, source: Side, target: Side) -> Mapper:
+def _mapper(name: str | None, known: MapData, source: Side, target: Side) -> Mapper:
     """Return the map that is asked for, or the first that what is known allows."""
     if source.body is not None and target.body is not None and name in {None, TaskMapper.name}:
         return TaskMapper(source=source.body, target=target.body)
@@ -188,7 +188,7 @@ def _looking(mapper: Mapper, source: Side, target: Side) -> Mapper:
 
 def _guard(
     source: Side, target: Side, found: BodyMap, rng: np.random.Generator
-) -> tuple[Guard, str]:
+) -> tuple[GuardRecord, str]:
     """Return the verdict on the source's policy seen through the map, and why there is none."""
     if source.body is None or target.body is None:
         return UNKNOWN, "a body that was only recorded has no task to judge a policy by"
@@ -207,7 +207,7 @@ def quality_of(found: BodyMap, source: Side, target: Side) -> Mapping[str, float
     return judged.numbers()
 
 
-def _notes(source: Side, target: Side, known: Given) -> tuple[str, ...]:
+def _notes(source: Side, target: Side, known: MapData) -> tuple[str, ...]:
     told = []
     for side, option in ((source, "source"), (target, "target")):
         if side.body is None:

@@ -120,7 +120,7 @@ def _saved(
     """Return the view of the moment at which they part most."""
     from morph.app.viewer.mismatch.poses import span
     from morph.app.viewer.mismatch.windows import windows
-    from morph.app.viewer.state import Body, Saved, Sources
+    from morph.app.viewer.state import BodyRequest, Saved, Sources
 
     worst = found.channels[0].worst
     start, end = span(next(r for r in recordings if r.name == worst.recording), robot)
@@ -129,7 +129,7 @@ def _saved(
     chosen = {"recording": worst.recording, "window": window, "horizon_s": found.horizon}
     return Saved(
         given=Sources(
-            bodies=(Body(asked=asked.robot, sha256=robot.sha256),),
+            bodies=(BodyRequest(asked=asked.robot, sha256=robot.sha256),),
             recordings=tuple(str(path) for path in asked.recordings),
             root=None if asked.root is None else str(asked.root),
             world=asked.world,
@@ -145,11 +145,11 @@ def _write_page(asked: Compare, saved: Saved, now: Callable[[str], None]) -> Non
     """Write the page of that view, which opens without a network."""
     from morph.app.cli import view_given
     from morph.app.cli.view import write_page
-    from morph.app.cli.view_arguments import View
+    from morph.app.cli.view_arguments import ViewCommand
     from morph.app.viewer.opening import Opening
     from morph.app.viewer.views.views import makers
 
-    view = View(
+    view = ViewCommand(
         robots=(asked.robot,),
         recording=tuple(str(path) for path in asked.recordings),
         root=asked.root,

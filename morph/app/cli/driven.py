@@ -10,7 +10,7 @@ from morph.arrays import Array
 from morph.errors import SimulationFailed
 from morph.policy.observing import Observer
 from morph.policy.policy import Policy
-from morph.sim.closed_loop import Loop, closed_loop
+from morph.sim.closed_loop import ClosedLoopRuns, closed_loop
 from morph.sim.simulator import Simulator, Trajectory
 from morph.sim.start import started
 
@@ -51,7 +51,7 @@ def driven(
         for name, value in (command or {}).items()
     }
 
-    def ran(periods: int) -> Loop:
+    def ran(periods: int) -> ClosedLoopRuns:
         # It remembers what it saw, so each run needs a new one.
         observer = Observer(policy, robot, model, 1, effects=simulator.effects)
 
@@ -95,7 +95,7 @@ def driven(
     return _moved(loop, simulator, steps), why
 
 
-def _moved(loop: Loop, simulator: Simulator, most: int) -> Trajectory:
+def _moved(loop: ClosedLoopRuns, simulator: Simulator, most: int) -> Trajectory:
     """Return a run's states, its last control period cut where the run was to end."""
     steps = min(most, len(loop.time) - 1)
     return Trajectory(

@@ -11,7 +11,7 @@ from morph.app.cli.arguments import Inspect
 from morph.app.cli.console import TIE, harmless, paragraph, say, table, width
 
 if TYPE_CHECKING:
-    from morph.body.finding import Finding
+    from morph.body.finding import DescriptionFinding
     from morph.body.inspect import Inspection
     from morph.body.robot import Actuator, Joint, Robot
 
@@ -220,20 +220,20 @@ def _aligned(rows: Sequence[tuple[str, ...]], at: int) -> list[tuple[str, ...]]:
     ]
 
 
-def _grouped(findings: tuple[Finding, ...]) -> list[list[Finding]]:
-    groups: dict[tuple[str, str], list[Finding]] = {}
+def _grouped(findings: tuple[DescriptionFinding, ...]) -> list[list[DescriptionFinding]]:
+    groups: dict[tuple[str, str], list[DescriptionFinding]] = {}
     for finding in findings:
         groups.setdefault((finding.severity, finding.code), []).append(finding)
     return sorted(groups.values(), key=lambda group: ORDER.index(group[0].severity))
 
 
-def _group(group: list[Finding], columns: int | None) -> Lines:
+def _group(group: list[DescriptionFinding], columns: int | None) -> Lines:
     """Return the lines of one code's findings: what is common to all of them is said once."""
     from morph.body.finding import CODES
 
     severity, code = group[0].severity, group[0].code
     title, *more = paragraph(f"{severity}  {code}: {CODES[code]}", 4, columns)
-    alike: dict[tuple[str, str, str], list[Finding]] = {}
+    alike: dict[tuple[str, str, str], list[DescriptionFinding]] = {}
     for finding in group:
         alike.setdefault((finding.what, finding.done, finding.fix), []).append(finding)
     done = {finding.done for finding in group}
@@ -252,7 +252,7 @@ def _group(group: list[Finding], columns: int | None) -> Lines:
     return [(title, COLOURS[severity]), *_plain([*more, ""])]
 
 
-def _places(findings: list[Finding]) -> str:
+def _places(findings: list[DescriptionFinding]) -> str:
     """Return where one and the same was found: `link a (line 3), b (line 9)`."""
     named = [_place(finding) for finding in findings[:PLACES]]
     kind = findings[0].where.kind
@@ -261,7 +261,7 @@ def _places(findings: list[Finding]) -> str:
     return ", ".join(shown) + (f" and {more} more" if more else "")
 
 
-def _place(finding: Finding) -> str:
+def _place(finding: DescriptionFinding) -> str:
     where = finding.where
     if where.kind == "file":
         return f"{where.file}:{where.line}" if where.line else where.file

@@ -15,7 +15,7 @@ from morph.errors import SearchError
 
 if TYPE_CHECKING:
     from morph.app.cli.search_checkpoint import Before, Checkpoint
-    from morph.app.report.learn.outcome import Outcome
+    from morph.app.report.learn.outcome import LearnOutcome
     from morph.search.search import Learned, Search, State, Trial
     from morph.task.task import Task
 
@@ -184,13 +184,13 @@ def _written(
     learned: Learned,
     trials: list[Trial],
     took: float,
-) -> Outcome:
+) -> LearnOutcome:
     from morph.app.report.learn.files import write_learned
     from morph.app.report.learn.judge import judge
-    from morph.app.report.learn.outcome import Outcome
+    from morph.app.report.learn.outcome import LearnOutcome
 
     ordered = tuple(sorted(trials, key=lambda trial: trial.number))
-    outcome = Outcome(
+    outcome = LearnOutcome(
         task=task,
         search=search,
         policy=learned.policy,
@@ -220,7 +220,7 @@ def _interrupted(out: Path, checkpoint: Checkpoint) -> int:
     return INTERRUPTED
 
 
-def _say(asked: Learn, outcome: Outcome) -> None:
+def _say(asked: Learn, outcome: LearnOutcome) -> None:
     from morph.app.cli.console import harmless, paragraph, say, width
     from morph.app.report.learn.outcome import record_text
     from morph.app.report.learn.words import headline, summary

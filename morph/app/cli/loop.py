@@ -12,12 +12,12 @@ from morph.errors import MorphError, TransferError, TrialStopped
 
 if TYPE_CHECKING:
     from morph.app.cli.stages import Stages
-    from morph.app.cli.target_options import Aim
-    from morph.app.report.loop.outcome import Outcome
+    from morph.app.cli.target_options import TargetOptions
+    from morph.app.report.loop.outcome import LoopOutcome
     from morph.policy.policy import Policy
     from morph.task.task import Task
     from morph.transfer.keep import Keep
-    from morph.transfer.loop import Round, Transferred
+    from morph.transfer.loop import LoopRound, Transferred
 
 DONE, STOPPED_SHORT, INTERRUPTED = 0, 3, 130
 
@@ -46,7 +46,7 @@ def run_loop(asked: Loop) -> int:
         return run_recorded(asked, task, out)
     _check_body(task)
     given = _given(asked, task)
-    aim: Aim | None = None
+    aim: TargetOptions | None = None
     if kind == "told":
         aim = told_aim(asked, task)
     elif kind == "live":
@@ -55,7 +55,9 @@ def run_loop(asked: Loop) -> int:
         return _run(asked, task, given, aim, out)
 
 
-def _run(asked: Loop, task: Task, given: Policy | None, aim: Aim | None, out: Path) -> int:
+def _run(
+    asked: Loop, task: Task, given: Policy | None, aim: TargetOptions | None, out: Path
+) -> int:
     """Carry a policy in a folder that nobody else works in, and return the exit status."""
     from morph.app.cli.heartbeat import beating
     from morph.app.cli.loop_key import keep_of, key_of
@@ -132,24 +134,29 @@ def _given(asked: Loop, task: Task) -> Policy | None:
 
 
 def _carried(
-    asked: Loop, task: Task, given: Policy | None, aim: Aim | None, keep: Keep, told: Stages
-) -> Outcome:
+    asked: Loop,
+    task: Task,
+    given: Policy | None,
+    aim: TargetOptions | None,
+    keep: Keep,
+    told: Stages,
+) -> LoopOutcome:
     """Return what came of all trials, written."""
     from morph.app.cli.loop_source import source
     from morph.app.cli.outputs import LOOP, claim, clear
     from morph.app.cli.target_options import conduct_notes, live_of, sealed_aim
     from morph.app.report.loop.files import write_loop
     from morph.app.report.loop.words import round_said
-    from morph.transfer.loop import Loop as Trials
+    from morph.transfer.loop import TransferLoop as Trials
     from morph.transfer.loop import concluded
 
     policy, notes = source(asked, task, given, told)
     aim = sealed_aim(asked, task, policy) if aim is None else aim
     live = live_of(aim)
-    rounds: list[Round] = []
+    rounds: list[LoopRound] = []
     noticed: list[str] = []
 
-    def ended(done: Round) -> None:
+    def ended(done: LoopRound) -> None:
         rounds.append(done)
         for line in round_said(len(rounds), done, task.robot):
             told.line(line)
@@ -183,15 +190,15 @@ def _judged(
     asked: Loop,
     task: Task,
     policy: Policy,
-    aim: Aim,
+    aim: TargetOptions,
     done: Transferred,
     stopped: str,
     notes: tuple[str, ...],
-) -> Outcome:
+) -> LoopOutcome:
     import numpy as np
 
     from morph.app.cli.loop_said import command
-    from morph.app.report.loop.outcome import Outcome
+    from morph.app.report.loop.outcome import LoopOutcome
     from morph.search.evaluate import evaluate
     from morph.transfer.score import JUDGING, judged
 
@@ -200,7 +207,7 @@ def _judged(
     home = evaluate(
         task, policy, task.simulator(), rng=np.random.default_rng([asked.seed, JUDGING])
     )
-    return Outcome(
+    return LoopOutcome(
         task=task,
         target=aim.name,
         runs=tuple(each.tried.experience for each in done.rounds),
@@ -246,7 +253,7 @@ def _ended(error: BaseException, out: Path) -> int:
     return INTERRUPTED
 
 
-def _said(asked: Loop, outcome: Outcome) -> int:
+def _said(asked: Loop, outcome: LoopOutcome) -> int:
     from morph.app.cli.loop_said import say_outcome
 
     say_outcome(asked, outcome)

@@ -11,14 +11,16 @@ from morph.app.cli.outputs import LOOP
 from morph.errors import OutputError
 
 if TYPE_CHECKING:
-    from morph.app.cli.target_options import Aim
+    from morph.app.cli.target_options import TargetOptions
     from morph.policy.policy import Policy
     from morph.record.recording import Recording
     from morph.task.task import Task
     from morph.transfer.keep import Keep
 
 
-def key_of(asked: Loop, task: Task, given: Policy | None, aim: Aim | None) -> dict[str, str]:
+def key_of(
+    asked: Loop, task: Task, given: Policy | None, aim: TargetOptions | None
+) -> dict[str, str]:
     """Return what must be the same for a loop to go on."""
     from morph.files import sha256
     from morph.search.searches import default

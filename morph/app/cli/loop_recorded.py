@@ -13,9 +13,9 @@ from morph.app.cli.loop_said import command, say_outcome
 from morph.app.cli.outputs import LOOP, claim, clear
 from morph.app.cli.stages import Stages
 from morph.app.report.loop.files import write_loop
-from morph.app.report.loop.outcome import Outcome
+from morph.app.report.loop.outcome import LoopOutcome
 from morph.model.hypothesis import Hypothesis
-from morph.model.kwik.certify import Verdict, judge
+from morph.model.kwik.certify import ModelVerdict, judge
 from morph.model.latent.run import Run
 from morph.model.latent.unknowns import unknowns
 from morph.record.load import load
@@ -63,7 +63,7 @@ def _diagnosed(
     runs: tuple[Experience, ...],
     noticed: tuple[str, ...],
     told: Stages,
-) -> Outcome:
+) -> LoopOutcome:
     notes = list(noticed)
     if len(runs) > MOST_RUNS:
         notes.append(f"the model is repaired by the last {MOST_RUNS} of {len(runs)} recordings")
@@ -71,7 +71,7 @@ def _diagnosed(
     told.now("is the model good enough")
     verdict = gate(task, seen[-MOST_RUNS:], asked.seed)
     told.line(verdict.text)
-    return Outcome(
+    return LoopOutcome(
         task=task,
         target=f"{task.robot.name}, recorded",
         runs=runs,
@@ -84,7 +84,7 @@ def _diagnosed(
     )
 
 
-def gate(task: Task, runs: list[Run], seed: int) -> Verdict:
+def gate(task: Task, runs: list[Run], seed: int) -> ModelVerdict:
     """Return whether the model as described is good enough for what was recorded."""
     simulator = task.simulator()
     hypothesis = Hypothesis(

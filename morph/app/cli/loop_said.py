@@ -14,7 +14,7 @@ from morph.errors import MorphError
 from morph.regular_file import read_regular
 
 if TYPE_CHECKING:
-    from morph.app.report.loop.outcome import Outcome
+    from morph.app.report.loop.outcome import LoopOutcome
     from morph.task.task import Task
 
 HEAD = ("trial", "policy", "loss", "came of it", "the model was", "what differs", "next")
@@ -74,7 +74,7 @@ def _finished(out: Path, task: Task) -> tuple[str, bool, int] | None:
     return text, succeeded, len(trials)
 
 
-def say_outcome(asked: Loop, outcome: Outcome) -> None:
+def say_outcome(asked: Loop, outcome: LoopOutcome) -> None:
     """Say what was found at the terminal, in words or as JSON."""
     from morph.app.cli.console import harmless, paragraph, say, width
 
@@ -93,7 +93,9 @@ def say_outcome(asked: Loop, outcome: Outcome) -> None:
     )
 
 
-def _lines(asked: Loop, outcome: Outcome, columns: int | None) -> Iterator[tuple[str, str, bool]]:
+def _lines(
+    asked: Loop, outcome: LoopOutcome, columns: int | None
+) -> Iterator[tuple[str, str, bool]]:
     """Yield each text, its style, and whether it is laid out already."""
     from morph.app.cli.console import table
     from morph.app.report.loop.verdict import headline, rivals_said, sealed_rows, summary
@@ -129,7 +131,7 @@ def _lines(asked: Loop, outcome: Outcome, columns: int | None) -> Iterator[tuple
     yield f"wrote {made}report.html{model} and transfer.json into {asked.out}", "", False
 
 
-def _rows(outcome: Outcome) -> Iterator[tuple[str, ...]]:
+def _rows(outcome: LoopOutcome) -> Iterator[tuple[str, ...]]:
     from morph.app.report.loop.page import trial_rows
 
     for row in trial_rows(outcome):

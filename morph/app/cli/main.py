@@ -28,7 +28,7 @@ from morph.app.cli.console import harmless
 from morph.app.cli.excite_arguments import Excite
 from morph.app.cli.print_arguments import Print
 from morph.app.cli.study_arguments import Study
-from morph.app.cli.view_arguments import View
+from morph.app.cli.view_arguments import ViewCommand
 from morph.app.cli.weigh_arguments import Weigh
 from morph.errors import MorphError
 
@@ -48,7 +48,7 @@ Command = (
     | Transfer
     | Print
     | Weigh
-    | View
+    | ViewCommand
     | Study
     | List
 )
@@ -67,7 +67,7 @@ Asked = (
     | Annotated[Transfer, tyro.conf.subcommand("transfer")]
     | Annotated[Print, tyro.conf.subcommand("print")]
     | Annotated[Weigh, tyro.conf.subcommand("weigh")]
-    | Annotated[View, tyro.conf.subcommand("view")]
+    | Annotated[ViewCommand, tyro.conf.subcommand("view")]
     | Annotated[Study, tyro.conf.subcommand("study")]
     | Annotated[List, tyro.conf.subcommand("list")]
 )
@@ -218,7 +218,7 @@ def _run(asked: Command) -> int:
         from morph.app.cli.print import run_print
 
         return run_print(asked)
-    if isinstance(asked, View):
+    if isinstance(asked, ViewCommand):
         from morph.app.cli.view import run_view
 
         return run_view(asked)

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Aim:
+class TargetOptions:
     """A target, and what is known of it."""
 
     name: str
@@ -76,7 +76,7 @@ def check_choice(asked: Loop) -> str:
     return chosen[0]
 
 
-def told_aim(asked: Loop, task: Task) -> Aim:
+def told_aim(asked: Loop, task: Task) -> TargetOptions:
     """Return the target that differs as the command line says.
 
     Raises:
@@ -89,7 +89,7 @@ def told_aim(asked: Loop, task: Task) -> Aim:
     concealed = Concealed(factors=changes(asked.change), effects=effects)
     said = [f"{name} x {value:g}" for name, value in concealed.factors.items()]
     said += [effect.label for effect in effects]
-    return Aim(
+    return TargetOptions(
         name=f"{task.robot.name} with {', '.join(said)}",
         target=concealed.target(task),
         concealed=concealed,
@@ -97,17 +97,17 @@ def told_aim(asked: Loop, task: Task) -> Aim:
     )
 
 
-def sealed_aim(asked: Loop, task: Task, policy: Policy) -> Aim:
+def sealed_aim(asked: Loop, task: Task, policy: Policy) -> TargetOptions:
     """Return the target whose differences a seed conceals."""
     concealed = drawn(task, policy, asked.sealed or 0)
-    return Aim(
+    return TargetOptions(
         name=f"{task.robot.name}, sealed {asked.sealed}",
         target=concealed.target(task),
         concealed=concealed,
     )
 
 
-def live_aim(asked: Loop, task: Task, keep: Path) -> Aim:
+def live_aim(asked: Loop, task: Task, keep: Path) -> TargetOptions:
     """Return the live target, which is started when the first trial begins.
 
     Raises:
@@ -132,7 +132,7 @@ def live_aim(asked: Loop, task: Task, keep: Path) -> Aim:
     stop = Stop(None if asked.stop_file is None else Path(asked.stop_file))
     process = Process(argv)
     live = Live(task, process, limits=limits(asked.limit), stop=stop, keep=keep)
-    return Aim(
+    return TargetOptions(
         name=f"{task.robot.name} by {process.name.removeprefix('target ')}",
         target=live,
         # One interpreter runs many programs, and a program has arguments.
@@ -181,7 +181,7 @@ def _number(text: str) -> float:
         return math.nan
 
 
-def live_of(aim: Aim) -> Live | None:
+def live_of(aim: TargetOptions) -> Live | None:
     """Return the live target of an aim; None if it is simulated."""
     from morph.transfer.live.live import Live
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from morph.app.cli.stages import Stages
-    from morph.app.cli.transfer_bodies import Given
+    from morph.app.cli.transfer_bodies import SourcePolicy
     from morph.transfer.body import Body
     from morph.transfer.hop_checkpoint import HopsKept, Kept
     from morph.transfer.relay_record import RelayRecord
@@ -126,7 +126,7 @@ def check_periods(bodies: Sequence[Body]) -> None:
             )
 
 
-def _run(asked: Transfer, bodies: list[Body], start: Given, out: Path, began: float) -> int:
+def _run(asked: Transfer, bodies: list[Body], start: SourcePolicy, out: Path, began: float) -> int:
     """Carry the policy in a folder that nobody else works in, and return the exit status."""
     from morph.app.cli.heartbeat import beating
     from morph.app.cli.outputs import TRANSFER, claim, clear
@@ -154,7 +154,7 @@ def _run(asked: Transfer, bodies: list[Body], start: Given, out: Path, began: fl
 def _hops(
     asked: Transfer,
     bodies: list[Body],
-    start: Given,
+    start: SourcePolicy,
     kept: HopsKept,
     hops: list[Kept],
     told: Stages,
@@ -211,7 +211,7 @@ def _fits(done: Kept, body: Body) -> bool:
 def _written(
     asked: Transfer,
     bodies: list[Body],
-    start: Given,
+    start: SourcePolicy,
     hops: list[Kept],
     stopped: str,
     out: Path,
@@ -237,7 +237,7 @@ def _written(
     return write_transfer(record, bodies[len(hops)], hops[-1], asked.trials, out)
 
 
-def key_of(asked: Transfer, bodies: Sequence[Body], start: Given) -> dict[str, str]:
+def key_of(asked: Transfer, bodies: Sequence[Body], start: SourcePolicy) -> dict[str, str]:
     """Return what must be the same for a transfer to go on."""
     from morph.app.cli.transfer_bodies import hash_of
 

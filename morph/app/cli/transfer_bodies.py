@@ -33,7 +33,7 @@ LEARNED = "learned"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Given:
+class SourcePolicy:
     """The first body's policy."""
 
     gain: Array
@@ -127,7 +127,7 @@ def hash_of(robot: Robot) -> str:
     return robot.sha256 or sha256(robot.mjcf)
 
 
-def given(policy: str, first: Body) -> Given:
+def given(policy: str, first: Body) -> SourcePolicy:
     """Return the law of the first body, read or learned.
 
     Raises:
@@ -140,9 +140,9 @@ def given(policy: str, first: Body) -> Given:
         check_period(found, first, policy)
         gain, shift = gain_of(first, found)
         numbers = (np.asarray(value).tobytes() for _, value in sorted(found.weights().items()))
-        return Given(gain=gain, shift=shift, sha256=sha256(*numbers))
+        return SourcePolicy(gain=gain, shift=shift, sha256=sha256(*numbers))
     gain = holding(first)
-    return Given(
+    return SourcePolicy(
         gain=gain, shift=np.zeros(len(gain)), sha256="the regulator of its own description"
     )
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from morph.app.cli import view_given
 from morph.app.cli.stages import stages
-from morph.app.cli.view_arguments import View
+from morph.app.cli.view_arguments import ViewCommand
 from morph.errors import ViewError
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ Makers = Sequence[Callable[[], "Shown"]]
 """What makes each view for a person, in the order of the tabs."""
 
 
-def run_view(asked: View) -> int:
+def run_view(asked: ViewCommand) -> int:
     """Show what is asked for until interrupted, or write the page, and return the exit status.
 
     Raises:
@@ -62,7 +62,7 @@ def run_view(asked: View) -> int:
     return DONE
 
 
-def _unfit(asked: View, saved: Saved | None, found: Makers) -> list[str]:
+def _unfit(asked: ViewCommand, saved: Saved | None, found: Makers) -> list[str]:
     """Return what of a saved view does not fit because the options say otherwise.
 
     Raises:
@@ -108,7 +108,7 @@ def write_page(path: Path, view: Shown, opening: Opening, now: Callable[[str], N
     return len(page)
 
 
-def _serve(asked: View, found: Makers, first: int, opening: Opening) -> None:
+def _serve(asked: ViewCommand, found: Makers, first: int, opening: Opening) -> None:
     """Serve the page until interrupted."""
     from morph.app.viewer.server import Viewer
 

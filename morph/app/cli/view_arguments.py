@@ -12,7 +12,7 @@ from morph.app.cli.arguments import Many
 
 
 @dataclass(frozen=True, kw_only=True)
-class View:
+class ViewCommand:
     """Show bodies side by side in the browser: compare, design, align, or see a mismatch.
 
     Example: morph view cartpole rider_rigid_driven --task balance --policy learned

@@ -11,11 +11,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from morph.app.cli.console import harmless
-from morph.app.cli.view_arguments import View
+from morph.app.cli.view_arguments import ViewCommand
 from morph.errors import OutputError, ViewError
 
 if TYPE_CHECKING:
-    from morph.app.viewer.given import Given
+    from morph.app.viewer.given import ViewRequest
     from morph.app.viewer.state import Saved, Sources
 
 MOST_BODIES = 8
@@ -27,7 +27,7 @@ MOST_SECONDS = 120.0
 LAST_PORT = 65535
 
 
-def check(asked: View) -> None:
+def check(asked: ViewCommand) -> None:
     """Check what can be checked before anything is loaded.
 
     Raises:
@@ -81,7 +81,9 @@ def check_page(path: Path, option: str) -> None:
         ) from error
 
 
-def given(asked: View, saved: Saved | None, now: Callable[[str], None]) -> tuple[Given, list[str]]:
+def given(
+    asked: ViewCommand, saved: Saved | None, now: Callable[[str], None]
+) -> tuple[ViewRequest, list[str]]:
     """Return what is to be shown, and what is to be known of it, a sentence each.
 
     Args:
@@ -92,7 +94,7 @@ def given(asked: View, saved: Saved | None, now: Callable[[str], None]) -> tuple
     Raises:
         MorphError: A body cannot be loaded, there are too many, or it would take too long.
     """
-    from morph.app.viewer.given import Given
+    from morph.app.viewer.given import ViewRequest
     from morph.body.load import load
 
     of = _sources(asked, saved)
@@ -111,7 +113,7 @@ def given(asked: View, saved: Saved | None, now: Callable[[str], None]) -> tuple
         if body.sha256 and robot.sha256 != body.sha256:
             notes.append(f"{robot.name} has changed since this view was saved.")
         robots.append(robot)
-    return Given(
+    return ViewRequest(
         robots=tuple(robots),
         asked=tuple(body.asked for body in of.bodies),
         task=of.task,
@@ -129,7 +131,7 @@ def given(asked: View, saved: Saved | None, now: Callable[[str], None]) -> tuple
     ), notes
 
 
-def read(asked: View) -> Saved | None:
+def read(asked: ViewCommand) -> Saved | None:
     """Return the view that was saved, if one is named, having told which files it names.
 
     Raises:
@@ -147,12 +149,12 @@ def read(asked: View) -> Saved | None:
     return saved
 
 
-def _sources(asked: View, saved: Saved | None) -> Sources:
+def _sources(asked: ViewCommand, saved: Saved | None) -> Sources:
     """Return what is to be shown: the options, and what they leave open as it was saved."""
-    from morph.app.viewer.state import Body, Sources
+    from morph.app.viewer.state import BodyRequest, Sources
 
     told: dict[str, Any] = {
-        "bodies": tuple(Body(asked=name, sha256="") for name in asked.robots),
+        "bodies": tuple(BodyRequest(asked=name, sha256="") for name in asked.robots),
         "policies": asked.policy,
         "recordings": asked.recording,
         "task": asked.task,
@@ -170,7 +172,7 @@ def _sources(asked: View, saved: Saved | None) -> Sources:
     return replace(before, **{name: it for name, it in told.items() if it not in (None, ())})
 
 
-def command(asked: View) -> str:
+def command(asked: ViewCommand) -> str:
     """Return the command that shows this again, wherever it was written to."""
     parts = ["morph", "view", *asked.robots]
     told: dict[str, object] = {

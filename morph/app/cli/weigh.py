@@ -12,7 +12,7 @@ from morph.app.cli.weigh_arguments import Weigh
 from morph.errors import MakeError
 
 if TYPE_CHECKING:
-    from morph.make.scale import Reading
+    from morph.make.scale import ScaleReading
     from morph.make.weigh import Weighed
 
 DONE, STOPPED_SHORT = 0, 3
@@ -80,7 +80,7 @@ def _report(folder: Path, found: Weighed, seed: int) -> None:
     write_pages(folder, found.package, told)
 
 
-def _say(asked: Weigh, new: tuple[Reading, ...], found: Weighed) -> None:
+def _say(asked: Weigh, new: tuple[ScaleReading, ...], found: Weighed) -> None:
     package, columns = found.package, width()
     lines = [
         (
@@ -111,7 +111,7 @@ def _say(asked: Weigh, new: tuple[Reading, ...], found: Weighed) -> None:
     say((piece, style) for text, style in lines for piece in paragraph(harmless(text), 4, columns))
 
 
-def _unchanged(new: tuple[Reading, ...], found: Weighed) -> list[str]:
+def _unchanged(new: tuple[ScaleReading, ...], found: Weighed) -> list[str]:
     """Return the links of weighed parts whose mass stays as described."""
     names = {each.part for each in new}
     links = {

@@ -16,7 +16,7 @@ from morph.errors import OutputError
 from morph.physics.effect import Effect
 
 
-class Moved(View):
+class MotionView(View):
     """One motion, and nothing to choose."""
 
     name = "motion"
@@ -55,7 +55,7 @@ def view(
     moved = motion(drawn.model, times, positions)
     content = Content(actors=(Actor(figure=drawn, motion=moved),), notes=drawn.notes)
     try:
-        viewer = Viewer(lambda: (Moved(content),), label=f"morph: {robot.name}")
+        viewer = Viewer(lambda: (MotionView(content),), label=f"morph: {robot.name}")
     except OutputError as error:
         raise OutputError(
             error.what,

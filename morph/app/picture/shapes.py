@@ -17,7 +17,7 @@ SHOWN_GROUPS = 3
 
 
 @dataclass(frozen=True, kw_only=True)
-class Shape:
+class PictureShape:
     """One geom."""
 
     body: int
@@ -37,7 +37,7 @@ class Shape:
     none."""
 
 
-def shapes(model: Any, groups: int = SHOWN_GROUPS) -> Iterator[Shape]:
+def shapes(model: Any, groups: int = SHOWN_GROUPS) -> Iterator[PictureShape]:
     """Yield all shapes of a `mujoco.MjModel` that have an end and are drawn.
 
     Args:
@@ -55,7 +55,7 @@ def shapes(model: Any, groups: int = SHOWN_GROUPS) -> Iterator[Shape]:
         material = int(model.geom_matid[geom])
         rgba = model.mat_rgba[material] if material >= 0 else model.geom_rgba[geom]
         red, green, blue = (round(255 * float(value)) for value in rgba[:3])
-        yield Shape(
+        yield PictureShape(
             body=int(model.geom_bodyid[geom]),
             vertices=solid[0] @ turn.reshape(3, 3).T + model.geom_pos[geom],
             faces=solid[1],

@@ -39,7 +39,7 @@ class Interval:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Block:
+class BadStretch:
     """A bad stretch on the strip of its episode."""
 
     left: float
@@ -62,7 +62,7 @@ class Strip:
     """Its length, percent of the longest."""
     seconds: float
     """Its length, s."""
-    blocks: tuple[Block, ...]
+    blocks: tuple[BadStretch, ...]
     """Its bad stretches, in the order of time."""
 
 
@@ -116,9 +116,9 @@ def _length(diagnosis: Diagnosis, episode: str, stretches: Iterable[Stretch]) ->
     return max((end for end in ends if math.isfinite(end)), default=0.0)
 
 
-def _blocks(stretches: Iterable[Stretch], seconds: float, worst: float) -> tuple[Block, ...]:
+def _blocks(stretches: Iterable[Stretch], seconds: float, worst: float) -> tuple[BadStretch, ...]:
     return tuple(
-        Block(
+        BadStretch(
             left=100.0 * s.start / seconds,
             width=100.0 * (s.end - s.start) / seconds,
             strength=s.share / worst if worst > 0.0 else 0.0,

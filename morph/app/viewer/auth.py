@@ -10,7 +10,7 @@ from http import HTTPStatus
 from typing import Any
 from urllib.parse import parse_qs
 
-from morph.app.viewer.binding import Bound
+from morph.app.viewer.binding import BoundSocket
 from morph.app.viewer.front_page import FrontPage
 
 LOG = logging.getLogger(__name__)
@@ -41,7 +41,7 @@ link from elsewhere led to the page.
 """
 
 
-class Guard:
+class RequestGuard:
     """Answers with the page, with a refusal in a sentence, or with None: let viser answer.
 
     Args:
@@ -54,7 +54,7 @@ class Guard:
 
     def __init__(
         self,
-        place: Bound,
+        place: BoundSocket,
         token: str | None,
         page: FrontPage,
         *,

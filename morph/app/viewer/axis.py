@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from morph.app.viewer.content import Line
+from morph.app.viewer.content import ChartLine
 from morph.arrays import Array
 
 BEYOND = 1.0
@@ -17,7 +17,7 @@ BLOWN_UP = 1e4
 """A line that spans this many times as much as all lesser ones together has blown up."""
 
 
-def values_shown(lines: Sequence[Line]) -> tuple[float, float, frozenset[int]]:
+def values_shown(lines: Sequence[ChartLine]) -> tuple[float, float, frozenset[int]]:
     """Return the least and the greatest value of an axis, and the lines that leave it.
 
     Where some lines lead, the others may leave the plot. Where none does, only a line can

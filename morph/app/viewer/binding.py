@@ -21,7 +21,7 @@ ELSEWHERE = ("203.0.113.1", 9)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Bound:
+class BoundSocket:
     """A place to serve at."""
 
     socket: socket.socket
@@ -43,7 +43,7 @@ class Bound:
         return not ipaddress.ip_address(self.address).is_loopback
 
 
-def bound(host: str, port: int) -> Bound:
+def bound(host: str, port: int) -> BoundSocket:
     """Return a place at a host, at the port or the next one that is free.
 
     Args:
@@ -120,7 +120,7 @@ def _refused(error: OSError, address: str, port: int) -> str:
     return f"no page can be served: {error.strerror or error}"
 
 
-def _place(listening: socket.socket, host: str, asked: int) -> Bound:
+def _place(listening: socket.socket, host: str, asked: int) -> BoundSocket:
     address, port = listening.getsockname()[:2]
     taken = (f"port {asked} is taken; serving at {port} instead",) if port != asked != 0 else ()
     known = ipaddress.ip_address(address)
@@ -130,7 +130,7 @@ def _place(listening: socket.socket, host: str, asked: int) -> Bound:
         names = frozenset({"localhost", "127.0.0.1", "[::1]", _bracketed(address)})
     else:
         name, names = _bracketed(_reached() if known.is_unspecified else host), frozenset()
-    return Bound(
+    return BoundSocket(
         socket=listening,
         address=address,
         port=port,

@@ -9,7 +9,7 @@ from html import escape
 import numpy as np
 
 from morph.app.viewer.axis import rounded_steps, values_shown
-from morph.app.viewer.content import Chart, Line
+from morph.app.viewer.content import Chart, ChartLine
 from morph.arrays import Array
 
 WIDTH, HEIGHT = 400.0, 150.0
@@ -104,7 +104,7 @@ class _Frame:
         share = (self.high - value) / (self.high - self.low)
         return np.clip(share, -1.0, 2.0) * self.tall
 
-    def path(self, line: Line) -> str:
+    def path(self, line: ChartLine) -> str:
         """Return a line as the commands of a path."""
         time, value = thinned(np.asarray(line.time), np.asarray(line.value))
         drawn, down = [], False
@@ -138,7 +138,7 @@ class _Frame:
         return "".join(parts)
 
 
-def _dashes(at: int, line: Line) -> str:
+def _dashes(at: int, line: ChartLine) -> str:
     """Return the pattern of a line by its place; none but a line that is not dashed is solid."""
     pattern = DASHES[at % len(DASHES)]
     return pattern or (DASHES[1] if line.dashed else "")

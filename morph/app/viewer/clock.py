@@ -12,7 +12,7 @@ REST = 0.5
 
 
 @dataclass(kw_only=True)
-class Clock:
+class PlaybackClock:
     """A time from 0 to the end that plays, pauses, steps and is scrubbed.
 
     It never asks what time it is: `tick` is told how much has passed, so that tests and

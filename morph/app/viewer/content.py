@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from morph.app.viewer.figure import Figure
-from morph.app.viewer.motion import Motion
+from morph.app.viewer.motion import MotionFrames
 from morph.arrays import Array
 
 Colour = tuple[int, int, int]
@@ -21,7 +21,7 @@ class Actor:
 
     figure: Figure
     """What it looks like."""
-    motion: Motion
+    motion: MotionFrames
     """How it moves."""
     lane: int | None = None
     """Which place in the row it stands in; None for one of its own. Those of a lane overlap,
@@ -65,7 +65,7 @@ class Moment:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Line:
+class ChartLine:
     """One line of a chart."""
 
     name: str
@@ -91,26 +91,26 @@ class Chart:
     """What is drawn."""
     unit: str
     """Of its values."""
-    lines: tuple[Line, ...]
+    lines: tuple[ChartLine, ...]
     """In the order of the legend."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Table:
+class CellTable:
     """A small table; a cell that changes with the clock is named by a series."""
 
     title: str
     """What stands above it."""
     head: tuple[str, ...]
     """Heads of the columns, the first over the names of the rows."""
-    rows: tuple[tuple[str | Live | Marked, ...], ...]
+    rows: tuple[tuple[str | LiveCell | Marked, ...], ...]
     """Cells; all text, none of it HTML."""
     words: bool = False
     """Whether its cells are sentences rather than numbers."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Live:
+class LiveCell:
     """A cell that shows a series of an actor where the clock is."""
 
     actor: int
@@ -141,7 +141,7 @@ class Content:
     """Lines between them."""
     charts: tuple[Chart, ...] = ()
     """Plots beside them."""
-    tables: tuple[Table, ...] = ()
+    tables: tuple[CellTable, ...] = ()
     """Tables beside them."""
     moments: tuple[Moment, ...] = ()
     """Times to jump to, marked on the clock."""

@@ -10,7 +10,7 @@ from morph.app.viewer.charts import chart_html, now_html
 from morph.app.viewer.fragments import keys_html, notes_html, table_html
 from morph.app.viewer.keeping import keep_page, keep_view
 from morph.app.viewer.style import style
-from morph.app.viewer.transport import KEYS, Transport
+from morph.app.viewer.transport import KEYS, ClockControls
 from morph.app.viewer.view import View
 from morph.app.viewer.widget import add_widget, hear_in_order, set_value
 
@@ -52,7 +52,7 @@ class Controls:
             names = tuple(view.title for view in session.views)
             given = (gui.add_button_group, "view", names)
             add_widget(session, *given, then=lambda name: self._turn(names.index(name)))
-        self._transport = Transport(session)
+        self._transport = ClockControls(session)
         self._told = gui.add_folder("Shown")
         self._page(gui)
 

@@ -9,7 +9,7 @@ from typing import Any
 import mujoco
 
 from morph.app.picture.scene import is_wet
-from morph.app.picture.shapes import Shape, shapes
+from morph.app.picture.shapes import PictureShape, shapes
 from morph.app.viewer.placeholders import placeholders
 from morph.app.viewer.web_shapes import web_shapes
 from morph.body.robot import Robot
@@ -39,7 +39,7 @@ class Figure:
     """What it is called in headings; from a file, so never to be trusted as HTML."""
     model: Any
     """The `mujoco.MjModel` that it was drawn from, its effects applied; 0 is the world."""
-    shapes: tuple[Shape, ...]
+    shapes: tuple[PictureShape, ...]
     """What it looks like, each in the frame of its link."""
     wet: bool = False
     """Whether it is in water."""
@@ -86,7 +86,7 @@ def figure(robot: Robot, effects: Sequence[Effect] = (), *, name: str | None = N
     )
 
 
-def _drawn(model: Any, *, complete: bool) -> tuple[Shape, ...]:
+def _drawn(model: Any, *, complete: bool) -> tuple[PictureShape, ...]:
     """Return the shapes; what has none to be seen is told by its contacts, or its inertia."""
     found = web_shapes(shapes(model)) or web_shapes(shapes(model, groups=mujoco.mjNGROUP))
     if found and complete:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from html import escape
 
-from morph.app.viewer.content import Actor, Live, Marked, Table
+from morph.app.viewer.content import Actor, CellTable, LiveCell, Marked
 
 SIGNS = {"arrowleft": "←", "arrowright": "→", "arrowup": "↑", "arrowdown": "↓", "f": "F"}
 """How keys are written."""
@@ -18,7 +18,7 @@ SHORT = 10
 """A cell of so few characters stays on one line."""
 
 
-def table_html(table: Table, actors: Sequence[Actor], time: float) -> str:
+def table_html(table: CellTable, actors: Sequence[Actor], time: float) -> str:
     """Return a table with the values where the clock is, s."""
     head = "".join(f"<th>{escape(each)}</th>" for each in table.head)
     rows = "".join(
@@ -52,7 +52,7 @@ def keys_html(keys: Sequence[tuple[str, str | None, str]]) -> str:
     return f'<dl class="morph keys">{rows}</dl>'
 
 
-def _cell(cell: str | Live | Marked, actors: Sequence[Actor], time: float) -> str:
+def _cell(cell: str | LiveCell | Marked, actors: Sequence[Actor], time: float) -> str:
     if isinstance(cell, str):
         short = len(cell) <= SHORT
         return f'<span class="mark">{escape(cell)}</span>' if short else escape(cell)

@@ -9,7 +9,7 @@ from morph.body.robot import Robot
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Given:
+class ViewRequest:
     """Bodies, and what is to be seen of them."""
 
     robots: tuple[Robot, ...]

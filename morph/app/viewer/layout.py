@@ -14,7 +14,7 @@ from morph.app.viewer.figure import Figure
 from morph.app.viewer.framing import FIELD, framed
 from morph.app.viewer.rows import in_file, in_rows
 from morph.app.viewer.sight import sight
-from morph.app.viewer.standing import Standing, standing
+from morph.app.viewer.standing import UnplacedBodies, standing
 from morph.arrays import Array, Integers
 
 DEEP = 0.15
@@ -121,7 +121,7 @@ def title(actor: Actor) -> str:
     return text if len(text) <= MOST_LETTERS else text[: MOST_LETTERS - 1] + "…"
 
 
-def _named(stand: Standing, order: tuple[int, float], towards: Array) -> Layout:
+def _named(stand: UnplacedBodies, order: tuple[int, float], towards: Array) -> Layout:
     """Return bodies in so many rows, 0 for a file, with room for their names."""
     towards, pixel = _unit(towards), 0.0
     # How many metres a pixel is follows from the frame, and the frame from how wide names are.
@@ -132,7 +132,7 @@ def _named(stand: Standing, order: tuple[int, float], towards: Array) -> Layout:
     return _arranged(stand, order, towards, pixel)
 
 
-def _sight(stand: Standing, found: Layout) -> float:
+def _sight(stand: UnplacedBodies, found: Layout) -> float:
     """Return how well bodies are seen, at first and later on."""
     place = framed(found.seen, found.towards).position
     label = np.array([LINE, LETTER]) * FIELD / PICTURE
@@ -141,7 +141,9 @@ def _sight(stand: Standing, found: Layout) -> float:
     return float(np.mean([sight(each, place, stand.lanes, label, letters) for each in boxes]))
 
 
-def _arranged(stand: Standing, order: tuple[int, float], towards: Array, pixel: float) -> Layout:
+def _arranged(
+    stand: UnplacedBodies, order: tuple[int, float], towards: Array, pixel: float
+) -> Layout:
     rooms, groups, (rows, spread) = stand.rooms, stand.groups, order
     low = np.array([each.low.min(axis=0) for each in rooms])
     high = np.array([each.high.max(axis=0) for each in rooms])
@@ -181,7 +183,7 @@ def _arranged(stand: Standing, order: tuple[int, float], towards: Array, pixel: 
     )
 
 
-def _labels(stand: Standing, towards: Array, pixel: float) -> Array:
+def _labels(stand: UnplacedBodies, towards: Array, pixel: float) -> Array:
     """Return where names stand, over their bodies; those of a lane one over the other."""
     labels = np.zeros((len(stand.actors), 3))
     up = np.array([0.0, 0.0, 1.0]) - towards[2] * towards

@@ -17,7 +17,7 @@ RATE = 60.0
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Motion:
+class MotionFrames:
     """The pictures of one motion, `RATE` a second; beyond the last one it rests there."""
 
     position: Array
@@ -67,7 +67,7 @@ class Motion:
         return min(self.pictures - 1, max(0, int(time * RATE + 1e-6)))
 
 
-def motion(model: Any, times: Array, positions: Array) -> Motion:
+def motion(model: Any, times: Array, positions: Array) -> MotionFrames:
     """Return a motion from a run.
 
     Args:
@@ -78,7 +78,7 @@ def motion(model: Any, times: Array, positions: Array) -> Motion:
     return posed(model, positions[nearest_samples(times, RATE)])
 
 
-def posed(model: Any, positions: Array) -> Motion:
+def posed(model: Any, positions: Array) -> MotionFrames:
     """Return a motion from the poses in its pictures, `qpos` of shape (pictures, nq)."""
     data = mujoco.MjData(model)
     position = np.empty((len(positions), model.nbody, 3))
@@ -87,4 +87,4 @@ def posed(model: Any, positions: Array) -> Motion:
         data.qpos[:] = pose
         mujoco.mj_kinematics(model, data)
         position[at], turn[at] = data.xpos, data.xquat
-    return Motion(position=position, turn=turn)
+    return MotionFrames(position=position, turn=turn)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from morph.app.viewer.given import Given
+from morph.app.viewer.given import ViewRequest
 from morph.app.viewer.state import Saved
 
 
@@ -12,7 +12,7 @@ from morph.app.viewer.state import Saved
 class Opening:
     """What every person's page begins with."""
 
-    given: Given | None = None
+    given: ViewRequest | None = None
     """What the viewer was given; None where something else made its views."""
     saved: Saved | None = None
     """What is shown again."""

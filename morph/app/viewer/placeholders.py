@@ -8,7 +8,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from morph.app.picture.shapes import Shape
+from morph.app.picture.shapes import PictureShape
 from morph.arrays import Array
 
 COLOUR = (176, 132, 160)
@@ -21,7 +21,7 @@ LEAST = 1e-3
 """m: the least length of an edge."""
 
 
-def placeholders(model: Any, drawn: set[int]) -> Iterator[Shape]:
+def placeholders(model: Any, drawn: set[int]) -> Iterator[PictureShape]:
     """Yield a box for each link of a `mujoco.MjModel` that has a mass and is not drawn."""
     for body in range(1, model.nbody):
         if body not in drawn and model.body_mass[body] > 0.0:
@@ -37,13 +37,13 @@ def edges(mass: float, inertia: Array) -> Array:
     return np.asarray(np.sqrt(np.maximum(square, LEAST**2)))
 
 
-def _box(model: Any, body: int) -> Shape:
+def _box(model: Any, body: int) -> PictureShape:
     from trimesh import creation
 
     box = creation.box(edges(float(model.body_mass[body]), model.body_inertia[body]))
     turn = np.empty(9)
     mujoco.mju_quat2Mat(turn, model.body_iquat[body])
-    return Shape(
+    return PictureShape(
         body=body,
         vertices=np.asarray(box.vertices @ turn.reshape(3, 3).T + model.body_ipos[body]),
         faces=np.asarray(box.faces, dtype=np.int64),

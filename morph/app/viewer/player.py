@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from morph.app.picture.shapes import Shape
+from morph.app.picture.shapes import PictureShape
 from morph.app.viewer.colour import linears
 from morph.app.viewer.content import Actor, Colour
 from morph.app.viewer.layout import Layout, title
@@ -150,7 +150,7 @@ class Player:
             self._links.setdefault(body, mesh)
             self._meshes.setdefault(body, []).append((mesh, colour))
 
-    def _plain(self, name: str, shape: Shape, colour: Colour) -> Any:
+    def _plain(self, name: str, shape: PictureShape, colour: Colour) -> Any:
         """Put a shape of one colour on the scene."""
         actor = self._actor
         opacity = shape.opacity * (GHOST if actor.ghost else 1.0)
@@ -166,7 +166,7 @@ class Player:
             receive_shadow=not actor.ghost,
         )
 
-    def _painted(self, name: str, shape: Shape, colours: NDArray[np.uint8]) -> Any:
+    def _painted(self, name: str, shape: PictureShape, colours: NDArray[np.uint8]) -> Any:
         """Put a shape on the scene that has a colour for each corner; a ghost is solid, too."""
         from trimesh import Trimesh
         from trimesh.visual import ColorVisuals

@@ -11,7 +11,7 @@ from typing import Any
 
 from morph.app.viewer.camera import Camera
 from morph.app.viewer.clock import SPEEDS
-from morph.app.viewer.state import LEARNED, NAMES, SCHEMA, Body, Saved, Sources, is_name
+from morph.app.viewer.state import LEARNED, NAMES, SCHEMA, BodyRequest, Saved, Sources, is_name
 from morph.arrays import JSON
 from morph.errors import ViewError
 from morph.record.nearest import nearest
@@ -174,8 +174,8 @@ class _Part:
         self.done()
         return found
 
-    def body(self) -> Body:
-        found = Body(
+    def body(self) -> BodyRequest:
+        found = BodyRequest(
             asked=self.take("asked", _text, "a name or a path"),
             sha256=self.take("sha256", _text_or_none, "a hash"),
         )

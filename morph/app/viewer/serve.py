@@ -12,8 +12,8 @@ from io import StringIO
 from secrets import token_urlsafe
 from typing import Any
 
-from morph.app.viewer.auth import Guard
-from morph.app.viewer.binding import Bound, bound
+from morph.app.viewer.auth import RequestGuard
+from morph.app.viewer.binding import BoundSocket, bound
 from morph.app.viewer.front_page import front_page
 from morph.errors import OutputError
 
@@ -106,12 +106,12 @@ def quiet(speaker: Any) -> None:
     handler.get_message_buffer()._sanctioned_dead_writes += 1
 
 
-def _served(place: Bound, token: str | None, label: str) -> Any:
+def _served(place: BoundSocket, token: str | None, label: str) -> Any:
     import viser
 
     LOG.addFilter(_matters)
     people = [0]
-    guard = Guard(
+    guard = RequestGuard(
         place,
         token,
         front_page(),
@@ -133,7 +133,7 @@ def _served(place: Bound, token: str | None, label: str) -> Any:
 
 
 @contextmanager
-def _guarded(place: Bound, guard: Guard, people: list[int]) -> Iterator[list[bool]]:
+def _guarded(place: BoundSocket, guard: RequestGuard, people: list[int]) -> Iterator[list[bool]]:
     """Have viser serve at our socket and ask our guard; what is given back says if it did."""
     from websockets.asyncio import server as websockets
 

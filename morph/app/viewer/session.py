@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, TypeVar
 
-from morph.app.viewer.clock import Clock
+from morph.app.viewer.clock import PlaybackClock
 from morph.app.viewer.content import Content
 from morph.app.viewer.controls import Controls
 from morph.app.viewer.motion import RATE
@@ -59,7 +59,7 @@ class Session:
         """Prepare; `start` begins."""
         self.client, self.views = client, tuple(views)
         self.opening = opening or Opening()
-        self.clock, self.stage = Clock(), Stage(client.scene)
+        self.clock, self.stage = PlaybackClock(), Stage(client.scene)
         self.view, self.content = self.views[first], Content(actors=())
         self.keeping = False
         """Whether a page is being made for this person to keep."""

@@ -10,7 +10,7 @@ import numpy as np
 from morph.app.viewer.content import Actor
 from morph.app.viewer.motion import RATE
 from morph.app.viewer.sight import outline
-from morph.app.viewer.swept_bounds import EIGHT, Room, looked_at, room
+from morph.app.viewer.swept_bounds import EIGHT, SweptBounds, looked_at, room
 from morph.arrays import Array, Integers
 
 STRAYS = 0.6
@@ -27,12 +27,12 @@ CALM = 0.4
 
 
 @dataclass(frozen=True, kw_only=True)
-class Standing:
+class UnplacedBodies:
     """Bodies before they have a place."""
 
     actors: Sequence[Actor]
     """The bodies."""
-    rooms: Sequence[Room]
+    rooms: Sequence[SweptBounds]
     """The room that each takes."""
     outlines: Sequence[Array]
     """What of each actor must be seen, in its own world, m, each of shape (points, 3)."""
@@ -49,7 +49,7 @@ class Standing:
     and then, m, shape (pictures, actors, 2, 3)."""
 
 
-def standing(actors: Sequence[Actor]) -> Standing:
+def standing(actors: Sequence[Actor]) -> UnplacedBodies:
     """Return what is to be laid out of some actors, at least one."""
     looked = looked_at(actors)
     rooms = [room(actor, looked) for actor in actors]
@@ -60,7 +60,7 @@ def standing(actors: Sequence[Actor]) -> Standing:
         size = max(rooms[at].size for at in group)
         highest = np.max([rooms[at].rise for at in group], axis=0)
         rise[:, group] = _calm(np.clip(highest, -size, size), looked)[:, None]
-    return Standing(
+    return UnplacedBodies(
         actors=actors,
         rooms=rooms,
         outlines=_outlines(rooms),
@@ -72,7 +72,7 @@ def standing(actors: Sequence[Actor]) -> Standing:
     )
 
 
-def _boxes(rooms: Sequence[Room]) -> Array:
+def _boxes(rooms: Sequence[SweptBounds]) -> Array:
     mean = _mean(rooms)
     found = []
     for at in np.linspace(0, len(mean) - 1, MOMENTS).round().astype(int):
@@ -86,7 +86,7 @@ def _boxes(rooms: Sequence[Room]) -> Array:
     return np.array(found)
 
 
-def _mean(rooms: Sequence[Room]) -> Array:
+def _mean(rooms: Sequence[SweptBounds]) -> Array:
     """Return how far bodies have gone on the whole, m, shape (looked at, 3)."""
     mean = np.mean([each.gone for each in rooms], axis=0)
     return np.concatenate((mean, np.zeros((len(mean), 1))), axis=1)
@@ -111,7 +111,7 @@ def lanes_of(actors: Sequence[Actor]) -> list[int]:
     return lanes
 
 
-def _outlines(rooms: Sequence[Room]) -> list[Array]:
+def _outlines(rooms: Sequence[SweptBounds]) -> list[Array]:
     """Return the outline of what bodies take up while a camera goes with their mean way."""
     mean = _mean(rooms)
     found = []

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import morph
 from morph.app.viewer.camera import Camera, camera_of
-from morph.app.viewer.given import Given
+from morph.app.viewer.given import ViewRequest
 from morph.arrays import JSON
 from morph.body import shelf
 from morph.body.robot import Robot
@@ -28,7 +28,7 @@ LEARNED = "learned"
 
 
 @dataclass(frozen=True, kw_only=True)
-class Body:
+class BodyRequest:
     """A body as it was asked for."""
 
     asked: str
@@ -41,7 +41,7 @@ class Body:
 class Sources:
     """What a page was given; all paths as text."""
 
-    bodies: tuple[Body, ...] = ()
+    bodies: tuple[BodyRequest, ...] = ()
     base: str | None = None
     folder: str | None = None
     task: str | None = None
@@ -129,7 +129,7 @@ def saved(session: Session) -> Saved:
     )
 
 
-def sources(given: Given) -> Sources:
+def sources(given: ViewRequest) -> Sources:
     """Return what was given as text; paths are whole, for nobody knows where it will be kept."""
     return Sources(
         bodies=tuple(map(_body, given.asked, given.robots)),
@@ -155,9 +155,9 @@ def is_name(asked: str) -> bool:
     return len(Path(asked).parts) == 1 and asked in shelf.names()
 
 
-def _body(asked: str, robot: Robot) -> Body:
+def _body(asked: str, robot: Robot) -> BodyRequest:
     whole = asked if is_name(asked) else str(Path(asked).absolute())
-    return Body(asked=whole, sha256=robot.sha256)
+    return BodyRequest(asked=whole, sha256=robot.sha256)
 
 
 def _whole(path: Path | None) -> str | None:

@@ -8,9 +8,9 @@ from itertools import product
 
 import numpy as np
 
-from morph.app.picture.shapes import Shape
+from morph.app.picture.shapes import PictureShape
 from morph.app.viewer.content import Actor
-from morph.app.viewer.motion import Motion
+from morph.app.viewer.motion import MotionFrames
 from morph.arrays import Array, Integers
 
 LOOKED_AT = 60
@@ -24,7 +24,7 @@ EIGHT: Integers = np.array(list(product((0, 1), repeat=3)))
 
 
 @dataclass(frozen=True, kw_only=True)
-class Room:
+class SweptBounds:
     """A body's upright box in some pictures, in its own world."""
 
     low: Array
@@ -55,7 +55,7 @@ def looked_at(actors: Sequence[Actor]) -> Integers:
     return np.unique(np.linspace(0, last, LOOKED_AT).round().astype(np.int64))
 
 
-def room(actor: Actor, pictures: Integers) -> Room:
+def room(actor: Actor, pictures: Integers) -> SweptBounds:
     """Return the room that an actor takes in some pictures.
 
     Shapes that are fixed to the world count, as a rail does; a floor has no end and does not.
@@ -76,7 +76,7 @@ def room(actor: Actor, pictures: Integers) -> Room:
         low[0], high[0] = np.min(tight, axis=0)[0], np.max(tight, axis=0)[1]
         links = [box for box, shape in zip(tight, actor.figure.shapes, strict=True) if shape.body]
         core = np.array([np.min(links or tight, axis=0)[0], np.max(links or tight, axis=0)[1]])
-    return Room(
+    return SweptBounds(
         low=low,
         high=high,
         gone=gone(actor)[which],
@@ -87,7 +87,7 @@ def room(actor: Actor, pictures: Integers) -> Room:
     )
 
 
-def _corners(shape: Shape, motion: Motion, which: Integers) -> Array:
+def _corners(shape: PictureShape, motion: MotionFrames, which: Integers) -> Array:
     """Return the corners of a shape's box in some pictures, m, shape (pictures, 8, 3)."""
     least, most = shape.vertices.min(axis=0), shape.vertices.max(axis=0)
     box = np.stack((least, most))[EIGHT, np.arange(3)]
@@ -95,7 +95,7 @@ def _corners(shape: Shape, motion: Motion, which: Integers) -> Array:
     return np.asarray(box @ np.swapaxes(turn, -1, -2) + motion.position[which, None, shape.body])
 
 
-def _tight(shape: Shape, motion: Motion, picture: int) -> Array:
+def _tight(shape: PictureShape, motion: MotionFrames, picture: int) -> Array:
     """Return the corners of a shape's upright box in one picture, m, shape (2, 3)."""
     turn = matrices(motion.turn[picture, shape.body])
     corners = shape.vertices @ turn.T + motion.position[picture, shape.body]

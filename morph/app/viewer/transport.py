@@ -43,7 +43,7 @@ LONGEST = 60
 """Characters of a moment's title there."""
 
 
-class Transport:
+class ClockControls:
     """The knobs of one session's clock; every method runs in the session's thread.
 
     Args:

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from morph.app.picture.shapes import Shape
+from morph.app.picture.shapes import PictureShape
 from morph.app.viewer.coarse import coarse
 from morph.app.viewer.crease import creased
 from morph.arrays import Array, Integers
@@ -26,7 +26,7 @@ SMALLEST = 1e-9
 """m: what is smaller has nothing to be seen."""
 
 
-def web_shapes(shapes: Iterable[Shape]) -> tuple[Shape, ...]:
+def web_shapes(shapes: Iterable[PictureShape]) -> tuple[PictureShape, ...]:
     """Return what a browser draws instead: lighter, and merged by link and colour.
 
     What cannot be drawn (no faces, no extent, corners that are no numbers, out of sight by
@@ -37,13 +37,13 @@ def web_shapes(shapes: Iterable[Shape]) -> tuple[Shape, ...]:
     light = [
         _light(shape, most, stubborn) for shape, most in zip(drawn, shares(drawn), strict=True)
     ]
-    groups: dict[tuple[int, tuple[int, int, int], float], list[Shape]] = {}
+    groups: dict[tuple[int, tuple[int, int, int], float], list[PictureShape]] = {}
     for shape in light:
         groups.setdefault((shape.body, shape.colour, shape.opacity), []).append(shape)
     return tuple(_merged(group) for group in groups.values())
 
 
-def shares(shapes: Sequence[Shape]) -> list[int]:
+def shares(shapes: Sequence[PictureShape]) -> list[int]:
     """Return how many faces each shape may have, so that all fit into `MOST_IN_ALL`.
 
     The larger a shape's surface, the more; none gets more than it has or `MOST_FACES`, none
@@ -69,24 +69,24 @@ def _granted(wanted: Array, by_area: Array) -> Array:
     return np.asarray(np.minimum(wanted, np.maximum(np.floor(by_area), LEAST_FACES)), dtype=float)
 
 
-def _normals(shape: Shape) -> Array:
+def _normals(shape: PictureShape) -> Array:
     corners = shape.vertices[shape.faces]
     return np.asarray(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
 
 
-def _can_be_drawn(shape: Shape) -> bool:
+def _can_be_drawn(shape: PictureShape) -> bool:
     if not len(shape.faces) or not np.isfinite(shape.vertices).all() or shape.opacity <= 0.0:
         return False
     return bool(np.ptp(shape.vertices, axis=0).max() > SMALLEST)
 
 
-def _light(shape: Shape, most: int, stubborn: set[bytes]) -> Shape:
+def _light(shape: PictureShape, most: int, stubborn: set[bytes]) -> PictureShape:
     mesh = coarse(Mesh(vertices=shape.vertices, faces=shape.faces), most, stubborn)
     vertices, faces = creased(mesh.vertices, mesh.faces)
     return replace(shape, vertices=vertices, faces=faces, flat=False)
 
 
-def _merged(group: Sequence[Shape]) -> Shape:
+def _merged(group: Sequence[PictureShape]) -> PictureShape:
     if len(group) == 1:
         return group[0]
     before = np.cumsum([0, *(len(shape.vertices) for shape in group[:-1])])

@@ -11,7 +11,7 @@ from morph.body.check.mimic import check_mimic
 from morph.body.check.symmetry import check_symmetry
 from morph.body.check.tree import check_tree
 from morph.body.draft import Draft
-from morph.body.finding import Finding
+from morph.body.finding import DescriptionFinding
 from morph.body.paths import Files
 from morph.body.shapes import read_shapes
 
@@ -22,7 +22,9 @@ LOOKS = (check_lengths, check_fit, check_symmetry)
 """Checks that only look."""
 
 
-def check(draft: Draft, files: Files, *, base_moves: bool = False) -> tuple[Draft, list[Finding]]:
+def check(
+    draft: Draft, files: Files, *, base_moves: bool = False
+) -> tuple[Draft, list[DescriptionFinding]]:
     """Return a draft that can be simulated, and everything found in it.
 
     If a finding is of severity `refused`, the draft cannot be simulated.

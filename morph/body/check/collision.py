@@ -9,7 +9,7 @@ import numpy as np
 from morph.arrays import Array, Integers, Mask
 from morph.body.check.place import at_link
 from morph.body.draft import Draft, DraftLink, Pose, Shape
-from morph.body.finding import Finding
+from morph.body.finding import DescriptionFinding
 from morph.body.mesh import Mesh
 from morph.body.solids import bounds
 from morph.errors import MeshError
@@ -41,7 +41,7 @@ class Overlap:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Placed:
+class PlacedShape:
     """A collision shape in the world at home."""
 
     link: str
@@ -70,10 +70,10 @@ def overlaps(draft: Draft) -> list[Overlap]:
     return list(found.values())
 
 
-def self_collisions(draft: Draft, pairs: list[Overlap]) -> list[Finding]:
+def self_collisions(draft: Draft, pairs: list[Overlap]) -> list[DescriptionFinding]:
     """Return a finding for each overlap, of which contacts are left out."""
     return [
-        Finding(
+        DescriptionFinding(
             code="self-collision",
             severity="repaired",
             where=at_link(draft, draft.link(pair.one)),
@@ -98,7 +98,7 @@ def _joined(draft: Draft) -> set[frozenset[str]]:
     return pairs
 
 
-def _placed(draft: Draft) -> list[Placed]:
+def _placed(draft: Draft) -> list[PlacedShape]:
     home = draft.home()
     placed = []
     for link in draft.links:
@@ -110,7 +110,7 @@ def _placed(draft: Draft) -> list[Placed]:
             world = home[link.name].apply(grid)
             edges = np.stack([world.min(axis=0), world.max(axis=0)])
             pose = home[link.name].then(shape.pose)
-            placed.append(Placed(link=link.name, shape=shape, pose=pose, box=edges))
+            placed.append(PlacedShape(link=link.name, shape=shape, pose=pose, box=edges))
     return placed
 
 
@@ -118,7 +118,7 @@ def _collides(link: DraftLink) -> list[Shape]:
     return [s for s in link.shapes if s.role == "collision" and 0.0 not in s.scale]
 
 
-def _reaches(one: Placed, other: Placed) -> bool:
+def _reaches(one: PlacedShape, other: PlacedShape) -> bool:
     """Return whether points of one shape lie inside another."""
     points = one.pose.apply(_surface(one.shape))
     middle = (one.box[0] + one.box[1]) / 2

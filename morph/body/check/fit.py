@@ -9,7 +9,7 @@ import numpy as np
 from morph.arrays import Array
 from morph.body.check.place import at_link
 from morph.body.draft import Draft, DraftLink
-from morph.body.finding import Finding
+from morph.body.finding import DescriptionFinding
 from morph.body.solids import Solid, away, bounds, corners, parallel, solid, together
 
 LIGHTEST, HEAVIEST = 1.0, 25_000.0
@@ -37,7 +37,7 @@ UNEVEN = 0.15
 """How far a shape's inertia must be from a ball's, so that its axes can be told."""
 
 
-def check_fit(draft: Draft) -> list[Finding]:
+def check_fit(draft: Draft) -> list[DescriptionFinding]:
     """Return the links whose mass or inertia does not belong to a body of their shape."""
     hulls = {link.name: found for link in draft.links if (found := _hull(link)) is not None}
     findings = _densities(draft, hulls)
@@ -58,7 +58,7 @@ def _hull(link: DraftLink) -> Solid | None:
     return together(one for one in solids if one is not None)
 
 
-def _densities(draft: Draft, hulls: dict[str, Solid]) -> list[Finding]:
+def _densities(draft: Draft, hulls: dict[str, Solid]) -> list[DescriptionFinding]:
     density = {
         link.name: (link.mass or 0.0) / hulls[link.name].volume
         for link in draft.links
@@ -83,8 +83,10 @@ def _densities(draft: Draft, hulls: dict[str, Solid]) -> list[Finding]:
     return findings
 
 
-def _density(draft: Draft, link: DraftLink, value: float, volume: float, middle: float) -> Finding:
-    return Finding(
+def _density(
+    draft: Draft, link: DraftLink, value: float, volume: float, middle: float
+) -> DescriptionFinding:
+    return DescriptionFinding(
         code="mass-volume",
         severity="info",
         where=at_link(draft, link),
@@ -94,7 +96,7 @@ def _density(draft: Draft, link: DraftLink, value: float, volume: float, middle:
     )
 
 
-def _inertia(draft: Draft, link: DraftLink, hull: Solid) -> list[Finding]:
+def _inertia(draft: Draft, link: DraftLink, hull: Solid) -> list[DescriptionFinding]:
     if link.inertia is None or not (link.mass or 0.0) > 0:
         return []
     moments = np.linalg.eigvalsh(link.inertia)
@@ -116,7 +118,7 @@ def _inertia(draft: Draft, link: DraftLink, hull: Solid) -> list[Finding]:
     if exchanged is None:
         return []
     return [
-        Finding(
+        DescriptionFinding(
             code="inertia-swapped",
             severity="info",
             where=at_link(draft, link),
@@ -126,8 +128,10 @@ def _inertia(draft: Draft, link: DraftLink, hull: Solid) -> list[Finding]:
     ]
 
 
-def _size(draft: Draft, link: DraftLink, code: str, found: float, shape: float) -> Finding:
-    return Finding(
+def _size(
+    draft: Draft, link: DraftLink, code: str, found: float, shape: float
+) -> DescriptionFinding:
+    return DescriptionFinding(
         code=code,
         severity="info",
         where=at_link(draft, link),

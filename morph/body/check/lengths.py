@@ -6,7 +6,7 @@ import numpy as np
 
 from morph.body.check.place import at_joint, at_link
 from morph.body.draft import Draft
-from morph.body.finding import Finding
+from morph.body.finding import DescriptionFinding
 from morph.body.solids import bounds, diagonal
 
 FAR_TOO_FAR = 60.0
@@ -16,7 +16,7 @@ FARTHEST = 2.0
 """Offset that no part has by mistake, m: below it nothing is told."""
 
 
-def check_lengths(draft: Draft) -> list[Finding]:
+def check_lengths(draft: Draft) -> list[DescriptionFinding]:
     """Return the joints and centres of mass that stand as far away as millimetres would."""
     offsets = [float(np.linalg.norm(joint.pose.position)) for joint in draft.joints]
     sizes = [length for length in offsets if length > 1e-3]
@@ -32,7 +32,7 @@ def check_lengths(draft: Draft) -> list[Finding]:
     for joint, offset in zip(draft.joints, offsets, strict=True):
         if offset > least:
             findings.append(
-                Finding(
+                DescriptionFinding(
                     code="length-units",
                     severity="info",
                     where=at_joint(draft, joint),
@@ -45,7 +45,7 @@ def check_lengths(draft: Draft) -> list[Finding]:
         offset = float(np.linalg.norm(link.com))
         if (link.mass or 0.0) > 0 and offset > least:
             findings.append(
-                Finding(
+                DescriptionFinding(
                     code="length-units",
                     severity="info",
                     where=at_link(draft, link),

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from morph.body.check.place import at_joint
 from morph.body.draft import MOVING, Draft, DraftJoint
-from morph.body.finding import Finding, Severity
+from morph.body.finding import DescriptionFinding, Severity
 from morph.body.numbers import SMALLEST
 
 LARGEST = {"revolute": 4 * math.pi, "prismatic": 50.0}
@@ -17,12 +17,12 @@ STRONGEST, FASTEST = 1e5, 1e3
 """Greatest effort, N m or N, and speed, rad/s or m/s, that a limit may state."""
 
 
-def check_limits(draft: Draft) -> tuple[Draft, list[Finding]]:
+def check_limits(draft: Draft) -> tuple[Draft, list[DescriptionFinding]]:
     """Return the draft with ranges that can be simulated, and what was wrong with them."""
     ranged = [joint for joint in draft.joints if joint.kind in LARGEST]
     # An exporter that knows no limits writes the same number twice, everywhere.
     left_out = len(ranged) > 1 and all(joint.lower == joint.upper for joint in ranged)
-    findings: list[Finding] = []
+    findings: list[DescriptionFinding] = []
     changed = {}
     for joint in draft.joints:
         after = joint
@@ -38,12 +38,16 @@ def check_limits(draft: Draft) -> tuple[Draft, list[Finding]]:
 
 def _say(
     draft: Draft, joint: DraftJoint, code: str, severity: Severity, what: str, done: str, fix: str
-) -> Finding:
+) -> DescriptionFinding:
     where = at_joint(draft, joint)
-    return Finding(code=code, severity=severity, where=where, what=what, done=done, fix=fix)
+    return DescriptionFinding(
+        code=code, severity=severity, where=where, what=what, done=done, fix=fix
+    )
 
 
-def _range(draft: Draft, joint: DraftJoint, left_out: bool) -> tuple[DraftJoint, list[Finding]]:
+def _range(
+    draft: Draft, joint: DraftJoint, left_out: bool
+) -> tuple[DraftJoint, list[DescriptionFinding]]:
     unit = "m" if joint.kind == "prismatic" else "rad"
     free = replace(joint, lower=None, upper=None)
     if joint.lower is None and joint.upper is None:
@@ -72,7 +76,7 @@ def _range(draft: Draft, joint: DraftJoint, left_out: bool) -> tuple[DraftJoint,
 
 def _empty(
     draft: Draft, joint: DraftJoint, at: float, left_out: bool, shown: str
-) -> tuple[DraftJoint, list[Finding]]:
+) -> tuple[DraftJoint, list[DescriptionFinding]]:
     if at == 0 and not left_out:
         after = replace(joint, kind="fixed", lower=None, upper=None, mimic=None)
         done, fix = "it was welded, as it cannot move", "make it a fixed joint"
@@ -82,7 +86,7 @@ def _empty(
     return after, [_say(draft, joint, "limit-range", "repaired", shown, done, fix)]
 
 
-def _strength(draft: Draft, joint: DraftJoint) -> tuple[DraftJoint, list[Finding]]:
+def _strength(draft: Draft, joint: DraftJoint) -> tuple[DraftJoint, list[DescriptionFinding]]:
     findings = []
     units = {"effort": "N" if joint.kind == "prismatic" else "N m"}
     units["velocity"] = "m/s" if joint.kind == "prismatic" else "rad/s"

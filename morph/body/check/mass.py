@@ -9,7 +9,7 @@ import numpy as np
 from morph.arrays import Array
 from morph.body.check.place import WORLD, at_link
 from morph.body.draft import Draft, DraftLink
-from morph.body.finding import Finding
+from morph.body.finding import DescriptionFinding
 from morph.body.inertia import DENSITY, ball, is_physical, mended
 from morph.body.solids import Solid, solid, together
 
@@ -21,7 +21,7 @@ LIGHTEST, LEAST = 1e-13, 1e-14
 """Mass, kg, and inertia, kg m2, below which MuJoCo moves nothing (mjMINVAL 1e-15), with room."""
 
 
-def check_mass(draft: Draft, *, base_moves: bool = False) -> tuple[Draft, list[Finding]]:
+def check_mass(draft: Draft, *, base_moves: bool = False) -> tuple[Draft, list[DescriptionFinding]]:
     """Return the draft with masses and inertias that MuJoCo can move, and what was wrong.
 
     Args:
@@ -29,7 +29,7 @@ def check_mass(draft: Draft, *, base_moves: bool = False) -> tuple[Draft, list[F
         base_moves: Whether its base is to float, or to stand on a board.
     """
     heads, alone = _moving(draft, base_moves)
-    findings: list[Finding] = []
+    findings: list[DescriptionFinding] = []
     changed = {}
     for link in draft.links:
         mended_link, found = _link(draft, link, link.name in heads, link.name in alone)
@@ -72,7 +72,7 @@ def _is_heavy(link: DraftLink) -> bool:
 
 def _link(
     draft: Draft, link: DraftLink, moves: bool, alone: bool
-) -> tuple[DraftLink, list[Finding]]:
+) -> tuple[DraftLink, list[DescriptionFinding]]:
     mass = link.mass or 0.0
     if mass < 0:
         return _negative(draft, link)
@@ -105,9 +105,9 @@ def _from_shape(link: DraftLink, mass: float | None = None) -> DraftLink | None:
     )
 
 
-def _negative(draft: Draft, link: DraftLink) -> tuple[DraftLink, list[Finding]]:
+def _negative(draft: Draft, link: DraftLink) -> tuple[DraftLink, list[DescriptionFinding]]:
     other = _from_shape(link)
-    finding = Finding(
+    finding = DescriptionFinding(
         code="inertia-broken",
         severity="refused" if other is None else "repaired",
         where=at_link(draft, link),
@@ -122,7 +122,9 @@ def _taken(link: DraftLink) -> str:
     return f"its shape at {DENSITY:g} kg/m3 was taken: {link.mass:.4g} kg"
 
 
-def _massless(draft: Draft, link: DraftLink, alone: bool) -> tuple[DraftLink, list[Finding]]:
+def _massless(
+    draft: Draft, link: DraftLink, alone: bool
+) -> tuple[DraftLink, list[DescriptionFinding]]:
     if not alone:
         spun = link.inertia is not None and bool(np.any(link.inertia))
         bare = replace(link, mass=0.0, inertia=None, inertia_from="none")
@@ -130,7 +132,7 @@ def _massless(draft: Draft, link: DraftLink, alone: bool) -> tuple[DraftLink, li
             return bare, []
         done = "its inertia was left out" if spun else "it stayed massless"
         return bare, [
-            Finding(
+            DescriptionFinding(
                 code="mass-missing",
                 severity="repaired" if spun else "info",
                 where=at_link(draft, link),
@@ -151,7 +153,7 @@ def _massless(draft: Draft, link: DraftLink, alone: bool) -> tuple[DraftLink, li
     else:
         done = _taken(other)
     return other, [
-        Finding(
+        DescriptionFinding(
             code="mass-missing",
             severity="repaired",
             where=at_link(draft, link),
@@ -163,14 +165,16 @@ def _massless(draft: Draft, link: DraftLink, alone: bool) -> tuple[DraftLink, li
     ]
 
 
-def _no_inertia(draft: Draft, link: DraftLink, mass: float) -> tuple[DraftLink, list[Finding]]:
+def _no_inertia(
+    draft: Draft, link: DraftLink, mass: float
+) -> tuple[DraftLink, list[DescriptionFinding]]:
     other = _from_shape(link, mass)
     done = "its shape, filled evenly with that mass, was taken"
     if other is None:
         other = replace(link, inertia=ball(mass, DENSITY), inertia_from="none")
         done = f"that of a ball of {DENSITY:g} kg/m3 was taken"
     return other, [
-        Finding(
+        DescriptionFinding(
             code="inertia-missing",
             severity="repaired",
             where=at_link(draft, link),
@@ -183,7 +187,7 @@ def _no_inertia(draft: Draft, link: DraftLink, mass: float) -> tuple[DraftLink, 
 
 def _broken(
     draft: Draft, link: DraftLink, mass: float, inertia: Array
-) -> tuple[DraftLink, list[Finding]]:
+) -> tuple[DraftLink, list[DescriptionFinding]]:
     moments = np.linalg.eigvalsh(inertia)
     shown = ", ".join(f"{value:.4g}" for value in moments)
     kind = "are not all positive" if moments[0] <= LEAST else "break the triangle inequality"
@@ -195,7 +199,7 @@ def _broken(
         done = "that of its shape or of a ball was taken: "
     after = ", ".join(f"{value:.4g}" for value in np.linalg.eigvalsh(np.array(other.inertia)))
     return other, [
-        Finding(
+        DescriptionFinding(
             code="inertia-broken",
             severity="repaired",
             where=at_link(draft, link),

@@ -9,7 +9,7 @@ import numpy as np
 from morph.arrays import Array
 from morph.body.check.place import at_link
 from morph.body.draft import Draft, DraftLink, Shape
-from morph.body.finding import Finding, Severity
+from morph.body.finding import DescriptionFinding, Severity
 from morph.body.solids import away, bounds, diagonal
 
 THOUSAND = 1000.0
@@ -31,7 +31,7 @@ LEAST = 0.005
 """Distance below which nothing is away, m."""
 
 
-def check_meshes(draft: Draft) -> tuple[Draft, list[Finding]]:
+def check_meshes(draft: Draft) -> tuple[Draft, list[DescriptionFinding]]:
     """Return the draft with meshes in metres, and what is wrong with shapes."""
     draft, findings = _units(draft)
     for link in draft.links:
@@ -52,12 +52,14 @@ def _say(
     what: str,
     done: str,
     fix: str,
-) -> Finding:
+) -> DescriptionFinding:
     where = at_link(draft, link, shape.line)
-    return Finding(code=code, severity=severity, where=where, what=what, done=done, fix=fix)
+    return DescriptionFinding(
+        code=code, severity=severity, where=where, what=what, done=done, fix=fix
+    )
 
 
-def _sizes(draft: Draft, link: DraftLink, shape: Shape) -> list[Finding]:
+def _sizes(draft: Draft, link: DraftLink, shape: Shape) -> list[DescriptionFinding]:
     if shape.kind == "mesh":
         if 0.0 not in shape.scale:
             return []
@@ -70,7 +72,7 @@ def _sizes(draft: Draft, link: DraftLink, shape: Shape) -> list[Finding]:
     return [_say(draft, link, shape, "shape-size", "repaired", what, "it was left out", fix)]
 
 
-def _surfaces(draft: Draft, link: DraftLink) -> list[Finding]:
+def _surfaces(draft: Draft, link: DraftLink) -> list[DescriptionFinding]:
     findings = []
     seen = set()
     for shape in link.shapes:
@@ -107,7 +109,7 @@ def _surfaces(draft: Draft, link: DraftLink) -> list[Finding]:
     return findings
 
 
-def _concave(draft: Draft, link: DraftLink) -> list[Finding]:
+def _concave(draft: Draft, link: DraftLink) -> list[DescriptionFinding]:
     findings = []
     for shape in link.shapes:
         mesh = shape.mesh
@@ -130,7 +132,7 @@ def _concave(draft: Draft, link: DraftLink) -> list[Finding]:
     return findings
 
 
-def _units(draft: Draft) -> tuple[Draft, list[Finding]]:
+def _units(draft: Draft) -> tuple[Draft, list[DescriptionFinding]]:
     sizes = {
         (link.name, index): diagonal(box)
         for link in draft.links
@@ -216,7 +218,7 @@ def _typical(
     return None
 
 
-def _moved(draft: Draft, link: DraftLink) -> list[Finding]:
+def _moved(draft: Draft, link: DraftLink) -> list[DescriptionFinding]:
     parts = {role: [s for s in link.shapes if s.role == role] for role in ("visual", "collision")}
     boxes = {role: box for role, shapes in parts.items() if (box := bounds(shapes)) is not None}
     for role, box in boxes.items():
@@ -240,7 +242,7 @@ def _moved(draft: Draft, link: DraftLink) -> list[Finding]:
 
 def _apart(
     draft: Draft, link: DraftLink, shape: Shape, role: str, gap: float, other: str
-) -> Finding:
+) -> DescriptionFinding:
     return _say(
         draft,
         link,

@@ -5,14 +5,14 @@ from __future__ import annotations
 from dataclasses import replace
 
 from morph.body.check.place import at_joint
-from morph.body.draft import Draft, DraftJoint, Mimic
-from morph.body.finding import Finding
+from morph.body.draft import Draft, DraftJoint, DraftMimic
+from morph.body.finding import DescriptionFinding
 
 FOLLOWING = ("revolute", "continuous", "prismatic")
 """Kinds of joints that can follow and be followed."""
 
 
-def check_mimic(draft: Draft) -> tuple[Draft, list[Finding]]:
+def check_mimic(draft: Draft) -> tuple[Draft, list[DescriptionFinding]]:
     """Return the draft without followers that follow nothing, and what was wrong."""
     known = {joint.name: joint for joint in draft.joints}
     changed: dict[str, DraftJoint] = {}
@@ -25,7 +25,7 @@ def check_mimic(draft: Draft) -> tuple[Draft, list[Finding]]:
             changed[joint.name] = replace(joint, mimic=None)
             still = joint.kind == "fixed"
             findings.append(
-                Finding(
+                DescriptionFinding(
                     code="mimic",
                     severity="info" if still else "repaired",
                     where=at_joint(draft, joint),
@@ -37,7 +37,7 @@ def check_mimic(draft: Draft) -> tuple[Draft, list[Finding]]:
     return draft.with_joints(changed), findings
 
 
-def _wrong(joint: DraftJoint, mimic: Mimic, known: dict[str, DraftJoint]) -> str:
+def _wrong(joint: DraftJoint, mimic: DraftMimic, known: dict[str, DraftJoint]) -> str:
     if joint.kind not in FOLLOWING:
         return f"it is {joint.kind} and is to follow {mimic.joint!r}"
     followed = mimic.joint

@@ -10,7 +10,7 @@ from morph.arrays import Array
 from morph.body.check.place import at_joint, at_link
 from morph.body.check.sides import normal_between, slide, turn, twins
 from morph.body.draft import Draft, DraftJoint
-from morph.body.finding import Finding
+from morph.body.finding import DescriptionFinding
 
 PARALLEL = 0.9
 """Cosine above which two axes are taken for parallel."""
@@ -37,7 +37,7 @@ class Pair:
     """Their axes."""
 
 
-def check_symmetry(draft: Draft) -> list[Finding]:
+def check_symmetry(draft: Draft) -> list[DescriptionFinding]:
     """Return the joints and links that break the mirror symmetry the others have."""
     pairs = _pairs(draft)
     findings = _coincident(draft, pairs)
@@ -81,7 +81,7 @@ def _pairs(draft: Draft) -> list[Pair]:
     return pairs
 
 
-def _coincident(draft: Draft, pairs: list[Pair]) -> list[Finding]:
+def _coincident(draft: Draft, pairs: list[Pair]) -> list[DescriptionFinding]:
     """Return twins of one parent that stand in one place, off the middle."""
     findings = []
     for pair in pairs:
@@ -99,8 +99,8 @@ def _coincident(draft: Draft, pairs: list[Pair]) -> list[Finding]:
     return findings
 
 
-def _mirrored(draft: Draft, joint: DraftJoint, twin: DraftJoint, how: str) -> Finding:
-    return Finding(
+def _mirrored(draft: Draft, joint: DraftJoint, twin: DraftJoint, how: str) -> DescriptionFinding:
+    return DescriptionFinding(
         code="limb-mirrored",
         severity="info",
         where=at_joint(draft, joint),
@@ -109,7 +109,7 @@ def _mirrored(draft: Draft, joint: DraftJoint, twin: DraftJoint, how: str) -> Fi
     )
 
 
-def _copies(draft: Draft, pairs: list[Pair], normal: Array) -> list[Finding]:
+def _copies(draft: Draft, pairs: list[Pair], normal: Array) -> list[DescriptionFinding]:
     """Return the joints that copy their twin's offset where the others mirror it."""
     mirrored, copied = 0, []
     limbs = _limbs(draft)
@@ -149,7 +149,7 @@ def _limbs(draft: Draft) -> set[str]:
     return limbs
 
 
-def _turns(draft: Draft, pairs: list[Pair], normal: Array) -> list[Finding]:
+def _turns(draft: Draft, pairs: list[Pair], normal: Array) -> list[DescriptionFinding]:
     findings = []
     groups: dict[tuple[bool, bool], list[tuple[Pair, int]]] = {}
     for pair in pairs:
@@ -213,11 +213,11 @@ def _odd(group: list[tuple[Pair, int]], *, pitch: bool) -> list[Pair]:
     return odd if len(group) >= 3 and 3 * len(odd) <= len(group) - len(odd) + 1 else []
 
 
-def _flipped(draft: Draft, pair: Pair, pairs: list[Pair], why: str) -> Finding:
+def _flipped(draft: Draft, pair: Pair, pairs: list[Pair], why: str) -> DescriptionFinding:
     wrong, twin = (pair.left, pair.right)
     if _lonely(pair, pairs, 1) > _lonely(pair, pairs, 0):
         wrong, twin = twin, wrong
-    return Finding(
+    return DescriptionFinding(
         code="axis-flipped",
         severity="info",
         where=at_joint(draft, wrong),
@@ -232,7 +232,7 @@ def _lonely(pair: Pair, pairs: list[Pair], side: int) -> float:
     return -float(sum(np.sign(dot) for dot in others if abs(dot) > PARALLEL))
 
 
-def _masses(draft: Draft) -> list[Finding]:
+def _masses(draft: Draft) -> list[DescriptionFinding]:
     links = {link.name: link for link in draft.links}
     findings = []
     for one, other in twins(links):
@@ -251,7 +251,7 @@ def _masses(draft: Draft) -> list[Finding]:
             worst = float(np.exp(np.abs(np.log(ratios)).max()))
         if worst > UNEQUAL:
             findings.append(
-                Finding(
+                DescriptionFinding(
                     code="mass-asymmetric",
                     severity="info",
                     where=at_link(draft, left),

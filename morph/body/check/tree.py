@@ -7,13 +7,13 @@ from dataclasses import replace
 
 from morph.body.check.place import WORLD, at_joint, at_link
 from morph.body.draft import Draft, DraftJoint, DraftLink
-from morph.body.finding import Finding
+from morph.body.finding import DescriptionFinding
 
 DEEPEST = 150
 """Longest chain of links; MuJoCo's reader and ours nest no deeper than some 200 elements."""
 
 
-def check_tree(draft: Draft) -> tuple[Draft, list[Finding]]:
+def check_tree(draft: Draft) -> tuple[Draft, list[DescriptionFinding]]:
     """Return the draft as one tree, or findings that refuse it.
 
     Joints that share a name get names of their own. Links that share a name, a
@@ -23,13 +23,13 @@ def check_tree(draft: Draft) -> tuple[Draft, list[Finding]]:
     draft, found = _world(draft)
     findings += found
     # Each of these misleads the ones after it.
-    refusals: list[Finding] = []
+    refusals: list[DescriptionFinding] = []
     for look in (_link_names, _dangling, _circles, _bases, _depth):
         refusals = refusals or look(draft)
     return draft, [*findings, *refusals]
 
 
-def _joint_names(draft: Draft) -> tuple[Draft, list[Finding]]:
+def _joint_names(draft: Draft) -> tuple[Draft, list[DescriptionFinding]]:
     seen: Counter[str] = Counter()
     taken = {joint.name for joint in draft.joints}
     joints, findings = [], []
@@ -42,7 +42,7 @@ def _joint_names(draft: Draft) -> tuple[Draft, list[Finding]]:
             name = f"{joint.name}_{number}"
             taken.add(name)
             findings.append(
-                Finding(
+                DescriptionFinding(
                     code="duplicate-name",
                     severity="repaired",
                     where=at_joint(draft, joint),
@@ -56,13 +56,13 @@ def _joint_names(draft: Draft) -> tuple[Draft, list[Finding]]:
     return replace(draft, joints=tuple(joints)), findings
 
 
-def _link_names(draft: Draft) -> list[Finding]:
+def _link_names(draft: Draft) -> list[DescriptionFinding]:
     seen: set[str] = set()
     findings = []
     for link in draft.links:
         if link.name in seen:
             findings.append(
-                Finding(
+                DescriptionFinding(
                     code="duplicate-name",
                     severity="refused",
                     where=at_link(draft, link),
@@ -74,7 +74,7 @@ def _link_names(draft: Draft) -> list[Finding]:
     return findings
 
 
-def _world(draft: Draft) -> tuple[Draft, list[Finding]]:
+def _world(draft: Draft) -> tuple[Draft, list[DescriptionFinding]]:
     """Return the draft with the link `world`, if joints hang from it and it is not there."""
     world = next((link for link in draft.links if link.name == WORLD), None)
     if world is not None:
@@ -82,7 +82,7 @@ def _world(draft: Draft) -> tuple[Draft, list[Finding]]:
         return _renamed(draft, world) if moved or world.mass else (draft, [])
     hanging = [joint for joint in draft.joints if joint.parent == WORLD]
     findings = [
-        Finding(
+        DescriptionFinding(
             code="dangling-joint",
             severity="repaired",
             where=at_joint(draft, joint),
@@ -97,13 +97,13 @@ def _world(draft: Draft) -> tuple[Draft, list[Finding]]:
     return draft, findings
 
 
-def _renamed(draft: Draft, world: DraftLink) -> tuple[Draft, list[Finding]]:
+def _renamed(draft: Draft, world: DraftLink) -> tuple[Draft, list[DescriptionFinding]]:
     """Return the draft with another name for a link `world` that is not the world."""
     taken, number = {link.name for link in draft.links}, 2
     while f"{WORLD}_{number}" in taken:
         number += 1
     name = f"{WORLD}_{number}"
-    finding = Finding(
+    finding = DescriptionFinding(
         code="duplicate-name",
         severity="repaired",
         where=at_link(draft, world),
@@ -123,7 +123,7 @@ def _renamed(draft: Draft, world: DraftLink) -> tuple[Draft, list[Finding]]:
     return replace(draft, links=links, joints=joints), [finding]
 
 
-def _dangling(draft: Draft) -> list[Finding]:
+def _dangling(draft: Draft) -> list[DescriptionFinding]:
     known = {link.name for link in draft.links}
     findings = []
     for joint in draft.joints:
@@ -131,7 +131,7 @@ def _dangling(draft: Draft) -> list[Finding]:
             if name not in known:
                 what = f"its {end} {name!r} is no link" if name else f"it names no {end}"
                 findings.append(
-                    Finding(
+                    DescriptionFinding(
                         code="dangling-joint",
                         severity="refused",
                         where=at_joint(draft, joint),
@@ -142,7 +142,7 @@ def _dangling(draft: Draft) -> list[Finding]:
     return findings
 
 
-def _circles(draft: Draft) -> list[Finding]:
+def _circles(draft: Draft) -> list[DescriptionFinding]:
     findings = []
     above: dict[str, DraftJoint] = {}
     for joint in draft.joints:
@@ -167,8 +167,8 @@ def _circles(draft: Draft) -> list[Finding]:
     return findings
 
 
-def _circle(draft: Draft, joint: DraftJoint, what: str) -> Finding:
-    return Finding(
+def _circle(draft: Draft, joint: DraftJoint, what: str) -> DescriptionFinding:
+    return DescriptionFinding(
         code="cyclic-tree",
         severity="refused",
         where=at_joint(draft, joint),
@@ -177,7 +177,7 @@ def _circle(draft: Draft, joint: DraftJoint, what: str) -> Finding:
     )
 
 
-def _bases(draft: Draft) -> list[Finding]:
+def _bases(draft: Draft) -> list[DescriptionFinding]:
     roots = draft.roots()
     if len(roots) == 1:
         return []
@@ -190,7 +190,7 @@ def _bases(draft: Draft) -> list[Finding]:
         poses[name] += 1
     main = max(poses, key=lambda root: poses[root])
     return [
-        Finding(
+        DescriptionFinding(
             code="lost-base",
             severity="refused",
             where=at_link(draft, draft.link(root)),
@@ -202,7 +202,7 @@ def _bases(draft: Draft) -> list[Finding]:
     ]
 
 
-def _depth(draft: Draft) -> list[Finding]:
+def _depth(draft: Draft) -> list[DescriptionFinding]:
     depth = dict.fromkeys(draft.roots(), 1)
     above = draft.joint_above()
     for link in draft.links:
@@ -216,7 +216,7 @@ def _depth(draft: Draft) -> list[Finding]:
     if depth[deepest] <= DEEPEST:
         return []
     return [
-        Finding(
+        DescriptionFinding(
             code="unsupported",
             severity="refused",
             where=at_link(draft, draft.link(deepest)),

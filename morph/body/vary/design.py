@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from morph.body.card import Parameter
+from morph.body.card import CardParameter
 from morph.body.robot import Robot
 from morph.body.vary.apply import vary
 from morph.body.vary.lock import Lock
@@ -114,11 +114,11 @@ def sweep(robot: Robot, grid: Mapping[str, Sequence[float]]) -> Iterator[Robot]:
     return (with_parameters(robot, dict(zip(grid, each, strict=True))) for each in combinations)
 
 
-def _parameters(robot: Robot) -> tuple[Parameter, ...]:
+def _parameters(robot: Robot) -> tuple[CardParameter, ...]:
     return robot.card.parameter if robot.card is not None else ()
 
 
-def _operation(parameter: Parameter, value: float, robot: Robot) -> Operation:
+def _operation(parameter: CardParameter, value: float, robot: Robot) -> Operation:
     kind = kind_of(parameter.operation, f"{_where(robot)}, parameter {parameter.name}")
     if not kind.amount:
         raise RobotError(

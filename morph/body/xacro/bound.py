@@ -43,7 +43,7 @@ class Size:
         return Size(max(self.own, other.own), max(self.x, other.x))
 
 
-class Bound:
+class ExpansionBound:
     """Counts, from above: conditions count as met, and one name's definitions as the largest.
 
     Args:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from morph.body.xacro.bound import MOST_EXPANDED, Bound
+from morph.body.xacro.bound import MOST_EXPANDED, ExpansionBound
 from morph.body.xacro.expression import checked
 from morph.body.xacro.folder import Folder
 from morph.body.xacro.text import tokens
@@ -32,7 +32,7 @@ def check(path: Path, folder: Folder, arguments: Mapping[str, str]) -> bool:
     """
     look = _Look(folder, arguments)
     root = look.file(path, str(path))
-    bound = Bound(look.included)
+    bound = ExpansionBound(look.included)
     for each in look.roots.values():
         bound.learn(each)
     bound.check(root, path)

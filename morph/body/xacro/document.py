@@ -33,7 +33,7 @@ class Counted(minidom.Document):
         self.count = count
 
 
-class Placed(minidom.Element):
+class PlacedElement(minidom.Element):
     """An element that knows where it stands."""
 
     def __init__(self, tag: str, place: tuple[str, int], owner: Counted) -> None:
@@ -43,14 +43,14 @@ class Placed(minidom.Element):
         self.owner = owner
 
     # The name is minidom's.
-    def cloneNode(self, deep: bool) -> Placed:
+    def cloneNode(self, deep: bool) -> PlacedElement:
         """Return a copy that stands at the same place."""
         self.owner.count(1)
-        copy = Placed(self.tagName, self.place, self.owner)
+        copy = PlacedElement(self.tagName, self.place, self.owner)
         for name, value in self.attributes.items():
             copy.setAttribute(name, value)
         for child in self.childNodes if deep else ():
-            if isinstance(child, (Placed, minidom.Text)):
+            if isinstance(child, (PlacedElement, minidom.Text)):
                 copy.appendChild(child.cloneNode(True))  # type: ignore[type-var]
         return copy
 
@@ -62,8 +62,8 @@ def document(root: Element, count: Callable[[int], None]) -> Counted:
     return made
 
 
-def _copied(element: Element, owner: Counted) -> Placed:
-    made = Placed(element.tag, (element.file, element.line), owner)
+def _copied(element: Element, owner: Counted) -> PlacedElement:
+    made = PlacedElement(element.tag, (element.file, element.line), owner)
     for name, value in element.attrib.items():
         made.setAttribute(name, value)
     if element.text:
@@ -89,7 +89,7 @@ class Writer:
             RobotError: A name or a text has characters that XML cannot hold, or the
                 text grows longer than any description.
         """
-        place = node.place if isinstance(node, Placed) else ("", 0)
+        place = node.place if isinstance(node, PlacedElement) else ("", 0)
         self.places.append(place)
         attributes = node.attributes.items()
         for name in (node.tagName, *(name for name, _ in attributes)):

@@ -16,7 +16,7 @@ from xml.dom import minidom
 
 import xacro
 
-from morph.body.xacro.document import Placed, Writer, document
+from morph.body.xacro.document import PlacedElement, Writer, document
 from morph.body.xacro.expression import Evaluator
 from morph.body.xacro.folder import Folder
 from morph.body.xacro.functions import CONSTANTS, LONGEST_TEXT, bounded
@@ -99,8 +99,8 @@ class _Expansion:
     def __init__(self, folder: Folder, arguments: dict[str, str], elements: int) -> None:
         self.folder, self.arguments, self.most = folder, arguments, elements
         self.elements = self.steps = self.characters = self.depth = 0
-        self.nodes: list[Placed] = []
-        self.failed: Placed | None = None
+        self.nodes: list[PlacedElement] = []
+        self.failed: PlacedElement | None = None
         surroundings = Surroundings(folder, arguments, self._here, self.where)
         self.command = surroundings.command
         self.evaluator = Evaluator(surroundings.functions(), self._step)
@@ -156,7 +156,7 @@ class _Expansion:
         @wraps(function)
         def called(node: Any, *rest: Any) -> Any:
             self.failed = None
-            if isinstance(node, Placed):
+            if isinstance(node, PlacedElement):
                 self.nodes.append(node)
             self._element(1)
             self.depth += 1
@@ -167,11 +167,11 @@ class _Expansion:
             try:
                 return function(node, *rest)
             except BaseException:
-                self.failed = self.failed or (node if isinstance(node, Placed) else None)
+                self.failed = self.failed or (node if isinstance(node, PlacedElement) else None)
                 raise
             finally:
                 self.depth -= 1
-                if isinstance(node, Placed):
+                if isinstance(node, PlacedElement):
                     self.nodes.pop()
 
         return called
@@ -181,13 +181,13 @@ class _Expansion:
 
         @wraps(function)
         def called(node: Any, *rest: Any) -> Any:
-            if isinstance(node, Placed) and self.nodes:
+            if isinstance(node, PlacedElement) and self.nodes:
                 self.nodes[-1] = node
             return function(node, *rest)
 
         return called
 
-    def _check_params(self, node: Placed) -> None:
+    def _check_params(self, node: PlacedElement) -> None:
         if len(node.getAttribute("params")) > LONGEST_PARAMS:
             raise self.error(f"has more than {LONGEST_PARAMS} characters of parameters", LESS)
 

@@ -33,7 +33,7 @@ THINNEST = 1e-9
 
 
 @dataclass(frozen=True, kw_only=True)
-class Inverse(Matcher):
+class InverseMatcher(Matcher):
     """u' = u + b + W z, by which the printed body accelerates as the designed one would.
 
     Along runs of the policy, M a + h = B u gives the acceleration a of the designed body and

@@ -21,7 +21,7 @@ from morph.search.trajectory.plant import Plant
 
 
 @dataclass(frozen=True, kw_only=True)
-class Regulator(Matcher):
+class RegulatorMatcher(Matcher):
     """The linear-quadratic regulator about the state of rest of the printed body.
 
     A linear policy whose gains weigh sway against noise is best for one body: with other masses

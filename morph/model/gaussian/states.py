@@ -25,7 +25,7 @@ class Trust:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Band:
+class ReducedEquations:
     """One run's share of the normal equations, states eliminated.
 
     With J the sum of squares of one run, z its states and theta the unknowns, J + dJ is quadratic
@@ -72,7 +72,7 @@ def band(
     off: Array,
     missed: Array,
     trust: Trust,
-) -> Band:
+) -> ReducedEquations:
     """Return the normal equations of one run about its states.
 
     Minimised is half the sum over all times of
@@ -116,7 +116,7 @@ def band(
     factor = cholesky_banded(_banded(diagonal, below), lower=True)
     flat, push = border.reshape(T * n + n, p), pull.ravel()
     solved = cho_solve_banded((factor, True), np.column_stack([flat, push]))
-    return Band(
+    return ReducedEquations(
         factor=factor,
         border=flat,
         pull=push,

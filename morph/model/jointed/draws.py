@@ -10,16 +10,16 @@ import numpy as np
 import torch
 
 from morph.model.jointed.jointed import Jointed
-from morph.model.jointed.kernel import Seen
-from morph.model.jointed.law import Law
-from morph.model.jointed.part import Part, accelerations, law_of
+from morph.model.jointed.kernel import KernelInputs
+from morph.model.jointed.law import JointLaw
+from morph.model.jointed.part import AccelerationModel, accelerations, law_of
 
 WAVES = 64
 """Random waves of which the free part of a drawn function consists, before the data correct it."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Drawn:
+class FunctionDraws:
     """Many functions drawn for one acceleration.
 
     A draw f of the prior becomes one of the posterior by
@@ -33,7 +33,7 @@ class Drawn:
     Posteriors, ICML, eqs. 12 and 13 (Matheron's rule); waves: Rahimi and Recht 2007.
     """
 
-    part: Part
+    part: AccelerationModel
     """What the data add to each draw, and the lawful part of the draw itself."""
     turn: torch.Tensor
     """How fast each wave of the free part changes with its inputs, shape (numbers, waves)."""
@@ -42,7 +42,7 @@ class Drawn:
     height: torch.Tensor
     """How high each is in each draw, shape (draws, waves, 1)."""
 
-    def waves(self, seen: Seen) -> torch.Tensor:
+    def waves(self, seen: KernelInputs) -> torch.Tensor:
         """Return the free part before the data, shape (draws, rows)."""
         waves = torch.cos(self.part.freely(seen) @ self.turn + self.phase)
         return (waves @ self.height)[..., 0]
@@ -56,7 +56,7 @@ class Draws:
     """What they are drawn from."""
     count: int
     """How many there are."""
-    drawn: tuple[Drawn, ...]
+    drawn: tuple[FunctionDraws, ...]
     """The functions of each joint."""
 
     def accelerate(
@@ -72,12 +72,12 @@ class Draws:
         return told if model.base is None else told + model.base(position, velocity, command)
 
     @cached_property
-    def parts(self) -> tuple[Part, ...]:
+    def parts(self) -> tuple[AccelerationModel, ...]:
         """What the data add to each draw, and the lawful parts of the draws."""
         return tuple(each.part for each in self.drawn)
 
     @cached_property
-    def law(self) -> Law | None:
+    def law(self) -> JointLaw | None:
         """The lawful part of all accelerations of each draw."""
         return law_of(self.parts) if self.model.layout.lawful else None
 
@@ -88,14 +88,14 @@ def draw(model: Jointed, count: int, rng: np.random.Generator) -> Draws:
     return Draws(model=model, count=count, drawn=drawn)
 
 
-def _drawn(model: Jointed, at: int, count: int, rng: np.random.Generator) -> Drawn:
+def _drawn(model: Jointed, at: int, count: int, rng: np.random.Generator) -> FunctionDraws:
     part, layout, data = model.parts[at], model.layout, model.seen
     scales, n = part.scales, len(model.target)
 
     def normal(*shape: int) -> torch.Tensor:
         return torch.as_tensor(rng.standard_normal(shape))
 
-    drawn = Drawn(
+    drawn = FunctionDraws(
         part=part,
         turn=normal(part.data.shape[1], WAVES),
         phase=torch.as_tensor(rng.uniform(0.0, 2.0 * math.pi, WAVES)),
@@ -103,8 +103,8 @@ def _drawn(model: Jointed, at: int, count: int, rng: np.random.Generator) -> Dra
     )
     left = model.target[:, at] - scales.noise * normal(count, n) - drawn.waves(data)
     if not layout.lawful:
-        return Drawn(**{**vars(drawn), "part": part.conditioned(layout, data, left)})
+        return FunctionDraws(**{**vars(drawn), "part": part.conditioned(layout, data, left)})
     features, monomials = part.lawful(layout, data)
     prior = normal(count, features.shape[1], monomials.shape[1])
     left = left - ((features @ prior) * monomials).sum(-1)
-    return Drawn(**{**vars(drawn), "part": part.conditioned(layout, data, left, prior)})
+    return FunctionDraws(**{**vars(drawn), "part": part.conditioned(layout, data, left, prior)})

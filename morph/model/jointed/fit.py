@@ -11,10 +11,10 @@ from scipy.optimize import minimize
 from morph.arrays import Array
 from morph.errors import SearchError
 from morph.model.jointed.jointed import Accelerations, Jointed, through
-from morph.model.jointed.kernel import Layout, Scales, Seen, gram
+from morph.model.jointed.kernel import KernelInputs, KernelLayout, Scales, gram
 from morph.model.jointed.landmarks import landmarks
-from morph.model.jointed.part import Part
-from morph.model.jointed.transition import Transitions
+from morph.model.jointed.part import AccelerationModel
+from morph.model.jointed.transition import JointTransitions
 
 JITTER = 1e-6
 """Variance added to that of the noise, of accelerations in units of their size."""
@@ -30,7 +30,7 @@ FREE_GAIN = 2.0
 
 
 @dataclass(frozen=True, kw_only=True)
-class Settings:
+class JointedSettings:
     """What a body's model begins with."""
 
     turning: tuple[int, ...]
@@ -46,8 +46,8 @@ class Settings:
 
 
 def fit(
-    data: Transitions,
-    settings: Settings,
+    data: JointTransitions,
+    settings: JointedSettings,
     before: Array | None = None,
     base: Accelerations | None = None,
 ) -> Jointed:
@@ -79,14 +79,17 @@ def fit(
 
 
 def _empty(
-    data: Transitions, settings: Settings, before: Array | None, base: Accelerations | None
+    data: JointTransitions,
+    settings: JointedSettings,
+    before: Array | None,
+    base: Accelerations | None,
 ) -> Jointed:
     """Return a model that has its units from the data, but has not seen them yet."""
     joints = data.position.shape[1]
     _check_moved(torch.as_tensor(data.acceleration.std(axis=0)), data, settings.names)
     # With a base the unit is that of what it misses.
     size = _missed(torch.as_tensor(data.acceleration), data, base).numpy().std(axis=0)
-    layout = Layout(
+    layout = KernelLayout(
         turning=settings.turning,
         sliding=settings.sliding,
         joints=joints,
@@ -98,7 +101,7 @@ def _empty(
         layout=layout,
         logs=layout.prior[0].repeat(joints, 1) if before is None else torch.as_tensor(before),
         parts=(),
-        seen=Seen(place=none, velocity=none, command=none),
+        seen=KernelInputs(place=none, velocity=none, command=none),
         target=none,
         velocity_size=torch.as_tensor(data.velocity.std(axis=0) + 1e-9),
         command_size=torch.as_tensor(np.asarray(settings.command_size, dtype=float)),
@@ -108,7 +111,7 @@ def _empty(
     )
 
 
-def _shown(model: Jointed, data: Transitions, acceleration: torch.Tensor) -> Jointed:
+def _shown(model: Jointed, data: JointTransitions, acceleration: torch.Tensor) -> Jointed:
     """Return the model with other data, not conditioned on them yet; (n, joints)."""
     q, v, u = (torch.as_tensor(a) for a in (*data.middle, data.command))
     target = _missed(acceleration, data, model.base) / model.size
@@ -116,7 +119,7 @@ def _shown(model: Jointed, data: Transitions, acceleration: torch.Tensor) -> Joi
 
 
 def _missed(
-    acceleration: torch.Tensor, data: Transitions, base: Accelerations | None
+    acceleration: torch.Tensor, data: JointTransitions, base: Accelerations | None
 ) -> torch.Tensor:
     """Return what a base misses of accelerations in the middle of periods, (n, joints)."""
     if base is None:
@@ -125,7 +128,7 @@ def _missed(
         return acceleration - base(*(torch.as_tensor(a) for a in (*data.middle, data.command)))
 
 
-def _corrected(model: Jointed, data: Transitions) -> torch.Tensor:
+def _corrected(model: Jointed, data: JointTransitions) -> torch.Tensor:
     """Return accelerations in the middle that a step of the model misses nothing with."""
     q, v, u = (torch.as_tensor(a) for a in (*data.middle, data.command))
     begin = torch.as_tensor(data.position), torch.as_tensor(data.velocity)
@@ -134,7 +137,7 @@ def _corrected(model: Jointed, data: Transitions) -> torch.Tensor:
     return model.mean(q, v, u) + missed
 
 
-def _check_moved(size: torch.Tensor, data: Transitions, names: tuple[str, ...]) -> None:
+def _check_moved(size: torch.Tensor, data: JointTransitions, names: tuple[str, ...]) -> None:
     still = [at for at, each in enumerate(size.tolist()) if not each > 1e-9]
     if still:
         which = f"{names[still[0]]!r}" if names else f"number {still[0]}"
@@ -201,7 +204,7 @@ def _solved(model: Jointed) -> Jointed:
             gain = log_evidence(model, at, scales) - log_evidence(model, at, bound)
             scales = scales if gain > FREE_GAIN else bound
         empty = torch.zeros(0, dtype=torch.float64)
-        part = Part(
+        part = AccelerationModel(
             scales=scales,
             postures=landmarks(places / scales.place),
             factor=empty,

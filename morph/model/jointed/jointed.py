@@ -10,9 +10,9 @@ import numpy as np
 import torch
 
 from morph.arrays import Array
-from morph.model.jointed.kernel import Layout, Seen
-from morph.model.jointed.law import Law
-from morph.model.jointed.part import Part, accelerations, law_of
+from morph.model.jointed.kernel import KernelInputs, KernelLayout
+from morph.model.jointed.law import JointLaw
+from morph.model.jointed.part import AccelerationModel, accelerations, law_of
 
 Accelerations = Callable[[torch.Tensor, torch.Tensor, torch.Tensor], torch.Tensor]
 """From position, velocity (..., joints) and command (..., commands) to acceleration."""
@@ -22,13 +22,13 @@ Accelerations = Callable[[torch.Tensor, torch.Tensor, torch.Tensor], torch.Tenso
 class Jointed:
     """Accelerations as Gaussian processes of posture, velocity and command, one a joint."""
 
-    layout: Layout
+    layout: KernelLayout
     """What the kernel looks at."""
     logs: torch.Tensor
     """Logarithms of the kernel's settings, shape (joints, settings)."""
-    parts: tuple[Part, ...]
+    parts: tuple[AccelerationModel, ...]
     """What the data say of each acceleration."""
-    seen: Seen
+    seen: KernelInputs
     """Where the periods' accelerations were seen."""
     target: torch.Tensor
     """Those accelerations in units of their size, shape (n, joints)."""
@@ -52,9 +52,11 @@ class Jointed:
         noise = torch.stack([each.scales.noise for each in self.parts]) * self.size
         return np.asarray(noise.numpy() * self.period / np.sqrt(2.0))
 
-    def look(self, position: torch.Tensor, velocity: torch.Tensor, command: torch.Tensor) -> Seen:
+    def look(
+        self, position: torch.Tensor, velocity: torch.Tensor, command: torch.Tensor
+    ) -> KernelInputs:
         """Return states and commands as the kernel looks at them."""
-        return Seen(
+        return KernelInputs(
             place=self.layout.place(position),
             velocity=velocity / self.velocity_size,
             command=command / self.command_size,
@@ -69,7 +71,7 @@ class Jointed:
         return learned if self.base is None else learned + self.base(position, velocity, command)
 
     @cached_property
-    def law(self) -> Law | None:
+    def law(self) -> JointLaw | None:
         """The lawful part of all accelerations."""
         return law_of(self.parts) if self.layout.lawful else None
 

@@ -17,7 +17,7 @@ WIDEST = 4.0
 
 
 @dataclass(frozen=True, kw_only=True)
-class Layout:
+class KernelLayout:
     """Which numbers of a state are looked at, and where each setting of the kernel stands.
 
     A state is looked at as cos and sin of its turning joints, the positions of its slides if
@@ -135,7 +135,7 @@ class Scales:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Seen:
+class KernelInputs:
     """States and commands as the kernel looks at them, in units of their sizes."""
 
     place: torch.Tensor
@@ -151,7 +151,9 @@ class Seen:
         return torch.cat([self.velocity, self.command], dim=-1)
 
 
-def gram(layout: Layout, scales: Scales, these: Seen, those: Seen) -> torch.Tensor:
+def gram(
+    layout: KernelLayout, scales: Scales, these: KernelInputs, those: KernelInputs
+) -> torch.Tensor:
     """Return the covariance of an acceleration in two sets of states, shape (n, m).
 
     Lagrange's equations give a body of joints, solved for its accelerations,

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 import torch
 
-from morph.model.jointed.kernel import Layout, Seen
+from morph.model.jointed.kernel import KernelInputs, KernelLayout
 from morph.model.jointed.landmarks import Landmarks
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Law:
+class JointLaw:
     """a_i = sum over c of m_c(v, u) sum over landmarks z of exp(-|e - z|^2 / 2) w_zic.
 
     The exponent is linear in the numbers of a place and in their squares, whatever each
@@ -26,7 +26,7 @@ class Law:
     coefficient: torch.Tensor
     """Shape (..., landmarks, monomials times joints); zero for other joints' landmarks."""
 
-    def told(self, layout: Layout, seen: Seen) -> torch.Tensor:
+    def told(self, layout: KernelLayout, seen: KernelInputs) -> torch.Tensor:
         """Return accelerations in units of their sizes, shape (..., joints)."""
         place = torch.cat([seen.place, seen.place * seen.place], dim=-1)
         near = torch.exp(place @ self.slope + self.offset)
@@ -38,7 +38,7 @@ class Law:
 
 def law(
     postures: Sequence[Landmarks], lengths: Sequence[torch.Tensor], weights: Sequence[torch.Tensor]
-) -> Law:
+) -> JointLaw:
     """Return the law that landmarks and their weights make.
 
     Args:
@@ -55,7 +55,7 @@ def law(
         wide = torch.zeros((*weight.shape, len(weights)), dtype=torch.float64)
         wide[..., at] = weight
         rows.append(wide.flatten(-2))
-    return Law(
+    return JointLaw(
         slope=torch.cat(slopes, dim=-1).contiguous(),
         offset=torch.cat(offsets),
         coefficient=torch.cat(rows, dim=-2).contiguous(),

@@ -7,13 +7,13 @@ from dataclasses import dataclass, replace
 
 import torch
 
-from morph.model.jointed.kernel import Layout, Scales, Seen
+from morph.model.jointed.kernel import KernelInputs, KernelLayout, Scales
 from morph.model.jointed.landmarks import Landmarks, exponential
-from morph.model.jointed.law import Law, law
+from morph.model.jointed.law import JointLaw, law
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Part:
+class AccelerationModel:
     """One acceleration: what the data say of it."""
 
     scales: Scales
@@ -29,22 +29,24 @@ class Part:
     weight: torch.Tensor
     """The inverse covariance times the targets, shape (..., n)."""
 
-    def free(self, seen: Seen) -> torch.Tensor:
+    def free(self, seen: KernelInputs) -> torch.Tensor:
         """Return what the data add by the free part, shape (...,)."""
         near = exponential(self.freely(seen), self.data)
         return self.scales.free**2 * (near @ self.weight[..., None])[..., 0]
 
-    def freely(self, seen: Seen) -> torch.Tensor:
+    def freely(self, seen: KernelInputs) -> torch.Tensor:
         """Return states and commands over the lengths of the free part."""
         scales = self.scales
         return torch.cat([seen.place / scales.free_place, seen.rate / scales.free_rate], dim=-1)
 
-    def lawful(self, layout: Layout, seen: Seen) -> tuple[torch.Tensor, torch.Tensor]:
+    def lawful(self, layout: KernelLayout, seen: KernelInputs) -> tuple[torch.Tensor, torch.Tensor]:
         """Return features of postures (n, m), and monomials times their amplitudes."""
         features = self.postures.features(seen.place / self.scales.place)
         return features, layout.monomials(seen.velocity, seen.command) * self.scales.lawful
 
-    def covariance(self, layout: Layout, these: Seen, those: Seen) -> torch.Tensor:
+    def covariance(
+        self, layout: KernelLayout, these: KernelInputs, those: KernelInputs
+    ) -> torch.Tensor:
         """Return the covariance of the acceleration in two sets of states, shape (n, m)."""
         total = self.scales.free**2 * exponential(self.freely(these), self.freely(those))
         if layout.lawful:
@@ -53,7 +55,7 @@ class Part:
             total = total + (f @ f_.T) * (m @ m_.T)
         return total
 
-    def variance(self, layout: Layout, seen: Seen) -> torch.Tensor:
+    def variance(self, layout: KernelLayout, seen: KernelInputs) -> torch.Tensor:
         """Return the acceleration's variance before the data, shape (n,)."""
         total = self.scales.free**2 * torch.ones(len(seen.place), dtype=torch.float64)
         if layout.lawful:
@@ -62,8 +64,12 @@ class Part:
         return total
 
     def conditioned(
-        self, layout: Layout, data: Seen, left: torch.Tensor, prior: torch.Tensor | None = None
-    ) -> Part:
+        self,
+        layout: KernelLayout,
+        data: KernelInputs,
+        left: torch.Tensor,
+        prior: torch.Tensor | None = None,
+    ) -> AccelerationModel:
         """Return the part once it has seen what is left of the targets, shape (..., n).
 
         Args:
@@ -86,7 +92,7 @@ class Part:
         )
 
 
-def law_of(parts: Sequence[Part]) -> Law:
+def law_of(parts: Sequence[AccelerationModel]) -> JointLaw:
     """Return the lawful part of all accelerations at once."""
     return law(
         [each.postures for each in parts],
@@ -96,7 +102,10 @@ def law_of(parts: Sequence[Part]) -> Law:
 
 
 def accelerations(
-    layout: Layout, parts: Sequence[Part], lawful: Law | None, seen: Seen
+    layout: KernelLayout,
+    parts: Sequence[AccelerationModel],
+    lawful: JointLaw | None,
+    seen: KernelInputs,
 ) -> torch.Tensor:
     """Return what all parts say, in units of their sizes, shape (..., joints)."""
     total = torch.zeros(seen.velocity.shape, dtype=torch.float64)

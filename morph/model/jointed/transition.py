@@ -15,7 +15,7 @@ FEWEST = 8
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Transitions:
+class JointTransitions:
     """Control periods of a body whose velocities are the rates of its positions."""
 
     position: Array
@@ -75,7 +75,7 @@ class Transitions:
 
     def slower(
         self, turning: tuple[int, ...], farthest: float, names: tuple[str, ...] = ()
-    ) -> Transitions:
+    ) -> JointTransitions:
         """Return the periods in which no joint turned farther than so many rad.
 
         Args:
@@ -100,16 +100,16 @@ class Transitions:
             )
         return self.rows(np.flatnonzero(kept))
 
-    def thinned(self, most: int) -> Transitions:
+    def thinned(self, most: int) -> JointTransitions:
         """Return at most so many of them, evenly spread."""
         if len(self.command) <= most:
             return self
         return self.rows(np.linspace(0.0, len(self.command) - 1.0, most).round().astype(np.int64))
 
-    def rows(self, which: Integers) -> Transitions:
+    def rows(self, which: Integers) -> JointTransitions:
         """Return some of them."""
         parts = {name: value[which] for name, value in vars(self).items() if name != "period"}
-        return Transitions(**parts, period=self.period)
+        return JointTransitions(**parts, period=self.period)
 
     def position_noise(self, velocity_noise: Array) -> Array:
         """Return the standard deviation of the positions' noise, shape (joints,).
@@ -125,7 +125,7 @@ class Transitions:
         return np.sqrt(np.maximum(variance - 0.5 * (h * velocity_noise) ** 2, 0.0) / 2.0)
 
 
-def transitions(runs: Sequence[tuple[Array, Array, Array]], period: float) -> Transitions:
+def transitions(runs: Sequence[tuple[Array, Array, Array]], period: float) -> JointTransitions:
     """Return the control periods of several runs, one after another.
 
     Args:
@@ -140,7 +140,7 @@ def transitions(runs: Sequence[tuple[Array, Array, Array]], period: float) -> Tr
         raise SearchError(
             "there is no run", where="the periods to learn from", fix="give one trial or more"
         )
-    return Transitions(
+    return JointTransitions(
         position=np.concatenate([q[:-1] for q, _, _ in runs]),
         velocity=np.concatenate([v[:-1] for _, v, _ in runs]),
         command=np.concatenate([u for _, _, u in runs]),

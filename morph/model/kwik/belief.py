@@ -102,7 +102,7 @@ def evidence(found: Information, width: Array) -> tuple[Array, Array, Array]:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Belief:
+class ModelPosterior:
     """All rivals, weighed by what was seen."""
 
     parts: tuple[Sized, ...]
@@ -168,7 +168,7 @@ def belief(
     unit: Array,
     smooth: int,
     sizes: Sequence[tuple[float, float, float]] = UNNAMED,
-) -> Belief:
+) -> ModelPosterior:
     """Return what is believed of the unknowns, given the data.
 
     Args:
@@ -189,7 +189,7 @@ def belief(
         logs.append(log + log_prior + part.log_prior)
         means.append(mean)
         covariances.append(covariance)
-    return Belief(
+    return ModelPosterior(
         parts=tuple(parts),
         log_weight=np.array(logs),
         mean=np.array(means),

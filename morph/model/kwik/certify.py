@@ -13,7 +13,7 @@ from morph.arrays import Array
 from morph.errors import DiagnosisError
 from morph.model.gaussian.information import Information
 from morph.model.hypothesis import Hypothesis
-from morph.model.kwik.belief import Belief, belief
+from morph.model.kwik.belief import ModelPosterior, belief
 from morph.model.kwik.e_values import bets, worst
 from morph.model.kwik.refine_linearisation import units
 from morph.model.kwik.transition_evidence import Visit, visit
@@ -32,7 +32,7 @@ DRAWS = 400
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Verdict:
+class ModelVerdict:
     """Whether a model is good enough for the transitions that a target made.
 
     Good is a model that errs, over one control period, by less than epsilon in every state at a
@@ -86,7 +86,7 @@ def judge(
     delta: float = 0.05,
     share: float = 0.05,
     rng: np.random.Generator,
-) -> Verdict:
+) -> ModelVerdict:
     """Return whether a model is good enough for the transitions of some runs.
 
     The model's error is a Gaussian process about the simulator: named figures (`unknowns`) and
@@ -127,7 +127,7 @@ def watch(
     delta: float = 0.05,
     share: float = 0.05,
     rng: np.random.Generator,
-) -> list[Verdict]:
+) -> list[ModelVerdict]:
     """Return the verdicts after the first so many transitions, each on these transitions.
 
     Arguments are those of `judge`; the states of all runs scale the process, and nothing else of
@@ -175,7 +175,7 @@ def verdict_of(
     delta: float,
     share: float,
     rng: np.random.Generator,
-) -> Verdict:
+) -> ModelVerdict:
     """Return the verdict on the first transitions of what was visited, as `judge` says."""
     unit = units(hypothesis)
     held = believed(seen.until(count), seen, count, unit)
@@ -185,7 +185,7 @@ def verdict_of(
     drawn = held.draws(DRAWS, rng) @ error.reshape(-1, error.shape[-1]).T
     beyond = np.abs(drawn).reshape(len(drawn), *error.shape[:2]).max(axis=2)
     probability = float(np.mean(worst(beyond, most) < 1.0))
-    return Verdict(
+    return ModelVerdict(
         verdict=_answer(probability, for_good, for_bad, delta),
         probability=probability,
         transitions=(beyond < 1.0).mean(axis=0),
@@ -197,7 +197,7 @@ def verdict_of(
     )
 
 
-def believed(found: Information, seen: Visit, count: int, unit: Array) -> Belief:
+def believed(found: Information, seen: Visit, count: int, unit: Array) -> ModelPosterior:
     """Return what is believed, with all variances greater where nothing fits what was seen.
 
     Source: Birge 1932, Physical Review 40, eq. 3: errors grow until the sum of squares is as

@@ -36,7 +36,7 @@ RUNS = 8
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Foretold:
+class PredictedCost:
     """What a policy will cost on the target."""
 
     verdict: Answer
@@ -67,7 +67,7 @@ def foretell(
     within: float = WITHIN,
     delta: float = 0.05,
     rng: np.random.Generator,
-) -> Foretold:
+) -> PredictedCost:
     """Return whether a policy will cost on the target what it costs in the model.
 
     Targets are drawn from what the runs say, figures and what is not named, and the policy runs
@@ -99,7 +99,7 @@ def foretell(
     answer: Answer = (
         "good" if near >= 1.0 - delta else "not good" if near <= delta else "cannot say"
     )
-    return Foretold(verdict=answer, probability=near, model=model, targets=targets)
+    return PredictedCost(verdict=answer, probability=near, model=model, targets=targets)
 
 
 def _losses(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from morph.arrays import Array
-from morph.model.kwik.belief import WIDE, Belief, Sized
+from morph.model.kwik.belief import WIDE, ModelPosterior, Sized
 
 
 def worst(errors: Array, most: int) -> Array:
@@ -18,7 +18,7 @@ def worst(errors: Array, most: int) -> Array:
     return np.asarray(np.partition(errors, -most, axis=-1)[..., -most])
 
 
-def bets(belief: Belief, unit: Array, error: Array, most: int) -> tuple[float, float]:
+def bets(belief: ModelPosterior, unit: Array, error: Array, most: int) -> tuple[float, float]:
     """Return the logarithms of what two bets have won: against "not good", and against "good".
 
     Each begins with a stake of 1, and wins p(data | mixture) / p(data | theta). For the true theta

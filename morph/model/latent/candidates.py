@@ -14,7 +14,7 @@ from morph.model.latent.infer import Inferred
 from morph.model.latent.run import Run
 from morph.model.latent.sparse import likelihood_of, precisions, weighed
 from morph.model.latent.subsets import precision_of
-from morph.model.latent.transition_model import Slopes, Transit
+from morph.model.latent.transition_model import Transit, TransitionSlopes
 from morph.model.nuisance_parameters import Knob
 from morph.physics import EFFECTS
 from morph.physics.effect import Effect
@@ -27,7 +27,7 @@ SAME = {"torque_scale": "gain", "viscous_friction": "damping"}
 
 
 @dataclass(frozen=True, kw_only=True)
-class Candidate:
+class CandidateEffect:
     """An effect at a place, and what it promises."""
 
     effect: Effect
@@ -48,7 +48,7 @@ def places(robot: Robot, knobs: Sequence[Knob]) -> tuple[Effect, ...]:
     )
 
 
-def ranked(base: Inferred, effects: Sequence[Effect]) -> tuple[Candidate, ...]:
+def ranked(base: Inferred, effects: Sequence[Effect]) -> tuple[CandidateEffect, ...]:
     """Return the candidates that would be felt, the best first.
 
     Each is added where it does nothing, and at the values that it names for scanning; the runs'
@@ -87,7 +87,7 @@ def _starts(effect: Effect) -> list[Effect]:
     return [effect, *(replace(effect, **{first: value}) for value in scanned)]  # type: ignore[type-var]
 
 
-def _step(base: Inferred, effect: Effect) -> Candidate | None:
+def _step(base: Inferred, effect: Effect) -> CandidateEffect | None:
     """Return where one step leads that adds this effect; None if its bounds forbid it."""
     added = base.hypothesis.adding(effect)
     own = len(base.point)
@@ -108,7 +108,7 @@ def _step(base: Inferred, effect: Effect) -> Candidate | None:
     stronger = added.effects_at(np.concatenate([base.point, kept]))[-1]
     if _idle(stronger):
         return None
-    return Candidate(effect=stronger, score=best.evidence)
+    return CandidateEffect(effect=stronger, score=best.evidence)
 
 
 def _idle(effect: Effect) -> bool:
@@ -120,7 +120,9 @@ def _idle(effect: Effect) -> bool:
     )
 
 
-def _beside(transit: Transit, point: Array, run: Run, state: Array, known: Slopes) -> Slopes:
+def _beside(
+    transit: Transit, point: Array, run: Run, state: Array, known: TransitionSlopes
+) -> TransitionSlopes:
     """Return slopes with the last effect's columns beside those that are known already."""
     hypothesis: Hypothesis = transit.hypothesis
     own = known.parameter.shape[-1]
@@ -131,7 +133,7 @@ def _beside(transit: Transit, point: Array, run: Run, state: Array, known: Slope
         there = point + nudges[at] * np.eye(len(point))[at]
         moved.append((transit.ahead(there, run, state) - value) / nudges[at])
         seen.append((transit.seen(there, state) - shown) / nudges[at])
-    return Slopes(
+    return TransitionSlopes(
         value=value,
         state=known.state,
         parameter=np.concatenate([known.parameter, np.stack(moved, axis=-1)], axis=-1),

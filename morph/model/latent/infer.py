@@ -12,11 +12,11 @@ import numpy as np
 from morph.arrays import Array
 from morph.body.robot import Robot
 from morph.errors import DiagnosisError, EffectError, SimulationFailed
-from morph.model.fit import Room
-from morph.model.gaussian.states import Band, Trust
+from morph.model.fit import PointBounds
+from morph.model.gaussian.states import ReducedEquations, Trust
 from morph.model.hypothesis import Hypothesis
 from morph.model.latent.run import Run
-from morph.model.latent.transition_model import Slopes, Transit
+from morph.model.latent.transition_model import Transit, TransitionSlopes
 from morph.model.latent.unknowns import MOST, with_knobs
 from morph.physics.effect import Effect
 from morph.sim.integrator import Integrator
@@ -55,7 +55,7 @@ class Inferred:
     """What the model leaves out, as a share of a typical change of speed in one period."""
     trust: Trust
     """How observations and transitions were weighed."""
-    slopes: tuple[Slopes, ...]
+    slopes: tuple[TransitionSlopes, ...]
     """About these states and this point, one for each run."""
 
     @property
@@ -69,7 +69,7 @@ class Inferred:
         return self.hypothesis.names
 
     @cached_property
-    def bands(self) -> tuple[Band, ...]:
+    def bands(self) -> tuple[ReducedEquations, ...]:
         """The normal equations of each run about its states."""
         return tuple(
             slopes.band(state, run.state, self.trust)
@@ -144,7 +144,7 @@ class _Search:
         hypothesis = transit.hypothesis
         known = len(hypothesis.knobs)
         most = math.log(MOST)
-        self.room = Room(
+        self.room = PointBounds(
             low=np.concatenate([np.full(known, -most), hypothesis.low[known:]]),
             high=np.concatenate([np.full(known, most), hypothesis.high[known:]]),
             trust=hypothesis.trust,
@@ -193,7 +193,7 @@ class _Search:
         return self._concluded(slopes, states, point, unsaid)
 
     def _concluded(
-        self, slopes: list[Slopes], states: list[Array], point: Array, unsaid: float
+        self, slopes: list[TransitionSlopes], states: list[Array], point: Array, unsaid: float
     ) -> Inferred:
         unsaid = self._unsaid(slopes, states, point, unsaid)
         bands = self._bands(slopes, states, unsaid)
@@ -210,20 +210,24 @@ class _Search:
             slopes=tuple(slopes),
         )
 
-    def _slopes(self, point: Array, states: list[Array]) -> list[Slopes]:
+    def _slopes(self, point: Array, states: list[Array]) -> list[TransitionSlopes]:
         return [
             self.transit.slopes(point, run, state)
             for run, state in zip(self.runs, states, strict=True)
         ]
 
-    def _bands(self, slopes: list[Slopes], states: list[Array], unsaid: float) -> list[Band]:
+    def _bands(
+        self, slopes: list[TransitionSlopes], states: list[Array], unsaid: float
+    ) -> list[ReducedEquations]:
         trust = self.trust(unsaid)
         return [
             slope.band(state, run.state, trust)
             for slope, state, run in zip(slopes, states, self.runs, strict=True)
         ]
 
-    def _unsaid(self, slopes: list[Slopes], states: list[Array], point: Array, now: float) -> float:
+    def _unsaid(
+        self, slopes: list[TransitionSlopes], states: list[Array], point: Array, now: float
+    ) -> float:
         """Return the most probable share left out; it falls at most to a third in one step."""
         tried = [share for share in UNSAID if share >= 0.3 * now]
         found = [
@@ -231,7 +235,7 @@ class _Search:
         ]
         return tried[int(np.argmax(found))]
 
-    def _change(self, bands: list[Band], point: Array) -> tuple[Array, float]:
+    def _change(self, bands: list[ReducedEquations], point: Array) -> tuple[Array, float]:
         """Return the parameters' best change within bounds, and what it and the states gain."""
         hessian, slope = self._total(bands)
         change = self.room.best_change(hessian, slope, point)
@@ -240,13 +244,13 @@ class _Search:
         gain = float(pull @ change - 0.5 * change @ whole @ change)
         return change, gain + sum(each.reach for each in bands)
 
-    def _total(self, bands: list[Band]) -> tuple[Array, Array]:
+    def _total(self, bands: list[ReducedEquations]) -> tuple[Array, Array]:
         return (
             np.sum([each.hessian for each in bands], axis=0),
             np.sum([each.slope for each in bands], axis=0),
         )
 
-    def _cost(self, bands: list[Band], point: Array) -> float:
+    def _cost(self, bands: list[ReducedEquations], point: Array) -> float:
         return sum(each.cost for each in bands) + 0.5 * self.room.price(point)
 
     def _costs(self, point: Array, states: list[Array], unsaid: float) -> float:
@@ -262,7 +266,7 @@ class _Search:
             total += 0.5 * float((trust.seen * missed**2).sum() + (trust.moved * off**2).sum())
         return total if math.isfinite(total) else math.inf
 
-    def _evidence(self, bands: list[Band], point: Array, unsaid: float) -> float:
+    def _evidence(self, bands: list[ReducedEquations], point: Array, unsaid: float) -> float:
         """Return log p(runs | hypothesis), exact where everything is linear.
 
         Source: MacKay 1992, Neural Computation 4(3), Bayesian interpolation, eq. 2.6 in logs.

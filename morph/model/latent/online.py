@@ -54,7 +54,7 @@ def hidden(robot: Robot, members: Sequence[Mapping[str, float]], *, step: float)
     return Hypothesis(robot=middle, step=step, knobs=knobs)
 
 
-class Online:
+class OnlineInference:
     """What is known of hidden parameters, sample after sample.
 
     Args:

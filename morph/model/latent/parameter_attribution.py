@@ -13,7 +13,7 @@ from morph.model.hypothesis import Hypothesis
 from morph.model.latent.candidates import places, ranked
 from morph.model.latent.infer import Inferred, infer
 from morph.model.latent.run import Run
-from morph.model.latent.sparse import PRICE, Sparse, sparse
+from morph.model.latent.sparse import PRICE, SparseChanges, sparse
 from morph.model.latent.subsets import Subset
 from morph.model.latent.unknowns import WIDE, unknowns
 from morph.physics.effect import Effect
@@ -127,12 +127,12 @@ def _evidence_of(order: Sequence[Subset], changed: tuple[int, ...]) -> float:
 
 
 def _added(
-    base: Sparse, asked: Sequence[Effect], noise: Array, told: Callable[[str], None]
-) -> Sparse | None:
+    base: SparseChanges, asked: Sequence[Effect], noise: Array, told: Callable[[str], None]
+) -> SparseChanges | None:
     """Return the base with the effect that makes it most probable, if one makes it more so."""
     price = base.price + PRICE + float(np.log(max(len(asked), 1)))
     hopeful = base.order[0].evidence - base.price + price - DOUBT
-    best: Sparse | None = None
+    best: SparseChanges | None = None
     tried = [each for each in ranked(base.free, asked) if each.score > hopeful][:FINALISTS]
     for candidate in tried:
         told(f"with {candidate.effect.label}")
@@ -146,7 +146,7 @@ def _added(
     return best if best is not None and best.score > base.score else None
 
 
-def _without_idle(found: Sparse, given: int, noise: Array) -> Sparse:
+def _without_idle(found: SparseChanges, given: int, noise: Array) -> SparseChanges:
     """Return what was found less an earlier effect whose part a later one plays as well."""
     effects = found.free.effects
     for at in range(given, len(effects) - 1):
@@ -194,7 +194,7 @@ def _differences(final: Inferred, subset: Subset, given: int) -> tuple[Differenc
     return tuple(said)
 
 
-def _rivals(found: Sparse) -> tuple[tuple[str, float], ...]:
+def _rivals(found: SparseChanges) -> tuple[tuple[str, float], ...]:
     logs = np.array([each.evidence for each in found.order])
     weight = np.exp(logs - logs.max())
     share = weight / weight.sum()

@@ -9,7 +9,7 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.model.gaussian.information import Information
-from morph.model.gaussian.states import Band
+from morph.model.gaussian.states import ReducedEquations
 from morph.model.hypothesis import Hypothesis
 from morph.model.latent.infer import Inferred, infer
 from morph.model.latent.subsets import DEAR, Subset, subsets
@@ -20,7 +20,7 @@ PRICE = 4.0
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Sparse:
+class SparseChanges:
     """An inference with every figure free, and the few changes that explain as much."""
 
     free: Inferred
@@ -38,7 +38,7 @@ class Sparse:
         return self.held.evidence - DEAR * len(self.order[0].changed) - self.price
 
 
-def sparse(found: Inferred, noise: Array, price: float) -> Sparse:
+def sparse(found: Inferred, noise: Array, price: float) -> SparseChanges:
     """Return what was inferred with the fewest changes that explain it.
 
     Every small set of figures is weighed by linear algebra; with the best one all is fitted again.
@@ -49,7 +49,7 @@ def sparse(found: Inferred, noise: Array, price: float) -> Sparse:
         price: What its effects cost beforehand, log.
     """
     order = weighed(likelihood_of(found.bands, found.point), found.hypothesis, found.point)
-    return Sparse(free=found, held=_held(found, order[0], noise), order=order, price=price)
+    return SparseChanges(free=found, held=_held(found, order[0], noise), order=order, price=price)
 
 
 def weighed(found: Information, hypothesis: Hypothesis, point: Array) -> tuple[Subset, ...]:
@@ -67,7 +67,7 @@ def precisions(hypothesis: Hypothesis) -> tuple[Array, Array, int]:
     return free, trusted, known
 
 
-def likelihood_of(bands: tuple[Band, ...], point: Array) -> Information:
+def likelihood_of(bands: tuple[ReducedEquations, ...], point: Array) -> Information:
     """Return what runs say about a point, states eliminated, up to what models share."""
     return sum((each.information for each in bands[1:]), bands[0].information).about(point)
 

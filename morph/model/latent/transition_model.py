@@ -9,7 +9,7 @@ import numpy as np
 
 from morph.arrays import Array, Integers
 from morph.errors import DiagnosisError
-from morph.model.gaussian.states import Band, Trust, band
+from morph.model.gaussian.states import ReducedEquations, Trust, band
 from morph.model.hypothesis import Hypothesis
 from morph.model.latent.run import Run
 from morph.sim.drive import received, sensed
@@ -21,7 +21,7 @@ NUDGE = 1e-5
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Slopes:
+class TransitionSlopes:
     """Where every state of a run leads, what it shows, and how both change."""
 
     value: Array
@@ -35,7 +35,7 @@ class Slopes:
     seen_parameter: Array
     """dh/dtheta, shape (periods + 1, n, p)."""
 
-    def band(self, state: Array, reading: Array, trust: Trust) -> Band:
+    def band(self, state: Array, reading: Array, trust: Trust) -> ReducedEquations:
         """Return the normal equations of one run about its states, both (periods + 1, n)."""
         return band(
             state=self.state,
@@ -101,7 +101,7 @@ class Transit:
         """Return what sensors show of states (..., n) under the effects at a point."""
         return self._seen(self.hypothesis.effects_at(point), state)
 
-    def slopes(self, point: Array, run: Run, state: Array) -> Slopes:
+    def slopes(self, point: Array, run: Run, state: Array) -> TransitionSlopes:
         """Return where states (periods + 1, n) of a run lead, and how that changes."""
         n, p = state.shape[1], len(point)
         nudges = self.hypothesis.nudge(point)
@@ -114,7 +114,7 @@ class Transit:
         base = out[0]
         shown = self.seen(point, state)
         moved = [self.seen(each, state) for each in points]
-        return Slopes(
+        return TransitionSlopes(
             value=base,
             state=np.moveaxis((out[1 : 1 + n] - base) / NUDGE, 0, -1),
             parameter=_per_nudge(out[1 + n :] - base, nudges),

@@ -13,7 +13,7 @@ from morph.model.gaussian.information import Information
 from morph.model.latent.run import Run
 from morph.model.missing_force.corrected import Corrected, within
 from morph.model.missing_force.periods import Periods
-from morph.model.missing_force.problem import Iterate, Problem
+from morph.model.missing_force.problem import ForceProblem, Iterate
 
 BLOCK = 20
 """Periods of a block that is left out."""
@@ -154,7 +154,7 @@ def _information(
     corrected: Corrected, pieces: tuple[Run, ...], believed: tuple[Array, ...]
 ) -> tuple[list[Information], Array, Array]:
     """Return what each block says of point and weights, and their prior."""
-    problem = Problem(
+    problem = ForceProblem(
         periods=Periods(corrected.hypothesis, corrected.period, corrected.integrator),
         runs=pieces,
         noise=corrected.noise,

@@ -14,9 +14,9 @@ from morph.model.gaussian.information import Information
 from morph.model.hypothesis import Hypothesis
 from morph.model.latent.unknowns import with_knobs
 from morph.model.missing_force.force import MissingForce
-from morph.model.missing_force.fourier_features import Waves
+from morph.model.missing_force.fourier_features import FourierFeatures
 from morph.model.missing_force.periods import Periods
-from morph.model.missing_force.settings import Settings
+from morph.model.missing_force.settings import ForceSettings
 from morph.physics.effect import Effect
 from morph.sim.integrator import Integrator
 from morph.sim.simulator import Simulator
@@ -29,7 +29,7 @@ DRAWS = 64
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Foreseen:
+class PredictedRuns:
     """What runs will look like, as draws: of each run, so many possible ones."""
 
     states: Array
@@ -64,11 +64,11 @@ class Corrected:
     """Length of a control period, s."""
     noise: Array
     """Standard deviation of the observations, shape (n,)."""
-    waves: Waves
+    waves: FourierFeatures
     """What the force looks at."""
     unit: Array | None
     """Typical forces of the motion, shape (joints,); None if no force was sought."""
-    settings: Settings
+    settings: ForceSettings
     """Settings that the evidence chose."""
     posterior: Information
     """Of the point and the weights together."""
@@ -126,7 +126,7 @@ class Corrected:
         *,
         draws: int = DRAWS,
         known: bool = False,
-    ) -> Foreseen:
+    ) -> PredictedRuns:
         """Return what many runs will look like under commands that nothing corrects.
 
         Bodies and forces are drawn from the posterior, and each is one body throughout all runs
@@ -169,7 +169,7 @@ class Corrected:
             now = now + spread * rng.normal(size=now.shape)
             found[:, at + 1] = now
         shape = (draws, runs, count + 1, now.shape[1])
-        return Foreseen(states=found.reshape(shape), noise=self.noise)
+        return PredictedRuns(states=found.reshape(shape), noise=self.noise)
 
     def _law(self, drawn: Array, runs: int) -> Array | Callable[[Array], Array]:
         """Return the force of every row's own draw as a function of the rows' states."""

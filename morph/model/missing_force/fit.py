@@ -13,10 +13,10 @@ from morph.model.hypothesis import Hypothesis
 from morph.model.latent.run import Run
 from morph.model.missing_force.corrected import Corrected, within
 from morph.model.missing_force.fourier_features import waves_of
-from morph.model.missing_force.periods import Periods, Slopes
+from morph.model.missing_force.periods import Periods, PeriodSlopes
 from morph.model.missing_force.posterior import Reduced
-from morph.model.missing_force.problem import Iterate, Problem, typical_forces
-from morph.model.missing_force.settings import Settings, first_settings, settled
+from morph.model.missing_force.problem import ForceProblem, Iterate, typical_forces
+from morph.model.missing_force.settings import ForceSettings, first_settings, settled
 from morph.sim.integrator import Integrator
 
 ROUNDS = 3
@@ -40,7 +40,7 @@ def fit(
     force: bool = True,
     slides: bool = False,
     integrator: Integrator | None = None,
-    settings: Settings | None = None,
+    settings: ForceSettings | None = None,
 ) -> Corrected:
     """Return a simulator with the force that it misses, both as far as runs show them.
 
@@ -79,7 +79,7 @@ def fit(
     believed = Iterate(
         point=hypothesis.start, weight=np.zeros((periods.nv, waves.count)), states=states
     )
-    problem = Problem(periods=periods, runs=tuple(runs), noise=noise, waves=waves, unit=None)
+    problem = ForceProblem(periods=periods, runs=tuple(runs), noise=noise, waves=waves, unit=None)
     if force:
         problem = replace(problem, unit=typical_forces(problem.slopes(believed, chosen)))
     for _ in range(ROUNDS):
@@ -129,7 +129,9 @@ def _check(hypothesis: Hypothesis, periods: Periods, runs: Sequence[Run], noise:
         )
 
 
-def _solved(problem: Problem, believed: Iterate, chosen: Settings) -> tuple[Iterate, list[Slopes]]:
+def _solved(
+    problem: ForceProblem, believed: Iterate, chosen: ForceSettings
+) -> tuple[Iterate, list[PeriodSlopes]]:
     """Return what Gauss-Newton steps lead to, and the slopes there."""
     slopes = problem.slopes(believed, chosen)
     cost = problem.cost(believed, slopes, chosen)
@@ -149,7 +151,9 @@ def _solved(problem: Problem, believed: Iterate, chosen: Settings) -> tuple[Iter
     return believed, slopes
 
 
-def _wanted(problem: Problem, slopes: Sequence[Slopes], chosen: Settings) -> Iterate:
+def _wanted(
+    problem: ForceProblem, slopes: Sequence[PeriodSlopes], chosen: ForceSettings
+) -> Iterate:
     """Return what is likeliest if the slopes hold everywhere."""
     parts = problem.reduced(slopes, chosen)
     found = problem.posterior(slopes, parts, chosen)
@@ -165,12 +169,14 @@ def _wanted(problem: Problem, slopes: Sequence[Slopes], chosen: Settings) -> Ite
     return Iterate(point=point, weight=weight, states=tuple(states))
 
 
-def _settled(problem: Problem, slopes: Sequence[Slopes], chosen: Settings) -> Settings:
+def _settled(
+    problem: ForceProblem, slopes: Sequence[PeriodSlopes], chosen: ForceSettings
+) -> ForceSettings:
     """Return the settings that the evidence prefers, about the slopes as they are."""
     nv = problem.periods.nv
     kept: dict[bytes, list[Reduced]] = {}
 
-    def evidence(tried: Settings) -> float:
+    def evidence(tried: ForceSettings) -> float:
         key = tried.jump.tobytes()
         if key not in kept:
             kept[key] = problem.reduced(slopes, tried)

@@ -10,7 +10,7 @@ import numpy as np
 from morph.arrays import Array
 from morph.body.robot import Robot
 from morph.errors import EffectError
-from morph.model.missing_force.fourier_features import Waves
+from morph.model.missing_force.fourier_features import FourierFeatures
 from morph.physics.effect import Effect, Simulations
 from morph.physics.motion import Motion
 
@@ -33,7 +33,7 @@ class MissingForce(Effect):
 
     joints: tuple[str, ...]
     """The joints whose states it reads and on which it acts, in the robot's order."""
-    waves: Waves
+    waves: FourierFeatures
     """What it looks at."""
     weight: Array
     """Force of each feature on each joint, N or N m, shape (joints, features)."""

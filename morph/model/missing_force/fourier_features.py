@@ -21,7 +21,7 @@ WHOLE = 32
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Waves:
+class FourierFeatures:
     """Features of a state for each joint, those of its own velocity first.
 
     The force on joint j is a Gaussian process with the covariance
@@ -96,7 +96,7 @@ class Waves:
         found[..., self.own :] = shared[..., None, :]
         return found
 
-    def with_lengths(self, own_length: float, length: float) -> Waves:
+    def with_lengths(self, own_length: float, length: float) -> FourierFeatures:
         """Return the same with other lengths."""
         return replace(self, own_length=own_length, length=length)
 
@@ -112,7 +112,7 @@ class Waves:
         return np.concatenate([rough, smooth], axis=1)
 
 
-def waves_of(kinds: Sequence[str], states: Array, *, slides: bool) -> Waves:
+def waves_of(kinds: Sequence[str], states: Array, *, slides: bool) -> FourierFeatures:
     """Return the waves of a body, their sizes from states that were seen.
 
     Args:
@@ -123,7 +123,7 @@ def waves_of(kinds: Sequence[str], states: Array, *, slides: bool) -> Waves:
     joints = len(kinds)
     places = np.flatnonzero([kind == "slide" and slides for kind in kinds])
     which = np.concatenate([places, joints + np.arange(joints)]).astype(np.int64)
-    return Waves(
+    return FourierFeatures(
         hinges=np.flatnonzero([kind == "hinge" for kind in kinds]),
         slides=places,
         joints=joints,

@@ -14,7 +14,7 @@ from morph.arrays import Array
 from morph.errors import DiagnosisError, SimulationFailed
 from morph.model.hypothesis import Hypothesis
 from morph.model.latent.run import Run
-from morph.model.missing_force.fourier_features import Waves
+from morph.model.missing_force.fourier_features import FourierFeatures
 from morph.physics.fluid.settle import batches
 from morph.sim.integrator import INTEGRATORS, Integrator, best_integrator
 from morph.sim.rollout import quiet
@@ -30,7 +30,7 @@ NUDGE = 1e-5
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Slopes:
+class PeriodSlopes:
     """How the control periods of one run go, about the states that are believed of it."""
 
     state: Array
@@ -150,8 +150,8 @@ class Periods:
         return self._kept[rows]
 
     def slopes(
-        self, run: Run, state: Array, point: Array, waves: Waves | None, weight: Array
-    ) -> Slopes:
+        self, run: Run, state: Array, point: Array, waves: FourierFeatures | None, weight: Array
+    ) -> PeriodSlopes:
         """Return how a run's periods go from the states that are believed of it.
 
         Args:
@@ -189,7 +189,7 @@ class Periods:
         of_state = change[:, :, :n] / NUDGE
         if law is not None:
             of_state = of_state + of_force @ _steepness(law, inside)
-        return Slopes(
+        return PeriodSlopes(
             state=state,
             missed=state[1:] - end[:, 0],
             of_state=of_state,

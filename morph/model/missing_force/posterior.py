@@ -8,8 +8,8 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.model.gaussian.information import Information
-from morph.model.gaussian.states import Band, Trust, band
-from morph.model.missing_force.periods import Slopes
+from morph.model.gaussian.states import ReducedEquations, Trust, band
+from morph.model.missing_force.periods import PeriodSlopes
 
 FLOOR = 0.02
 """Least unexplained jump of a state in a period, in standard deviations of its noise."""
@@ -21,7 +21,7 @@ class Reduced:
 
     information: Information
     """Of h."""
-    band: Band
+    band: ReducedEquations
     """The states' normal equations about where the slopes were taken."""
     size: int
     """How many numbers p has."""
@@ -58,7 +58,7 @@ def jump_variance(jump: Array, noise: Array, period: float) -> Array:
     return np.asarray(np.concatenate([place, jump]) ** 2 + (FLOOR * noise) ** 2)
 
 
-def reduced(slopes: Slopes, seen: Array, noise: Array, jump: Array) -> Reduced:
+def reduced(slopes: PeriodSlopes, seen: Array, noise: Array, jump: Array) -> Reduced:
     """Return what a run says of (p, f), the states taken out.
 
     With y = x + noise and x_{t+1} = F(x_t, u_t; p, f_t) + jump, linearised about what is believed,

@@ -10,10 +10,10 @@ import numpy as np
 from morph.arrays import Array
 from morph.model.gaussian.information import Information
 from morph.model.latent.run import Run
-from morph.model.missing_force.fourier_features import Waves
-from morph.model.missing_force.periods import Periods, Slopes
+from morph.model.missing_force.fourier_features import FourierFeatures
+from morph.model.missing_force.periods import Periods, PeriodSlopes
 from morph.model.missing_force.posterior import Reduced, jump_variance, reduced
-from morph.model.missing_force.settings import Settings
+from morph.model.missing_force.settings import ForceSettings
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -41,7 +41,7 @@ class Iterate:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Problem:
+class ForceProblem:
     """Runs, the body that they are runs of, and what a force on it may depend on."""
 
     periods: Periods
@@ -50,21 +50,21 @@ class Problem:
     """What was seen of it."""
     noise: Array
     """Standard deviation of the observations, shape (n,)."""
-    waves: Waves
+    waves: FourierFeatures
     """What the force looks at, with whatever lengths."""
     unit: Array | None
     """Typical forces of the motion, shape (joints,); None if no force may be missing."""
 
-    def looking(self, chosen: Settings) -> Waves:
+    def looking(self, chosen: ForceSettings) -> FourierFeatures:
         """Return the waves with the lengths that were chosen."""
         return self.waves.with_lengths(chosen.own_length, chosen.length)
 
-    def jump(self, chosen: Settings) -> Array:
+    def jump(self, chosen: ForceSettings) -> Array:
         """Return the variance of what stays unexplained in a period, shape (n,)."""
         noise = self.noise[self.periods.nv :]
         return jump_variance(chosen.jump * noise, self.noise, self.periods.period)
 
-    def prior(self, chosen: Settings) -> tuple[Array, Array]:
+    def prior(self, chosen: ForceSettings) -> tuple[Array, Array]:
         """Return mean and variance of (p, w) before any data."""
         hypothesis = self.periods.hypothesis
         start, variance = hypothesis.start, 1.0 / hypothesis.trust
@@ -76,7 +76,7 @@ class Problem:
             np.concatenate([variance, more.ravel()]),
         )
 
-    def slopes(self, believed: Iterate, chosen: Settings) -> list[Slopes]:
+    def slopes(self, believed: Iterate, chosen: ForceSettings) -> list[PeriodSlopes]:
         """Return all runs, linearised about what is believed."""
         waves = None if self.unit is None else self.looking(chosen)
         return [
@@ -84,7 +84,9 @@ class Problem:
             for run, state in zip(self.runs, believed.states, strict=True)
         ]
 
-    def cost(self, believed: Iterate, slopes: Sequence[Slopes], chosen: Settings) -> float:
+    def cost(
+        self, believed: Iterate, slopes: Sequence[PeriodSlopes], chosen: ForceSettings
+    ) -> float:
         """Return minus twice the log posterior of a belief, but for its constant."""
         total, jump = 0.0, self.jump(chosen)
         for run, each in zip(self.runs, slopes, strict=True):
@@ -95,7 +97,7 @@ class Problem:
         off = np.concatenate([believed.point, weight]) - start
         return total + float((off**2 / variance).sum())
 
-    def reduced(self, slopes: Sequence[Slopes], chosen: Settings) -> list[Reduced]:
+    def reduced(self, slopes: Sequence[PeriodSlopes], chosen: ForceSettings) -> list[Reduced]:
         """Return what each run says of (p, f), its states taken out."""
         jump = self.jump(chosen)
         return [
@@ -103,12 +105,12 @@ class Problem:
             for each, run in zip(slopes, self.runs, strict=True)
         ]
 
-    def features(self, each: Slopes, chosen: Settings) -> Array:
+    def features(self, each: PeriodSlopes, chosen: ForceSettings) -> Array:
         """Return the mean features of each period, shape (periods, joints, count)."""
         return np.asarray(self.looking(chosen).of(each.inside).mean(axis=1))
 
     def told(
-        self, slopes: Sequence[Slopes], parts: Sequence[Reduced], chosen: Settings
+        self, slopes: Sequence[PeriodSlopes], parts: Sequence[Reduced], chosen: ForceSettings
     ) -> list[Information]:
         """Return what each run says of (p, w), whatever lengths its slopes were taken with."""
         if self.unit is None:
@@ -118,14 +120,14 @@ class Problem:
         return [part.through(self.features(each, chosen)) for each, part in pairs]
 
     def posterior(
-        self, slopes: Sequence[Slopes], parts: Sequence[Reduced], chosen: Settings
+        self, slopes: Sequence[PeriodSlopes], parts: Sequence[Reduced], chosen: ForceSettings
     ) -> Information:
         """Return what is known of (p, w) by all runs and the prior."""
         told = self.told(slopes, parts, chosen)
         return sum(told[1:], told[0]).with_prior(*self.prior(chosen))
 
 
-def typical_forces(slopes: Sequence[Slopes]) -> Array:
+def typical_forces(slopes: Sequence[PeriodSlopes]) -> Array:
     """Return the forces that change velocities as they change in the runs, shape (joints,)."""
     found = []
     for each in slopes:

@@ -14,7 +14,7 @@ FACTORS = (3.0, 1.6)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Settings:
+class ForceSettings:
     """How large and how rough the missing force may be, and what stays unexplained."""
 
     own: Array
@@ -34,7 +34,7 @@ class Settings:
         lengths = np.array([self.own_length, self.length])
         return np.asarray(np.log(np.concatenate([self.own, self.whole, self.jump, lengths])))
 
-    def moved(self, logs: Array) -> Settings:
+    def moved(self, logs: Array) -> ForceSettings:
         """Return settings with other logarithms."""
         joints, values = len(self.own), np.exp(logs)
         return replace(
@@ -55,17 +55,17 @@ class Settings:
         return np.log(middle), spread
 
 
-def first_settings(joints: int) -> Settings:
+def first_settings(joints: int) -> ForceSettings:
     """Return the settings that are likeliest before any data."""
-    blank = Settings(
+    blank = ForceSettings(
         own=np.ones(joints), whole=np.ones(joints), own_length=1.0, length=1.0, jump=np.ones(joints)
     )
     return blank.moved(blank.prior[0])
 
 
 def settled(
-    before: Settings, evidence: Callable[[Settings], float], free: tuple[int, ...]
-) -> Settings:
+    before: ForceSettings, evidence: Callable[[ForceSettings], float], free: tuple[int, ...]
+) -> ForceSettings:
     """Return settings of higher evidence and prior, each tried in turn.
 
     Args:

@@ -37,7 +37,7 @@ OUTSIDE = "it lies outside the file"
 
 
 @dataclass(frozen=True, kw_only=True)
-class Block:
+class EpisodeColumns:
     """The columns of one episode, before their numbers are read."""
 
     key: str | None
@@ -52,7 +52,7 @@ class Block:
 
 def blocks_in(
     file: Any, path: Path, key: str | None, wanted: Collection[str] | None, every: bool
-) -> Iterator[Block]:
+) -> Iterator[EpisodeColumns]:
     """Give the episodes of a file that is open: one, or with `every` those of all groups.
 
     Raises:
@@ -95,7 +95,7 @@ class Bounds:
             raise _refused(name, why, self._path)
 
 
-def numbers_of(block: Block, bounds: Bounds) -> Iterator[Array]:
+def numbers_of(block: EpisodeColumns, bounds: Bounds) -> Iterator[Array]:
     """Give the numbers of an episode's columns, one data set after another.
 
     Raises:
@@ -108,17 +108,19 @@ def numbers_of(block: Block, bounds: Bounds) -> Iterator[Array]:
             yield np.asarray(one[()]).astype(np.float64)
 
 
-def _block(file: Any, key: str | None, wanted: Collection[str] | None, path: Path) -> Block:
+def _block(
+    file: Any, key: str | None, wanted: Collection[str] | None, path: Path
+) -> EpisodeColumns:
     node = file if key is None else _keyed(file, key, path)
     if not _is_group(node):
-        return Block(key=key, named=False, columns={str(key): node})
+        return EpisodeColumns(key=key, named=False, columns={str(key): node})
     found, other = _sorted_out(node, path)
     if wanted is None:
-        return Block(key=key, named=True, columns=found, note=_note(found, other, path))
+        return EpisodeColumns(key=key, named=True, columns=found, note=_note(found, other, path))
     for name in sorted(set(wanted) - set(found)):
         raise _missing(name, found, other, path)
     columns = {name: one for name, one in found.items() if name in wanted}
-    return Block(key=key, named=True, columns=columns)
+    return EpisodeColumns(key=key, named=True, columns=columns)
 
 
 def _episodes(file: Any, path: Path) -> tuple[str | None, ...]:

@@ -11,7 +11,7 @@ from morph.errors import SearchError
 from morph.policy.pattern import Pattern, Swing
 from morph.policy.policy import Action, actions_of
 from morph.search.family.family import Family, Number
-from morph.search.family.parts import Part, parts_of
+from morph.search.family.parts import ActuatorRole, parts_of
 
 WIDEST = 1.0
 """Greatest amplitude, and greatest offset from where it rests, of a joint, rad."""
@@ -40,7 +40,7 @@ class Gait(Family):
 
     action: tuple[Action, ...]
     """Every actuator of the body."""
-    parts: tuple[Part, ...]
+    parts: tuple[ActuatorRole, ...]
     """What the name of each tells."""
     turning: tuple[str, ...] = ()
     """The roles that turn round."""
@@ -56,7 +56,7 @@ class Gait(Family):
             period=self.period,
         )
 
-    def _swing(self, part: Part, free: dict[str, float]) -> Swing:
+    def _swing(self, part: ActuatorRole, free: dict[str, float]) -> Swing:
         place, side = part.place or 0.0, part.side or 0.0
         amplitude, offset, slant, phase, lag = (
             free.get(f"{part.role} {key}".strip(), 0.0) for key in OWN
@@ -141,7 +141,7 @@ def gait(
     )
 
 
-def _turns(robot: Robot, those: list[tuple[Action, Part]]) -> bool:
+def _turns(robot: Robot, those: list[tuple[Action, ActuatorRole]]) -> bool:
     """Return whether those of one role are servos that may turn without end, front and rear."""
     servos = [robot.actuator(one.actuator) for one, _ in those]
     return (
@@ -168,7 +168,7 @@ def _of_turning(role: str) -> list[Number]:
     ]
 
 
-def _of_role(role: str, those: list[tuple[Action, Part]]) -> list[Number]:
+def _of_role(role: str, those: list[tuple[Action, ActuatorRole]]) -> list[Number]:
     widest = WIDEST if those[0][0].unit in {"rad", "m"} else math.inf
     low = max(max(one.low for one, _ in those), -widest)
     high = min(min(one.high for one, _ in those), widest)

@@ -16,7 +16,7 @@ IDLE = {"", "servo", "motor", "joint"}
 
 
 @dataclass(frozen=True, kw_only=True)
-class Part:
+class ActuatorRole:
     """What the name of an actuator tells."""
 
     role: str
@@ -27,7 +27,7 @@ class Part:
     """0 in front to 1 at the rear, None where the name does not say."""
 
 
-def parts_of(names: tuple[str, ...]) -> tuple[Part, ...]:
+def parts_of(names: tuple[str, ...]) -> tuple[ActuatorRole, ...]:
     """Return what each name tells: `rear_left_knee` is a knee, left, at the rear.
 
     A number at the end counts from the front: `yaw_1` to `yaw_5` stand at 0 to 1.
@@ -38,7 +38,7 @@ def parts_of(names: tuple[str, ...]) -> tuple[Part, ...]:
         row = [other[3] for other in found if other[0] == role and other[3] is not None]
         if number is not None and place is None:
             place = (number - min(row)) / max(1, max(row) - min(row))
-        parts.append(Part(role=role, side=side, place=place))
+        parts.append(ActuatorRole(role=role, side=side, place=place))
     return tuple(parts)
 
 

@@ -17,7 +17,7 @@ from morph.policy.observing import observations_of
 from morph.policy.pattern import Pattern, Swing
 from morph.policy.policy import Action, Observation, Policy, actions_of
 from morph.search.family.family import Family, Number
-from morph.search.family.parts import Part, parts_of
+from morph.search.family.parts import ActuatorRole, parts_of
 
 WIDEST = 0.1
 """Farthest from its posture that a joint may be told to stay, rad."""
@@ -40,7 +40,7 @@ class Hold(Family):
 
     action: tuple[Action, ...]
     """Every actuator of the body."""
-    parts: tuple[Part, ...]
+    parts: tuple[ActuatorRole, ...]
     """What the name of each tells."""
     posture: tuple[float, ...]
     """p, where the joint of each actuator is to stay, rad or m."""

@@ -14,7 +14,7 @@ from morph.search.moments.moment_matching_rff import Lift, LiftTape, Squasher
 from morph.search.moments.moments import Moments, ProcessMoments
 
 
-class Law(ABC):
+class ControlLaw(ABC):
     """A function from what is seen to numbers that are squashed to commands."""
 
     @abstractmethod
@@ -28,7 +28,7 @@ class Law(ABC):
         """Return the adjoints of m, S and its numbers, the latter as one vector."""
 
 
-class Tape(NamedTuple):
+class StepTape(NamedTuple):
     """What the adjoint of one step needs."""
 
     lift: LiftTape
@@ -46,7 +46,7 @@ class Tape(NamedTuple):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Plant:
+class GPPlant:
     """A body of joints whose change of velocity in a period is a Gaussian process.
 
     The state is x = (q, v), and q' = q + h (v + v') / 2: positions need no process of their own.
@@ -85,7 +85,7 @@ class Plant:
         seen, looked = np.eye(n)[:, self.sees], np.eye(n + actions)[:, self.looks]
         return seen, looked, F, B, np.diag(self.blur), np.diag(self.noise)
 
-    def forward(self, m: Array, S: Array, law: Law) -> tuple[Array, Array, Tape]:
+    def forward(self, m: Array, S: Array, law: ControlLaw) -> tuple[Array, Array, StepTape]:
         """Return mean and covariance of the state after a period, and the tape.
 
         Args:
@@ -113,13 +113,13 @@ class Plant:
         turned = F @ (beside @ change.slope.mT) @ B.T
         after = F @ S @ F.T + turned + turned.mT + B @ (change.covariance + noise) @ B.T
         mean = m @ F.T + change.mean @ B.T
-        tape = Tape(
+        tape = StepTape(
             lift, z, C, law_tape, told, squash, gain, known, towards, beside, process, change
         )
         return mean, after, tape
 
     def backward(
-        self, tape: Tape, law: Law, mean: Array, covariance: Array, z: Array, C: Array
+        self, tape: StepTape, law: ControlLaw, mean: Array, covariance: Array, z: Array, C: Array
     ) -> tuple[Array, Array, Array]:
         """Return the adjoints of m, S and the policy's numbers.
 

@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 
 from morph.arrays import Array
-from morph.search.gp_rollout.belief import Law
+from morph.search.gp_rollout.belief import ControlLaw
 from morph.search.moments.moment_matching_rff import Squasher
 from morph.search.moments.moments import Moments
 from morph.search.moments.radial import RadialNumbers, radial_backward, radial_forward
 
 
-class LinearLaw(Law):
+class LinearLaw(ControlLaw):
     """r = K x + b.
 
     Args:
@@ -46,7 +46,7 @@ class LinearLaw(Law):
         return into_m, into_S, np.concatenate([flat, mean], axis=-1)
 
 
-class RadialLaw(Law):
+class RadialLaw(ControlLaw):
     """Radial basis functions.
 
     Args:
@@ -72,7 +72,7 @@ class RadialLaw(Law):
         return into_m, into_S, np.concatenate(flat, axis=-1)
 
 
-class Straight(Squasher):
+class Unsquashed(Squasher):
     """Commands that are the law's numbers as they are."""
 
     def forward(self, m: Array, S: Array) -> tuple[Array, Array, Array, Any]:

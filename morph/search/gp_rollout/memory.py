@@ -10,7 +10,7 @@ import numpy as np
 from morph.arrays import Array
 from morph.errors import SearchError, StateError
 from morph.model.gp.gp import GaussianProcess
-from morph.search.gp_rollout.task import View
+from morph.search.gp_rollout.task import TaskSums
 from morph.search.search import State
 from morph.search.target import Experience
 
@@ -71,7 +71,7 @@ class Memory:
         """Return the memory at another time."""
         return replace(self, seconds=seconds)
 
-    def data(self, view: View) -> tuple[Array, Array]:
+    def data(self, view: TaskSums) -> tuple[Array, Array]:
         """Return inputs and targets of the change of velocity in a period, of all trials."""
         inputs, targets = [], []
         for run in self.runs:
@@ -80,7 +80,7 @@ class Memory:
             targets.append(np.diff(run.velocity, axis=0))
         return np.concatenate(inputs), np.concatenate(targets)
 
-    def features(self, view: View) -> Array:
+    def features(self, view: TaskSums) -> Array:
         """Return what policies saw in all trials, shape (samples, features)."""
         states = [np.concatenate([run.position, run.velocity], axis=1) for run in self.runs]
         return np.asarray(view.lifted(np.concatenate(states))[:, view.sees])

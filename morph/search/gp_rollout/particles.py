@@ -9,8 +9,8 @@ import torch
 
 from morph.arrays import Array
 from morph.model.gp.gp import GaussianProcess
-from morph.search.gp_rollout.radial import Scale
-from morph.search.gp_rollout.task import View
+from morph.search.gp_rollout.radial import RadialScale
+from morph.search.gp_rollout.task import TaskSums
 
 Tensor = torch.Tensor
 
@@ -27,7 +27,7 @@ class Chance:
     """Of each observation, shape (periods, particles, 2 joints)."""
 
     @classmethod
-    def drawn(cls, view: View, particles: int, rng: np.random.Generator) -> Chance:
+    def drawn(cls, view: TaskSums, particles: int, rng: np.random.Generator) -> Chance:
         """Return standard normal numbers for so many particles."""
         size, periods = 2 * view.joints, view.task.samples - 1
         return cls(
@@ -53,7 +53,7 @@ class Particles:
     eqs. 9, 14 and 18.
     """
 
-    def __init__(self, view: View, process: GaussianProcess, scale: Scale) -> None:
+    def __init__(self, view: TaskSums, process: GaussianProcess, scale: RadialScale) -> None:
         """Put all that does not change into tensors."""
         self.view, self.scale = view, scale
         number = torch.from_numpy

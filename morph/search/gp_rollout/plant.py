@@ -11,9 +11,9 @@ from scipy.special import erf
 
 from morph.arrays import Array, Integers
 from morph.model.gp.gp import GaussianProcess
-from morph.search.gp_rollout.belief import Plant
-from morph.search.gp_rollout.laws import LinearLaw, Straight
-from morph.search.gp_rollout.task import View
+from morph.search.gp_rollout.belief import GPPlant
+from morph.search.gp_rollout.laws import LinearLaw, Unsquashed
+from morph.search.gp_rollout.task import TaskSums
 from morph.search.moments.saturating import expected
 from morph.search.trajectory.cost import Quadratic
 
@@ -53,9 +53,9 @@ class BeliefPlant:
     any, as it does in that paper: what cannot stand without feedback would else be lost at once.
     """
 
-    view: View
+    view: TaskSums
     """The task."""
-    plant: Plant
+    plant: GPPlant
     """What is believed of the body, its law being of the state as it is observed."""
     effort: float
     """What a command at its bound costs, a sample: effort / 2 (u / half its range)^2."""
@@ -186,13 +186,13 @@ class BeliefPlant:
         )
 
 
-def belief_plant(view: View, process: GaussianProcess, effort: float) -> BeliefPlant:
+def belief_plant(view: TaskSums, process: GaussianProcess, effort: float) -> BeliefPlant:
     """Return a body as what is believed of it under laws of its state."""
     d = len(view.start[0])
     plant = replace(
         view.plant(process),
         sees=np.arange(d),
         blur=np.full(d, view.task.noise**2),
-        squash=Straight(),
+        squash=Unsquashed(),
     )
     return BeliefPlant(view=view, plant=plant, effort=effort)

@@ -10,7 +10,7 @@ from morph.arrays import Array
 from morph.policy.policy import Policy
 from morph.policy.radial import Radial
 from morph.search.gp_rollout.memory import Memory
-from morph.search.gp_rollout.task import View
+from morph.search.gp_rollout.task import TaskSums
 from morph.search.moments.radial import RadialNumbers
 
 SMALLEST = 0.1
@@ -24,7 +24,7 @@ FAR = 5.0
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Scale:
+class RadialScale:
     """One vector for all numbers of a policy, near 1 each, so that one step suits all."""
 
     units: int
@@ -94,11 +94,11 @@ class Scale:
         return np.concatenate([centre.ravel(), np.full(len(self.spread), 0.4), weight])
 
 
-def scale_of(view: View, memory: Memory, units: int) -> Scale:
+def scale_of(view: TaskSums, memory: Memory, units: int) -> RadialScale:
     """Return the units in which a search moves: spreads of the features that were seen."""
     features = memory.features(view)
     spread = features.std(axis=0)
-    return Scale(
+    return RadialScale(
         units=units,
         actions=len(view.action),
         seen=features,
@@ -107,7 +107,7 @@ def scale_of(view: View, memory: Memory, units: int) -> Scale:
     )
 
 
-def radial_of(view: View, numbers: RadialNumbers) -> Policy:
+def radial_of(view: TaskSums, numbers: RadialNumbers) -> Policy:
     """Return the policy that these numbers make."""
     return Radial(
         centre=numbers.centre,

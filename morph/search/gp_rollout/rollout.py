@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from morph.arrays import Array
-from morph.search.gp_rollout.belief import Law, Plant
+from morph.search.gp_rollout.belief import ControlLaw, GPPlant
 from morph.search.moments.saturating import ExpectedCost, expected
 
 
@@ -26,7 +26,12 @@ class Imagined:
 
 
 def imagine(
-    plant: Plant, law: Law, costs: tuple[ExpectedCost, ...], m: Array, S: Array, periods: int
+    plant: GPPlant,
+    law: ControlLaw,
+    costs: tuple[ExpectedCost, ...],
+    m: Array,
+    S: Array,
+    periods: int,
 ) -> Imagined:
     """Return the expected loss of a policy over some control periods, with its gradient.
 

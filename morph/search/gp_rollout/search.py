@@ -15,7 +15,7 @@ from morph.model.gp.fit import fit
 from morph.model.gp.gp import GaussianProcess
 from morph.policy.policy import Policy
 from morph.search.gp_rollout.memory import Memory
-from morph.search.gp_rollout.task import View, view_of
+from morph.search.gp_rollout.task import TaskSums, view_of
 from morph.search.search import Learned, Problem, Search, State, Told, Trial, ignore
 
 
@@ -59,7 +59,7 @@ class BeliefSearch(Search):
     @abstractmethod
     def improved(
         self,
-        view: View,
+        view: TaskSums,
         process: GaussianProcess,
         memory: Memory,
         rng: np.random.Generator,
@@ -112,19 +112,19 @@ class BeliefSearch(Search):
             told(record[-1], memory.state())
         return self._best(view, memory, tuple(record))
 
-    def random(self, view: View, rng: np.random.Generator) -> Array:
+    def random(self, view: TaskSums, rng: np.random.Generator) -> Array:
         """Return random commands within their bounds, each held for some periods."""
         low, high = view.bounds
         periods = view.task.samples - 1
         few = rng.uniform(low, high, size=(-(-periods // self.hold), len(low)))
         return np.repeat(few, self.hold, axis=0)[:periods]
 
-    def learned(self, view: View, memory: Memory) -> GaussianProcess:
+    def learned(self, view: TaskSums, memory: Memory) -> GaussianProcess:
         """Return the change of velocity in a period, as trials show it."""
         inputs, targets = memory.data(view)
         return fit(*memory.spread(inputs, targets, self.most_data), before=memory.process)
 
-    def _best(self, view: View, memory: Memory, record: tuple[Trial, ...]) -> Learned:
+    def _best(self, view: TaskSums, memory: Memory, record: tuple[Trial, ...]) -> Learned:
         """Return the policy whose trial was the best of all, those before a kill too."""
         run = memory.runs[memory.best]
         policy = self.kind.of(

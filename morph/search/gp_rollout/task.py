@@ -14,7 +14,7 @@ from morph.policy.angles import turning
 from morph.policy.bound import limits
 from morph.policy.observing import observations_of
 from morph.policy.policy import UNLIMITED, Action, Observation, actions_of
-from morph.search.gp_rollout.belief import Plant
+from morph.search.gp_rollout.belief import GPPlant
 from morph.search.moments.moment_matching_rff import Lift, Squash
 from morph.search.moments.moments import ProcessMoments
 from morph.search.moments.saturating import ExpectedCost
@@ -33,7 +33,7 @@ EXACT = 1e-6
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class View:
+class TaskSums:
     """A task as sums over the numbers of z = (q, v, sin a, cos a)."""
 
     task: Task
@@ -70,9 +70,9 @@ class View:
         angle = state @ self.lift.angles.T
         return np.concatenate([state, np.sin(angle), np.cos(angle)], axis=-1)
 
-    def plant(self, process: GaussianProcess) -> Plant:
+    def plant(self, process: GaussianProcess) -> GPPlant:
         """Return what is believed of the body, from its change of velocity in a period."""
-        return Plant(
+        return GPPlant(
             process=ProcessMoments(process),
             looks=self.looks,
             sees=self.sees,
@@ -84,7 +84,7 @@ class View:
         )
 
 
-def view_of(task: Task) -> View:
+def view_of(task: Task) -> TaskSums:
     """Return how a task looks to moment matching.
 
     Raises:
@@ -118,7 +118,7 @@ def view_of(task: Task) -> View:
         i for i, j in enumerate(task.robot.joints) if j.kind == "hinge" and i not in set(turn)
     ]
     q, v = task.start.sample(task.robot, model, 1, None)
-    return View(
+    return TaskSums(
         task=task,
         lift=lift,
         costs=costs,

@@ -15,7 +15,7 @@ from morph.policy.observing import observations_of
 from morph.policy.policy import actions_of
 from morph.policy.track import Track
 from morph.search.learned_dynamics.dream import Dream, stepped
-from morph.search.learned_dynamics.ground import Aim
+from morph.search.learned_dynamics.ground import FeedbackCost
 from morph.search.trajectory.backward import backward
 from morph.search.trajectory.cost import Quadratic
 from morph.search.trajectory.ddp import Trajectories
@@ -65,7 +65,9 @@ def joined(parts: Sequence[Plans]) -> Plans:
     )
 
 
-def with_feedback(dream: Dream, aims: Aim, paths: Trajectories, rhos: Sequence[float]) -> Plans:
+def with_feedback(
+    dream: Dream, aims: FeedbackCost, paths: Trajectories, rhos: Sequence[float]
+) -> Plans:
     """Return paths, each with the feedback that is best for each cost of effort.
 
     Along a path it is the regulator of the linear body that changes with time, in which a
@@ -109,7 +111,7 @@ def with_feedback(dream: Dream, aims: Aim, paths: Trajectories, rhos: Sequence[f
 
 
 @dataclass(frozen=True, kw_only=True)
-class Foreseen:
+class PlanPredictions:
     """How plans do in the bodies that the data allow."""
 
     loss: Array
@@ -125,7 +127,7 @@ def foreseen(
     plans: Plans,
     noise: Array,
     rng: np.random.Generator,
-) -> Foreseen:
+) -> PlanPredictions:
     """Return how plans do in closed loop, each once in each drawn body.
 
     Plans share the bodies, the starts and the noise, so that their differences are their own.
@@ -168,4 +170,4 @@ def foreseen(
         velocity=torch.stack(seen_v, dim=2).numpy(),
         command=torch.stack([*told, told[-1]], dim=2).numpy(),
     )
-    return Foreseen(loss=task.loss(moved).mean(0), success=task.succeeded(moved).mean(0))
+    return PlanPredictions(loss=task.loss(moved).mean(0), success=task.succeeded(moved).mean(0))

@@ -11,7 +11,7 @@ import torch
 
 from morph.arrays import Array
 from morph.errors import SearchError
-from morph.model.jointed.fit import Settings
+from morph.model.jointed.fit import JointedSettings
 from morph.model.jointed.jointed import Accelerations, Jointed, through
 from morph.policy.policy import UNLIMITED
 from morph.search.trajectory.plant import Plant, Stepped, bounds_of
@@ -102,7 +102,9 @@ def known(task: Task) -> tuple[Any, tuple[Array, Array]]:
     return model, (low, high)
 
 
-def settings_of(model: Any, bounds: tuple[Array, Array], *, slides: bool, lawful: bool) -> Settings:
+def settings_of(
+    model: Any, bounds: tuple[Array, Array], *, slides: bool, lawful: bool
+) -> JointedSettings:
     """Return what the learning of a body begins with.
 
     Args:
@@ -112,7 +114,7 @@ def settings_of(model: Any, bounds: tuple[Array, Array], *, slides: bool, lawful
         lawful: Whether accelerations are quadratic in velocities and affine in commands.
     """
     turning = model.jnt_type == HINGE
-    return Settings(
+    return JointedSettings(
         turning=tuple(int(i) for i in np.flatnonzero(turning)),
         sliding=tuple(int(i) for i in np.flatnonzero(~turning)) if slides else (),
         command_size=tuple(float(x) for x in np.maximum(np.maximum(-bounds[0], bounds[1]), 1e-9)),

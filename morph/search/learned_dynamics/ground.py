@@ -12,7 +12,7 @@ from scipy.optimize import least_squares
 from morph.arrays import Array
 from morph.errors import SearchError
 from morph.search.learned_dynamics.dream import Dream
-from morph.search.plan.initial_trajectories import Ground
+from morph.search.plan.initial_trajectories import SeedInputs
 from morph.search.regulator.lqr import Regulator, lqr
 from morph.search.regulator.rest import Rest
 from morph.search.trajectory.cost import TaskCost, quadratic_of
@@ -30,7 +30,7 @@ SOFT = 1e-3
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Aim:
+class FeedbackCost:
     """What feedback makes small: 1/2 dx' state dx + rho/2 |command over its bound|^2."""
 
     still: Rest
@@ -60,7 +60,7 @@ class Aim:
         )
 
 
-def aim(task: Task, dream: Dream) -> Aim:
+def aim(task: Task, dream: Dream) -> FeedbackCost:
     """Return where a task's goals are met, as far as kinematics tell, and what holds there.
 
     The command is the one by which the learned body accelerates least. A position costs what the
@@ -76,7 +76,7 @@ def aim(task: Task, dream: Dream) -> Aim:
     state[:joints, :joints] = place
     state[joints:, joints:] = dream.period**2 * np.diag(np.diag(place))
     half = 0.5 * (dream.high - dream.low)
-    return Aim(
+    return FeedbackCost(
         still=still,
         state=state,
         command=np.diag(half**-2.0),
@@ -85,7 +85,9 @@ def aim(task: Task, dream: Dream) -> Aim:
     )
 
 
-def ground_of(task: Task, dream: Dream, aims: Aim, *, rho: float, margin: float) -> Ground:
+def ground_of(
+    task: Task, dream: Dream, aims: FeedbackCost, *, rho: float, margin: float
+) -> SeedInputs:
     """Return what guesses and plans in a learned body stand on.
 
     Args:
@@ -97,7 +99,7 @@ def ground_of(task: Task, dream: Dream, aims: Aim, *, rho: float, margin: float)
     """
     regulator = aims.regulator(rho)
     q, v = task.start.sample(task.robot, dream.model, 1, None)
-    return Ground(
+    return SeedInputs(
         cost=cost_of(task, dream, aims.still, regulator.worth),
         still=aims.still,
         regulator=regulator,

@@ -8,7 +8,7 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.errors import StateError
-from morph.model.jointed.transition import Transitions, transitions
+from morph.model.jointed.transition import JointTransitions, transitions
 from morph.search.learned_dynamics.choice import Plans, joined
 from morph.search.search import State, Trial
 from morph.search.target import Experience
@@ -22,7 +22,7 @@ SEEN = ("position", "velocity", "command")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Memory:
+class SearchCheckpoint:
     """All that a search needs to go on after a kill."""
 
     experience: tuple[Experience, ...] = ()
@@ -46,12 +46,14 @@ class Memory:
 
     def periods(
         self, turning: tuple[int, ...], period: float, names: tuple[str, ...] = ()
-    ) -> Transitions:
+    ) -> JointTransitions:
         """Return what all trials showed, but for periods in which a joint turned too far."""
         runs = [(each.position, each.velocity, each.command) for each in self.experience]
         return transitions(runs, period).slower(turning, FARTHEST, names)
 
-    def after(self, shown: Experience, plan: Plans | None, seconds: float, note: str) -> Memory:
+    def after(
+        self, shown: Experience, plan: Plans | None, seconds: float, note: str
+    ) -> SearchCheckpoint:
         """Return it with one more trial."""
         line = Trial(
             number=0 if plan is None else len(self.experience) - self.begun + 1,
@@ -87,8 +89,8 @@ class Memory:
         return state
 
 
-def recalled(state: State) -> Memory:
-    """Return what `Memory.state` kept; the notes of the record are lost.
+def recalled(state: State) -> SearchCheckpoint:
+    """Return what `SearchCheckpoint.state` kept; the notes of the record are lost.
 
     Raises:
         StateError: An array is missing.
@@ -99,7 +101,7 @@ def recalled(state: State) -> Memory:
             state["seconds"],
             strict=True,
         )
-        memory, begun = Memory(), int(state["begun"][0])
+        memory, begun = SearchCheckpoint(), int(state["begun"][0])
         for at, (position, velocity, command, period, loss, success, seconds) in enumerate(parts):
             plan = None
             if at >= begun:

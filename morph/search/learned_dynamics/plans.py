@@ -8,7 +8,13 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.model.jointed.draws import draw
-from morph.search.learned_dynamics.choice import Foreseen, Plans, foreseen, joined, with_feedback
+from morph.search.learned_dynamics.choice import (
+    PlanPredictions,
+    Plans,
+    foreseen,
+    joined,
+    with_feedback,
+)
 from morph.search.learned_dynamics.dream import Dream
 from morph.search.learned_dynamics.ground import aim, ground_of
 from morph.search.plan.initial_trajectories import swung
@@ -32,7 +38,7 @@ FAILURE = 3.0
 
 
 @dataclass(frozen=True, kw_only=True)
-class Effort:
+class TrialBudget:
     """How much is computed for a trial."""
 
     rows: int = 500
@@ -51,7 +57,7 @@ class Effort:
     """How many those are."""
 
 
-def plans(task: Task, dream: Dream, effort: Effort, rng: np.random.Generator) -> Plans:
+def plans(task: Task, dream: Dream, effort: TrialBudget, rng: np.random.Generator) -> Plans:
     """Return plans that are good in the mean of what is believed."""
     aims = aim(task, dream)
     middle = sorted(effort.rhos)[len(effort.rhos) // 2]
@@ -111,7 +117,7 @@ class Chosen:
     """Which of those that were tried before it is, by number; None if it is new."""
 
 
-def score(seen: Foreseen) -> Array:
+def score(seen: PlanPredictions) -> Array:
     """Return what plans are compared by: their loss, and failures on top; shape (plans,)."""
     return np.asarray(seen.loss * (1.0 + FAILURE * (1.0 - seen.success)))
 
@@ -122,7 +128,7 @@ def chosen(
     new: Plans | None,
     tried: Plans | None,
     noise: Array,
-    effort: Effort,
+    effort: TrialBudget,
     rng: np.random.Generator,
 ) -> Chosen:
     """Return the best plan over the bodies that the data allow.

@@ -10,7 +10,7 @@ import numpy as np
 from morph.arrays import Array
 
 
-class Waves(NamedTuple):
+class AngleWaves(NamedTuple):
     """The characteristic function of angles, and of their sums and differences."""
 
     single: Array
@@ -21,7 +21,7 @@ class Waves(NamedTuple):
     """E[exp(i (a_j - a_k))], likewise."""
 
 
-def waves_forward(mean: Array, covariance: Array) -> Waves:
+def waves_forward(mean: Array, covariance: Array) -> AngleWaves:
     """Return the characteristic function of Gaussian angles, of which all moments are made.
 
     E[exp(i w' a)] = exp(i w' m - w' S w / 2). With it E[sin a] is the imaginary part of `single`,
@@ -38,14 +38,14 @@ def waves_forward(mean: Array, covariance: Array) -> Waves:
     turn = np.exp(1j * mean)
     both = turn[..., :, None] * turn[..., None, :]
     apart = turn[..., :, None] * turn.conj()[..., None, :]
-    return Waves(
+    return AngleWaves(
         np.exp(variance) * turn,
         np.exp(level - covariance) * both,
         np.exp(level + covariance) * apart,
     )
 
 
-def waves_backward(tape: Waves, wanted: Waves) -> tuple[Array, Array]:
+def waves_backward(tape: AngleWaves, wanted: AngleWaves) -> tuple[Array, Array]:
     """Return the adjoints of mean and covariance, shapes (..., k) and (..., k, k).
 
     Args:
@@ -70,7 +70,7 @@ class LiftTape(NamedTuple):
     """What the adjoint of a lift needs."""
 
     S: Array
-    waves: Waves
+    waves: AngleWaves
     cross: Array
 
 
@@ -128,7 +128,7 @@ class Lift:
         into_sine = into_sine - (xc * cross).sum(axis=-2)
         into_cosine = mean[..., c] - 2.0 * _times(cc, cosine) - 2.0 * _times(sc.mT, sine)
         into_cosine = into_cosine + (xs * cross).sum(axis=-2)
-        wanted = Waves(
+        wanted = AngleWaves(
             into_cosine + 1j * into_sine,
             0.5 * (cc - ss) + 1j * sc,
             0.5 * (cc + ss) + 1j * sc,
@@ -172,7 +172,7 @@ class Squash(Squasher):
         self._share = half @ np.concatenate([1.125 * eye, 0.125 * eye], axis=1)
         self._steep = half @ np.concatenate([1.125 * eye, 0.375 * eye], axis=1)
 
-    def forward(self, m: Array, S: Array) -> tuple[Array, Array, Array, Waves]:
+    def forward(self, m: Array, S: Array) -> tuple[Array, Array, Array, AngleWaves]:
         """Return mean and covariance of u, E[du/dr], shape (..., actions), and the tape."""
         angles = self._angles
         waves = waves_forward(m @ angles.T, angles @ S @ angles.T)
@@ -183,12 +183,14 @@ class Squash(Squasher):
         return mean, self._share @ inner @ self._share.T, cosine @ self._steep.T, waves
 
     def backward(
-        self, tape: Waves, mean: Array, covariance: Array, gain: Array
+        self, tape: AngleWaves, mean: Array, covariance: Array, gain: Array
     ) -> tuple[Array, Array]:
         """Return the adjoints of m and S from those of what `forward` gave."""
         inner = self._share.T @ covariance @ self._share
         into_sine = mean @ self._share - _times(inner + inner.mT, tape.single.imag)
-        wanted = Waves(gain @ self._steep + 1j * into_sine, -0.5 * inner + 0.0j, 0.5 * inner + 0.0j)
+        wanted = AngleWaves(
+            gain @ self._steep + 1j * into_sine, -0.5 * inner + 0.0j, 0.5 * inner + 0.0j
+        )
         into_angle, into_spread = waves_backward(tape, wanted)
         return into_angle @ self._angles, self._angles.T @ into_spread @ self._angles
 

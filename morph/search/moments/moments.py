@@ -21,7 +21,7 @@ class Moments(NamedTuple):
     """E[df/dx], shape (..., e, d); the covariance of x with f is S slope' (Stein's lemma)."""
 
 
-class Tape(NamedTuple):
+class MomentTape(NamedTuple):
     """What the adjoint needs of the way there."""
 
     delta: Array
@@ -88,7 +88,7 @@ class ProcessMoments:
         apart = np.minimum(x @ x.T - 0.5 * square[:, None] - 0.5 * square, 0.0)
         return np.asarray(W * np.exp(apart) * (process.signal[a] * process.signal[b]) ** 2)
 
-    def forward(self, m: Array, S: Array) -> tuple[Moments, Tape]:
+    def forward(self, m: Array, S: Array) -> tuple[Moments, MomentTape]:
         """Return the moments at x ~ N(m, S), and what the adjoint needs.
 
         Args:
@@ -119,7 +119,7 @@ class ProcessMoments:
         covariance -= mean[..., :, None] * mean[..., None, :]
         covariance[..., self._eye, self._eye] += self._own
         out = Moments(mean, covariance, slope)
-        return out, Tape(delta, U, w, out, V, zeroth, first, second)
+        return out, MomentTape(delta, U, w, out, V, zeroth, first, second)
 
     def _squares(self, near: Array, V: Array) -> tuple[Array, Array, Array]:
         """Return the sums over pairs of data, and their moments of z - m, without |.| factors."""
@@ -159,7 +159,7 @@ class ProcessMoments:
         return zeroth, first, second
 
     def backward(
-        self, tape: Tape, mean: Array, covariance: Array, slope: Array
+        self, tape: MomentTape, mean: Array, covariance: Array, slope: Array
     ) -> tuple[Array, Array]:
         """Return the adjoints of m and S from those of the moments.
 

@@ -15,7 +15,7 @@ from morph.policy.policy import Policy
 from morph.search.evaluate import evaluate
 from morph.search.plan.evaluate_plan import concluded
 from morph.search.plan.filtered import Along, along, filtered, gains
-from morph.search.plan.initial_trajectories import Ground, led, swung
+from morph.search.plan.initial_trajectories import SeedInputs, led, swung
 from morph.search.plan.plan_selection import SURE, Planned, joined, sifted
 from morph.search.plan.policy import track_of
 from morph.search.plan.terminal_controller import grounded
@@ -23,7 +23,7 @@ from morph.search.plan.warm_start import recalled
 from morph.search.search import Learned, Problem, Trial
 from morph.search.trajectory.backward import backward
 from morph.search.trajectory.ddp import DAMPING, LENGTHS, Trajectories
-from morph.search.trajectory.delay_augmented_plant import Line, prompt
+from morph.search.trajectory.delay_augmented_plant import DelayAugmentedPlant, prompt
 from morph.sim.simulator import Simulator
 from morph.sim.threads import one_thread
 from morph.task.task import Task
@@ -56,7 +56,7 @@ RUNS = 24
 """Noisy runs by which led plans are judged."""
 
 
-def led_late(ground: Ground, line: Line, plan: Trajectories) -> Trajectories:
+def led_late(ground: SeedInputs, line: DelayAugmentedPlant, plan: Trajectories) -> Trajectories:
     """Return a plan, made as if commands were prompt, led so that they come in time.
 
     First it is followed with the feedback of the linear-quadratic problem about it, which knows
@@ -75,7 +75,7 @@ def led_late(ground: Ground, line: Line, plan: Trajectories) -> Trajectories:
     return improved(ground, line, now.rows(np.array([int(np.argmin(now.cost))])))
 
 
-def improved(ground: Ground, line: Line, now: Trajectories) -> Trajectories:
+def improved(ground: SeedInputs, line: DelayAugmentedPlant, now: Trajectories) -> Trajectories:
     """Return one run of a late body, improved by differential dynamic programming."""
     low, high = ground.bounds
     scale = (0.5 * (line.high - line.low)) ** -2.0
@@ -100,7 +100,7 @@ def improved(ground: Ground, line: Line, now: Trajectories) -> Trajectories:
     return now
 
 
-def _near(ground: Ground, line: Line, plan: Trajectories, given: Array) -> Along:
+def _near(ground: SeedInputs, line: DelayAugmentedPlant, plan: Trajectories, given: Array) -> Along:
     """Return what a late body does near a plan, and then at rest."""
     plain = along(ground, plan)
     A, B, push = line.linearised(plan.position[:, :-1], plan.velocity[:, :-1], given)
@@ -144,11 +144,11 @@ def late(
     """
     began = time.monotonic()
     bodies = (simulator, *others)
-    best: tuple[Ground, Planned] | None = None
+    best: tuple[SeedInputs, Planned] | None = None
     record: list[Trial] = []
     plain = prompt(simulator)
     with one_thread():
-        line = Line(simulator, task.period, task.samples - 1)
+        line = DelayAugmentedPlant(simulator, task.period, task.samples - 1)
         for number, (rows, margin) in enumerate(tries, start=1):
             rng = np.random.default_rng([seed, number])
             ground = grounded(task, plain, margin=margin, rng=rng)
@@ -182,7 +182,11 @@ def late(
 
 
 def _fed(
-    ground: Ground, line: Line, plan: Trajectories, bodies: Sequence[Simulator], seed: list[int]
+    ground: SeedInputs,
+    line: DelayAugmentedPlant,
+    plan: Trajectories,
+    bodies: Sequence[Simulator],
+    seed: list[int],
 ) -> Planned:
     """Return a led plan with the feedback that does best in noisy runs of late bodies."""
     near = _near(ground, line, plan, line.arriving(plan.command))

@@ -7,14 +7,14 @@ from dataclasses import replace
 import numpy as np
 
 from morph.arrays import Array
-from morph.search.plan.initial_trajectories import Ground
+from morph.search.plan.initial_trajectories import SeedInputs
 from morph.search.plan.terminal_controller import aided
 from morph.search.trajectory.backward import backward
 from morph.search.trajectory.ddp import Trajectories
 from morph.search.trajectory.linearise import linearise
 
 
-def feedback(ground: Ground, plans: Trajectories, effort: float) -> Array:
+def feedback(ground: SeedInputs, plans: Trajectories, effort: float) -> Array:
     """Return the gain at every period of every plan, shape (plans, periods, m, n).
 
     Of the linear-quadratic problem about the plan, its commands unbounded: where the plan

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from morph.arrays import Array
-from morph.search.plan.initial_trajectories import Ground
+from morph.search.plan.initial_trajectories import SeedInputs
 from morph.search.plan.terminal_controller import aided
 from morph.search.trajectory.backward import backward
 from morph.search.trajectory.cost import Quadratic
@@ -43,7 +43,7 @@ class Along:
     """Share of a change of a command that its bounds let through, (plans, periods, m)."""
 
 
-def along(ground: Ground, plans: Trajectories, still: int = SETTLED) -> Along:
+def along(ground: SeedInputs, plans: Trajectories, still: int = SETTLED) -> Along:
     """Return what a body does near plans, and then for some periods at rest."""
     plant, rest = ground.plant, ground.still
     A, B = linearise(plant, plans.position[:, :-1], plans.velocity[:, :-1], plans.command)
@@ -86,7 +86,7 @@ def along(ground: Ground, plans: Trajectories, still: int = SETTLED) -> Along:
 
 
 def filtered(
-    ground: Ground, near: Along, effort: float, doubt: float, *, ages: int = AGES
+    ground: SeedInputs, near: Along, effort: float, doubt: float, *, ages: int = AGES
 ) -> Array:
     """Return the gain on what was seen at each sample and before, (plans, periods + 1, m, ages, n).
 

@@ -13,7 +13,7 @@ from morph.arrays import Array, Integers
 from morph.search.plan.bang_bang import Switches, drawn
 from morph.search.regulator.lqr import Regulator
 from morph.search.regulator.rest import Rest, driven, off_rest, unlimited
-from morph.search.trajectory.backward import Law, backward
+from morph.search.trajectory.backward import FeedbackLaw, backward
 from morph.search.trajectory.cost import Quadratic, TaskCost
 from morph.search.trajectory.ddp import Trajectories, follow
 from morph.search.trajectory.linearise import linearise
@@ -40,7 +40,7 @@ MOST_PATHS = 64
 
 
 @dataclass(frozen=True, kw_only=True)
-class Ground:
+class SeedInputs:
     """What every guess stands on."""
 
     cost: TaskCost
@@ -78,7 +78,7 @@ class Ground:
 
 
 def swung(
-    ground: Ground,
+    ground: SeedInputs,
     rows: int,
     keep: int,
     rng: np.random.Generator,
@@ -118,7 +118,7 @@ def swung(
     return _best(ground, runs, keep)
 
 
-def ranked(ground: Ground, plant: Plant, command: Array) -> tuple[Integers, Trajectories]:
+def ranked(ground: SeedInputs, plant: Plant, command: Array) -> tuple[Integers, Trajectories]:
     """Return the numbers of the most promising commands, the best first, and their runs.
 
     A cost-to-go promises too much far from rest, so the regulator shows what it can catch.
@@ -135,7 +135,7 @@ def ranked(ground: Ground, plant: Plant, command: Array) -> tuple[Integers, Traj
     return order[best], runs.rows(best)
 
 
-def slowest_swing(ground: Ground) -> float:
+def slowest_swing(ground: SeedInputs) -> float:
     """Return the period of the slowest oscillation about the start, s; a third of the run if none.
 
     x' = A x with eigenvalues exp(+-i angle), and angle < pi, oscillates with 2 pi period / angle.
@@ -148,7 +148,7 @@ def slowest_swing(ground: Ground) -> float:
     return 2.0 * np.pi * ground.plant.period / float(angles.min()) if len(angles) else horizon / 3.0
 
 
-def _judged(ground: Ground, plant: Plant, command: Array) -> tuple[Array, Integers]:
+def _judged(ground: SeedInputs, plant: Plant, command: Array) -> tuple[Array, Integers]:
     """Return what swings may cost, (rows,), and after which period the regulator takes over."""
     cost = ground.cost
     q, v = plant.rollout(*ground.starts(len(command)), command)
@@ -167,7 +167,7 @@ def _judged(ground: Ground, plant: Plant, command: Array) -> tuple[Array, Intege
     return total.min(axis=1), total.argmin(axis=1)
 
 
-def taken_over(ground: Ground, plant: Plant, command: Array, reach: Integers) -> Trajectories:
+def taken_over(ground: SeedInputs, plant: Plant, command: Array, reach: Integers) -> Trajectories:
     """Return runs that follow commands through so many periods, and then the regulator."""
     still, low, high = ground.still, *ground.bounds
     rows = len(command)
@@ -184,16 +184,16 @@ def taken_over(ground: Ground, plant: Plant, command: Array, reach: Integers) ->
     return costed(ground, q, v, u)
 
 
-def costed(ground: Ground, q: Array, v: Array, u: Array) -> Trajectories:
+def costed(ground: SeedInputs, q: Array, v: Array, u: Array) -> Trajectories:
     """Return trajectories with what they cost."""
     return Trajectories(position=q, velocity=v, command=u, cost=ground.cost.values(q, v, u).sum(-1))
 
 
-def _best(ground: Ground, runs: Trajectories, keep: int) -> Trajectories:
+def _best(ground: SeedInputs, runs: Trajectories, keep: int) -> Trajectories:
     return runs.rows(np.argsort(runs.cost)[:keep])
 
 
-def led(ground: Ground, keep: int) -> Trajectories:
+def led(ground: SeedInputs, keep: int) -> Trajectories:
     """Return the best runs along straight paths from the start to the rest, with feedback.
 
     Every joint goes from where it is to where it should be, as smoothly as it can (a minimum of
@@ -220,7 +220,7 @@ def led(ground: Ground, keep: int) -> Trajectories:
     )
     wide = np.full(u.shape, np.inf)
     law = backward(A, B, flat, -wide, wide, np.zeros((rows, m)))
-    still = Law(change=np.zeros_like(u), gain=law.gain, promised=law.promised)
+    still = FeedbackLaw(change=np.zeros_like(u), gain=law.gain, promised=law.promised)
     plan = Trajectories(position=q, velocity=v, command=u, cost=np.zeros(rows))
     edge = np.broadcast_to(low, u.shape), np.broadcast_to(high, u.shape)
     run = follow(plant, plan, still, *edge)
@@ -229,7 +229,7 @@ def led(ground: Ground, keep: int) -> Trajectories:
     return _best(ground, costed(ground, run.position, run.velocity, run.command), keep)
 
 
-def _paths(ground: Ground) -> list[tuple[Array, Array, Array]]:
+def _paths(ground: SeedInputs) -> list[tuple[Array, Array, Array]]:
     """Return positions, velocities and commands of straight paths, each with a row of its own."""
     plant = ground.plant
     model = plant.model
@@ -255,7 +255,7 @@ def _paths(ground: Ground) -> list[tuple[Array, Array, Array]]:
     return found
 
 
-def _inverse(ground: Ground, model: Any, data: Any, q: Array, v: Array) -> Array:
+def _inverse(ground: SeedInputs, model: Any, data: Any, q: Array, v: Array) -> Array:
     """Return the commands that best move a body along states, shape (periods, nu)."""
     period = ground.plant.period
     command = np.empty((len(q) - 1, ground.plant.model.nu))

@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 
 from morph.arrays import Array, Mask
-from morph.search.plan.initial_trajectories import Ground
+from morph.search.plan.initial_trajectories import SeedInputs
 from morph.search.trajectory.ddp import Trajectories
 from morph.search.trajectory.plant import Plant
 
 
 def tried(
-    ground: Ground,
+    ground: SeedInputs,
     plans: Trajectories,
     gain: Array,
     rows: int,

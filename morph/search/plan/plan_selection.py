@@ -10,7 +10,7 @@ import numpy as np
 
 from morph.arrays import Array, Integers
 from morph.search.plan.filtered import along, filtered
-from morph.search.plan.initial_trajectories import Ground, led, swung
+from morph.search.plan.initial_trajectories import SeedInputs, led, swung
 from morph.search.plan.noisy import tried
 from morph.search.trajectory.ddp import Trajectories, ddp
 from morph.search.trajectory.plant import Plant
@@ -73,7 +73,7 @@ class Planned:
 
 
 def planned(
-    ground: Ground, *, rows: int, keep: int, most: int, runs: int, rng: np.random.Generator
+    ground: SeedInputs, *, rows: int, keep: int, most: int, runs: int, rng: np.random.Generator
 ) -> Planned:
     """Return the best of one round: guesses, improved, each with feedback, tried in the noise.
 
@@ -92,7 +92,7 @@ def planned(
 
 
 def refined(
-    ground: Ground,
+    ground: SeedInputs,
     guesses: Trajectories,
     *,
     keep: int,
@@ -104,7 +104,7 @@ def refined(
     return judged(ground, sifted(ground, guesses, keep=keep, most=most), runs=runs, rng=rng)
 
 
-def sifted(ground: Ground, guesses: Trajectories, *, keep: int, most: int) -> Trajectories:
+def sifted(ground: SeedInputs, guesses: Trajectories, *, keep: int, most: int) -> Trajectories:
     """Return the best of some guesses, once improved; the arguments are `planned`'s."""
     order = np.argsort(guesses.cost)[:keep]
     order = order[guesses.cost[order] <= HOPELESS * guesses.cost[order[0]]]
@@ -113,7 +113,7 @@ def sifted(ground: Ground, guesses: Trajectories, *, keep: int, most: int) -> Tr
 
 
 def judged(
-    ground: Ground,
+    ground: SeedInputs,
     plans: Trajectories,
     *,
     runs: int,

@@ -15,7 +15,7 @@ from morph.policy.linear import Linear
 from morph.policy.observing import addresses, observations_of
 from morph.policy.policy import actions_of
 from morph.policy.track import Track
-from morph.search.plan.initial_trajectories import Ground
+from morph.search.plan.initial_trajectories import SeedInputs
 from morph.search.plan.plan_selection import Planned
 from morph.search.regulator.lqr import Regulator
 from morph.search.regulator.rest import Rest
@@ -24,7 +24,7 @@ from morph.search.trajectory.tangent import apart
 from morph.task.task import Task
 
 
-def track_of(ground: Ground, found: Planned) -> Track:
+def track_of(ground: SeedInputs, found: Planned) -> Track:
     """Return a plan as a policy; beyond its end the regulator holds the state of rest.
 
     Raises:

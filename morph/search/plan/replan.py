@@ -12,7 +12,7 @@ from morph.errors import SearchError
 from morph.policy.policy import Policy
 from morph.search.plan.delayed_actuation import late
 from morph.search.plan.evaluate_plan import concluded
-from morph.search.plan.initial_trajectories import SWING_SHARE, Ground, led, swung
+from morph.search.plan.initial_trajectories import SWING_SHARE, SeedInputs, led, swung
 from morph.search.plan.plan_selection import KINDS, SURE, Planned, joined, judged, sifted
 from morph.search.plan.policy import track_of
 from morph.search.plan.terminal_controller import grounded
@@ -26,7 +26,7 @@ from morph.task.task import Task
 
 
 @dataclass(frozen=True, kw_only=True)
-class Effort:
+class ReplanBudget:
     """What one stage of planning again spends."""
 
     recalled: int
@@ -48,11 +48,11 @@ class Effort:
 
 
 STAGES = (
-    Effort(recalled=32, rows=96, keep=2, most=8, runs=16, kinds=KINDS[1:4]),
-    Effort(recalled=64, rows=128, keep=3, most=15, runs=24),
-    Effort(recalled=0, rows=768, keep=4, most=20, runs=32),
-    Effort(recalled=0, rows=768, keep=4, most=20, runs=32, margin=0.1),
-    Effort(recalled=0, rows=1536, keep=6, most=30, runs=32),
+    ReplanBudget(recalled=32, rows=96, keep=2, most=8, runs=16, kinds=KINDS[1:4]),
+    ReplanBudget(recalled=64, rows=128, keep=3, most=15, runs=24),
+    ReplanBudget(recalled=0, rows=768, keep=4, most=20, runs=32),
+    ReplanBudget(recalled=0, rows=768, keep=4, most=20, runs=32, margin=0.1),
+    ReplanBudget(recalled=0, rows=1536, keep=6, most=30, runs=32),
 )
 """Ever greater effort, until a plan succeeds; the last three are what a fresh search does."""
 
@@ -64,7 +64,7 @@ def again(
     *,
     seed: int,
     others: Sequence[Simulator] = (),
-    stages: Sequence[Effort] = STAGES,
+    stages: Sequence[ReplanBudget] = STAGES,
     seconds: float = np.inf,
 ) -> Learned:
     """Return a plan with feedback for a task in a changed simulator, from an old policy.
@@ -90,9 +90,9 @@ def again(
     if is_late(simulator):
         return late(task, simulator, old, seed=seed, others=others)
     began = time.monotonic()
-    best: tuple[Ground, Planned] | None = None
+    best: tuple[SeedInputs, Planned] | None = None
     record: list[Trial] = []
-    grounds: dict[float, Ground] = {}
+    grounds: dict[float, SeedInputs] = {}
     plants = [Plant(each, task.period) for each in others]
     with one_thread():
         for number, effort in enumerate(stages, start=1):
@@ -134,10 +134,10 @@ def again(
 
 
 def _stage(
-    ground: Ground,
+    ground: SeedInputs,
     simulator: Simulator,
     old: Policy | None,
-    effort: Effort,
+    effort: ReplanBudget,
     plants: Sequence[Plant],
     rng: np.random.Generator,
 ) -> Planned:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from morph.arrays import Array
-from morph.search.plan.initial_trajectories import Ground
+from morph.search.plan.initial_trajectories import SeedInputs
 from morph.search.regulator.lqr import Regulator, noise_aware
 from morph.search.regulator.rest import Rest, rest
 from morph.search.trajectory.cost import Quadratic, TaskCost, quadratic_of
@@ -30,7 +30,7 @@ FEWER = {"rk4": 0.4, "implicitfast": 0.2}
 
 def grounded(
     task: Task, simulator: Simulator, *, margin: float, rng: np.random.Generator
-) -> Ground:
+) -> SeedInputs:
     """Return what a plan for a task stands on.
 
     Raises:
@@ -41,7 +41,7 @@ def grounded(
     still = rest(task, plant, rng)
     regulator = held(task, plant, still)
     q, v = task.start.sample(task.robot, plant.model, 1, None)
-    return Ground(
+    return SeedInputs(
         cost=_cost(task, plant, still, regulator.worth),
         still=still,
         regulator=regulator,

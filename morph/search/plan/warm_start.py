@@ -8,7 +8,7 @@ from morph.arrays import Array
 from morph.policy.policy import Policy
 from morph.policy.track import Track
 from morph.search.evaluate import attempt
-from morph.search.plan.initial_trajectories import Ground, ranked
+from morph.search.plan.initial_trajectories import SeedInputs, ranked
 from morph.search.trajectory.ddp import Trajectories
 from morph.sim.simulator import Simulator
 
@@ -20,7 +20,7 @@ STRETCH, HARDER = 0.3, 0.3
 
 
 def recalled(
-    ground: Ground,
+    ground: SeedInputs,
     simulator: Simulator,
     old: Policy,
     *,
@@ -54,7 +54,9 @@ def recalled(
     return runs.rows(np.argsort(runs.cost)[:keep])
 
 
-def _plain(ground: Ground, simulator: Simulator, old: Policy, rng: np.random.Generator) -> Array:
+def _plain(
+    ground: SeedInputs, simulator: Simulator, old: Policy, rng: np.random.Generator
+) -> Array:
     """Return what an old policy commands now, and once planned, shape (rows, periods, nu)."""
     task, periods = ground.cost.task, ground.periods
     parts = [

@@ -12,7 +12,7 @@ from morph.search.trajectory.cost import Quadratic
 
 
 @dataclass(frozen=True, kw_only=True)
-class Law:
+class FeedbackLaw:
     """How commands change with the state: du = change + gain dx."""
 
     change: Array
@@ -30,7 +30,7 @@ def backward(
     low: Array,
     high: Array,
     damping: Array,
-) -> Law:
+) -> FeedbackLaw:
     """Return the best change of every command and its gain, from the last period to the first.
 
     With V the cost-to-go, Q(dx, du) = cost(dx, du) + V(A dx + B du). The change makes Q least
@@ -77,4 +77,4 @@ def backward(
         Vxx = Qxx + Kt @ Quu @ K + Kt @ Qux + np.swapaxes(Qux, -1, -2) @ K
         Vxx = 0.5 * (Vxx + np.swapaxes(Vxx, -1, -2))
         change[:, at], gain[:, at] = k, K
-    return Law(change=change, gain=gain, promised=promised)
+    return FeedbackLaw(change=change, gain=gain, promised=promised)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from morph.arrays import Array, Integers
-from morph.search.trajectory.backward import Law, backward
+from morph.search.trajectory.backward import FeedbackLaw, backward
 from morph.search.trajectory.cost import TaskCost
 from morph.search.trajectory.linearise import linearise
 from morph.search.trajectory.plant import Plant
@@ -87,7 +87,7 @@ def ddp(
 
 def law_of(
     plant: Plant, cost: TaskCost, now: Trajectories, low: Array, high: Array, damping: Array
-) -> Law:
+) -> FeedbackLaw:
     """Return the law of one backward pass along trajectories; low and high bound the commands."""
     A, B = linearise(plant, now.position[:, :-1], now.velocity[:, :-1], now.command)
     quadratic = cost.quadratic(now.position, now.velocity, now.command)
@@ -98,7 +98,7 @@ def law_of(
 def follow(
     plant: Plant,
     plan: Trajectories,
-    law: Law,
+    law: FeedbackLaw,
     low: Array,
     high: Array,
     *,
@@ -144,13 +144,15 @@ def restarted(plant: Plant, cost: TaskCost, plan: Trajectories, command: Array) 
 
 
 def _tried(
-    plant: Plant, cost: TaskCost, now: Trajectories, law: Law, low: Array, high: Array
+    plant: Plant, cost: TaskCost, now: Trajectories, law: FeedbackLaw, low: Array, high: Array
 ) -> Trajectories:
     """Return the best of all lengths, a row each."""
     rows, many = len(now.cost), len(LENGTHS)
     each = np.repeat(np.arange(rows), many)
     length = np.tile(np.array(LENGTHS), rows)
-    repeated = Law(change=law.change[each], gain=law.gain[each], promised=law.promised[each])
+    repeated = FeedbackLaw(
+        change=law.change[each], gain=law.gain[each], promised=law.promised[each]
+    )
     run = follow(plant, now.rows(each), repeated, low[each], high[each], length=length)
     total = cost.values(run.position, run.velocity, run.command).sum(-1)
     best = np.arange(rows) * many + np.argmin(total.reshape(rows, many), axis=1)

@@ -40,7 +40,7 @@ def _late(effect: Effect) -> bool:
     return type(effect).command is not Effect.command
 
 
-class Line:
+class DelayAugmentedPlant:
     """A body behind the line on which its commands travel.
 
     Its state is z = (x, du of the last period, du of the one before, ...), as many as matter.

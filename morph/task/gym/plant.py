@@ -21,7 +21,7 @@ from morph.task.moved import Places
 from morph.task.task import Task
 
 
-class Plant:
+class BatchPlant:
     """Simulations of a task's body, each at its own time.
 
     Args:

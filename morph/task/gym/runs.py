@@ -12,7 +12,7 @@ from morph.arrays import Array, Integers, Mask
 from morph.errors import SimulationFailed, TaskError
 from morph.physics.effect import Effect
 from morph.sim.drive import sensed
-from morph.task.gym.plant import Plant
+from morph.task.gym.plant import BatchPlant
 from morph.task.gym.spaces import MOST, channels, columns, command_range
 from morph.task.moved import Moved
 from morph.task.task import UNSTABLE, Task
@@ -22,7 +22,7 @@ DRAWN = 16
 
 
 @dataclass(frozen=True, kw_only=True)
-class Step:
+class PeriodStep:
     """What one control period showed of some runs."""
 
     reward: Array
@@ -56,7 +56,7 @@ class Runs:
     def __init__(self, task: Task, rows: int, effects: tuple[Effect, ...] = ()) -> None:
         """Compile the body, and start nothing yet."""
         self.task = task
-        self._plant = Plant(task, rows, effects)
+        self._plant = BatchPlant(task, rows, effects)
         model = self._plant.model
         names = channels(task.robot) if task.observes is None else task.observes
         self._columns = columns(task.robot, model, names)
@@ -116,7 +116,7 @@ class Runs:
             reading += self.task.noise * self._noise[rows, age]
         return np.asarray(np.clip(reading, -MOST, MOST))
 
-    def step(self, rows: Integers, action: ArrayLike) -> Step:
+    def step(self, rows: Integers, action: ArrayLike) -> PeriodStep:
         """Let some runs go on for a control period.
 
         Args:
@@ -139,7 +139,7 @@ class Runs:
         cost = np.sum([np.zeros(len(rows)), *costs.values()], axis=0)
         cost[unstable] = UNSTABLE - self._spent[rows[unstable]]
         self._spent[rows] += cost
-        return Step(
+        return PeriodStep(
             reward=-cost,
             terminated=unstable,
             truncated=ended,

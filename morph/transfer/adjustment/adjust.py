@@ -10,14 +10,14 @@ import numpy as np
 from align.adjust import Adjustment, adjustment
 from align.inverse import GaussianInverse, Inverse, gaussian_inverse, local_inverse
 from align.regression import MOST_DATA
-from align.tracking_feasibility import Following, following
+from align.tracking_feasibility import TrackingFeasibility, following
 from morph.errors import TransferError
 from morph.policy.adjusted import Adjusted, newest
 from morph.policy.angles import turning
 from morph.policy.policy import Policy
 from morph.search.target import Experience
 from morph.transfer.adjustment.beyond import beyond
-from morph.transfer.adjustment.source import Source, states_of
+from morph.transfer.adjustment.source import SimulatedTask, states_of
 
 STARTS = ("both", "source", "target")
 """Whose states the adjustment is learned at."""
@@ -27,7 +27,7 @@ INVERSES = ("gaussian", "local")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Settings:
+class AdjustSettings:
     """How a policy is adjusted."""
 
     starts: str = "both"
@@ -49,7 +49,7 @@ class Settings:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Made:
+class AdjustedPolicy:
     """An adjusted policy, and what it was made of."""
 
     policy: Adjusted
@@ -58,21 +58,21 @@ class Made:
     """What it adds, for other policies of the same pair of bodies too."""
     inverse: Inverse
     """The target's inverse dynamics."""
-    followed: Following
+    followed: TrackingFeasibility
     """Which steps of the source's run the target can follow: thesis eq. 11."""
     beyond: float
     """How much of what the target did no command of the source explains; 1 is what noise does."""
 
 
 def adjusted(
-    source: Source,
+    source: SimulatedTask,
     policy: Policy,
     runs: Sequence[Experience],
     *,
     rng: np.random.Generator,
-    settings: Settings | None = None,
+    settings: AdjustSettings | None = None,
     inverse: Inverse | None = None,
-) -> Made:
+) -> AdjustedPolicy:
     """Return a policy under which the target does what the source does under the given one.
 
     The target's inverse dynamics g are learned from its runs. At states x of the source, the
@@ -86,7 +86,7 @@ def adjusted(
         policy: What to adjust; of one that was adjusted before, its source is adjusted anew.
         runs: What the target did, under this policy or any other.
         rng: The chance of the source's own run.
-        settings: How; None for `Settings()`.
+        settings: How; None for `AdjustSettings()`.
         inverse: Inverse dynamics of the target that are known already; None to learn them.
 
     Raises:
@@ -94,7 +94,7 @@ def adjusted(
         SearchError: The policy's control period is not the task's.
         SamplesError: The runs show too little, or hold what is no number.
     """
-    how = settings or Settings()
+    how = settings or AdjustSettings()
     policy = policy.source if isinstance(policy, Adjusted) else policy
     inverse = inverse or inverse_of(source, runs, how)
     own = source.run(policy, rng)
@@ -111,7 +111,7 @@ def adjusted(
     now = newest(policy.observation)
     angles = np.asarray(turning(source.task.robot, policy.observation)[now], dtype=bool)
     found = adjustment(observed[some][:, now], u[some], replicating, angles, variance)
-    return Made(
+    return AdjustedPolicy(
         policy=applied(found, policy),
         adjustment=found,
         inverse=inverse,
@@ -120,7 +120,7 @@ def adjusted(
     )
 
 
-def inverse_of(source: Source, runs: Sequence[Experience], how: Settings) -> Inverse:
+def inverse_of(source: SimulatedTask, runs: Sequence[Experience], how: AdjustSettings) -> Inverse:
     """Return the inverse dynamics of the target, learned from its runs."""
     seen = source.transitions(runs)
     guess = source.inverse if how.guessed else None
@@ -131,8 +131,8 @@ def inverse_of(source: Source, runs: Sequence[Experience], how: Settings) -> Inv
 
 
 def followed(
-    source: Source, own: Experience, runs: Sequence[Experience], inverse: Inverse
-) -> Following:
+    source: SimulatedTask, own: Experience, runs: Sequence[Experience], inverse: Inverse
+) -> TrackingFeasibility:
     """Return which steps of the source's run the target can follow: thesis eq. 11."""
     return following(
         source.transitions([own]),

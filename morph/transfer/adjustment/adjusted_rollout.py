@@ -17,7 +17,7 @@ from morph.search.plan.policy import columns
 from morph.search.trajectory.plant import Stepped
 from morph.task.moved import Moved
 from morph.transfer.adjustment.adjust import applied
-from morph.transfer.adjustment.source import Source
+from morph.transfer.adjustment.source import SimulatedTask
 
 STEPS = 6
 """Most steps of Newton's method by which a command is solved for."""
@@ -50,7 +50,7 @@ class Pretended(Stepped):
     """
 
     def __init__(
-        self, source: Source, found: Adjustment, observation: tuple[Observation, ...]
+        self, source: SimulatedTask, found: Adjustment, observation: tuple[Observation, ...]
     ) -> None:
         if any(each.delay_s > 0.0 for each in observation):
             raise TransferError(
@@ -92,7 +92,7 @@ class Pretended(Stepped):
         return _unclamped(self.source, position, velocity, self.felt(state, told))
 
 
-def _unclamped(source: Source, q: Array, v: Array, u: Array) -> tuple[Array, Array]:
+def _unclamped(source: SimulatedTask, q: Array, v: Array, u: Array) -> tuple[Array, Array]:
     """Return what commands beyond a source's bounds would do: MuJoCo would clamp them."""
     plant = source.plant
     inside = np.clip(u, plant.low, plant.high)
@@ -115,7 +115,7 @@ def _unclamped(source: Source, q: Array, v: Array, u: Array) -> tuple[Array, Arr
 
 
 def foreseen(
-    source: Source, stepped: Stepped, policy: Policy, *, rows: int, rng: np.random.Generator
+    source: SimulatedTask, stepped: Stepped, policy: Policy, *, rows: int, rng: np.random.Generator
 ) -> Score:
     """Return how a policy does in noisy runs of what the target is taken to do."""
     task, model = source.task, source.plant.model
@@ -143,7 +143,7 @@ def foreseen(
 
 
 def most_promising(
-    source: Source,
+    source: SimulatedTask,
     found: Adjustment,
     policies: Sequence[Policy],
     *,

@@ -9,10 +9,10 @@ import numpy as np
 from align.states import change
 from morph.search.target import Experience
 from morph.search.trajectory.linearise import linearise
-from morph.transfer.adjustment.source import Source
+from morph.transfer.adjustment.source import SimulatedTask
 
 
-def beyond(source: Source, runs: Sequence[Experience]) -> float:
+def beyond(source: SimulatedTask, runs: Sequence[Experience]) -> float:
     """Return how far a target's steps are from what the source could do, in what noise does.
 
     A command moves a state along B alone. What remains of a step beside B, after the command of

@@ -18,7 +18,7 @@ from morph.task.task import Task
 
 
 @dataclass(frozen=True, kw_only=True)
-class Direct:
+class DirectAdjustment:
     """A law b + W z added to a policy, its numbers found by CMA-ES on so many trials.
 
     It is the alternative of thesis section 3.3 to adjusting: no model, no inverse dynamics, and

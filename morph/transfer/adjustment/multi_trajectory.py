@@ -19,7 +19,7 @@ from morph.search.evaluate import Score
 from morph.search.trajectory.plant import Stepped
 from morph.transfer.adjustment.adjust import applied
 from morph.transfer.adjustment.adjusted_rollout import Pretended, foreseen, judged
-from morph.transfer.adjustment.source import Source
+from morph.transfer.adjustment.source import SimulatedTask
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,7 +50,7 @@ class Many:
 
     def trained(
         self,
-        source: Source,
+        source: SimulatedTask,
         found: Adjustment,
         policies: Sequence[Policy],
         *,
@@ -89,7 +89,7 @@ class Many:
             u = np.concatenate([u, *(each[1] for each in more)])
 
     def _fitted(
-        self, source: Source, like: Policy, x: Array, u: Array, rng: np.random.Generator
+        self, source: SimulatedTask, like: Policy, x: Array, u: Array, rng: np.random.Generator
     ) -> Radial:
         """Return radial functions at some of the states, their weights by ridge regression."""
         seen = tuple(replace(each, history=1) for each in like.observation)
@@ -123,7 +123,7 @@ class Many:
 
 
 def _run(
-    source: Source,
+    source: SimulatedTask,
     stepped: Stepped,
     policy: Policy,
     guide: Policy,

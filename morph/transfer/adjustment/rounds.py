@@ -14,23 +14,23 @@ from morph.search.ddp import Plan
 from morph.search.search import Problem
 from morph.search.target import Experience, Target
 from morph.sim.threads import one_thread
-from morph.transfer.adjustment.adjust import Made, Settings, adjusted, applied
+from morph.transfer.adjustment.adjust import AdjustedPolicy, AdjustSettings, adjusted, applied
 from morph.transfer.adjustment.adjusted_rollout import most_promising
-from morph.transfer.adjustment.source import Source
+from morph.transfer.adjustment.source import SimulatedTask
 
 MARGINS = (0.0, 0.2, 0.3)
 """Shares of the commands' range that the source's plans leave free: the more, the slower."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Round:
+class AdjustmentRound:
     """One policy, and what it did on the target."""
 
     policy: Policy
     """What was run."""
     shown: Experience
     """What the target did."""
-    made: Made | None
+    made: AdjustedPolicy | None
     """What was adjusted; None for the source's own policy, which comes first."""
     promised: float
     """Share of noisy runs that were foreseen to succeed; nan where nothing was foreseen."""
@@ -38,7 +38,9 @@ class Round:
     """Wall time that it took to make, s."""
 
 
-def sources(source: Source, *, seed: int, margins: Sequence[float] = MARGINS) -> tuple[Policy, ...]:
+def sources(
+    source: SimulatedTask, *, seed: int, margins: Sequence[float] = MARGINS
+) -> tuple[Policy, ...]:
     """Return plans for the source that leave ever more of the commands' range free.
 
     The first is as good as the bounds permit. The others are for a target that needs more than
@@ -49,15 +51,15 @@ def sources(source: Source, *, seed: int, margins: Sequence[float] = MARGINS) ->
 
 
 def rounds(
-    source: Source,
+    source: SimulatedTask,
     policies: Sequence[Policy],
     target: Target,
     *,
     trials: int,
     rng: np.random.Generator,
-    settings: Settings | None = None,
+    settings: AdjustSettings | None = None,
     until: bool = True,
-) -> tuple[Round, ...]:
+) -> tuple[AdjustmentRound, ...]:
     """Return every run on the target, the source's own policy first: thesis section 3.3.
 
     With several policies of the source the first is run and adjusted, and then of all of them,
@@ -69,7 +71,7 @@ def rounds(
         target: What to run on.
         trials: Runs on the target after the first.
         rng: Chance of the target's runs and of the source's.
-        settings: How to adjust; None for `Settings()`.
+        settings: How to adjust; None for `AdjustSettings()`.
         until: Whether to end with the first run that succeeds.
 
     Raises:
@@ -82,7 +84,9 @@ def rounds(
             fix="give one policy or more, and 0 trials or more",
         )
     first = target.trial(policies[0], rng)
-    found = [Round(policy=policies[0], shown=first, made=None, promised=np.nan, seconds=0.0)]
+    found = [
+        AdjustmentRound(policy=policies[0], shown=first, made=None, promised=np.nan, seconds=0.0)
+    ]
     while len(found) <= trials and not (until and found[-1].shown.success):
         began = time.perf_counter()
         runs = [each.shown for each in found]
@@ -92,13 +96,18 @@ def rounds(
         seconds = time.perf_counter() - began
         shown = target.trial(policy, rng)
         found.append(
-            Round(policy=policy, shown=shown, made=made, promised=promised, seconds=seconds)
+            AdjustmentRound(
+                policy=policy, shown=shown, made=made, promised=promised, seconds=seconds
+            )
         )
     return tuple(found)
 
 
 def _chosen(
-    source: Source, made: Made, policies: Sequence[Policy], rng: np.random.Generator
+    source: SimulatedTask,
+    made: AdjustedPolicy,
+    policies: Sequence[Policy],
+    rng: np.random.Generator,
 ) -> tuple[Policy, float]:
     """Return the policy to run next, and the share of its runs that are foreseen to succeed."""
     if len(policies) == 1:
@@ -108,6 +117,6 @@ def _chosen(
     return policy, scores[at].share
 
 
-def best(found: Sequence[Round]) -> Round:
+def best(found: Sequence[AdjustmentRound]) -> AdjustmentRound:
     """Return the round that did best on the target: one that succeeded, of the least loss."""
     return min(found, key=lambda each: (not each.shown.success, each.shown.loss))

@@ -23,7 +23,7 @@ from morph.task.task import Task
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Source:
+class SimulatedTask:
     """A task and a simulation of it, whose states are (q, v) of hinges and slides.
 
     Raises:

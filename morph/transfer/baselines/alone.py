@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from morph.model.jointed.fit import Settings, fit
+from morph.model.jointed.fit import JointedSettings, fit
 from morph.model.jointed.jointed import Jointed
-from morph.search.learned_dynamics.memory import Memory
+from morph.search.learned_dynamics.memory import SearchCheckpoint
 from morph.transfer.baselines.learner import Learner, periods
 from morph.transfer.baselines.source import Source
 
@@ -18,6 +18,8 @@ class Alone(Learner):
 
     name: ClassVar[str] = "target data alone"
 
-    def learned(self, source: Source, memory: Memory, settings: Settings) -> Jointed:
+    def learned(
+        self, source: Source, memory: SearchCheckpoint, settings: JointedSettings
+    ) -> Jointed:
         """Return what runs of the target say."""
         return fit(periods(memory.experience, settings, source.task), settings, memory.logs)

@@ -9,10 +9,10 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from morph.arrays import Array
-from morph.model.jointed.fit import Settings, fit
+from morph.model.jointed.fit import JointedSettings, fit
 from morph.model.jointed.jointed import Jointed
-from morph.model.jointed.transition import Transitions
-from morph.search.learned_dynamics.memory import Memory
+from morph.model.jointed.transition import JointTransitions
+from morph.search.learned_dynamics.memory import SearchCheckpoint
 from morph.transfer.baselines.learner import Learner, periods
 from morph.transfer.baselines.rival import needs_experience
 from morph.transfer.baselines.source import Source
@@ -37,7 +37,9 @@ class Carried(Learner):
         """Refuse a source without experience."""
         needs_experience(self, source)
 
-    def learned(self, source: Source, memory: Memory, settings: Settings) -> Jointed:
+    def learned(
+        self, source: Source, memory: SearchCheckpoint, settings: JointedSettings
+    ) -> Jointed:
         """Return what the target's samples and those left of the source's say."""
         own = periods(memory.experience, settings, source.task)
         lent = periods(source.experience, settings, source.task)
@@ -48,14 +50,14 @@ class Carried(Learner):
         return fit(_joined(lent, own).rows(np.concatenate(kept)), settings, memory.logs)
 
 
-def _placed(data: Transitions, settings: Settings, size: Array) -> Array:
+def _placed(data: JointTransitions, settings: JointedSettings, size: Array) -> Array:
     """Return periods as points: cos and sin of angles, velocities and commands over their sizes."""
     angle = data.position[:, list(settings.turning)]
     rates = np.concatenate([data.velocity, data.command], axis=1) / size
     return np.concatenate([np.cos(angle), np.sin(angle), rates], axis=1)
 
 
-def _joined(first: Transitions, second: Transitions) -> Transitions:
-    names = [each.name for each in fields(Transitions) if each.name != "period"]
+def _joined(first: JointTransitions, second: JointTransitions) -> JointTransitions:
+    names = [each.name for each in fields(JointTransitions) if each.name != "period"]
     both = {name: np.concatenate([getattr(a, name) for a in (first, second)]) for name in names}
-    return Transitions(**both, period=second.period)
+    return JointTransitions(**both, period=second.period)

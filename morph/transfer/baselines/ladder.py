@@ -13,13 +13,13 @@ import torch
 from morph.errors import SearchError, TransferError
 from morph.model.jointed.fit import fit
 from morph.model.jointed.jointed import Jointed, through
-from morph.search.learned_dynamics.memory import Memory
+from morph.search.learned_dynamics.memory import SearchCheckpoint
 from morph.search.search import Trial
 from morph.search.target import Experience, Simulated, Target
 from morph.sim.simulator import Simulator
 from morph.task.task import Task
 from morph.transfer.baselines.learner import WEAK, best_plan, periods, randomly, told
-from morph.transfer.baselines.rival import Rival, Step, needs_experience
+from morph.transfer.baselines.rival import Baseline, NextStep, needs_experience
 from morph.transfer.baselines.source import Source, random_commands
 
 RUNGS = 3
@@ -33,7 +33,7 @@ WITHIN = 3.0
 
 
 @dataclass(frozen=True, kw_only=True)
-class Ladder(Rival):
+class Ladder(Baseline):
     """Tries each plan in simulation before it costs a trial, wherever it would lead to new places.
 
     The rungs are the source's simulator in coarse steps, the same in its own, and the target.
@@ -66,16 +66,20 @@ class Ladder(Rival):
         """Refuse a source without experience."""
         needs_experience(self, source)
 
-    def step(self, source: Source, memory: Memory, rng: np.random.Generator) -> Step:
+    def step(self, source: Source, memory: SearchCheckpoint, rng: np.random.Generator) -> NextStep:
         """Return the source's policy at first, and then what promises most by all rungs."""
         seen = (_coarsely(source), source.experience, memory.experience)
         return self._next(source, _models(source.task, seen), memory, rng)
 
     def _next(
-        self, source: Source, models: Sequence[Jointed], memory: Memory, rng: np.random.Generator
-    ) -> Step:
+        self,
+        source: Source,
+        models: Sequence[Jointed],
+        memory: SearchCheckpoint,
+        rng: np.random.Generator,
+    ) -> NextStep:
         if not memory.experience:
-            return Step(policy=source.policy, note="the source's policy")
+            return NextStep(policy=source.policy, note="the source's policy")
         if len(models) < RUNGS:
             return randomly(source.task, rng, share=WEAK, why="too little was seen of the target")
         return best_plan(source.task, models[-1], memory, self.effort, rng)
@@ -84,7 +88,7 @@ class Ladder(Rival):
         began, top = time.perf_counter(), RUNGS - 1
         rungs = (_coarse(source), source.target, target)
         seen = [_coarsely(source), source.experience, ()]
-        models, memory, at, below = _models(source.task, seen), Memory(), top, 0
+        models, memory, at, below = _models(source.task, seen), SearchCheckpoint(), top, 0
         step = self._next(source, models, memory, np.random.default_rng([seed, 0]))
         while True:
             number, here = len(memory.experience) + 1, at == top

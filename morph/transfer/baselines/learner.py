@@ -8,15 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from morph.errors import SearchError
-from morph.model.jointed.fit import Settings
+from morph.model.jointed.fit import JointedSettings
 from morph.model.jointed.jointed import Jointed
-from morph.model.jointed.transition import Transitions, transitions
+from morph.model.jointed.transition import JointTransitions, transitions
 from morph.search.learned_dynamics.dream import Dream, known, settings_of
-from morph.search.learned_dynamics.memory import Memory
-from morph.search.learned_dynamics.plans import Effort, chosen, plans
+from morph.search.learned_dynamics.memory import SearchCheckpoint
+from morph.search.learned_dynamics.plans import TrialBudget, chosen, plans
 from morph.search.target import Experience
 from morph.task.task import Task
-from morph.transfer.baselines.rival import Rival, Step
+from morph.transfer.baselines.rival import Baseline, NextStep
 from morph.transfer.baselines.source import Source, random_commands
 
 WEAK = 0.3
@@ -24,7 +24,7 @@ WEAK = 0.3
 
 
 @dataclass(frozen=True, kw_only=True)
-class Learner(Rival):
+class Learner(Baseline):
     """What runs of the source and of the target say together differs; all else is one way.
 
     The first trial is the source's policy. After each, accelerations are learned, and of the
@@ -33,14 +33,16 @@ class Learner(Rival):
     """
 
     @abstractmethod
-    def learned(self, source: Source, memory: Memory, settings: Settings) -> Jointed:
+    def learned(
+        self, source: Source, memory: SearchCheckpoint, settings: JointedSettings
+    ) -> Jointed:
         """Return the accelerations of the target, as far as all that was seen tells them.
 
         Raises:
             SearchError: It tells too little.
         """
 
-    def step(self, source: Source, memory: Memory, rng: np.random.Generator) -> Step:
+    def step(self, source: Source, memory: SearchCheckpoint, rng: np.random.Generator) -> NextStep:
         """Return what is tried first, and from then on what promises most by what was seen."""
         if not memory.experience:
             return self.first(source, rng)
@@ -51,25 +53,29 @@ class Learner(Rival):
             return randomly(source.task, rng, share=WEAK, why=error.what)
         return self.planned(source, learned, memory, rng)
 
-    def first(self, source: Source, rng: np.random.Generator) -> Step:
+    def first(self, source: Source, rng: np.random.Generator) -> NextStep:
         """Return what is tried before anything was seen of the target."""
-        return Step(policy=source.policy, note="the source's policy")
+        return NextStep(policy=source.policy, note="the source's policy")
 
     def planned(
-        self, source: Source, learned: Jointed, memory: Memory, rng: np.random.Generator
-    ) -> Step:
+        self, source: Source, learned: Jointed, memory: SearchCheckpoint, rng: np.random.Generator
+    ) -> NextStep:
         """Return the plan, new or tried before, that does best over what is believed."""
         return best_plan(source.task, learned, memory, self.effort, rng)
 
 
-def told(task: Task) -> Settings:
+def told(task: Task) -> JointedSettings:
     """Return what is told of a body before any run: which joints turn, and its bounds."""
     return settings_of(*known(task), slides=False, lawful=True)
 
 
 def best_plan(
-    task: Task, learned: Jointed, memory: Memory, effort: Effort, rng: np.random.Generator
-) -> Step:
+    task: Task,
+    learned: Jointed,
+    memory: SearchCheckpoint,
+    effort: TrialBudget,
+    rng: np.random.Generator,
+) -> NextStep:
     """Return the plan that does best on average over the bodies that are believed possible.
 
     Args:
@@ -87,7 +93,7 @@ def best_plan(
     blur = learned.velocity_noise
     noise = np.concatenate([seen.position_noise(blur), blur])
     best = chosen(task, dream, plans(task, dream, effort, rng), memory.tried, noise, effort, rng)
-    return Step(
+    return NextStep(
         policy=best.plans.track(0, task),
         plan=best.plans,
         logs=learned.logs.numpy(),
@@ -95,16 +101,18 @@ def best_plan(
     )
 
 
-def randomly(task: Task, rng: np.random.Generator, *, share: float, why: str) -> Step:
+def randomly(task: Task, rng: np.random.Generator, *, share: float, why: str) -> NextStep:
     """Return random commands to try."""
     note = f"random commands within {share:g} of their bounds: {why}"
-    return Step(policy=random_commands(task, rng, share=share), note=note)
+    return NextStep(policy=random_commands(task, rng, share=share), note=note)
 
 
-def periods(seen: tuple[Experience, ...], settings: Settings, task: Task) -> Transitions:
+def periods(
+    seen: tuple[Experience, ...], settings: JointedSettings, task: Task
+) -> JointTransitions:
     """Return what runs showed, but for periods in which a joint turned too far.
 
     Raises:
         SearchError: Too few are left.
     """
-    return Memory(experience=seen).periods(settings.turning, task.period, settings.names)
+    return SearchCheckpoint(experience=seen).periods(settings.turning, task.period, settings.names)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from morph.model.jointed.fit import Settings, fit
+from morph.model.jointed.fit import JointedSettings, fit
 from morph.model.jointed.jointed import Jointed
-from morph.search.learned_dynamics.memory import Memory
+from morph.search.learned_dynamics.memory import SearchCheckpoint
 from morph.transfer.baselines.learner import Learner, periods
 from morph.transfer.baselines.rival import needs_experience
 from morph.transfer.baselines.source import Source
@@ -31,7 +31,9 @@ class Pooled(Learner):
         """Refuse a source without experience."""
         needs_experience(self, source)
 
-    def learned(self, source: Source, memory: Memory, settings: Settings) -> Jointed:
+    def learned(
+        self, source: Source, memory: SearchCheckpoint, settings: JointedSettings
+    ) -> Jointed:
         """Return what all runs say."""
         both = (*source.experience, *memory.experience)
         return fit(periods(both, settings, source.task), settings, memory.logs)

@@ -5,15 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from morph.model.jointed.fit import Settings, fit
+from morph.model.jointed.fit import JointedSettings, fit
 from morph.model.jointed.jointed import Jointed
-from morph.search.learned_dynamics.memory import Memory
+from morph.search.learned_dynamics.memory import SearchCheckpoint
 from morph.transfer.baselines.learner import Learner, periods
 from morph.transfer.baselines.source import Source
 
 
 @dataclass(frozen=True, kw_only=True)
-class Prior(Learner):
+class SourcePrior(Learner):
     """Learns what the source misses: far from the target's runs it believes the source.
 
     The mean of the target's Gaussian process is that of one learned from many runs in the
@@ -26,7 +26,9 @@ class Prior(Learner):
 
     name: ClassVar[str] = "simulator as prior"
 
-    def learned(self, source: Source, memory: Memory, settings: Settings) -> Jointed:
+    def learned(
+        self, source: Source, memory: SearchCheckpoint, settings: JointedSettings
+    ) -> Jointed:
         """Return what the source says, corrected by what runs of the target say."""
         data = periods(memory.experience, settings, source.task)
         return fit(data, settings, memory.logs, source.believed.mean)

@@ -13,21 +13,21 @@ from morph.arrays import Array
 from morph.errors import TransferError
 from morph.policy.policy import Policy
 from morph.search.learned_dynamics.choice import Plans
-from morph.search.learned_dynamics.memory import Memory
-from morph.search.learned_dynamics.plans import Effort
+from morph.search.learned_dynamics.memory import SearchCheckpoint
+from morph.search.learned_dynamics.plans import TrialBudget
 from morph.search.search import Trial
 from morph.search.target import Target
 from morph.sim.threads import one_thread
 from morph.transfer.baselines.source import Source
 
-LIGHT = Effort(
+LIGHT = TrialBudget(
     rows=200, keep=3, most=10, margins=(0.05, 0.15), rhos=(2.0, 10.0), bodies=(16, 48), best=4
 )
 """What is computed for a trial, if nothing else is said: a fifth of what gp-ddp takes."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Step:
+class NextStep:
     """What is tried next."""
 
     policy: Policy | Array
@@ -41,13 +41,13 @@ class Step:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Rival(ABC):
+class Baseline(ABC):
     """A way to use a source on a target; its fields are its settings."""
 
     name: ClassVar[str]
     """What studies call it."""
 
-    effort: Effort = LIGHT
+    effort: TrialBudget = LIGHT
     """How much is computed for each trial."""
 
     def run(self, source: Source, target: Target, *, trials: int, seed: int) -> tuple[Trial, ...]:
@@ -77,7 +77,7 @@ class Rival(ABC):
             return self._run(source, target, trials, seed)
 
     def _run(self, source: Source, target: Target, trials: int, seed: int) -> tuple[Trial, ...]:
-        began, memory = time.perf_counter(), Memory()
+        began, memory = time.perf_counter(), SearchCheckpoint()
         for number in range(1, trials + 1):
             step = self.step(source, memory, np.random.default_rng([seed, number, 0]))
             shown = target.trial(step.policy, np.random.default_rng([seed, number, 1]))
@@ -90,11 +90,11 @@ class Rival(ABC):
         """Raise a `TransferError` if the source lacks what the rival brings along."""
 
     @abstractmethod
-    def step(self, source: Source, memory: Memory, rng: np.random.Generator) -> Step:
+    def step(self, source: Source, memory: SearchCheckpoint, rng: np.random.Generator) -> NextStep:
         """Return what is tried next, after all that was seen on the target."""
 
 
-def needs_experience(rival: Rival, source: Source) -> None:
+def needs_experience(rival: Baseline, source: Source) -> None:
     """Refuse a source of which nothing was seen.
 
     Raises:

@@ -6,18 +6,18 @@ from morph.transfer.baselines.alone import Alone
 from morph.transfer.baselines.carried import Carried
 from morph.transfer.baselines.ladder import Ladder
 from morph.transfer.baselines.pooled import Pooled
-from morph.transfer.baselines.prior import Prior
-from morph.transfer.baselines.rival import Rival
+from morph.transfer.baselines.prior import SourcePrior
+from morph.transfer.baselines.rival import Baseline
 from morph.transfer.baselines.scratch import Scratch
 from morph.transfer.baselines.unadjusted import Unadjusted
 from morph.transfer.baselines.values import Values
 
-RIVALS: tuple[type[Rival], ...] = (
+RIVALS: tuple[type[Baseline], ...] = (
     Unadjusted,
     Scratch,
     Alone,
     Pooled,
-    Prior,
+    SourcePrior,
     Carried,
     Values,
     Ladder,

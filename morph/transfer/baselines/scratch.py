@@ -7,11 +7,11 @@ from typing import ClassVar
 
 import numpy as np
 
-from morph.model.jointed.fit import Settings, fit
+from morph.model.jointed.fit import JointedSettings, fit
 from morph.model.jointed.jointed import Jointed
-from morph.search.learned_dynamics.memory import Memory
+from morph.search.learned_dynamics.memory import SearchCheckpoint
 from morph.transfer.baselines.learner import Learner, periods, randomly
-from morph.transfer.baselines.rival import Step
+from morph.transfer.baselines.rival import NextStep
 from morph.transfer.baselines.source import Source
 
 
@@ -21,10 +21,12 @@ class Scratch(Learner):
 
     name: ClassVar[str] = "from scratch"
 
-    def learned(self, source: Source, memory: Memory, settings: Settings) -> Jointed:
+    def learned(
+        self, source: Source, memory: SearchCheckpoint, settings: JointedSettings
+    ) -> Jointed:
         """Return what runs of the target say."""
         return fit(periods(memory.experience, settings, source.task), settings, memory.logs)
 
-    def first(self, source: Source, rng: np.random.Generator) -> Step:
+    def first(self, source: Source, rng: np.random.Generator) -> NextStep:
         """Return random commands."""
         return randomly(source.task, rng, share=1.0, why="nothing is known")

@@ -13,7 +13,7 @@ from morph.model.jointed.jointed import Jointed
 from morph.physics.effect import Effect
 from morph.policy.policy import Policy
 from morph.search.learned_dynamics.dream import known, settings_of
-from morph.search.learned_dynamics.memory import Memory
+from morph.search.learned_dynamics.memory import SearchCheckpoint
 from morph.search.target import Experience, Simulated
 from morph.task.task import Task
 
@@ -54,7 +54,9 @@ class Source:
         model, bounds = known(self.task)
         settings = settings_of(model, bounds, slides=False, lawful=True)
         runs = lived(self, np.random.default_rng(0), ABUNDANT)
-        data = Memory(experience=runs).periods(settings.turning, self.task.period, settings.names)
+        data = SearchCheckpoint(experience=runs).periods(
+            settings.turning, self.task.period, settings.names
+        )
         return fit(data, settings)
 
     def with_experience(self, rng: np.random.Generator) -> Source:

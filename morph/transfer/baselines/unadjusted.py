@@ -7,17 +7,17 @@ from typing import ClassVar
 
 import numpy as np
 
-from morph.search.learned_dynamics.memory import Memory
-from morph.transfer.baselines.rival import Rival, Step
+from morph.search.learned_dynamics.memory import SearchCheckpoint
+from morph.transfer.baselines.rival import Baseline, NextStep
 from morph.transfer.baselines.source import Source
 
 
 @dataclass(frozen=True, kw_only=True)
-class Unadjusted(Rival):
+class Unadjusted(Baseline):
     """Tries what worked on the source in every trial, and learns nothing."""
 
     name: ClassVar[str] = "unadjusted"
 
-    def step(self, source: Source, memory: Memory, rng: np.random.Generator) -> Step:
+    def step(self, source: Source, memory: SearchCheckpoint, rng: np.random.Generator) -> NextStep:
         """Return the source's policy."""
-        return Step(policy=source.policy, note="the source's policy")
+        return NextStep(policy=source.policy, note="the source's policy")

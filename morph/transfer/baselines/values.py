@@ -8,17 +8,17 @@ from typing import ClassVar
 import numpy as np
 
 from morph.arrays import Array
-from morph.model.jointed.fit import Settings, fit
+from morph.model.jointed.fit import JointedSettings, fit
 from morph.model.jointed.jointed import Jointed
 from morph.search.evaluate import attempt
 from morph.search.learned_dynamics.choice import Plans
 from morph.search.learned_dynamics.dream import Dream, known
-from morph.search.learned_dynamics.memory import Memory
+from morph.search.learned_dynamics.memory import SearchCheckpoint
 from morph.search.plan.terminal_controller import aided, grounded
 from morph.search.trajectory.linearise import linearise
 from morph.search.trajectory.plant import Plant
 from morph.transfer.baselines.learner import Learner, periods
-from morph.transfer.baselines.rival import Step
+from morph.transfer.baselines.rival import NextStep
 from morph.transfer.baselines.source import Source
 
 
@@ -58,17 +58,19 @@ class Values(Learner):
 
     name: ClassVar[str] = "values carried over"
 
-    def learned(self, source: Source, memory: Memory, settings: Settings) -> Jointed:
+    def learned(
+        self, source: Source, memory: SearchCheckpoint, settings: JointedSettings
+    ) -> Jointed:
         """Return what runs of the target say."""
         return fit(periods(memory.experience, settings, source.task), settings, memory.logs)
 
     def planned(
-        self, source: Source, learned: Jointed, memory: Memory, rng: np.random.Generator
-    ) -> Step:
+        self, source: Source, learned: Jointed, memory: SearchCheckpoint, rng: np.random.Generator
+    ) -> NextStep:
         """Return the source's run, with the feedback that is best on the target by its values."""
         dream = Dream(source.task, *known(source.task), learned)
         plan = ahead(worth_of(source), dream.plant)
-        return Step(
+        return NextStep(
             policy=plan.track(0, source.task),
             plan=plan,
             logs=learned.logs.numpy(),

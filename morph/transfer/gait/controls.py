@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from morph.transfer.gait.hop import Budget, Carried, tuned
+from morph.transfer.gait.hop import Budget, GaitBody, tuned
 from morph.transfer.gait.limbs import Limb
 
 CONTROLS = ("shuffled", "flipped", "by_order", "no_source", "random")
@@ -14,8 +14,8 @@ CONTROLS = ("shuffled", "flipped", "by_order", "no_source", "random")
 
 
 def control(
-    name: str, source: Carried, target: Carried, *, rng: np.random.Generator, budget: Budget
-) -> Carried:
+    name: str, source: GaitBody, target: GaitBody, *, rng: np.random.Generator, budget: Budget
+) -> GaitBody:
     """Return what the trials of a hop make of a wrong map, or of no source.
 
     `shuffled`: the limbs dealt out anew among the servos; `flipped`: half of the senses turned

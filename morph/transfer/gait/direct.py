@@ -13,7 +13,7 @@ from morph.transfer.gait.mover import Mover
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Direct:
+class GaitSearchResult:
     """What a search found, trial by trial."""
 
     point: Array
@@ -41,7 +41,7 @@ def direct(
     seed: int,
     population: int = 10,
     start: Array | None = None,
-) -> Direct:
+) -> GaitSearchResult:
     """Return what CMA-ES finds in a family, from the family's start if no other is given.
 
     Args:
@@ -66,4 +66,6 @@ def direct(
         sampler.tell(asked, -gone)
         points.append(asked)
         speeds.append(gone)
-    return Direct(point=np.concatenate(points)[:trials], speed=np.concatenate(speeds)[:trials])
+    return GaitSearchResult(
+        point=np.concatenate(points)[:trials], speed=np.concatenate(speeds)[:trials]
+    )

@@ -32,7 +32,7 @@ CANDIDATES = 1500
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Carried:
+class GaitBody:
     """A body with its gait: what a hop begins from, and what it ends with."""
 
     mover: Mover
@@ -109,8 +109,8 @@ def felt(
 
 
 def hop(
-    source: Carried, target: Mover, *, rng: np.random.Generator, budget: Budget | None = None
-) -> Carried:
+    source: GaitBody, target: Mover, *, rng: np.random.Generator, budget: Budget | None = None
+) -> GaitBody:
     """Return the gait of a source on another body.
 
     From transitions in which one servo swings at a time it learns where each belongs, which way
@@ -127,7 +127,7 @@ def hop(
 
 
 def tuned(
-    source: Carried | None,
+    source: GaitBody | None,
     target: Mover,
     found: tuple[Limb, ...],
     late: float,
@@ -136,7 +136,7 @@ def tuned(
     rng: np.random.Generator,
     trials: int,
     blind: bool = False,
-) -> Carried:
+) -> GaitBody:
     """Return what trials make of a source's wave on a target with these limbs.
 
     Without a source the trials begin in the middle of the family and nothing is foreseen: so
@@ -173,7 +173,7 @@ def tuned(
         points = np.vstack([points, point])
         speeds = np.append(speeds, target.speed([family.policy(point)]))
     top = int(speeds.argmax())
-    return Carried(
+    return GaitBody(
         mover=target,
         limbs=found,
         late=late,
@@ -186,7 +186,7 @@ def tuned(
     )
 
 
-def _told(source: Carried, values: Array, start: Array) -> Array:
+def _told(source: GaitBody, values: Array, start: Array) -> Array:
     """Return a source's numbers, and for those that it cannot tell where a search would begin.
 
     A body of one leg knows of no lag between sides, nor between front and rear.
@@ -200,7 +200,7 @@ def _told(source: Carried, values: Array, start: Array) -> Array:
     return np.where(silent, start, values)
 
 
-def _foreseen(source: Carried, family: Wave | Pace, faster: float, shorter: float) -> Landscape:
+def _foreseen(source: GaitBody, family: Wave | Pace, faster: float, shorter: float) -> Landscape:
     """Return what a source says of a target that is faster, and whose waves are shorter."""
     low, high = (np.array([getattr(n, end) for n in family.numbers]) for end in ("low", "high"))
     values = scaled(_told(source, source.tried, family.values(family.start)), faster, shorter)
@@ -227,7 +227,7 @@ def _next(known: Landscape, best: Array, rng: np.random.Generator) -> Array:
 
 def begun(
     mover: Mover, *, rng: np.random.Generator, trials: int, budget: Budget | None = None
-) -> Carried:
+) -> GaitBody:
     """Return a gait that a body has learned by itself, the first of a chain.
 
     Args:
@@ -240,7 +240,7 @@ def begun(
     family = family_of(mover, found)
     learned = direct(mover, family, trials=trials, sigma=0.25, seed=int(rng.integers(2**31)))
     top = int(learned.speed.argmax())
-    return Carried(
+    return GaitBody(
         mover=mover,
         limbs=found,
         late=late,

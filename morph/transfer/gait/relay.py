@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from morph.errors import TransferError
-from morph.transfer.gait.hop import Budget, Carried, begun, hop
+from morph.transfer.gait.hop import Budget, GaitBody, begun, hop
 from morph.transfer.gait.mover import Mover
 
 
@@ -16,7 +16,7 @@ from morph.transfer.gait.mover import Mover
 class Chained:
     """What a chain came to."""
 
-    bodies: tuple[Carried, ...]
+    bodies: tuple[GaitBody, ...]
     """Every body with its gait, the source first."""
 
     @property

@@ -16,7 +16,7 @@ LIMIT = 1e3
 
 
 @dataclass(frozen=True, kw_only=True)
-class Servo(Operation):
+class AddServo(Operation):
     """A motor on a joint that has become a servo: k (command - q) - d v."""
 
     name: ClassVar[str] = "servo"
@@ -62,7 +62,7 @@ def servoed(
     return vary(
         robot,
         *(
-            Servo(
+            AddServo(
                 actuator=each.name,
                 stiffness=(each.limit or LIMIT) / yields,
                 damping=settles * (each.limit or LIMIT) / yields,

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from morph.errors import LinkDropped
-from morph.transfer.link.link import Link
+from morph.transfer.link.link import MessageLink
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -26,7 +26,7 @@ class Weather:
     """That some of its bytes change, or its end is cut off."""
 
 
-class Rough(Link):
+class Rough(MessageLink):
     """Another link in bad weather.
 
     Args:
@@ -35,7 +35,7 @@ class Rough(Link):
         rng: The chance.
     """
 
-    def __init__(self, link: Link, weather: Weather, rng: np.random.Generator) -> None:
+    def __init__(self, link: MessageLink, weather: Weather, rng: np.random.Generator) -> None:
         self._link, self._rng, self.weather = link, rng, weather
         self._held: list[bytes] = []
 
@@ -78,7 +78,7 @@ class Rough(Link):
         return [arrived[at] for at in self._rng.permutation(len(arrived))]
 
 
-class Memory(Link):
+class InProcessLink(MessageLink):
     """One end of a link within a program; `pair` makes both."""
 
     def __init__(self, sends: list[bytes], receives: list[bytes]) -> None:
@@ -95,8 +95,8 @@ class Memory(Link):
         return arrived
 
 
-def pair() -> tuple[Memory, Memory]:
+def pair() -> tuple[InProcessLink, InProcessLink]:
     """Return the two ends of a link within a program."""
     there: list[bytes] = []
     back: list[bytes] = []
-    return Memory(there, back), Memory(back, there)
+    return InProcessLink(there, back), InProcessLink(back, there)

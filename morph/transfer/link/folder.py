@@ -10,7 +10,7 @@ from pathlib import Path
 from morph.errors import LinkDropped, OutputError
 from morph.files import write_whole
 from morph.regular_file import open_regular
-from morph.transfer.link.link import Link
+from morph.transfer.link.link import MessageLink
 from morph.transfer.link.message import MOST_BYTES
 
 ENDING = ".message"
@@ -20,7 +20,7 @@ MOST_AT_ONCE = 1000
 """Most messages that are taken at once."""
 
 
-class FolderLink(Link):
+class FolderLink(MessageLink):
     """Writes each message to a file of one folder, and takes those of another away.
 
     Args:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 
 
-class Link(ABC):
+class MessageLink(ABC):
     """Sends and receives messages, when it can.
 
     It may lose, delay, repeat, reorder and spoil messages: what is built on it numbers them,

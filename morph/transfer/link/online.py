@@ -18,7 +18,7 @@ EXPERIENCE, POLICY, VERDICT = "experience", "policy", "verdict"
 """Kinds of messages: what a trial showed, an offer, and what became of it."""
 
 
-class Online:
+class OnlineRobot:
     """The robot's side: trials with the safe policy, and messages when the link is up.
 
     Args:

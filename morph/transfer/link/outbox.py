@@ -10,7 +10,7 @@ from pathlib import Path
 from morph.arrays import JSON
 from morph.errors import LinkDropped, TransferError
 from morph.transfer.link.journal import Journal
-from morph.transfer.link.link import Link
+from morph.transfer.link.link import MessageLink
 from morph.transfer.link.message import Message, packed, unpacked
 
 RECEIVED = "received"
@@ -42,7 +42,7 @@ class Post:
 
     def __init__(
         self,
-        link: Link,
+        link: MessageLink,
         folder: Path,
         *,
         name: str,

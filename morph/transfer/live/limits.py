@@ -43,7 +43,7 @@ class Limits:
                 _refuse(f"the limit of {name} is {most:g}", "give 0 or more")
 
 
-class Guard:
+class LimitGuard:
     """What keeps one body within its limits.
 
     Args:

@@ -21,8 +21,8 @@ from morph.transfer.live.conduct import Conduct, odd_velocities
 from morph.transfer.live.connection import Connection
 from morph.transfer.live.delay import Delay, delay_of
 from morph.transfer.live.keep import last_kept, write_trial
-from morph.transfer.live.limits import Guard, Limits
-from morph.transfer.live.session import Asked, Ended, Session
+from morph.transfer.live.limits import LimitGuard, Limits
+from morph.transfer.live.session import Asked, Ended, TrialSession
 from morph.transfer.live.stop import Stop
 from morph.transfer.live.watch import Watch
 from morph.transfer.live.wiring import Wiring
@@ -60,7 +60,7 @@ class Live(Target):
         self._watch, self._stop = watch or Watch(), stop or Stop()
         self._simulator = task.simulator()
         model = self._simulator.model
-        self._guard = Guard(limits or Limits(), task.robot, model, task.period)
+        self._guard = LimitGuard(limits or Limits(), task.robot, model, task.period)
         self._trials = last_kept(keep)
         self.conduct: Conduct | None = None
         """How the target behaved in the last trial; None before the first."""
@@ -82,7 +82,7 @@ class Live(Target):
         with self._stop.armed():
             hello = connection.open(self._watch.open_within)
             try:
-                session = Session(
+                session = TrialSession(
                     self.task,
                     model,
                     connection=connection,
@@ -131,7 +131,7 @@ class Live(Target):
             0
         ]
 
-    def _concluded(self, session: Session, ended: Ended | None, *, safe: bool) -> Experience:
+    def _concluded(self, session: TrialSession, ended: Ended | None, *, safe: bool) -> Experience:
         """Return what a trial showed, or raise why it ended early, once all is kept."""
         whole = ended is None
         shown = self._shown(session, whole=whole) if len(session.position) > 1 else None
@@ -156,7 +156,7 @@ class Live(Target):
             )
         return shown
 
-    def _shown(self, session: Session, *, whole: bool) -> Experience:
+    def _shown(self, session: TrialSession, *, whole: bool) -> Experience:
         task = self.task
         position, velocity = np.array(session.position), np.array(session.velocity)
         # The last state of a trial that ended early may or may not have been answered.
@@ -192,7 +192,7 @@ class Live(Target):
 
     def _conduct(
         self,
-        session: Session,
+        session: TrialSession,
         ended: Ended | None,
         shown: Experience | None,
         delay: Delay | None,
@@ -227,7 +227,7 @@ class Live(Target):
             notes=tuple(notes),
         )
 
-    def _obeyed(self, session: Session, shown: Experience | None) -> list[str]:
+    def _obeyed(self, session: TrialSession, shown: Experience | None) -> list[str]:
         """Return, in words, what was held back of the policy, and whether the rest was heeded."""
         notes = []
         told = session.commanded * len(self.task.robot.actuators)

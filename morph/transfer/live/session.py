@@ -11,7 +11,7 @@ import numpy as np
 from morph.arrays import Array
 from morph.task.task import Task
 from morph.transfer.live.connection import Connection, Heard
-from morph.transfer.live.limits import Guard
+from morph.transfer.live.limits import LimitGuard
 from morph.transfer.live.protocol import Hello, number
 from morph.transfer.live.stop import Stop
 from morph.transfer.live.watch import Watch, Watcher
@@ -38,7 +38,7 @@ class Ended(Exception):
         self.why, self.pressed, self.beyond = why, pressed, beyond
 
 
-class Session:
+class TrialSession:
     """One trial: what came, and what was told.
 
     Args:
@@ -61,7 +61,7 @@ class Session:
         connection: Connection,
         hello: Hello,
         wiring: Wiring,
-        guard: Guard,
+        guard: LimitGuard,
         watch: Watch,
         stop: Stop,
         act: Asked,

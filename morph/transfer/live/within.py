@@ -12,7 +12,7 @@ from morph.errors import TransferError
 from morph.policy.policy import actions_of
 from morph.search.trajectory.plant import bounds_of
 from morph.task.task import Task
-from morph.transfer.live.limits import Guard, Limits
+from morph.transfer.live.limits import LimitGuard, Limits
 
 
 def within(task: Task, limits: Limits) -> Task:
@@ -30,7 +30,7 @@ def within(task: Task, limits: Limits) -> Task:
     robot = task.robot
     simulator = task.simulator()
     # The guard knows what is no limit.
-    Guard(limits, robot, simulator.model, task.period)
+    LimitGuard(limits, robot, simulator.model, task.period)
     low, high = bounds_of(simulator)
     spec = bare_spec(robot)
     said = []

@@ -22,7 +22,7 @@ STEP = 1e-4
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Belief:
+class LinearPosterior:
     """x' = A x + B u, from accelerations law (x, u) that are normally distributed.
 
     Places follow the mean of two speeds, and beside that a slip (x, u), also normal: a body that
@@ -104,7 +104,7 @@ def carried(source: Body, seen_as: AffineMap, target: Body) -> Array:
     return np.asarray(back @ rows)
 
 
-def learned(seen: Transitions, before: Array | None, target: Body) -> Belief:
+def learned(seen: Transitions, before: Array | None, target: Body) -> LinearPosterior:
     """Return what is believed of a body after its transitions.
 
     Every row of v' - v = period law (x, u) is a regression with normal beliefs of its numbers
@@ -144,7 +144,7 @@ def learned(seen: Transitions, before: Array | None, target: Body) -> Belief:
         slip[row] = found / unit
         slip_cover[row, :, row] = doubt / np.outer(unit, unit)
     size = half * (n + k)
-    return Belief(
+    return LinearPosterior(
         law=law,
         cover=cover.reshape(size, size),
         period=period,

@@ -9,7 +9,7 @@ from scipy.linalg import solve_discrete_are
 
 from morph.arrays import Array
 from morph.transfer.body import Body
-from morph.transfer.mapped.belief import Belief, read
+from morph.transfer.mapped.belief import LinearPosterior, read
 
 POSTURE = 0.1
 """What a radian or metre of every joint costs beside the outcome."""
@@ -61,7 +61,7 @@ def plain(step: Array, target: Body) -> Array:
     return np.zeros((B.shape[1], n))
 
 
-def cautious(believed: Belief, target: Body) -> Array:
+def cautious(believed: LinearPosterior, target: Body) -> Array:
     """Return the feedback of least expected cost where (A, B) are uncertain, shape (nu, n).
 
     As if each period drew them anew: P = Q + E[A'PA] - E[A'PB] inv(R + E[B'PB]) E[B'PA]. Where
@@ -123,7 +123,7 @@ def foreseen(gain: Array, steps: Array, target: Body, rng: np.random.Generator) 
 
 
 def chosen(
-    choices: Mapping[str, Array], believed: Belief, target: Body, rng: np.random.Generator
+    choices: Mapping[str, Array], believed: LinearPosterior, target: Body, rng: np.random.Generator
 ) -> tuple[str, Array]:
     """Return feedback, with its name: the first that is foreseen to score nearly the best.
 

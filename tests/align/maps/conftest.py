@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from align.arrays import Array
-from align.maps.body_map import Given
+from align.maps.body_map import MapData
 from align.samples import Pairs, Transitions
 
 LEVEL = np.array([False, False])
@@ -27,7 +27,7 @@ def swing(x: Array, u: Array) -> Array:
 class Planted:
     """What is given, and the true states and commands of rows that no map has seen."""
 
-    given: Given
+    given: MapData
     target: Array
     told: Array
     state: Array
@@ -56,7 +56,7 @@ def planted() -> Planted:
     labelled, _, _ = draw(10, rng)
     unseen, told, _ = draw(200, rng)
     return Planted(
-        given=Given(
+        given=MapData(
             source=source,
             target=target,
             pairs=Pairs(source=labelled, target=wear(labelled)),

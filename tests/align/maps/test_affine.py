@@ -9,10 +9,10 @@ from align.arrays import Array
 from align.maps.affine_map import SHAPES, AffineMap
 from align.maps.bent_map import BentMap
 from align.maps.feature_warping import Curves
-from align.maps.follow import Linear, linear
+from align.maps.follow import LinearDynamics, linear
 from align.maps.state_law import unscaled
 from align.samples import Transitions
-from align.scale import Scale
+from align.scale import Standardizer
 
 
 @pytest.fixture
@@ -68,8 +68,8 @@ def test_a_bent_map_is_an_affine_one_of_numbers_about_their_middle(drawn: Affine
 
 def test_a_law_in_spreads_is_the_same_law_in_the_bodies_units() -> None:
     rng = np.random.default_rng(4)
-    ours = Scale(middle=rng.normal(size=2), spread=rng.uniform(0.5, 2.0, 2))
-    theirs = Scale(middle=rng.normal(size=3), spread=rng.uniform(0.5, 2.0, 3))
+    ours = Standardizer(middle=rng.normal(size=2), spread=rng.uniform(0.5, 2.0, 2))
+    theirs = Standardizer(middle=rng.normal(size=3), spread=rng.uniform(0.5, 2.0, 3))
     law, shift = rng.normal(size=(2, 3)), rng.normal(size=2)
     found = unscaled(law, shift, ours, theirs)
     y = rng.normal(size=(5, 3))
@@ -84,7 +84,7 @@ def test_a_linear_body_is_told_by_its_transitions() -> None:
     seen = Transitions(
         state=x, command=u, after=x @ A.T + u @ B.T + c, turns=np.array([False, False])
     )
-    found: Linear = linear(seen)
+    found: LinearDynamics = linear(seen)
     # A ridge of a thousandth draws slopes of x' - x by a thousandth of themselves to 0.
     assert np.abs(found.A - A).max() < 2e-3
     assert np.abs(found.B - B).max() < 2e-3

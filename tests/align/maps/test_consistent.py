@@ -9,11 +9,11 @@ import pytest
 
 from align.arrays import Array
 from align.errors import SamplesError, SettingError
-from align.maps.body_map import Given
-from align.maps.consistent import Agreement, Guess, Seen, descended
-from align.maps.feature_warping import Straight, flat_curves, idle_network, no_curves
+from align.maps.body_map import MapData
+from align.maps.consistent import Agreement, Guess, ScaledTransitions, descended
+from align.maps.feature_warping import InvertibleWarp, flat_curves, idle_network, no_curves
 from align.maps.maps import mapper
-from align.maps.multistart import Effort
+from align.maps.multistart import FitBudget
 from align.maps.surrogate import surrogate
 from align.samples import Transitions
 
@@ -33,7 +33,7 @@ def waves(x: Array, u: Array) -> tuple[Array, Array, Array]:
 def test_slopes_of_what_is_off_are_those_of_finite_differences(bent: bool, network: bool) -> None:
     rng = np.random.default_rng(100)
 
-    def some(m: int) -> Straight:
+    def some(m: int) -> InvertibleWarp:
         if not bent:
             return no_curves(m)
         return idle_network(m, 4, rng) if network else flat_curves(m, 3, 2.0)
@@ -45,7 +45,7 @@ def test_slopes_of_what_is_off_are_those_of_finite_differences(bent: bool, netwo
     )  # fmt: skip
     guess = guess.at(guess.vector + 0.03 * rng.standard_normal(guess.vector.size))
     t, a, after = (rng.standard_normal((9, width)) for width in (4, 2, 4))
-    seen = Seen(before=t, command=a, after=after)
+    seen = ScaledTransitions(before=t, command=a, after=after)
     agree = Agreement(seen=seen, moves=waves, weight=rng.uniform(0.5, 2.0, size=(2, 4)))
     found = agree.slopes(guess, agree.errors(guess)[1])
     rows = 1e-5 * np.eye(guess.vector.size)
@@ -61,7 +61,7 @@ def test_a_map_that_sends_all_to_rest_agrees_worse_than_the_truth() -> None:
     # In the source's numbers a map to rest would agree perfectly: rest stays rest under f.
     rng = np.random.default_rng(101)
     x, u, after = draw(50, rng)
-    seen = Seen(before=x, command=u, after=after)
+    seen = ScaledTransitions(before=x, command=u, after=after)
 
     def moves(state: Array, told: Array) -> tuple[Array, Array, Array]:
         return swing(state, told) - state, np.zeros((50, 2, 2)), np.zeros((50, 2, 1))
@@ -79,7 +79,7 @@ def test_a_map_that_sends_all_to_rest_agrees_worse_than_the_truth() -> None:
 def test_a_descent_never_ends_higher_than_it_began() -> None:
     rng = np.random.default_rng(102)
     x, u, after = draw(40, rng)
-    seen = Seen(before=wear(x), command=u, after=wear(after))
+    seen = ScaledTransitions(before=wear(x), command=u, after=wear(after))
     source = Transitions(state=x, command=u, after=after, turns=LEVEL)
     cubic = surrogate(source, swing, rng)
     agree = Agreement(seen=seen, moves=cubic.moves, weight=seen.plain)
@@ -119,7 +119,7 @@ def test_a_bent_pendulum_is_found_by_curves_and_not_by_an_affine_map() -> None:
     source = Transitions(state=x, command=u, after=after, turns=LEVEL)
     x, u, after = draw(200, rng)
     target = Transitions(state=bend(x), command=-2.0 * u, after=bend(after), turns=LEVEL)
-    given = Given(source=source, target=target, step=swing)
+    given = MapData(source=source, target=target, step=swing)
     unseen, _, _ = draw(500, rng)
     missed = {}
     for name in ("transition", "transition_kernel"):
@@ -145,4 +145,4 @@ def test_a_simulator_that_loses_its_steps_is_refused(planted: Planted) -> None:
 
 def test_an_effort_of_nothing_is_refused() -> None:
     with pytest.raises(SettingError, match=r"count below 1.*\n  fix: "):
-        Effort(starts=0)
+        FitBudget(starts=0)

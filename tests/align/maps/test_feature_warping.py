@@ -8,17 +8,17 @@ import pytest
 from align.errors import MapError
 from align.maps.feature_warping import (
     Curves,
-    Network,
-    Straight,
+    InvertibleWarp,
+    NetworkWarp,
     flat_curves,
     idle_network,
     straight_of,
 )
 
 
-def members() -> list[Straight]:
+def members() -> list[InvertibleWarp]:
     rng = np.random.default_rng(100)
-    still: list[Straight] = [flat_curves(3, 5, 2.5), idle_network(3, 6, rng)]
+    still: list[InvertibleWarp] = [flat_curves(3, 5, 2.5), idle_network(3, 6, rng)]
     # Small enough that nothing is mended: slopes are those of what needs no mending.
     return [
         each.at(each.parameters + 0.05 * rng.standard_normal(each.parameters.size))
@@ -27,7 +27,7 @@ def members() -> list[Straight]:
 
 
 @pytest.mark.parametrize("each", members(), ids=lambda each: type(each).__name__)
-def test_slopes_are_those_of_finite_differences(each: Straight) -> None:
+def test_slopes_are_those_of_finite_differences(each: InvertibleWarp) -> None:
     t = np.random.default_rng(101).standard_normal((7, 3))
     near = 1e-6 * np.eye(3)
     by_t = np.stack([(each.value(t + d) - each.value(t - d)) / 2e-6 for d in near], axis=2)
@@ -40,7 +40,7 @@ def test_slopes_are_those_of_finite_differences(each: Straight) -> None:
 
 
 @pytest.mark.parametrize("each", members(), ids=lambda each: type(each).__name__)
-def test_what_is_straightened_comes_back_far_beyond_the_data(each: Straight) -> None:
+def test_what_is_straightened_comes_back_far_beyond_the_data(each: InvertibleWarp) -> None:
     t = 4.0 * np.random.default_rng(102).standard_normal((50, 3))
     # A network's error falls at least to 0.9 of itself in each of 200 rounds: 7e-10 of it is left.
     assert np.abs(each.back(each.value(t)) - t).max() < 1e-8
@@ -72,6 +72,6 @@ def test_curves_from_a_file_that_have_no_inverse_are_refused(spoil: str) -> None
 
 def test_a_network_from_a_file_that_has_no_inverse_is_refused() -> None:
     good = dict(idle_network(2, 3, np.random.default_rng(104)).weights())
-    assert isinstance(straight_of(good), Network)
+    assert isinstance(straight_of(good), NetworkWarp)
     with pytest.raises(MapError, match=r"bias, into, out makes no curves"):
         straight_of(good | {"out": np.full((2, 3), 9.0)})

@@ -9,7 +9,7 @@ import pytest
 
 from align.errors import MapError, SamplesError, SettingError
 from align.maps.affine_map import AffineMap
-from align.maps.body_map import Given, Mapper
+from align.maps.body_map import MapData, Mapper
 from align.maps.features import Features
 from align.maps.follow import followed, linear
 from align.maps.graph import alike, neighbours, patterns
@@ -30,7 +30,7 @@ PAIRED: tuple[Mapper, ...] = (PcaAffine(), Manifold(), Uma(), Sparse(), Transpor
 class Known:
     """Two bodies that are one: y = T x, a = u / 3."""
 
-    given: Given
+    given: MapData
     law: np.ndarray
 
 
@@ -61,7 +61,7 @@ def known() -> Known:
         np.random.default_rng(3),
         error=0.02,
     )
-    return Known(given=Given(source=source, target=target, pairs=pairs), law=law)
+    return Known(given=MapData(source=source, target=target, pairs=pairs), law=law)
 
 
 def agreement(found: AffineMap, known: Known) -> float:
@@ -81,7 +81,7 @@ def test_ten_landmarks_find_the_map_and_the_same_ones_shuffled_do_not(
     assert agreement(found, known) > 0.8
     assert known.given.pairs is not None
     wrong = shuffled(known.given.pairs, np.random.default_rng(0))
-    control = Given(source=known.given.source, target=known.given.target, pairs=wrong)
+    control = MapData(source=known.given.source, target=known.given.target, pairs=wrong)
     other = mapper.fit(control, np.random.default_rng(0))
     assert isinstance(other, AffineMap)
     assert agreement(other, known) < 0.3
@@ -141,14 +141,14 @@ def test_bodies_that_share_nothing_that_the_task_looks_at_are_refused(known: Kno
 
 
 def test_a_mapper_without_its_pairs_refuses(known: Known) -> None:
-    bare = Given(source=known.given.source, target=known.given.target)
+    bare = MapData(source=known.given.source, target=known.given.target)
     with pytest.raises(MapError, match=r"not given pairs"):
         Manifold().fit(bare, np.random.default_rng(0))
 
 
 def test_pairs_of_other_bodies_are_refused(known: Known) -> None:
     pairs = Pairs(source=np.zeros((3, 2)), target=np.zeros((3, 4)))
-    given = Given(source=known.given.source, target=known.given.target, pairs=pairs)
+    given = MapData(source=known.given.source, target=known.given.target, pairs=pairs)
     with pytest.raises(SamplesError, match=r"have 2 and 4 numbers"):
         Uma().fit(given, np.random.default_rng(0))
 
@@ -254,7 +254,9 @@ def test_geometry_alone_cannot_tell_a_body_from_its_mirror_image(known: Known) -
         turns=target.turns,
     )  # fmt: skip
     first, second = (
-        Transport().states(Given(source=known.given.source, target=each), np.random.default_rng(1))
+        Transport().states(
+            MapData(source=known.given.source, target=each), np.random.default_rng(1)
+        )
         for each in (target, mirrored)
     )
     np.testing.assert_allclose(first.S, second.S @ mirror, atol=1e-6)

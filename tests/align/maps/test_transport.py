@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from align.maps.body_map import Given
+from align.maps.body_map import MapData
 from align.maps.transport import Transport
 from align.samples import Transitions
 
@@ -18,7 +18,7 @@ def test_a_turned_cloud_is_mapped_back_in_its_whole_width() -> None:
     source, target = (
         Transitions(state=each, command=told, after=each, turns=level) for each in (cloud, turned)
     )
-    law = Transport().states(Given(source=source, target=target), np.random.default_rng(1))
+    law = Transport().states(MapData(source=source, target=target), np.random.default_rng(1))
     found = law(turned)
     # Each point comes back near its own; a plan that takes points elsewhere leaves a map to the
     # middle, and that errs by one spread.

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from morph.body.finding import Finding
+from morph.body.finding import DescriptionFinding
 from morph.body.load import load
 from morph.body.robot import Robot
 from morph.errors import DescriptionRefused
@@ -22,14 +22,14 @@ class Reading:
     """The description."""
     robot: Robot | None
     """The robot; None if it was refused."""
-    findings: tuple[Finding, ...]
+    findings: tuple[DescriptionFinding, ...]
     """What was found."""
 
-    def of(self, code: str) -> list[Finding]:
+    def of(self, code: str) -> list[DescriptionFinding]:
         """Return the findings of a code."""
         return [finding for finding in self.findings if finding.code == code]
 
-    def the(self, code: str) -> Finding:
+    def the(self, code: str) -> DescriptionFinding:
         """Return the only finding of a code."""
         (finding,) = self.of(code)
         return finding

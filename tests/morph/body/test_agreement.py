@@ -15,7 +15,7 @@ from morph.body.agreement import (
     read_by_mujoco,
     read_by_pinocchio,
 )
-from morph.body.finding import Finding, Where
+from morph.body.finding import DescriptionFinding, Where
 from morph.body.load import load
 from morph.body.robot import Robot
 
@@ -100,7 +100,7 @@ def test_a_joint_that_is_lost_is_a_finding(tmp_path: Path) -> None:
 
 def test_a_repair_explains_a_difference(tmp_path: Path) -> None:
     robot = tampered(two_bars(tmp_path), r'mass="', 1.5)
-    repair = Finding(
+    repair = DescriptionFinding(
         code="mass-missing",
         severity="repaired",
         where=Where(kind="link", name="lower", file=""),

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from morph.body.card import Parameter, Source, load_card
+from morph.body.card import CardParameter, Citation, load_card
 from morph.body.card_text import LONGEST, card_text
 from morph.body.shelf import builtin_shelf
 
@@ -34,8 +34,8 @@ def test_any_text_and_any_number_survive(text: str, number: float) -> None:
     card = replace(
         load_card(CARDS[0]),
         title=text,
-        source=(Source(what=text, from_=text),),
-        parameter=(Parameter(name=text, operation="scale", link=text, low=number, high=1e300),),
+        source=(Citation(what=text, from_=text),),
+        parameter=(CardParameter(name=text, operation="scale", link=text, low=number, high=1e300),),
     )
     found = tomllib.loads(card_text(card))
     assert found["title"] == text

@@ -12,7 +12,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from morph.body.description import BASES, ENDINGS, read_description
-from morph.body.finding import CODES, Finding
+from morph.body.finding import CODES, DescriptionFinding
 from morph.body.load import load
 from morph.body.spec import spec_of
 from morph.errors import DescriptionRefused, RobotError
@@ -32,13 +32,13 @@ def write(folder: Path, name: str, content: str | bytes) -> Path:
     return path
 
 
-def refused(path: Path, **more: Any) -> tuple[Finding, ...]:
+def refused(path: Path, **more: Any) -> tuple[DescriptionFinding, ...]:
     """Return the findings of a refusal."""
     with pytest.raises(DescriptionRefused) as caught:
         read_description(path, **more)
     assert caught.value.what
     assert caught.value.fix
-    findings: tuple[Finding, ...] = caught.value.findings
+    findings: tuple[DescriptionFinding, ...] = caught.value.findings
     assert any(finding.severity == "refused" for finding in findings)
     assert all(finding.code in CODES and finding.fix for finding in findings)
     return findings

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from morph.body.finding import CODES, Finding, Where
+from morph.body.finding import CODES, DescriptionFinding, Where
 from morph.body.inspect import inspect_robot
 
 LIMIT = '<limit lower="{}" upper="{}" effort="1" velocity="{}"/>'
@@ -214,4 +214,6 @@ def test_a_place_reads_as_a_part_a_file_and_a_line() -> None:
 
 def test_a_finding_without_a_known_code_cannot_be_made() -> None:
     with pytest.raises(ValueError, match="no code"):
-        Finding(code="oops", severity="info", where=Where(kind="a", name="b"), what="c", fix="d")
+        DescriptionFinding(
+            code="oops", severity="info", where=Where(kind="a", name="b"), what="c", fix="d"
+        )

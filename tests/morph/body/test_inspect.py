@@ -13,7 +13,7 @@ import pytest
 import morph.app.cli.convert
 import morph.body.inspect
 from morph.body import shelf
-from morph.body.finding import CODES, Finding, Where
+from morph.body.finding import CODES, DescriptionFinding, Where
 from morph.body.inspect import Inspection, inspect_robot
 
 FOLDER = Path(morph.body.inspect.__file__).parent
@@ -52,7 +52,7 @@ def test_a_schema_is_one_and_says_its_name(name: str) -> None:
 def test_a_finding_is_the_same_in_both_schemas() -> None:
     one, other = (schema(f"morph.{which}/1")["$defs"] for which in ("inspection", "findings"))
     assert one["finding"] == other["finding"]
-    assert set(one["finding"]["properties"]) == {field.name for field in fields(Finding)}
+    assert set(one["finding"]["properties"]) == {field.name for field in fields(DescriptionFinding)}
     assert set(one["finding"]["properties"]["where"]["properties"]) == {
         field.name for field in fields(Where)
     }

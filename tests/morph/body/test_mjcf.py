@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from morph.body.finding import Finding
+from morph.body.finding import DescriptionFinding
 from morph.body.load import load
 from morph.body.robot import Robot
 from morph.body.spec import spec_of
@@ -28,7 +28,7 @@ def codes(robot: Robot) -> list[tuple[str, str]]:
     return [(each.severity, each.code) for each in robot.findings if each.severity != "info"]
 
 
-def refusal(path: Path) -> Finding:
+def refusal(path: Path) -> DescriptionFinding:
     """Return the one finding of severity `refused`."""
     with pytest.raises(DescriptionRefused) as refused:
         load(path)

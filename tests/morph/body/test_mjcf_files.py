@@ -6,7 +6,7 @@ from pathlib import Path
 import mujoco
 import pytest
 
-from morph.body.finding import Finding
+from morph.body.finding import DescriptionFinding
 from morph.body.load import load
 from morph.body.mesh import as_stl
 from morph.body.robot import Robot
@@ -37,7 +37,7 @@ def codes(robot: Robot) -> list[tuple[str, str]]:
     return [(each.severity, each.code) for each in robot.findings if each.severity != "info"]
 
 
-def refusal(path: Path) -> Finding:
+def refusal(path: Path) -> DescriptionFinding:
     """Return the one finding of severity `refused`."""
     with pytest.raises(DescriptionRefused) as refused:
         load(path)

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from morph.body.card import Card, Checks, Parameter
+from morph.body.card import Card, CardParameter, Checks
 from morph.body.load import load
 from morph.body.robot import Mimic, Robot
 from morph.body.vary import (
@@ -26,8 +26,8 @@ from morph.body.vary import (
 )
 from morph.errors import RobotError
 
-LENGTH = Parameter(name="pole_length", operation="scale", link="pole", low=0.5, high=2.0)
-MASS = Parameter(name="cart_mass", operation="heavier", link="cart", low=0.5, high=4.0)
+LENGTH = CardParameter(name="pole_length", operation="scale", link="pole", low=0.5, high=2.0)
+MASS = CardParameter(name="cart_mass", operation="heavier", link="cart", low=0.5, high=4.0)
 
 
 @pytest.fixture
@@ -151,7 +151,7 @@ def test_a_vector_covers_each_parameter_from_low_to_high(robot: Robot) -> None:
 
 
 def test_a_vector_leaves_locks_alone_unless_they_are_named(robot: Robot) -> None:
-    lock = Parameter(name="held", operation="lock", link="pole", low=-1.0, high=1.0)
+    lock = CardParameter(name="held", operation="lock", link="pole", low=-1.0, high=1.0)
     held = replace(robot, card=replace(card_of(robot), parameter=(LENGTH, lock)))
     assert tunable(held) == ("pole_length",)
     assert len(from_vector(held, [0.5]).joints) == 2

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from morph.inference.level import EffectColumn, WhitenedLevel
-from morph.inference.search import Prior, Search
+from morph.inference.search import BeamSearch, Prior
 from morph.physics import EFFECTS
 from morph.physics.effect import Effect
 
@@ -36,11 +36,11 @@ def searched(
     error: np.ndarray,
     own: int,
     together: tuple[tuple[frozenset[str], float], ...] = (),
-) -> Search:
+) -> BeamSearch:
     """Return a search among the effects, whose strengths are small beside their bounds."""
     whole = np.column_stack([error, table])
     ends = np.arange(2, 2 + len(EFFECTS_TRIED))
-    return Search(
+    return BeamSearch(
         columns=tuple(
             EffectColumn(effect=effect, place=slice(end - 1, end))
             for effect, end in zip(EFFECTS_TRIED, ends, strict=True)

@@ -5,8 +5,8 @@ import numpy as np
 from morph.body.load import load
 from morph.make.deduplicate_parts import made
 from morph.make.drawing import drawing
-from morph.make.groups import Group
-from morph.make.names import Names
+from morph.make.groups import PieceGroup
+from morph.make.names import UniqueNames
 from morph.make.pieces import Piece
 from print.mesh import Mesh, from_manifold
 from print.part import Part
@@ -28,15 +28,15 @@ def piece(*rooms: Mesh) -> Piece:
     return Piece(name="cart", link="cart", source=body, pose=np.eye(4))
 
 
-def part(group: Group) -> Part:
-    (found,) = made(drawing(load("cartpole")), group, PROFILE, Names()).parts
+def part(group: PieceGroup) -> Part:
+    (found,) = made(drawing(load("cartpole")), group, PROFILE, UniqueNames()).parts
     return found
 
 
 def test_a_part_keeps_out_of_the_room_that_any_of_its_copies_needs() -> None:
     half_turn = np.diag([-1.0, -1.0, 1.0, 1.0])
     one, other = piece(room(10.0)), piece(room(10.0))
-    found = part(Group(members=[(one, np.eye(4)), (other, half_turn)])).mesh
+    found = part(PieceGroup(members=[(one, np.eye(4)), (other, half_turn)])).mesh
     assert found is not None
     # 40 x 20 x 20 mm less two slots of 4 x 20 x 10, one of them half a turn away. A block is
     # grown by 0.005 mm on all sides: at most 4000 mm2 * 0.01 mm = 40 mm3.
@@ -47,8 +47,8 @@ def test_a_part_keeps_out_of_the_room_that_any_of_its_copies_needs() -> None:
 
 def test_a_room_that_takes_all_is_left_out_and_the_others_are_kept() -> None:
     everything = from_manifold(box((-30.0, -30.0, -30.0), (30.0, 30.0, 30.0)))
-    group = Group(members=[(piece(room(10.0), everything), np.eye(4))])
-    found = made(drawing(load("cartpole")), group, PROFILE, Names())
+    group = PieceGroup(members=[(piece(room(10.0), everything), np.eye(4))])
+    found = made(drawing(load("cartpole")), group, PROFILE, UniqueNames())
     (check,) = found.checks
     assert check.verdict == "noted"
     assert "nothing is left of it" in check.what

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from morph.make.names import Names, of_file, safe, shared, sided
+from morph.make.names import UniqueNames, of_file, safe, shared, sided
 
 
 @pytest.mark.parametrize(
@@ -33,7 +33,7 @@ def test_the_number_that_an_importer_gave_a_file_is_no_part_of_its_name() -> Non
 
 
 def test_a_name_is_given_once() -> None:
-    names = Names()
+    names = UniqueNames()
     assert [names.one("leg"), names.one("leg"), names.one("leg")] == ["leg", "leg_2", "leg_3"]
 
 

@@ -15,7 +15,7 @@ from morph.errors import MakeError, PolicyError, SearchError
 from morph.make.link_mass import LinkMass
 from morph.make.match.case import Case
 from morph.make.match.matcher import Matcher
-from morph.make.match.regulator import Regulator
+from morph.make.match.regulator import RegulatorMatcher
 from morph.make.match.tune import Tune
 from morph.make.printed import designed, printed_robot
 from morph.make.rematch import UNCHANGED, Matched, rematch
@@ -140,7 +140,7 @@ def test_what_nothing_can_match_is_said_to_be_lost(lost: Matched) -> None:
 
 def test_a_way_that_fails_is_told_and_the_next_is_tried(learned: Linear, lost: Matched) -> None:
     assert [(each.by, each.note) for each in lost.tried] == [(UNCHANGED, ""), ("failing", "no way")]
-    ways = (Failing(), Regulator())
+    ways = (Failing(), RegulatorMatcher())
     found = rematch(broken(learned), BALANCE, CART, learned=learned, matchers=ways, seconds=LONG)
     assert (found.verdict, found.by) == ("matched", "regulator")
 

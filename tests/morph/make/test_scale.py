@@ -8,7 +8,7 @@ import pytest
 
 from morph.errors import MakeError
 from morph.make.content import Package
-from morph.make.scale import Reading, readings, taken
+from morph.make.scale import ScaleReading, readings, taken
 
 
 @pytest.mark.parametrize(
@@ -78,6 +78,6 @@ def test_far_off_is_taken_if_somebody_insists(package: Package) -> None:
 
 def test_the_later_reading_counts_and_one_can_be_forgotten() -> None:
     before = {"bar": 0.009, "ball": 0.1}
-    assert taken(before, [Reading(part="bar", kg=0.011)]) == {"bar": 0.011, "ball": 0.1}
-    assert taken(before, [Reading(part="bar", kg=None)]) == {"ball": 0.1}
+    assert taken(before, [ScaleReading(part="bar", kg=0.011)]) == {"bar": 0.011, "ball": 0.1}
+    assert taken(before, [ScaleReading(part="bar", kg=None)]) == {"ball": 0.1}
     assert before == {"bar": 0.009, "ball": 0.1}

@@ -7,7 +7,7 @@ import pytest
 
 from morph.body.load import load
 from morph.errors import DiagnosisError
-from morph.model.experiment_design import Candidate, chosen, information
+from morph.model.experiment_design import CandidateRun, chosen, information
 from morph.model.hypothesis import Hypothesis
 from morph.model.latent.run import Run
 from morph.model.latent.unknowns import unknowns
@@ -36,12 +36,12 @@ def model() -> Corrected:
     return fit(hypothesis, [short], noise=noise, force=False, integrator="rk4")
 
 
-def _candidates() -> list[Candidate]:
+def _candidates() -> list[CandidateRun]:
     sizes = (0.01, 8.0, 2.0, 0.01, 6.0)
     rng = np.random.default_rng(1)
     told = np.repeat(rng.uniform(-1.0, 1.0, (5, 1)), 4, axis=0)
     return [
-        Candidate(start=np.zeros(4), command=size * told, explores=at < 3)
+        CandidateRun(start=np.zeros(4), command=size * told, explores=at < 3)
         for at, size in enumerate(sizes)
     ]
 

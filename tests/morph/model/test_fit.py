@@ -10,7 +10,7 @@ import pytest
 from morph.body.load import load
 from morph.body.robot import Robot
 from morph.model.episodes import episode, step_for
-from morph.model.fit import Fit, Room, fit, measure
+from morph.model.fit import Fit, PointBounds, fit, measure
 from morph.model.hypothesis import Hypothesis
 from morph.model.nuisance_parameters import knobs
 from morph.model.segments import cut
@@ -60,7 +60,7 @@ def test_a_change_is_the_least_of_its_quadratic_within_its_bounds() -> None:
     rng = np.random.default_rng(0)
     root = rng.normal(size=(3, 3))
     hessian, slope = root @ root.T + 0.1 * np.eye(3), 3.0 * rng.normal(size=3)
-    room = Room(
+    room = PointBounds(
         low=np.full(3, -0.5), high=np.full(3, 0.5), trust=np.full(3, 0.2), centre=np.zeros(3)
     )
     point = np.array([0.1, -0.2, 0.3])

@@ -14,7 +14,7 @@ from morph.body.spec import spec_of
 from morph.errors import EvidenceError
 from morph.model.ou_likelihood import Likelihood
 from morph.model.select import Unsaid, blocks, courses, posterior, weighed
-from morph.model.transitions import Transitions
+from morph.model.transitions import ModelTransitions
 
 PERIOD = 0.1
 NOISE = np.array([0.02, 0.02])
@@ -50,7 +50,9 @@ def test_every_degree_of_freedom_is_in_one_block_and_of_one_kind(body: str) -> N
     assert len(found) == {"cartpole": 1, "hexapod_swimmer": 7}.get(body, len(found))
 
 
-def _worlds(rng: np.random.Generator, *, left_out: float, off: float) -> tuple[int, Transitions]:
+def _worlds(
+    rng: np.random.Generator, *, left_out: float, off: float
+) -> tuple[int, ModelTransitions]:
     """Return one of two worlds, and a run in it, of a point pushed by 0 or by 0.1 m/s2.
 
     Models tell a wave besides, so that a typical acceleration is 1. What they leave out has a
@@ -71,7 +73,7 @@ def _worlds(rng: np.random.Generator, *, left_out: float, off: float) -> tuple[i
     told = wave[None] + pushes[:, None]
     miss = seen[:-1] @ step.T + told[..., None] * PUSH - seen[1:]
     doubt = np.broadcast_to(0.2 * PUSH[:, None], (2, periods, 2, 1))
-    return right, Transitions(
+    return right, ModelTransitions(
         period=PERIOD,
         miss=miss,
         change=PERIOD * told[..., None],

@@ -13,14 +13,16 @@ from morph.errors import SearchError
 from morph.policy.policy import Policy
 from morph.search.gp_ddp import LearnedPlans
 from morph.search.learned_dynamics.memory import recalled
-from morph.search.learned_dynamics.plans import Effort
+from morph.search.learned_dynamics.plans import TrialBudget
 from morph.search.search import Learned, Problem, State, Trial
 from morph.search.target import Experience, Simulated, Target
 from morph.task.task import Task
 from morph.task.tasks import task
 
 SMALL = LearnedPlans(
-    effort=Effort(rows=100, keep=2, most=8, margins=(0.1,), rhos=(10.0,), bodies=(16, 32), best=2)
+    effort=TrialBudget(
+        rows=100, keep=2, most=8, margins=(0.1,), rhos=(10.0,), bodies=(16, 32), best=2
+    )
 )
 
 

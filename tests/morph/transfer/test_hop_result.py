@@ -17,7 +17,7 @@ from morph.task.tasks import task
 from morph.transfer.hop_checkpoint import HopsKept, Kept
 from morph.transfer.hop_result import Crossing, Curve
 from morph.transfer.parts import Arrow, Parts
-from morph.transfer.record import Guard
+from morph.transfer.record import GuardRecord
 from morph.transfer.relay_record import RelayRecord, hashes
 
 SCHEMA = json.loads((Path(morph.transfer.__file__).parent / "transfer.schema.json").read_text())
@@ -37,7 +37,7 @@ def crossing(**changed: Any) -> Crossing:
             states=(Arrow(begin="board", end="slide", weight=-0.8),), commands=(), lost=("ankle",)
         ),
         "quality": {"round_trip": 0.9},
-        "guard": Guard(verdict="safe", probability=0.98),
+        "guard": GuardRecord(verdict="safe", probability=0.98),
         "samples": 40,
         "measured": {"hold_still": 0.2, "oracle": 1.0, "final": 0.96, "zero_shot": 0.6},
         "curves": (curve("transfer", [0.3, 0.97, 1.0], [0.5, 0.99, 1.0]),),

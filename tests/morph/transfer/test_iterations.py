@@ -9,17 +9,17 @@ from morph.body.load import load
 from morph.errors import TransferError
 from morph.task.balance import balance
 from morph.task.push import Push
-from morph.transfer.iterations import Drift, Printed, first_of, iterations, nearby
+from morph.transfer.iterations import Drift, PrintedBody, first_of, iterations, nearby
 
 
 @pytest.fixture(scope="module")
-def printed() -> Printed:
+def printed() -> PrintedBody:
     """Return the cart-pole of which no two copies are alike."""
     push = Push(link="pole", impulse=(0.2, 0.0, 0.0))
-    return Printed(described=load("cartpole"), pose=balance, push=push, drift=Drift())
+    return PrintedBody(described=load("cartpole"), pose=balance, push=push, drift=Drift())
 
 
-def test_a_number_stands_for_each_length_mass_and_motor(printed: Printed) -> None:
+def test_a_number_stands_for_each_length_mass_and_motor(printed: PrintedBody) -> None:
     assert printed.numbers == (
         ("length", "pole"),
         ("mass", "cart"),
@@ -28,7 +28,7 @@ def test_a_number_stands_for_each_length_mass_and_motor(printed: Printed) -> Non
     )
 
 
-def test_changes_do_what_their_logarithms_say(printed: Printed) -> None:
+def test_changes_do_what_their_logarithms_say(printed: PrintedBody) -> None:
     # 1.1 times as long at its density: 1.1^3 times the mass; then half of it.
     made = printed.body(np.log([1.1, 2.0, 0.5, 3.0])).task
     before = {link.name: link.mass for link in printed.described.links}
@@ -37,7 +37,7 @@ def test_changes_do_what_their_logarithms_say(printed: Printed) -> None:
     assert after["cart"] == pytest.approx(2.0 * before["cart"])
 
 
-def test_a_motor_that_gives_more_moves_all_speeds_by_as_much(printed: Printed) -> None:
+def test_a_motor_that_gives_more_moves_all_speeds_by_as_much(printed: PrintedBody) -> None:
     # B goes with the gain e^w, so dB / dw at 0 is B, and A does not depend on it.
     W, slope = printed.linear(np.zeros(4))
     motor = slope[:, 3].reshape(W.shape)
@@ -46,14 +46,16 @@ def test_a_motor_that_gives_more_moves_all_speeds_by_as_much(printed: Printed) -
     assert np.abs(motor[:, :4]).max() < 1e-5
 
 
-def test_iterations_walk_from_body_to_body(printed: Printed) -> None:
+def test_iterations_walk_from_body_to_body(printed: PrintedBody) -> None:
     changes = np.array(iterations(printed, count=6, rng=np.random.default_rng(0)))
     steps = np.diff(changes, axis=0, prepend=np.zeros((1, 4))) / printed.spread
     # 24 standard normal numbers: their mean square is 1 +- 0.29.
     assert 0.3 < np.square(steps).mean() < 2.0
 
 
-def test_transitions_go_on_where_the_last_one_ended_or_begin_near_rest(printed: Printed) -> None:
+def test_transitions_go_on_where_the_last_one_ended_or_begin_near_rest(
+    printed: PrintedBody,
+) -> None:
     seen = nearby(printed.body(np.zeros(4)), 200, np.random.default_rng(0))
     goes_on = (seen.state[1:] == seen.after[:-1]).all(axis=1)
     assert goes_on.sum() > 100
@@ -64,7 +66,7 @@ def test_transitions_go_on_where_the_last_one_ended_or_begin_near_rest(printed: 
     assert len(first_of(seen, 7).state) == 7
 
 
-def test_a_few_transitions_show_how_a_body_has_changed(printed: Printed) -> None:
+def test_a_few_transitions_show_how_a_body_has_changed(printed: PrintedBody) -> None:
     change = np.array([0.1, -0.2, 0.2, -0.3])
     made = printed.body(change)
     before = printed.known().changed(printed.spread)

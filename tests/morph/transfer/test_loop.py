@@ -21,10 +21,10 @@ from morph.search.target import Experience, Simulated, Target
 from morph.task.swing_up import swing_up
 from morph.task.task import Task
 from morph.transfer.keep import Keep
-from morph.transfer.loop import Loop, Transferred, concluded, worth_trying
+from morph.transfer.loop import TransferLoop, Transferred, concluded, worth_trying
 
 SEED = 100
-LOOP, KEY = Loop(trials=2, seed=SEED), {"seed": str(SEED)}
+LOOP, KEY = TransferLoop(trials=2, seed=SEED), {"seed": str(SEED)}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -112,7 +112,7 @@ def test_a_target_that_is_as_described_keeps_the_policy_after_one_trial(
     task: Task, source: Policy
 ) -> None:
     target = Simulated(task=task, simulator=task.simulator())
-    found = Loop(trials=3, seed=SEED).run(task, source, target)
+    found = TransferLoop(trials=3, seed=SEED).run(task, source, target)
     assert len(found.rounds) == 1
     assert found.policy is source
     assert found.origin == "source"
@@ -160,7 +160,7 @@ def test_a_spoilt_trial_is_one_message_that_names_it(
 
 def test_no_trial_at_all_is_refused() -> None:
     with pytest.raises(TransferError, match="0 trials"):
-        Loop(trials=0)
+        TransferLoop(trials=0)
 
 
 def test_a_policy_that_failed_by_chance_is_tried_once_more(carried: Transferred) -> None:

@@ -7,10 +7,10 @@ from align.maps.affine_map import AffineMap
 from morph.body.load import load
 from morph.task.tasks import task
 from morph.transfer.body import body
-from morph.transfer.parts import Arrow, Names, Spreads, names_of, parts
+from morph.transfer.parts import Arrow, BodyNames, Spreads, names_of, parts
 
-SOURCE = Names(body="s", state=("slide", "hinge"), command=("push",), shown=2)
-TARGET = Names(body="t", state=("board", "ankle", "hip"), command=("wheel", "knee"), shown=3)
+SOURCE = BodyNames(body="s", state=("slide", "hinge"), command=("push",), shown=2)
+TARGET = BodyNames(body="t", state=("board", "ankle", "hip"), command=("wheel", "knee"), shown=3)
 
 
 def affine(state: np.ndarray, action: np.ndarray) -> AffineMap:

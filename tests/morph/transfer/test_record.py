@@ -13,8 +13,8 @@ import morph.transfer
 from morph.body.load import load
 from morph.search.target import Experience
 from morph.task.tasks import task
-from morph.transfer.predicted_return import Foreseen
-from morph.transfer.record import Guard, Hop, Record, Verdict, guard
+from morph.transfer.predicted_return import PredictedReturn
+from morph.transfer.record import GuardRecord, Hop, Record, Verdict, guard
 
 SCHEMA = json.loads((Path(morph.transfer.__file__).parent / "transfer.schema.json").read_text())
 
@@ -35,7 +35,7 @@ def record() -> Record:
         runs=(run, run),
         rounds=(),
         explained=None,
-        guard=Guard(verdict="unsure", probability=None),
+        guard=GuardRecord(verdict="unsure", probability=None),
         succeeded=False,
         why="nobody tried",
     )
@@ -69,8 +69,10 @@ def test_the_schema_misses_what_is_left_out(record: Record, lost: str) -> None:
     [(1.0, "safe"), (0.9, "safe"), (0.89, "unsure"), (0.5, "unsure"), (0.49, "unsafe")],
 )
 def test_a_policy_is_safe_by_what_is_foreseen_of_it(success: float, verdict: Verdict) -> None:
-    assert guard(Foreseen(loss=1.0, success=success)) == Guard(verdict=verdict, probability=success)
+    assert guard(PredictedReturn(loss=1.0, success=success)) == GuardRecord(
+        verdict=verdict, probability=success
+    )
 
 
 def test_without_a_model_that_is_believed_nothing_is_promised() -> None:
-    assert guard(None) == Guard(verdict="unsure", probability=None)
+    assert guard(None) == GuardRecord(verdict="unsure", probability=None)

@@ -21,7 +21,7 @@ from morph.task.swing_up import swing_up
 from morph.task.task import Task
 from morph.transfer.gate import gated
 from morph.transfer.predicted_return import foresee
-from morph.transfer.repair import Model, Repair, repaired
+from morph.transfer.repair import Repair, TaskModel, repaired
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -83,9 +83,9 @@ def test_drawn_models_differ_about_as_much_as_is_unknown(long_pole: Repair) -> N
 
 
 def test_a_model_that_is_right_is_good_enough_and_one_that_is_not_is_not(task: Task) -> None:
-    right = gated(Model(task=task, effects=()), shown(task, seed=1), task, seed=0)
+    right = gated(TaskModel(task=task, effects=()), shown(task, seed=1), task, seed=0)
     longer = shown(swing_up(turned(task.robot, {"length:pole": 1.6})), seed=1)
-    wrong = gated(Model(task=task, effects=()), longer, task, seed=0)
+    wrong = gated(TaskModel(task=task, effects=()), longer, task, seed=0)
     assert right.verdict != "not good"
     assert right.probability > 0.5
     assert wrong.verdict == "not good"
@@ -100,12 +100,12 @@ def test_what_no_name_explains_is_learned_and_foresees_better(task: Task) -> Non
     # at speeds that were never seen, and there it knows no more than the description does.
     for seed in (6, 7, 8):
         run = shown(task, ripple, seed=seed)
-        described = _miss(Model(task=task, effects=()), run)
+        described = _miss(TaskModel(task=task, effects=()), run)
         # Of noise of 0.01 at both ends of a period 0.014 stays in a speed, whatever the model.
         assert _miss(found.model, run) < 0.02 < 0.06 < described
 
 
-def _miss(model: Model, run: Run) -> float:
+def _miss(model: TaskModel, run: Run) -> float:
     """Return how far the cart's speed is off after one period, root mean square, m/s."""
     plant = Plant(model.simulator, run.period)
     _, ahead = plant.advance(run.position[:-1], run.velocity[:-1], run.command)
@@ -125,7 +125,7 @@ def test_foreseeing_is_judging_by_the_same_chance(task: Task) -> None:
         period=task.period,
         observation=observations_of(task.robot, None),
     )
-    model = Model(task=task, effects=())
+    model = TaskModel(task=task, effects=())
     (one,) = foresee([still], [model], seed=5, rows=8)
     expected = evaluate(task, still, model.simulator, rng=np.random.default_rng([5, 0]), rows=8)
     assert (one.loss, one.success) == (expected.mean, expected.share)

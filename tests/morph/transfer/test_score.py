@@ -17,7 +17,7 @@ from morph.transfer.score import (
     KEPT,
     SEARCHED,
     UNMEASURED,
-    Judged,
+    PolicyScores,
     judged,
     score,
 )
@@ -43,7 +43,7 @@ def test_where_the_oracle_does_no_better_than_holding_still_nothing_is_measured(
 
 def test_without_an_oracle_no_score_is_made_up() -> None:
     one = Score(loss=np.ones(3), success=np.ones(3, dtype=bool))
-    found = Judged(still=one, source=one, final=one, oracle=None)
+    found = PolicyScores(still=one, source=one, final=one, oracle=None)
     assert found.scores() == UNMEASURED
 
 

@@ -11,8 +11,8 @@ from importlib.metadata import version
 from align.maps.body_map import BodyMap
 from morph.arrays import JSON
 from morph.transfer.hop_result import parts_said
-from morph.transfer.parts import Names, Parts
-from morph.transfer.record import Guard
+from morph.transfer.parts import BodyNames, Parts
+from morph.transfer.record import GuardRecord
 
 SCHEMA = "morph.align/1"
 """Name and version of `align.json` and of what `--json` prints."""
@@ -25,9 +25,9 @@ MAP = "maps/01_body_map.npz"
 class Aligned:
     """A map between two bodies, and what is thought of it."""
 
-    source: Names
+    source: BodyNames
     """What the source's numbers are called."""
-    target: Names
+    target: BodyNames
     """The same of the target."""
     mapper: str
     """How the map was learned."""
@@ -37,7 +37,7 @@ class Aligned:
     """Which part is which, by it."""
     quality: Mapping[str, float]
     """How good it is on transitions that it was not learned from."""
-    guard: Guard
+    guard: GuardRecord
     """Whether the source's policy may be tried through it."""
     why: str
     """Why the guard says so, in a sentence; empty if there is nothing to say."""
@@ -87,7 +87,7 @@ class Aligned:
         return json.dumps(self.said(), allow_nan=False, indent=1) + "\n"
 
 
-def names_said(names: Names) -> JSON:
+def names_said(names: BodyNames) -> JSON:
     """Return what the numbers of a body are called as plain data."""
     return {"name": names.body, "state": list(names.state), "command": list(names.command)}
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from morph.app.report.align.outcome import Aligned
 from morph.app.report.words import counted, percent
 from morph.transfer.parts import Arrow, Parts
-from morph.transfer.record import Guard
+from morph.transfer.record import GuardRecord
 
 QUALITY: Mapping[str, str] = {
     "round_trip": "states there and back, off by so many spreads",
@@ -51,13 +51,13 @@ def summary(found: Aligned) -> tuple[str, ...]:
     return tuple(lines)
 
 
-def guard_said(guard: Guard) -> str:
+def guard_said(guard: GuardRecord) -> str:
     """Return the guard's verdict with its probability."""
     words = f"The guard calls the source's policy seen through it {guard.verdict}"
     return f"{words}: {VERDICTS[guard.verdict]}, {sure(guard)}."
 
 
-def sure(guard: Guard) -> str:
+def sure(guard: GuardRecord) -> str:
     """Return how sure the guard is that a policy does no harm."""
     if guard.probability is None:
         return "and there is no probability"

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from morph.app.report.learn.outcome import Outcome
-from morph.app.report.learn.plots import Band, Line, Plot
+from morph.app.report.learn.outcome import LearnOutcome
+from morph.app.report.learn.plots import GoalBand, Plot, PlottedLine
 from morph.app.report.learn.words import NAMED
 from morph.arrays import Array
 from morph.body.robot import Joint
@@ -23,7 +23,7 @@ MOST_PLOTS = 12
 """Joints that are drawn, and commands."""
 
 
-def learning(outcome: Outcome) -> tuple[Plot, ...]:
+def learning(outcome: LearnOutcome) -> tuple[Plot, ...]:
     """Return the loss against the trial, the experience, where there is any, and the seconds."""
     trials = outcome.trials
     if not trials:
@@ -44,7 +44,7 @@ def learning(outcome: Outcome) -> tuple[Plot, ...]:
         Plot(
             title="loss",
             x_title=title,
-            lines=(Line(x=np.array(x, dtype=float), y=loss, dots=len(loss) <= 40),),
+            lines=(PlottedLine(x=np.array(x, dtype=float), y=loss, dots=len(loss) <= 40),),
             rules=tuple(rules),
             from_zero=True,
         )
@@ -53,7 +53,7 @@ def learning(outcome: Outcome) -> tuple[Plot, ...]:
     )
 
 
-def joints(outcome: Outcome) -> tuple[Plot, ...]:
+def joints(outcome: LearnOutcome) -> tuple[Plot, ...]:
     """Return where each joint is in the judged runs, with its range and what is to be reached."""
     model = outcome.judged.moved.model
     plots = []
@@ -70,7 +70,7 @@ def joints(outcome: Outcome) -> tuple[Plot, ...]:
     return tuple(plots)
 
 
-def commands(outcome: Outcome) -> tuple[Plot, ...]:
+def commands(outcome: LearnOutcome) -> tuple[Plot, ...]:
     """Return what each actuator is told in the judged runs, with its bounds."""
     judged = outcome.judged
     plots = []
@@ -88,21 +88,21 @@ def commands(outcome: Outcome) -> tuple[Plot, ...]:
 
 
 def _plot(
-    outcome: Outcome,
+    outcome: LearnOutcome,
     column: int,
     title: str,
     bounds: tuple[float, ...] = (),
-    bands: tuple[Band, ...] = (),
+    bands: tuple[GoalBand, ...] = (),
 ) -> Plot:
     moved = outcome.judged.moved
     lines = tuple(
-        Line(x=moved.time, y=moved.position[row, :, column], look=look)
+        PlottedLine(x=moved.time, y=moved.position[row, :, column], look=look)
         for row, look in _rows(outcome)
     )
     return Plot(title=title, x_title="time, s", lines=lines, bounds=bounds, bands=bands)
 
 
-def _rows(outcome: Outcome) -> Iterator[tuple[int, str]]:
+def _rows(outcome: LearnOutcome) -> Iterator[tuple[int, str]]:
     """Yield the runs that are drawn: some of all faintly, then the typical one."""
     rows, typical = outcome.judged.rows, outcome.judged.typical
     for row in np.unique(np.linspace(0, rows - 1, min(rows, MOST_RUNS)).round().astype(int)):
@@ -111,7 +111,7 @@ def _rows(outcome: Outcome) -> Iterator[tuple[int, str]]:
     yield typical, "main"
 
 
-def _bands(outcome: Outcome, joint: Joint, column: int) -> Iterator[Band]:
+def _bands(outcome: LearnOutcome, joint: Joint, column: int) -> Iterator[GoalBand]:
     """Yield where a joint must be to the end, for goals that ask for it by itself."""
     moved = outcome.judged.moved
     end = float(moved.time[-1])
@@ -127,9 +127,9 @@ def _bands(outcome: Outcome, joint: Joint, column: int) -> Iterator[Band]:
             if joint.kind == "hinge":
                 # Upright is upright after any number of turns: the band lies at the nearest.
                 middle += math.tau * round((last - middle) / math.tau)
-            yield Band(x=(end - goal.last, end), y=(middle - goal.within, middle + goal.within))
+            yield GoalBand(x=(end - goal.last, end), y=(middle - goal.within, middle + goal.within))
 
 
-def _held(time: Array, command: Array, look: str) -> Line:
+def _held(time: Array, command: Array, look: str) -> PlottedLine:
     """Return a command as the stairs that it is."""
-    return Line(x=np.repeat(time, 2)[1:], y=np.repeat(command, 2)[:-1], look=look)
+    return PlottedLine(x=np.repeat(time, 2)[1:], y=np.repeat(command, 2)[:-1], look=look)

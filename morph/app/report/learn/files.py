@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-from morph.app.report.learn.outcome import Outcome, learned, record_text
+from morph.app.report.learn.outcome import LearnOutcome, learned, record_text
 from morph.app.report.learn.page import learned_page
 from morph.app.report.learn.strip import Still, strip
 from morph.errors import MorphError
@@ -17,7 +17,7 @@ RECORD, REPORT, STRIP, POLICY = "record.json", "report.html", "strip.jpg", "poli
 """What a search writes; the first makes it a finished one."""
 
 
-def write_learned(outcome: Outcome, out: Path, *, see: str) -> Outcome:
+def write_learned(outcome: LearnOutcome, out: Path, *, see: str) -> LearnOutcome:
     """Write a policy, its export, pictures, the report and the record.
 
     Returns:

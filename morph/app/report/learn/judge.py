@@ -34,7 +34,7 @@ WILD = 3.0
 
 
 @dataclass(frozen=True, kw_only=True)
-class Judged:
+class JudgedPolicy:
     """What a policy did over many runs, and what two that know nothing did over the same."""
 
     moved: Moved
@@ -66,7 +66,7 @@ class Judged:
         return int(np.argmin(np.abs(self.loss - np.median(self.loss))))
 
 
-def judge(task: Task, policy: Policy, simulator: Simulator, seed: int) -> Judged:
+def judge(task: Task, policy: Policy, simulator: Simulator, seed: int) -> JudgedPolicy:
     """Return how a policy does from drawn starts, seen through the task's noise.
 
     Raises:
@@ -76,7 +76,7 @@ def judge(task: Task, policy: Policy, simulator: Simulator, seed: int) -> Judged
     work = simulator.model.nv * task.horizon / simulator.model.opt.timestep
     rows = int(np.clip(MOST_WORK / work, FEWEST, ROWS))
     moved = attempt(task, policy, simulator, rows=rows, rng=_chance(seed))
-    return Judged(
+    return JudgedPolicy(
         moved=moved,
         loss=task.loss(moved),
         success=task.succeeded(moved),

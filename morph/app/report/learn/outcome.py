@@ -10,7 +10,7 @@ from importlib.metadata import version
 
 import numpy as np
 
-from morph.app.report.learn.judge import Judged
+from morph.app.report.learn.judge import JudgedPolicy
 from morph.arrays import JSON, Array
 from morph.errors import OutputError
 from morph.files import sha256
@@ -26,7 +26,7 @@ MOST_OFTEN = 0.5
 
 
 @dataclass(frozen=True, kw_only=True)
-class Outcome:
+class LearnOutcome:
     """What a search found, and how it was judged."""
 
     task: Task
@@ -35,7 +35,7 @@ class Outcome:
     """The search, with its settings."""
     policy: Policy
     """The best policy."""
-    judged: Judged
+    judged: JudgedPolicy
     """What it did over runs that the search never saw."""
     trials: tuple[Trial, ...]
     """The learning record, what an interrupted search did before among it."""
@@ -82,7 +82,7 @@ def robot_hash(task: Task) -> str:
     return task.robot.sha256 or sha256(task.robot.mjcf)
 
 
-def learned(outcome: Outcome) -> JSON:
+def learned(outcome: LearnOutcome) -> JSON:
     """Return what `policy.json` tells of how the policy was found."""
     return {
         "search": outcome.search.name,
@@ -95,7 +95,7 @@ def learned(outcome: Outcome) -> JSON:
     }
 
 
-def as_json(outcome: Outcome) -> JSON:
+def as_json(outcome: LearnOutcome) -> JSON:
     """Return all of it by the schema morph.learned/1."""
     judged, task = outcome.judged, outcome.task
     return {
@@ -151,7 +151,7 @@ def settings(search: Search) -> JSON:
     }
 
 
-def record_text(outcome: Outcome) -> str:
+def record_text(outcome: LearnOutcome) -> str:
     """Return the text of `record.json`; a loss that is no number is null.
 
     Raises:

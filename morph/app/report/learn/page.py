@@ -9,7 +9,7 @@ import numpy as np
 from markupsafe import Markup
 
 from morph.app.report.learn import drawn, words
-from morph.app.report.learn.outcome import Outcome, as_json, robot_hash, settings
+from morph.app.report.learn.outcome import LearnOutcome, as_json, robot_hash, settings
 from morph.app.report.learn.strip import Still
 from morph.app.report.learn.words import number
 from morph.app.report.templates import environment
@@ -32,7 +32,7 @@ MOST_EFFECTS = 12
 """Effects that are named before the rest is counted: a swimmer has one for each link."""
 
 
-def learned_page(outcome: Outcome, stills: Sequence[Still], see: str) -> str:
+def learned_page(outcome: LearnOutcome, stills: Sequence[Still], see: str) -> str:
     """Return the report as one HTML page.
 
     Args:
@@ -75,7 +75,7 @@ def _some(trials: Sequence[Trial]) -> list[Trial]:
     return [trials[at] for at in np.linspace(0, len(trials) - 1, MOST_TRIALS).round().astype(int)]
 
 
-def _scores(outcome: Outcome) -> list[JSON]:
+def _scores(outcome: LearnOutcome) -> list[JSON]:
     rows: list[tuple[str, Array, float]] = [
         ("learned", outcome.judged.loss, outcome.judged.share),
         *(
@@ -90,7 +90,7 @@ def _scores(outcome: Outcome) -> list[JSON]:
     ]
 
 
-def _terms(outcome: Outcome) -> list[JSON]:
+def _terms(outcome: LearnOutcome) -> list[JSON]:
     """Return what each term costs, the dearest first."""
     costs = sorted(outcome.judged.terms.items(), key=lambda each: -each[1])
     total = sum(cost for _, cost in costs)
@@ -104,13 +104,13 @@ def _terms(outcome: Outcome) -> list[JSON]:
     ]
 
 
-def _effects(outcome: Outcome) -> str:
+def _effects(outcome: LearnOutcome) -> str:
     labels = [effect.label for effect in outcome.task.effects]
     more = len(labels) - MOST_EFFECTS
     return ", ".join(labels[:MOST_EFFECTS]) + (f" and {more} more" if more > 0 else "")
 
 
-def _provenance(outcome: Outcome) -> list[tuple[str, str]]:
+def _provenance(outcome: LearnOutcome) -> list[tuple[str, str]]:
     versions = as_json(outcome)["provenance"]
     return [
         ("morph", versions["morph"]),

@@ -25,7 +25,7 @@ DECADES = 1.5
 
 
 @dataclass(frozen=True, kw_only=True)
-class Line:
+class PlottedLine:
     """One curve."""
 
     x: Array
@@ -39,7 +39,7 @@ class Line:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Band:
+class GoalBand:
     """A box that is to be reached."""
 
     x: tuple[float, float]
@@ -56,9 +56,9 @@ class Plot:
     """What is drawn."""
     x_title: str
     """What runs to the right."""
-    lines: tuple[Line, ...]
+    lines: tuple[PlottedLine, ...]
     """The curves, the last on top."""
-    bands: tuple[Band, ...] = ()
+    bands: tuple[GoalBand, ...] = ()
     """What is to be reached."""
     bounds: tuple[float, ...] = ()
     """Levels that are not to be passed, drawn as dashes where they are near."""
@@ -177,7 +177,7 @@ class _Axes:
         at = float(self.y(np.array(level))) if math.isfinite(level) else -1.0
         return at if TOP - 0.1 <= at <= HEIGHT - BOTTOM + 0.1 else None
 
-    def curve(self, line: Line) -> list[str]:
+    def curve(self, line: PlottedLine) -> list[str]:
         """Return a curve, in pieces where it has gaps."""
         step = max(1, math.ceil(len(line.x) / MOST_POINTS))
         keep = np.unique([*range(0, len(line.x), step), len(line.x) - 1])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from morph.app.report.learn.outcome import Outcome
+from morph.app.report.learn.outcome import LearnOutcome
 from morph.app.report.words import counted
 
 NAMED = {
@@ -21,7 +21,7 @@ def number(value: float) -> str:
     return f"{value:.3g}" if math.isfinite(value) else "none"
 
 
-def headline(outcome: Outcome) -> str:
+def headline(outcome: LearnOutcome) -> str:
     """Return the verdict."""
     task, robot = outcome.task.name, outcome.task.robot.name
     if outcome.succeeded:
@@ -31,7 +31,7 @@ def headline(outcome: Outcome) -> str:
     return f"{robot} has not learned {task}"
 
 
-def summary(outcome: Outcome) -> tuple[str, ...]:
+def summary(outcome: LearnOutcome) -> tuple[str, ...]:
     """Return what it does and what it took, in two or three sentences."""
     judged = outcome.judged
     reached = int(judged.success.sum())
@@ -49,7 +49,7 @@ def summary(outcome: Outcome) -> tuple[str, ...]:
     return tuple(lines)
 
 
-def spent(outcome: Outcome) -> str:
+def spent(outcome: LearnOutcome) -> str:
     """Return what the search took."""
     count = counted(outcome.count, *_called(outcome))
     on_robot = (
@@ -58,5 +58,5 @@ def spent(outcome: Outcome) -> str:
     return f"The search {outcome.search.name} took {number(outcome.seconds)} s, {count}{on_robot}."
 
 
-def _called(outcome: Outcome) -> tuple[str, str]:
+def _called(outcome: LearnOutcome) -> tuple[str, str]:
     return ("trial", "trials") if outcome.experience > 0.0 else ("round", "rounds")

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from morph.app.report.learn.plots import Line, Plot
-from morph.app.report.loop.outcome import Outcome
+from morph.app.report.learn.plots import Plot, PlottedLine
+from morph.app.report.loop.outcome import LoopOutcome
 from morph.arrays import Array
 from morph.errors import SimulationFailed
 from morph.search.target import Experience
@@ -24,7 +24,7 @@ MOST_PLOTS = 6
 
 
 @dataclass(frozen=True, kw_only=True)
-class Foretold:
+class TrialPrediction:
     """One joint in one trial, and how far each model errs there."""
 
     plot: Plot
@@ -37,7 +37,7 @@ class Foretold:
     """Of both."""
 
 
-def losses(outcome: Outcome) -> tuple[Plot, ...]:
+def losses(outcome: LoopOutcome) -> tuple[Plot, ...]:
     """Return the loss of each trial, beside what it is to be compared with."""
     if not outcome.rounds:
         return ()
@@ -52,14 +52,14 @@ def losses(outcome: Outcome) -> tuple[Plot, ...]:
         Plot(
             title="loss of each trial",
             x_title="trial",
-            lines=(Line(x=number, y=loss, dots=True),),
+            lines=(PlottedLine(x=number, y=loss, dots=True),),
             rules=tuple(rules),
             counted=True,
         ),
     )
 
 
-def true_states(outcome: Outcome, number: int) -> Array:
+def true_states(outcome: LoopOutcome, number: int) -> Array:
     """Return the states of a run that are taken for the true ones, shape (samples, nq + nv).
 
     Those that the repaired model makes of it, or else the observed ones. From noisy ones
@@ -79,7 +79,7 @@ def true_states(outcome: Outcome, number: int) -> Array:
     return np.concatenate([run.position, run.velocity], axis=1)
 
 
-def foretold(outcome: Outcome, number: int) -> tuple[Foretold, ...]:
+def foretold(outcome: LoopOutcome, number: int) -> tuple[TrialPrediction, ...]:
     """Return every joint of a run as observed and as each model predicts it."""
     task, run, states = outcome.task, outcome.runs[number], true_states(outcome, number)
     described = task.simulator()
@@ -88,7 +88,7 @@ def foretold(outcome: Outcome, number: int) -> tuple[Foretold, ...]:
     if outcome.repair is not None:
         after = predicted(outcome.repair.model.simulator, run, states)
     model: Any = described.model
-    found: list[Foretold] = []
+    found: list[TrialPrediction] = []
     for joint in task.robot.joints:
         if joint.kind not in {"hinge", "slide"} or len(found) == MOST_PLOTS:
             continue
@@ -99,10 +99,10 @@ def foretold(outcome: Outcome, number: int) -> tuple[Foretold, ...]:
 
 def _joint(
     run: Experience, at: int, models: Sequence[Array | None], title: str, unit: str
-) -> Foretold:
+) -> TrialPrediction:
     time: Array = run.period * np.arange(len(run.position), dtype=np.float64)
     seen = run.position[:, at]
-    lines = [Line(x=time, y=seen, look="observed")]
+    lines = [PlottedLine(x=time, y=seen, look="observed")]
     errors: list[float | None] = []
     for look, states in zip(("described", "main"), models, strict=True):
         if states is None:
@@ -110,13 +110,13 @@ def _joint(
             continue
         # A gap after each window: what follows begins anew.
         x, y = _gapped(time, states[..., at])
-        lines.append(Line(x=x, y=y, look=look))
+        lines.append(PlottedLine(x=x, y=y, look=look))
         errors.append(_error(states[..., at], seen))
     low, high = seen.min(), seen.max()
     room = max(0.5 * (high - low), 1e-3)
     kept = tuple(_within(line, low - room, high + room) for line in lines)
     described, repaired = errors
-    return Foretold(
+    return TrialPrediction(
         plot=Plot(title=title, x_title="time, s", lines=kept),
         described=described,
         repaired=repaired,
@@ -124,10 +124,10 @@ def _joint(
     )
 
 
-def _within(line: Line, low: float, high: float) -> Line:
+def _within(line: PlottedLine, low: float, high: float) -> PlottedLine:
     """Return a line without what is far beyond what was observed: it would flatten the rest."""
     inside = (line.y >= low) & (line.y <= high)
-    return Line(x=line.x, y=np.where(inside, line.y, np.nan), look=line.look, dots=line.dots)
+    return PlottedLine(x=line.x, y=np.where(inside, line.y, np.nan), look=line.look, dots=line.dots)
 
 
 def _gapped(time: Array, windows: Array) -> tuple[Array, Array]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-from morph.app.report.loop.outcome import Outcome
+from morph.app.report.loop.outcome import LoopOutcome
 from morph.app.report.loop.page import loop_page
 from morph.body.spec import spec_of
 from morph.errors import MorphError
@@ -14,7 +14,7 @@ from morph.model.corrected import split
 from morph.physics.store import effects_text
 from morph.policy.export import export_policy
 from morph.policy.store import write_policy
-from morph.transfer.repair import Model, Repair
+from morph.transfer.repair import Repair, TaskModel
 from morph.transfer.retask import task_for
 
 RECORD, REPORT, POLICY = "transfer.json", "report.html", "policy"
@@ -30,7 +30,7 @@ UNNAMED = (
 """What is to be known of corrected files where a force was learned."""
 
 
-def write_loop(outcome: Outcome, out: Path) -> Outcome:
+def write_loop(outcome: LoopOutcome, out: Path) -> LoopOutcome:
     """Write the policy, the corrected model, the report and the record.
 
     Returns:
@@ -52,16 +52,16 @@ def write_loop(outcome: Outcome, out: Path) -> Outcome:
     return outcome
 
 
-def named(repair: Repair) -> Model:
+def named(repair: Repair) -> TaskModel:
     """Return a repaired model without what no name explains, with the figures found without it."""
     if repair.learned is None:
         return repair.model
     found, own = repair.explained, len(repair.task.effects)
     there = replace(task_for(repair.task, found.robot), effects=found.effects[:own])
-    return Model(task=there, effects=found.effects[own:])
+    return TaskModel(task=there, effects=found.effects[own:])
 
 
-def write_corrected(model: Model, out: Path) -> None:
+def write_corrected(model: TaskModel, out: Path) -> None:
     """Write a repaired model as a description and the effects beside it."""
     spec = spec_of(model.task.robot, timestep=model.task.step)
     beside, text = split(spec, (*model.task.effects, *model.effects))
@@ -69,7 +69,7 @@ def write_corrected(model: Model, out: Path) -> None:
     write_whole(out / EFFECTS, effects_text(beside))
 
 
-def _write_policy(outcome: Outcome, out: Path, notes: list[str]) -> None:
+def _write_policy(outcome: LoopOutcome, out: Path, notes: list[str]) -> None:
     task, policy, done = outcome.task, outcome.policy, outcome.transferred
     if policy is None or done is None:
         return

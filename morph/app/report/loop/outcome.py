@@ -6,19 +6,19 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from morph.arrays import JSON
-from morph.model.kwik.certify import Verdict
+from morph.model.kwik.certify import ModelVerdict
 from morph.model.latent.parameter_attribution import Difference
 from morph.policy.policy import Policy
 from morph.search.target import Experience
 from morph.task.task import Task
-from morph.transfer.loop import Round, Transferred
-from morph.transfer.record import Guard, Hop, Record, guard
+from morph.transfer.loop import LoopRound, Transferred
+from morph.transfer.record import GuardRecord, Hop, Record, guard
 from morph.transfer.repair import Repair
-from morph.transfer.score import UNMEASURED, Judged
+from morph.transfer.score import UNMEASURED, PolicyScores
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Outcome:
+class LoopOutcome:
     """What was tried on a target, what was found to differ, and how good the policy is there."""
 
     task: Task
@@ -31,7 +31,7 @@ class Outcome:
     """What the loop gave back; None if the target was recorded."""
     repair: Repair | None
     """The last repaired model; None if there is none."""
-    judged: Judged | None = None
+    judged: PolicyScores | None = None
     """How policies do on a simulated target; None for another."""
     own: float | None = None
     """What the source's policy costs in its own simulation."""
@@ -39,7 +39,7 @@ class Outcome:
     """What a simulated target differs in; None if nobody knows."""
     sealed: int | None = None
     """The seed from which that was drawn; None if it was told."""
-    asked: Verdict | None = None
+    asked: ModelVerdict | None = None
     """Whether the model as described is good enough for what was recorded."""
     searched: bool = True
     """Whether a policy might have been searched: after the only trial none is."""
@@ -53,7 +53,7 @@ class Outcome:
     """What else is to be known."""
 
     @property
-    def rounds(self) -> tuple[Round, ...]:
+    def rounds(self) -> tuple[LoopRound, ...]:
         """The trials."""
         return () if self.transferred is None else self.transferred.rounds
 
@@ -92,12 +92,12 @@ class Outcome:
         return self.transferred.why
 
     @property
-    def guard(self) -> Guard:
+    def guard(self) -> GuardRecord:
         """What is thought of the policy to keep."""
         return guard(None if self.transferred is None else self.transferred.foreseen)
 
     @property
-    def gate(self) -> Verdict | None:
+    def gate(self) -> ModelVerdict | None:
         """Whether the model as described is good enough; None if that was not asked."""
         first = self.rounds[0].advice if self.rounds else None
         return self.asked if first is None else first.verdict

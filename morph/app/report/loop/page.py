@@ -10,7 +10,7 @@ from markupsafe import Markup
 from morph.app.report.learn.page import POLICY
 from morph.app.report.learn.words import number
 from morph.app.report.loop import drawn, words
-from morph.app.report.loop.outcome import Outcome
+from morph.app.report.loop.outcome import LoopOutcome
 from morph.app.report.loop.verdict import beyond, headline, sealed_rows, summary
 from morph.app.report.templates import environment
 from morph.app.report.words import counted, percent
@@ -20,7 +20,7 @@ from morph.search.evaluate import Score
 FOLDER = Path(__file__).parent
 
 
-def loop_page(outcome: Outcome) -> str:
+def loop_page(outcome: LoopOutcome) -> str:
     """Return the report as one HTML page."""
     robot, record = outcome.task.robot, outcome.record().said()
     return environment(FOLDER).get_template("page.html.j2").render(
@@ -58,13 +58,13 @@ def _sentence(text: str) -> str:
     return f"{text[:1].upper()}{text[1:].rstrip('.')}." if text else ""
 
 
-def _runs(outcome: Outcome) -> str:
+def _runs(outcome: LoopOutcome) -> str:
     named = ("trial", "trials") if outcome.rounds else ("recording", "recordings")
     together = " together" if len(outcome.runs) > 1 else ""
     return f"{counted(len(outcome.runs), *named)} of {number(outcome.experience)} s{together}"
 
 
-def _rivals(outcome: Outcome) -> list[JSON]:
+def _rivals(outcome: LoopOutcome) -> list[JSON]:
     if outcome.repair is None:
         return []
     return [
@@ -73,7 +73,7 @@ def _rivals(outcome: Outcome) -> list[JSON]:
     ]
 
 
-def trial_rows(outcome: Outcome) -> list[JSON]:
+def trial_rows(outcome: LoopOutcome) -> list[JSON]:
     """Return each trial in words: its policy, what came of it, and what was learned from it."""
     rows = []
     for at, done in enumerate(outcome.rounds, 1):
@@ -101,7 +101,7 @@ def trial_rows(outcome: Outcome) -> list[JSON]:
     return rows
 
 
-def _scores(outcome: Outcome) -> list[JSON]:
+def _scores(outcome: LoopOutcome) -> list[JSON]:
     judged = outcome.judged
     if judged is None:
         return []
@@ -124,7 +124,7 @@ def _scores(outcome: Outcome) -> list[JSON]:
     ]
 
 
-def _foretold(outcome: Outcome) -> list[JSON]:
+def _foretold(outcome: LoopOutcome) -> list[JSON]:
     named = "Trial" if outcome.rounds else "Recording"
     return [
         {
@@ -137,7 +137,7 @@ def _foretold(outcome: Outcome) -> list[JSON]:
     ]
 
 
-def _error(each: drawn.Foretold) -> str:
+def _error(each: drawn.TrialPrediction) -> str:
     pairs = (("as described", each.described), ("repaired", each.repaired))
     told = [
         f"{number(value) if np.isfinite(value) else 'without bound'} {each.unit} {name}"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from morph.app.report.learn.words import number
 from morph.app.report.loop import words
-from morph.app.report.loop.outcome import Outcome
+from morph.app.report.loop.outcome import LoopOutcome
 from morph.app.report.words import counted, percent, plain
 from morph.arrays import JSON
 from morph.model.latent.parameter_attribution import Difference
@@ -15,7 +15,7 @@ FAINT = 0.1
 """Share of a concealed value below which what was found of it is as good as nothing."""
 
 
-def headline(outcome: Outcome) -> str:
+def headline(outcome: LoopOutcome) -> str:
     """Return the verdict."""
     task, robot = outcome.task.name, outcome.task.robot.name
     if outcome.transferred is None:
@@ -30,7 +30,7 @@ def headline(outcome: Outcome) -> str:
     return f"{robot} does not do {task} on the target yet"
 
 
-def summary(outcome: Outcome) -> tuple[str, ...]:
+def summary(outcome: LoopOutcome) -> tuple[str, ...]:
     """Return what was tried, what it promises and how good it is, in a few sentences."""
     if outcome.transferred is None:
         gate = () if outcome.gate is None else (outcome.gate.text,)
@@ -54,7 +54,7 @@ def summary(outcome: Outcome) -> tuple[str, ...]:
     return tuple(lines)
 
 
-def _tried(outcome: Outcome) -> str:
+def _tried(outcome: LoopOutcome) -> str:
     first, kept = outcome.runs[0], outcome.runs[outcome.kept - 1]
     trials = words.trials_said(len(outcome.runs), outcome.experience)
     seconds = 0.0 if outcome.transferred is None else outcome.transferred.seconds
@@ -67,7 +67,7 @@ def _tried(outcome: Outcome) -> str:
     return f"{said}; computing took {number(seconds)} s."
 
 
-def _oracle(outcome: Outcome) -> str:
+def _oracle(outcome: LoopOutcome) -> str:
     judged = outcome.judged
     if judged is None or judged.oracle is None:
         return ""
@@ -77,7 +77,7 @@ def _oracle(outcome: Outcome) -> str:
     return f", and one that is searched on its true parameters {found}"
 
 
-def rivals_said(outcome: Outcome) -> tuple[str, ...]:
+def rivals_said(outcome: LoopOutcome) -> tuple[str, ...]:
     """Return how probable the explanation is, and the next, in a sentence or none."""
     if outcome.repair is None or not outcome.repair.explained.rivals:
         return ()
@@ -86,7 +86,7 @@ def rivals_said(outcome: Outcome) -> tuple[str, ...]:
     return (f"{said}; then {others[0][0]} ({percent(others[0][1])})" if others else said,)
 
 
-def sealed_rows(outcome: Outcome) -> list[JSON]:
+def sealed_rows(outcome: LoopOutcome) -> list[JSON]:
     """Return what was concealed beside what was found of it, in words; none if nothing was."""
     opened = outcome.opened()
     if opened is None:
@@ -106,7 +106,7 @@ def sealed_rows(outcome: Outcome) -> list[JSON]:
     return rows
 
 
-def _found(name: str, value: float, outcome: Outcome) -> tuple[Difference, str] | None:
+def _found(name: str, value: float, outcome: LoopOutcome) -> tuple[Difference, str] | None:
     """Return what was found of something concealed, and the verdict; None if it is not named."""
     for each in outcome.differences:
         if each.name == name:
@@ -115,7 +115,7 @@ def _found(name: str, value: float, outcome: Outcome) -> tuple[Difference, str] 
     return None if alike is None else (alike, f"found as {plain(alike.name.partition('@')[0])}")
 
 
-def beyond(outcome: Outcome) -> tuple[str, ...]:
+def beyond(outcome: LoopOutcome) -> tuple[str, ...]:
     """Return what was named beyond what was concealed, or what says the same."""
     opened = outcome.opened()
     if opened is None:
@@ -143,7 +143,7 @@ def _neutral(name: str) -> float | None:
     return next(each.neutral for each in known if each.name == symbol)
 
 
-def _alike(name: str, value: float, outcome: Outcome) -> Difference | None:
+def _alike(name: str, value: float, outcome: LoopOutcome) -> Difference | None:
     """Return what was found of an effect that becomes the concealed one, with the right value."""
     effect, at, rest = name.partition("@")
     for each in outcome.differences if at else ():
@@ -154,7 +154,7 @@ def _alike(name: str, value: float, outcome: Outcome) -> Difference | None:
     return None
 
 
-def _missed(name: str, outcome: Outcome) -> str:
+def _missed(name: str, outcome: LoopOutcome) -> str:
     """Return what is said of a difference that was not named."""
     rivals = () if outcome.repair is None else outcome.repair.explained.rivals[1:]
     named = name.rpartition(":")[0] if "@" in name else name

@@ -7,12 +7,12 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from morph.app.report.words import counted, percent, plain
 from morph.body.robot import Robot
-from morph.model.kwik.certify import Verdict
+from morph.model.kwik.certify import ModelVerdict
 from morph.model.latent.parameter_attribution import Difference
 from morph.physics import effect_class
 from morph.physics.effect import SLIDING, Parameter
-from morph.transfer.loop import Round
-from morph.transfer.predicted_return import Foreseen
+from morph.transfer.loop import LoopRound
+from morph.transfer.predicted_return import PredictedReturn
 
 FIGURES: Mapping[str, str] = {
     "length": "{part} is {factor} times as long",
@@ -112,7 +112,7 @@ def listed(said: Sequence[str]) -> str:
     return "; ".join(said) if said else "nothing that the trials can tell"
 
 
-def promised(foreseen: Foreseen | None) -> str:
+def promised(foreseen: PredictedReturn | None) -> str:
     """Return what a policy promises."""
     if foreseen is None:
         return "nothing: the repaired model is not believed"
@@ -120,17 +120,17 @@ def promised(foreseen: Foreseen | None) -> str:
     return f"loss {foreseen.loss:.3g}, success {share}"
 
 
-def gate(verdict: Verdict) -> str:
+def gate(verdict: ModelVerdict) -> str:
     """Return whether a model was good enough for a trial."""
     return GATES[verdict.verdict]
 
 
-def outcome_of(done: Round) -> str:
+def outcome_of(done: LoopRound) -> str:
     """Return what came of a trial in a word."""
     return "succeeded" if done.tried.experience.success else "failed"
 
 
-def round_said(number: int, done: Round, robot: Robot) -> tuple[str, ...]:
+def round_said(number: int, done: LoopRound, robot: Robot) -> tuple[str, ...]:
     """Return a trial and what was learned from it, in a few lines."""
     tried, advice = done.tried, done.advice
     first = (

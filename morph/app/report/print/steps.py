@@ -12,7 +12,7 @@ from print.part import Check
 
 
 @dataclass(frozen=True, kw_only=True)
-class Step:
+class PrintStep:
     """One thing to do."""
 
     what: str
@@ -43,7 +43,7 @@ class Advice:
     checks: tuple[Check, ...]
 
 
-def steps(package: Package, sliced: Collection[str] = ()) -> list[Step]:
+def steps(package: Package, sliced: Collection[str] = ()) -> list[PrintStep]:
     """Return what to do, in order.
 
     Args:
@@ -58,7 +58,7 @@ def steps(package: Package, sliced: Collection[str] = ()) -> list[Step]:
         lies = " Refused parts lie in refused/, and on no plate." if job.refused else ""
         none = "" if plates else " Before that, nothing can be printed."
         found.append(
-            Step(
+            PrintStep(
                 what=f"Mend {counted(len(mend), 'thing')} and make the package anew",
                 how=f"What and why is below.{lies}{none}",
             )
@@ -66,7 +66,7 @@ def steps(package: Package, sliced: Collection[str] = ()) -> list[Step]:
     if len(plates) < len(job.plates):
         play = job.profile.clearance_mm
         found.append(
-            Step(
+            PrintStep(
                 what="Print the gauges and try in them what you bought",
                 how=f"These parts leave a play of {play:g} mm on each side. If another notch of "
                 "a gauge fits better, make the package anew with its play, --play MM: it changes "
@@ -76,7 +76,7 @@ def steps(package: Package, sliced: Collection[str] = ()) -> list[Step]:
     if plates:
         found.append(_printing(job, plates, sliced))
         found.append(
-            Step(
+            PrintStep(
                 what="Buy the rest and put it together",
                 how="bom.csv counts what is bought; assembly.html shows each step.",
             )
@@ -86,7 +86,7 @@ def steps(package: Package, sliced: Collection[str] = ()) -> list[Step]:
     return found
 
 
-def _printing(job: Job, plates: Sequence[Plate], sliced: Collection[str]) -> Step:
+def _printing(job: Job, plates: Sequence[Plate], sliced: Collection[str]) -> PrintStep:
     with_code = all(plate.name in sliced for plate in plates)
     ready = (
         "Their G-code lies beside them."
@@ -95,27 +95,27 @@ def _printing(job: Job, plates: Sequence[Plate], sliced: Collection[str]) -> Ste
         f"{counted(job.profile.walls, 'wall')}, {100 * job.profile.infill:.0f} % infill, with "
         "support; the masses hold for these settings alone."
     )
-    return Step(
+    return PrintStep(
         what=f"Print {counted(len(plates), 'plate')}",
         how=f"{ready} Everything lies as it is to be printed.",
     )
 
 
-def _weighing(package: Package) -> Step:
+def _weighing(package: Package) -> PrintStep:
     part = next((part for part in package.job.parts if part.name in package.job.sliced), None)
     name = "PART" if part is None else part.number or part.name
     tried = ", and tries the policy on it" if package.policy is not None else ""
-    return Step(
+    return PrintStep(
         what="Weigh what came off the printer",
         how=f"One copy of a part is enough. It corrects the robot in robot/{tried}.",
         command=f"morph weigh DIR {name}=GRAMS",
     )
 
 
-def _using(package: Package) -> Step:
+def _using(package: Package) -> PrintStep:
     if package.policy is None:
         known = any(each.source != "description" for each in package.links)
-        return Step(
+        return PrintStep(
             what="Learn and simulate on the robot in robot/, not on the model",
             how="It has the masses of its parts, as far as they are known."
             if known
@@ -124,7 +124,7 @@ def _using(package: Package) -> Step:
             command="morph view DIR/robot",
         )
     lost = "It does not hold there yet. " if package.policy.verdict == "lost" else ""
-    return Step(
+    return PrintStep(
         what="See the policy on the robot as printed",
         how=f"{lost}policy/ is made for robot/, and for no other.",
         command=f"morph view DIR/robot --task {package.policy.task} --policy DIR/policy",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from morph.app.report.learn.plots import Line, Plot
+from morph.app.report.learn.plots import Plot, PlottedLine
 from morph.app.report.transfer.words import NAMED
 from morph.transfer.hop_result import Crossing, Curve
 from morph.transfer.relay_record import RelayRecord
@@ -31,7 +31,7 @@ def curves(hop: Crossing) -> tuple[Plot, ...]:
     if not shown or hop.scores["oracle"] is None:
         return ()
     width = max(max(each.samples) for each in shown)
-    lines: list[Line] = []
+    lines: list[PlottedLine] = []
     # The transfer's own curve is drawn last, on top.
     for place, each in enumerate(reversed(shown)):
         lines += _lines(hop, each, APART * width * (place - 0.5 * (len(shown) - 1)))
@@ -56,18 +56,18 @@ def shown_of(hop: Crossing) -> list[Curve]:
     return [each for each in hop.curves if each.name in LOOKS and each.samples[-1] <= most]
 
 
-def _lines(hop: Crossing, curve: Curve, shift: float) -> list[Line]:
+def _lines(hop: Crossing, curve: Curve, shift: float) -> list[PlottedLine]:
     at = np.array(curve.samples, dtype=float) + shift
     low, high = (hop.relative(each) for each in curve.interval)
     gap = np.full(len(at), np.nan)
-    whiskers = Line(
+    whiskers = PlottedLine(
         x=np.stack([at, at, gap], axis=1).ravel(),
         y=np.stack([low, high, gap], axis=1).ravel(),
         look=f"{LOOKS[curve.name]} whisker",
     )
     y = hop.relative(curve.mean)
     dots = curve.name == "transfer"
-    return [whiskers, Line(x=at, y=y, look=LOOKS[curve.name], dots=dots)]
+    return [whiskers, PlottedLine(x=at, y=y, look=LOOKS[curve.name], dots=dots)]
 
 
 def key(record: RelayRecord) -> list[tuple[str, str]]:
@@ -83,7 +83,7 @@ def kept(record: RelayRecord) -> tuple[Plot, ...]:
     number = np.arange(1.0, len(record.hops) + 1.0)
     named = (("zero_shot", "described"), ("final", "main"))
     lines = tuple(
-        Line(
+        PlottedLine(
             x=number,
             y=np.array([np.nan if (s := h.scores[name]) is None else s for h in record.hops]),
             look=look,

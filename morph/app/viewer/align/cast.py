@@ -23,7 +23,7 @@ TASK = "balance"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Player:
+class ChainPlayer:
     """One body of the chain."""
 
     name: str
@@ -41,7 +41,7 @@ class Player:
         return self.body is not None and self.body.sight is None
 
 
-def cast(story: Story, robots: Sequence[Robot]) -> tuple[Player, ...]:
+def cast(story: Story, robots: Sequence[Robot]) -> tuple[ChainPlayer, ...]:
     """Return the bodies of a story in the order of its chain.
 
     A body is looked for among the robots that were named beside the folder, then on the shelf.
@@ -51,7 +51,7 @@ def cast(story: Story, robots: Sequence[Robot]) -> tuple[Player, ...]:
         story: What the folder tells.
         robots: Robots that were named beside it.
     """
-    known: dict[tuple[str, str | None], Player] = {}
+    known: dict[tuple[str, str | None], ChainPlayer] = {}
     players = []
     asked = story.asked if len(story.asked) == len(story.chain) else ("",) * len(story.chain)
     for name, word in zip(story.chain, asked, strict=True):
@@ -61,9 +61,9 @@ def cast(story: Story, robots: Sequence[Robot]) -> tuple[Player, ...]:
     return tuple(players)
 
 
-def _player(name: str, asked: str | None, story: Story, robots: Sequence[Robot]) -> Player:
+def _player(name: str, asked: str | None, story: Story, robots: Sequence[Robot]) -> ChainPlayer:
     if asked is None:
-        return Player(
+        return ChainPlayer(
             name=name,
             figure=None,
             body=None,
@@ -72,11 +72,11 @@ def _player(name: str, asked: str | None, story: Story, robots: Sequence[Robot])
     try:
         robot, feet, board = _found(name, asked, _by_hash(name, story, robots))
     except MorphError as error:
-        return Player(name=name, figure=None, body=None, notes=(_unknown(name, story, error),))
+        return ChainPlayer(name=name, figure=None, body=None, notes=(_unknown(name, story, error),))
     try:
         whole = _moving(robot, feet, board)
     except MorphError as error:
-        return Player(
+        return ChainPlayer(
             name=name,
             figure=figure(robot, name=name),
             body=None,
@@ -84,7 +84,7 @@ def _player(name: str, asked: str | None, story: Story, robots: Sequence[Robot])
         )
     placed = whole.task.robot
     drawn = figure(placed) if board is None else dressed(placed, robot)
-    return Player(
+    return ChainPlayer(
         name=name, figure=drawn, body=seen_with(whole, 0.0), notes=_changed(name, placed, story)
     )
 

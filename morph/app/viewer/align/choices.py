@@ -14,7 +14,7 @@ SORTS = (STATES, COMMANDS)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Choices:
+class AlignChoices:
     """What is chosen."""
 
     hop: int
@@ -33,13 +33,13 @@ class Choices:
         return dict(vars(self))
 
 
-def choices_of(said: JSON, hops: int) -> Choices:
+def choices_of(said: JSON, hops: int) -> AlignChoices:
     """Return what an earlier `said` held, for a story of so many hops.
 
     Raises:
         ViewError: It is something else, or of another story.
     """
-    names = Choices.__dataclass_fields__
+    names = AlignChoices.__dataclass_fields__
     if not isinstance(said, dict) or set(said) != set(names):
         raise _refused(f"it holds {most_of(said)}, and needs {', '.join(names)}")
     for name, kind in (("hop", int), ("way", str), ("sort", str), ("part", str), ("large", bool)):
@@ -50,7 +50,7 @@ def choices_of(said: JSON, hops: int) -> Choices:
         raise _refused(f"hop is {said['hop']}, and there are {hops} hops")
     if said["sort"] not in SORTS:
         raise _refused(f"sort is {most_of(said['sort'])}, not {' or '.join(SORTS)}")
-    return Choices(**said)
+    return AlignChoices(**said)
 
 
 def _refused(what: str) -> ViewError:

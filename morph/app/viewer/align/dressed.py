@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from morph.app.picture.shapes import Shape
+from morph.app.picture.shapes import PictureShape
 from morph.app.viewer.figure import Figure, figure
 from morph.body.robot import Robot
 
@@ -17,7 +17,7 @@ def dressed(placed: Robot, rider: Robot) -> Figure:
     """
     bare, own = figure(placed), figure(rider)
     places = {name: at for at, name in enumerate(bare.links) if at}
-    shapes: list[Shape] = [
+    shapes: list[PictureShape] = [
         replace(shape, body=places[own.links[shape.body]])
         for shape in own.shapes
         if own.links[shape.body] in places

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from align.maps.body_map import BodyMap
-from morph.app.viewer.align.cast import Player
+from morph.app.viewer.align.cast import ChainPlayer
 from morph.app.viewer.align.read import inside
 from morph.app.viewer.align.story import Story
 from morph.app.viewer.align.turns import moving
@@ -26,7 +26,7 @@ MOST_BYTES = 20_000_000
 
 
 def law(
-    story: Story, players: Sequence[Player], maps: Sequence[BodyMap | None], at: int
+    story: Story, players: Sequence[ChainPlayer], maps: Sequence[BodyMap | None], at: int
 ) -> tuple[Law, str]:
     """Return what moves a body of a chain, and in words what that is.
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import product
 
-from morph.app.viewer.align.cast import Player
+from morph.app.viewer.align.cast import ChainPlayer
 from morph.app.viewer.align.links import middle, parts_of, spoken
 from morph.app.viewer.align.story import Told
 from morph.app.viewer.content import Colour, Tie
@@ -43,7 +43,7 @@ def arrows(told: Told, sort: str) -> tuple[Arrow, ...]:
     )
 
 
-def links(player: Player, sort: str) -> Mapping[str, tuple[str, ...]]:
+def links(player: ChainPlayer, sort: str) -> Mapping[str, tuple[str, ...]]:
     """Return which links the numbers of a body are about, by what they are called."""
     if player.body is None or player.figure is None:
         return {}
@@ -52,7 +52,7 @@ def links(player: Player, sort: str) -> Mapping[str, tuple[str, ...]]:
     return {called.get(name, name): links for name, links in which.items()}
 
 
-def called(told: Told, source: Player, target: Player) -> Told:
+def called(told: Told, source: ChainPlayer, target: ChainPlayer) -> Told:
     """Return a hop whose groups and readings are called with the links that they are about."""
     here, there = ({} if each.body is None else spoken(each.body) for each in (source, target))
 
@@ -70,7 +70,11 @@ def called(told: Told, source: Player, target: Player) -> Told:
 
 
 def ties(
-    told: Told, players: tuple[Player, Player], actors: tuple[int, int], sort: str, chosen: str
+    told: Told,
+    players: tuple[ChainPlayer, ChainPlayer],
+    actors: tuple[int, int],
+    sort: str,
+    chosen: str,
 ) -> tuple[Tie, ...]:
     """Return the lines of a hop.
 
@@ -91,7 +95,7 @@ def ties(
     return tuple(found[:MOST])
 
 
-def unplaced(told: Told, players: tuple[Player, Player]) -> tuple[str, ...]:
+def unplaced(told: Told, players: tuple[ChainPlayer, ChainPlayer]) -> tuple[str, ...]:
     """Return the parts of a hop's arrows that its bodies do not have."""
     found: list[str] = []
     for sort in (STATES, COMMANDS):
@@ -103,7 +107,7 @@ def unplaced(told: Told, players: tuple[Player, Player]) -> tuple[str, ...]:
 
 
 def _tie(
-    players: Sequence[Player],
+    players: Sequence[ChainPlayer],
     actors: tuple[int, int],
     ends: tuple[str, str],
     arrow: Arrow,

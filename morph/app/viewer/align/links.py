@@ -22,7 +22,7 @@ FEW = 2
 
 
 @dataclass(frozen=True, kw_only=True)
-class Parts:
+class LinkNames:
     """Names of a body's links by what its numbers are called."""
 
     states: Mapping[str, tuple[str, ...]]
@@ -31,7 +31,7 @@ class Parts:
     """By the names of its commands."""
 
 
-def parts_of(body: Body) -> Parts:
+def parts_of(body: Body) -> LinkNames:
     """Return which links the numbers of a body are about."""
     names, model = names_of(body), body.plant.model
     half = body.size // 2
@@ -47,7 +47,7 @@ def parts_of(body: Body) -> Parts:
         name: tuple(dict.fromkeys(driven[at] for at in np.flatnonzero(column)))
         for name, column in zip(names.command, told.T, strict=True)
     }
-    return Parts(states=states, commands=commands)
+    return LinkNames(states=states, commands=commands)
 
 
 def spoken(body: Body) -> dict[str, str]:

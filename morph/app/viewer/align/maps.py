@@ -11,13 +11,13 @@ import numpy as np
 from align.errors import AlignError
 from align.maps.body_map import BodyMap
 from align.maps.files import read
-from morph.app.viewer.align.cast import Player
+from morph.app.viewer.align.cast import ChainPlayer
 from morph.app.viewer.align.story import Story
 from morph.errors import ViewError
 from morph.transfer.body import Body
 
 
-def maps_of(story: Story, players: Sequence[Player]) -> tuple[BodyMap | None, ...]:
+def maps_of(story: Story, players: Sequence[ChainPlayer]) -> tuple[BodyMap | None, ...]:
     """Return the map of each hop; None where there is none, or it is between other bodies.
 
     Raises:

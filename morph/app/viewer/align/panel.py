@@ -10,15 +10,15 @@ from morph.app.viewer.align.choices import SORTS
 from morph.app.viewer.widget import add_widget, set_value
 
 if TYPE_CHECKING:
-    from morph.app.viewer.align.choices import Choices
+    from morph.app.viewer.align.choices import AlignChoices
     from morph.app.viewer.session import Session
-    from morph.app.viewer.views.align import Align
+    from morph.app.viewer.views.align import AlignView
 
 WHOLE, ALL, NONE = "the whole chain", "all", "nothing"
 """What is chosen where no single hop, part or motion is."""
 
 
-class Panel:
+class AlignPanel:
     """The knobs of one person's page; what they do, they do in the session's thread.
 
     Args:
@@ -27,7 +27,7 @@ class Panel:
         session: The page.
     """
 
-    def __init__(self, view: Align, gui: Any, session: Session) -> None:
+    def __init__(self, view: AlignView, gui: Any, session: Session) -> None:
         """Add them."""
         self._view, self._session = view, session
         self._hops = [WHOLE, *view.hops]
@@ -58,13 +58,13 @@ class Panel:
     def _ways(self) -> list[str]:
         return [*self._view.ways, NONE]
 
-    def _to(self, chosen: Choices) -> None:
+    def _to(self, chosen: AlignChoices) -> None:
         """Choose, compute the motion beside the page, and show it when it is there."""
         self._view.chosen = chosen
         self._refresh()
         self._session.later(self._view.complete, lambda _: self._shown(chosen))
 
-    def _shown(self, chosen: Choices) -> None:
+    def _shown(self, chosen: AlignChoices) -> None:
         # Whoever chose something else meanwhile, or went to another view, does not want this.
         if self._view.chosen == chosen and self._session.view is self._view:
             self._session.show()
@@ -99,9 +99,9 @@ class Panel:
         self._to(replace(self._view.chosen, large=large))
 
 
-def panel(view: Align, gui: Any, session: Session) -> None:
+def panel(view: AlignView, gui: Any, session: Session) -> None:
     """Add the knobs, and let a click on a link point at its part."""
-    knobs = Panel(view, gui, session)
+    knobs = AlignPanel(view, gui, session)
 
     def picked(actor: int, link: str) -> None:
         session.do(lambda: knobs.point(view.part_at(actor, link)))

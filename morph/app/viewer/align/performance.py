@@ -9,14 +9,14 @@ from itertools import pairwise
 
 import numpy as np
 
-from morph.app.viewer.align.cast import Player
+from morph.app.viewer.align.cast import ChainPlayer
 from morph.app.viewer.align.laws import kept, law
 from morph.app.viewer.align.lines import called
 from morph.app.viewer.align.maps import maps_of
 from morph.app.viewer.align.story import Story
 from morph.app.viewer.align.turns import moving, rest, turns
 from morph.app.viewer.content import Moment
-from morph.app.viewer.motion import Motion, motion
+from morph.app.viewer.motion import MotionFrames, motion
 from morph.arrays import Array
 
 PARTS, TARGET, SOURCE = "parts in turn", "the target leads", "the source leads"
@@ -37,7 +37,7 @@ FAR = 100.0
 class Scene:
     """How the bodies of a stretch of the chain move."""
 
-    motions: tuple[Motion, ...]
+    motions: tuple[MotionFrames, ...]
     """One for each body, in the order of the chain; those without a figure have none."""
     moments: tuple[Moment, ...] = ()
     """When each part has its turn."""
@@ -57,7 +57,7 @@ class Performance:
         ViewError: A map or a law is spoilt.
     """
 
-    def __init__(self, story: Story, players: Sequence[Player], seed: int = 0) -> None:
+    def __init__(self, story: Story, players: Sequence[ChainPlayer], seed: int = 0) -> None:
         """Read the maps, and look whether the laws can be read."""
         hops = zip(story.hops, pairwise(players), strict=True)
         self.story = replace(story, hops=tuple(called(hop, *pair) for hop, pair in hops))
@@ -199,8 +199,8 @@ def _until(states: Iterable[Array]) -> int:
 
 
 def _motion(
-    player: Player, times: Array, scale: float, state: Array | None, ran: Array | None
-) -> Motion:
+    player: ChainPlayer, times: Array, scale: float, state: Array | None, ran: Array | None
+) -> MotionFrames:
     """Return how a body moves by its states, or by its joints where these tell more."""
     if player.figure is None or player.body is None or not len(times):
         return rest(player)

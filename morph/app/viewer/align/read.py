@@ -13,12 +13,12 @@ from typing import Any
 import numpy as np
 
 from morph.app.viewer.align.story import Story, Told
-from morph.app.viewer.align.values import Values
+from morph.app.viewer.align.values import RecordValues
 from morph.errors import ViewError
 from morph.regular_file import read_regular
 from morph.transfer.hop_result import Crossing, Curve
 from morph.transfer.parts import Arrow, Parts
-from morph.transfer.record import Guard
+from morph.transfer.record import GuardRecord
 
 RECORDS = {"transfer.json": "morph.transfer/1", "align.json": "morph.align/1"}
 """What a folder may hold, and by which schema."""
@@ -53,7 +53,7 @@ def story(folder: Path) -> Story:
     if name is None:
         raise _none(folder)
     path = folder / name
-    said = Values(_said(folder, path), str(path))
+    said = RecordValues(_said(folder, path), str(path))
     schema = said.text("schema")
     if schema != RECORDS[name]:
         raise said.refused(f"it is of the schema {schema!r}, not {RECORDS[name]}")
@@ -124,7 +124,7 @@ def _said(folder: Path, path: Path) -> Any:
         ) from error
 
 
-def _aligned(folder: Path, said: Values) -> Story:
+def _aligned(folder: Path, said: RecordValues) -> Story:
     source, target = said.inside("source"), said.inside("target")
     guard = said.inside("guard")
     hop = Told(
@@ -149,7 +149,7 @@ def _aligned(folder: Path, said: Values) -> Story:
     )
 
 
-def _transfer(folder: Path, said: Values) -> Story:
+def _transfer(folder: Path, said: RecordValues) -> Story:
     hops = said.each("hops", lambda each: _hop(folder, each), MOST_HOPS)
     broken = any(a.target != b.source for a, b in itertools.pairwise(hops))
     if not hops or broken:
@@ -168,7 +168,7 @@ def _transfer(folder: Path, said: Values) -> Story:
     )
 
 
-def _hop(folder: Path, said: Values) -> Told:
+def _hop(folder: Path, said: RecordValues) -> Told:
     relay = said.inside("relay") if said.has("relay") else None
     parts = NO_PARTS if relay is None else _parts(relay.inside("parts"))
     guard = _guard(said.inside("guard"))
@@ -192,7 +192,11 @@ def _hop(folder: Path, said: Values) -> Told:
 
 
 def _crossing(
-    said: Values, relay: Values, parts: Parts, guard: Guard, quality: dict[str, float]
+    said: RecordValues,
+    relay: RecordValues,
+    parts: Parts,
+    guard: GuardRecord,
+    quality: dict[str, float],
 ) -> Crossing:
     measured = relay.numbers("measured")
     for name in ("hold_still", "oracle"):
@@ -212,7 +216,7 @@ def _crossing(
     )
 
 
-def _curve(said: Values) -> Curve:
+def _curve(said: RecordValues) -> Curve:
     samples = tuple(int(each) for each in said.list_of_numbers("samples", MOST_PARTS))
     mean = said.list_of_numbers("mean", MOST_PARTS)
     if len(samples) != len(mean) or not samples:
@@ -220,19 +224,19 @@ def _curve(said: Values) -> Curve:
     return Curve(name=said.text("name"), samples=samples, scores=np.array([mean]))
 
 
-def _guard(said: Values) -> Guard:
+def _guard(said: RecordValues) -> GuardRecord:
     verdict = said.text("verdict")
     probability = said.number("probability", 0.0, 1.0) if said.has("probability") else None
     if verdict == "safe":
-        return Guard(verdict="safe", probability=probability)
+        return GuardRecord(verdict="safe", probability=probability)
     if verdict == "unsafe":
-        return Guard(verdict="unsafe", probability=probability)
+        return GuardRecord(verdict="unsafe", probability=probability)
     if verdict == "unsure":
-        return Guard(verdict="unsure", probability=probability)
+        return GuardRecord(verdict="unsure", probability=probability)
     raise said.refused(f"the verdict is {verdict!r}, not safe, unsafe or unsure")
 
 
-def _parts(said: Values) -> Parts:
+def _parts(said: RecordValues) -> Parts:
     return Parts(
         states=said.each("states", _arrow, MOST_PARTS),
         commands=said.each("commands", _arrow, MOST_PARTS),
@@ -240,20 +244,20 @@ def _parts(said: Values) -> Parts:
     )
 
 
-def _arrow(said: Values) -> Arrow:
+def _arrow(said: RecordValues) -> Arrow:
     return Arrow(
         begin=said.text("from"), end=said.text("to"), weight=said.number("weight", -1.0, 1.0)
     )
 
 
-def _map(folder: Path, said: Values) -> Path | None:
+def _map(folder: Path, said: RecordValues) -> Path | None:
     name = said.text("map")
     if not MAP.fullmatch(name):
         raise said.refused(f"its map is {name!r}, not a file such as maps/01_body_map.npz")
     return inside(folder, name)
 
 
-def _hashes(made: Values) -> dict[str, str]:
+def _hashes(made: RecordValues) -> dict[str, str]:
     return made.texts_by_name("inputs") if made.has("inputs") else {}
 
 

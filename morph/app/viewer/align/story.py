@@ -8,7 +8,7 @@ from pathlib import Path
 
 from morph.transfer.hop_result import Crossing
 from morph.transfer.parts import Parts
-from morph.transfer.record import Guard
+from morph.transfer.record import GuardRecord
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -27,7 +27,7 @@ class Told:
     """Which part is which."""
     quality: Mapping[str, float]
     """How good the map is; NaN for what is not a number."""
-    guard: Guard
+    guard: GuardRecord
     """What is thought of the policy before it is tried."""
     why: str = ""
     """Why the guard says so; empty if nothing is told."""

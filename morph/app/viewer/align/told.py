@@ -9,9 +9,9 @@ from morph.app.report.transfer.words import CONTROLS, NAMED, ORDER, credit, save
 from morph.app.report.words import percent
 from morph.app.viewer.align.lines import COMMANDS, SAME, STATES, TURNED, arrows
 from morph.app.viewer.align.story import Story, Told
-from morph.app.viewer.content import Colour, Marked, Table
+from morph.app.viewer.content import CellTable, Colour, Marked
 from morph.transfer.parts import Arrow
-from morph.transfer.record import Guard
+from morph.transfer.record import GuardRecord
 
 WORDS = {"safe": "safe", "unsafe": "unsafe", "unsure": "cannot tell"}
 """The guard's verdicts, for those who have not read its page."""
@@ -35,17 +35,17 @@ def verdict(told: Told) -> str:
     return f"{words} {told.why[:1].upper()}{told.why[1:].rstrip('.')}." if told.why else words
 
 
-def chain_table(story: Story) -> Table:
+def chain_table(story: Story) -> CellTable:
     """Return the hops of a chain in a row each: its scores, and the guard's verdict."""
     rows: list[tuple[str | Marked, ...]] = []
     for number, hop in enumerate(story.hops, 1):
         scores = (score(hop, name) for name in ("zero_shot", "final", "no_source"))
         rows.append((f"{number} {hop.target}", *scores, _badge(hop.guard)))
     head = ("hop to", "map alone", "made anew", "no source", "guard")
-    return Table(title=f"The chain from {story.chain[0]}", head=head, rows=tuple(rows))
+    return CellTable(title=f"The chain from {story.chain[0]}", head=head, rows=tuple(rows))
 
 
-def hop_tables(told: Told) -> tuple[Table, ...]:
+def hop_tables(told: Told) -> tuple[CellTable, ...]:
     """Return the tables of a hop: its parts, what the guard says, its scores, its map."""
     found = [
         _guard(told),
@@ -79,7 +79,7 @@ def worth(told: Told) -> str:
     return "no gain" if credit(hop) else "a gain"
 
 
-def _parts(told: Told, sort: str, title: str) -> Table:
+def _parts(told: Told, sort: str, title: str) -> CellTable:
     found = arrows(told, sort)
     rows: list[tuple[str | Marked, ...]] = [
         (
@@ -93,19 +93,19 @@ def _parts(told: Told, sort: str, title: str) -> Table:
     if len(found) > MOST_ROWS:
         rows.append((f"and {len(found) - MOST_ROWS} more", "", "", ""))
     head = ("source", "target", "way", "share")
-    return Table(title=title, head=head, rows=tuple(rows))
+    return CellTable(title=title, head=head, rows=tuple(rows))
 
 
-def _guard(told: Told) -> Table:
+def _guard(told: Told) -> CellTable:
     guard = told.guard
     rows = (
         ("before a trial", _badge(guard)),
         ("sure that it does no harm", _share(guard.probability)),
     )
-    return Table(title=f"The guard on {told.target}", head=("", ""), rows=rows)
+    return CellTable(title=f"The guard on {told.target}", head=("", ""), rows=rows)
 
 
-def _badge(guard: Guard) -> Marked:
+def _badge(guard: GuardRecord) -> Marked:
     return Marked(text=WORDS[guard.verdict], colour=BADGES[guard.verdict])
 
 
@@ -115,9 +115,9 @@ def _way(arrow: Arrow) -> Marked:
     return Marked(text="turned round", colour=TURNED)
 
 
-def _scores(told: Told) -> Table:
+def _scores(told: Told) -> CellTable:
     if not told.scores:
-        return Table(title="", head=(), rows=())
+        return CellTable(title="", head=(), rows=())
     hop = told.crossing
     rows: list[tuple[str, ...]] = []
     for name in ORDER:
@@ -132,13 +132,15 @@ def _scores(told: Told) -> Table:
             rows.append((NAMED[name], score(told, name), measured))
     rows.append(("what the source was worth", worth(told), ""))
     head = ("policy", "share of oracle", "task's score")
-    return Table(title=f"Scores on {told.target}", head=head, rows=tuple(rows))
+    return CellTable(title=f"Scores on {told.target}", head=head, rows=tuple(rows))
 
 
-def _map(told: Told) -> Table:
+def _map(told: Told) -> CellTable:
     rows = [("sort of map", told.mapper), ("transitions of the target", str(told.samples))]
     rows += quality_rows(told.quality)
-    return Table(title="The map, on what it was not learned from", head=("", ""), rows=tuple(rows))
+    return CellTable(
+        title="The map, on what it was not learned from", head=("", ""), rows=tuple(rows)
+    )
 
 
 def _share(value: float | None) -> str:

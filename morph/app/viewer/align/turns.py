@@ -5,10 +5,10 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
-from morph.app.viewer.align.cast import Player
+from morph.app.viewer.align.cast import ChainPlayer
 from morph.app.viewer.align.story import Told
 from morph.app.viewer.content import Moment
-from morph.app.viewer.motion import RATE, Motion, posed
+from morph.app.viewer.motion import RATE, MotionFrames, posed
 from morph.arrays import Array
 from morph.transfer.body import Body
 from morph.transfer.parts import names_of
@@ -20,7 +20,7 @@ SHIFT = 0.15
 """How far a part that slides is moved, by the size of its body."""
 
 
-def turns(player: Player, hop: Told) -> tuple[Array, Array, tuple[Moment, ...], str]:
+def turns(player: ChainPlayer, hop: Told) -> tuple[Array, Array, tuple[Moment, ...], str]:
     """Return times, states about rest, when each part has its turn, and what moves in words.
 
     Args:
@@ -47,7 +47,7 @@ def turns(player: Player, hop: Told) -> tuple[Array, Array, tuple[Moment, ...], 
     return np.arange(len(states)) / RATE, states, moments, said
 
 
-def rest(player: Player) -> Motion:
+def rest(player: ChainPlayer) -> MotionFrames:
     """Return a body that stands where it rests, or as it is described if it can rest nowhere."""
     if player.figure is None:
         raise RuntimeError(f"{player.name} is not drawn")
@@ -56,7 +56,7 @@ def rest(player: Player) -> Motion:
     return posed(model, np.asarray(at)[None])
 
 
-def moving(player: Player) -> Body:
+def moving(player: ChainPlayer) -> Body:
     """Return the simulation of a body that has one."""
     if player.body is None:
         raise RuntimeError(f"{player.name} cannot move")

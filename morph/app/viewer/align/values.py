@@ -19,7 +19,7 @@ LARGEST = 1e300
 """Greatest number."""
 
 
-class Values:
+class RecordValues:
     """An object of a record, with its place.
 
     Args:
@@ -57,9 +57,9 @@ class Values:
         """Return a number, or NaN if it is null."""
         return self._number(self._said[key], key) if self.has(key) else math.nan
 
-    def inside(self, key: str) -> Values:
+    def inside(self, key: str) -> RecordValues:
         """Return the object under a key."""
-        return Values(self._said.get(key), f"{self.where}, {key}")
+        return RecordValues(self._said.get(key), f"{self.where}, {key}")
 
     def numbers(self, key: str) -> dict[str, float]:
         """Return the numbers under a key by name, NaN for null."""
@@ -71,10 +71,10 @@ class Values:
         inside = self.inside(key)
         return {inside._text(name, name): inside.text(name) for name in inside._said}
 
-    def each(self, key: str, of: Callable[[Values], Read], most: int) -> tuple[Read, ...]:
+    def each(self, key: str, of: Callable[[RecordValues], Read], most: int) -> tuple[Read, ...]:
         """Return what is made of each object of a list of bounded length."""
         return tuple(
-            of(Values(one, f"{self.where}, {key} {at}"))
+            of(RecordValues(one, f"{self.where}, {key} {at}"))
             for at, one in enumerate(self._list(key, most), 1)
         )
 

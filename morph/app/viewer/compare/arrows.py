@@ -11,7 +11,7 @@ import numpy as np
 from morph.app.picture.scene import rounded
 from morph.app.viewer.compare.forces import Forces
 from morph.app.viewer.figure import Figure
-from morph.app.viewer.motion import Motion
+from morph.app.viewer.motion import MotionFrames
 from morph.app.viewer.swept_bounds import matrices
 from morph.arrays import Array
 
@@ -63,7 +63,7 @@ class Felt:
         return np.array([drive.limit or most for drive, most in drives], dtype=float)
 
 
-def size_of(figure: Figure, motion: Motion) -> float:
+def size_of(figure: Figure, motion: MotionFrames) -> float:
     """Return how large a body is in the first picture, m: the diagonal of its upright box."""
     turned = matrices(motion.turn[0])
     corners = [
@@ -94,7 +94,7 @@ def scales(bodies: Sequence[Felt]) -> Mapping[str, float]:
 
 
 def arrows(felt: Felt, full: Mapping[str, float]) -> dict[str, Array]:
-    """Return the arrows of one body by their kind, as a `Motion` holds them.
+    """Return the arrows of one body by their kind, as a `MotionFrames` holds them.
 
     Args:
         felt: What acted on it.

@@ -11,7 +11,7 @@ from morph.app.viewer.compare.arrows import arrows, said, scales
 from morph.app.viewer.compare.figures import COST, ENERGY, MARGIN
 from morph.app.viewer.compare.show import Show
 from morph.app.viewer.compare.work import Work
-from morph.app.viewer.content import Actor, Chart, Content, Line, Live, Table
+from morph.app.viewer.content import Actor, CellTable, Chart, ChartLine, Content, LiveCell
 from morph.app.viewer.motion import RATE
 
 COLOURS = (
@@ -91,7 +91,7 @@ def _actor(show: Show, full: Mapping[str, float]) -> Actor:
     return Actor(figure=show.figure, motion=moved)
 
 
-def _bodies(shows: Sequence[Show]) -> Table:
+def _bodies(shows: Sequence[Show]) -> CellTable:
     """Return what the bodies are, whatever they do."""
     rows = []
     for show in shows:
@@ -99,23 +99,25 @@ def _bodies(shows: Sequence[Show]) -> Table:
         moving = [joint for joint in robot.joints if joint.kind != "free" and joint.mimic is None]
         driven = set(robot.driven)
         rows.append((show.figure.name, f"{robot.mass:.4g}", str(len(moving)), str(len(driven))))
-    return Table(title="Bodies", head=("body", "mass (kg)", "joints", "driven"), rows=tuple(rows))
+    return CellTable(
+        title="Bodies", head=("body", "mass (kg)", "joints", "driven"), rows=tuple(rows)
+    )
 
 
-def _figures(task: str | None, shows: Sequence[Show], works: Sequence[Work[Show]]) -> Table:
+def _figures(task: str | None, shows: Sequence[Show], works: Sequence[Work[Show]]) -> CellTable:
     """Return what the bodies do, where the clock is."""
     live = {HOLDING: (MARGIN, 3)} if task is None else LIVE
     rows = []
     for at, (show, work) in enumerate(zip(shows, works, strict=True)):
-        row: list[str | Live] = [show.figure.name]
+        row: list[str | LiveCell] = [show.figure.name]
         for name, digits in live.values():
             there = name in show.motion.series
-            row.append(Live(actor=at, series=name, digits=digits) if there else _waiting(work))
+            row.append(LiveCell(actor=at, series=name, digits=digits) if there else _waiting(work))
         if task is not None:
             row.append(_goals(show) if work.done else _waiting(work))
         rows.append(tuple(row))
     head = ("body", *live) if task is None else ("body", *live, "goals")
-    return Table(title=task or "Joints through their ranges", head=head, rows=tuple(rows))
+    return CellTable(title=task or "Joints through their ranges", head=head, rows=tuple(rows))
 
 
 def _waiting(work: Work[Show]) -> str:
@@ -138,7 +140,7 @@ def _charts(shows: Sequence[Show]) -> tuple[Chart, ...]:
                 value = np.asarray(show.motion.series[name])
                 some = np.unique(np.linspace(0, len(value) - 1, MOST_POINTS).round().astype(int))
                 lines.append(
-                    Line(
+                    ChartLine(
                         name=show.figure.name,
                         time=some / RATE,
                         value=value[some],

@@ -9,7 +9,7 @@ import numpy as np
 
 from morph.app.picture.times import nearest_samples
 from morph.app.viewer.compare.forces import Forces
-from morph.app.viewer.compare.run import Run, at_control_times
+from morph.app.viewer.compare.run import SimulatedRun, at_control_times
 from morph.app.viewer.motion import RATE
 from morph.arrays import Array
 from morph.task.task import Task
@@ -22,7 +22,7 @@ NOTHING = 1e-15
 
 
 @dataclass(frozen=True, kw_only=True)
-class Verdict:
+class TaskVerdict:
     """Whether a body did its task."""
 
     reached: tuple[str, ...]
@@ -36,7 +36,7 @@ class Verdict:
         return "missed" if self.missed else "reached"
 
 
-def energy(run: Run, forces: Forces) -> Array:
+def energy(run: SimulatedRun, forces: Forces) -> Array:
     """Return the mechanical work of the motors so far, J, shape (samples,).
 
     E = sum over steps and joints of |torque * way|; what a motor brakes counts as what it
@@ -63,7 +63,7 @@ def margin(efforts: Array, limits: Array) -> Array:
     return np.asarray(np.minimum.accumulate(left))
 
 
-def cost(task: Task, run: Run) -> Array:
+def cost(task: Task, run: SimulatedRun) -> Array:
     """Return what the task's terms cost so far at each sample, shape (samples,).
 
     A cost falls due at a control time, and then stays.
@@ -74,19 +74,19 @@ def cost(task: Task, run: Run) -> Array:
     return np.asarray(total[due])
 
 
-def verdict(task: Task, run: Run) -> Verdict | None:
+def verdict(task: Task, run: SimulatedRun) -> TaskVerdict | None:
     """Return which goals a run reached; None if it ended before the task's horizon."""
     moved = at_control_times(task, run)
     if run.why or len(moved.time) < task.samples:
         return None
     fine = {goal.name: bool(goal.reached(moved)) for goal in task.goals}
-    return Verdict(
+    return TaskVerdict(
         reached=tuple(name for name, reached in fine.items() if reached),
         missed=tuple(name for name, reached in fine.items() if not reached),
     )
 
 
-def series(task: Task, run: Run, forces: Forces) -> Mapping[str, Array]:
+def series(task: Task, run: SimulatedRun, forces: Forces) -> Mapping[str, Array]:
     """Return all of these in each picture, by their names."""
     pictures = nearest_samples(run.time, RATE)
     limits = np.array([np.nan if each.limit is None else each.limit for each in forces.drives])

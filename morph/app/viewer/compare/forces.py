@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 
 from morph.app.picture.times import nearest_samples
-from morph.app.viewer.compare.run import Run
+from morph.app.viewer.compare.run import SimulatedRun
 from morph.app.viewer.motion import RATE
 from morph.arrays import Array
 from morph.body.robot import Robot
@@ -80,7 +80,7 @@ def drives_of(robot: Robot, model: Any) -> tuple[Drive, ...]:
     return tuple(found)
 
 
-def forces(run: Run) -> Forces:
+def forces(run: SimulatedRun) -> Forces:
     """Return what acted on a body, state after state of its run.
 
     A state and what arrives at the actuators determine every force; only motors with a state

@@ -21,7 +21,7 @@ from morph.task.task import Task
 
 
 @dataclass(frozen=True, kw_only=True)
-class Found:
+class LearnedPolicy:
     """A policy that a search found."""
 
     policy: Policy
@@ -40,7 +40,7 @@ def kept_in(task: Task, seed: int) -> Path:
     return cache_folder() / "policies" / key
 
 
-def kept(task: Task, seed: int) -> Found | None:
+def kept(task: Task, seed: int) -> LearnedPolicy | None:
     """Return the policy that was found before; None if there is none, or it is spoilt."""
     folder = kept_in(task, seed)
     try:
@@ -51,12 +51,12 @@ def kept(task: Task, seed: int) -> Found | None:
     how = said.get("learned")
     if not isinstance(how, dict):
         return None
-    return Found(
+    return LearnedPolicy(
         policy=policy, search=str(how.get("search")), succeeded=how.get("succeeded") is True
     )
 
 
-def learned(task: Task, seed: int, told: Callable[[str], None]) -> Found:
+def learned(task: Task, seed: int, told: Callable[[str], None]) -> LearnedPolicy:
     """Return what the task's own search finds, as `morph learn` would, and keep it.
 
     Args:
@@ -94,4 +94,4 @@ def learned(task: Task, seed: int, told: Callable[[str], None]) -> Found:
             task_sha256=task.sha256,
             learned=how,
         )
-    return Found(policy=found.policy, search=name, succeeded=found.succeeded)
+    return LearnedPolicy(policy=found.policy, search=name, succeeded=found.succeeded)

@@ -18,7 +18,7 @@ LEARNED = "learned"
 
 
 @dataclass(frozen=True, kw_only=True)
-class Given:
+class StoredPolicy:
     """A policy from a folder."""
 
     folder: str
@@ -29,7 +29,7 @@ class Given:
     """What its file says that it is for; empty if it does not say."""
 
 
-def matched(robots: Sequence[Robot], policies: Sequence[str]) -> tuple[Given | None, ...]:
+def matched(robots: Sequence[Robot], policies: Sequence[str]) -> tuple[StoredPolicy | None, ...]:
     """Return each body's policy; of a body that stands there twice, the first has the first.
 
     Args:
@@ -40,7 +40,7 @@ def matched(robots: Sequence[Robot], policies: Sequence[str]) -> tuple[Given | N
         PolicyError: A folder holds no policy that can be used.
         ViewError: One is of none of these bodies, or its body has one already.
     """
-    found: list[Given | None] = [None] * len(robots)
+    found: list[StoredPolicy | None] = [None] * len(robots)
     for folder in policies:
         if folder == LEARNED:
             continue
@@ -64,11 +64,11 @@ def matched(robots: Sequence[Robot], policies: Sequence[str]) -> tuple[Given | N
                 fix=f"name {name} once more to see both, or leave one policy out",
             )
         at, policy = free[0]
-        found[at] = Given(folder=folder, policy=policy, task=_task(said))
+        found[at] = StoredPolicy(folder=folder, policy=policy, task=_task(said))
     return tuple(found)
 
 
-def task_of(policies: Sequence[Given | None]) -> str | None:
+def task_of(policies: Sequence[StoredPolicy | None]) -> str | None:
     """Return the task that policies are for, if there are any.
 
     Raises:
@@ -99,7 +99,7 @@ def _of_none(folder: str, robots: Sequence[Robot], why: Sequence[PolicyError]) -
     )
 
 
-def _folder(given: Given | None) -> str:
+def _folder(given: StoredPolicy | None) -> str:
     return "" if given is None else given.folder
 
 

@@ -22,7 +22,7 @@ ALONE = "There is no task that all of them know: each shows how far its joints g
 """Told where there is nothing to choose."""
 
 
-class Panel:
+class ComparePanel:
     """What the view adds to a person's page.
 
     Args:

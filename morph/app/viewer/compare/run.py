@@ -18,7 +18,7 @@ from morph.task.task import Task
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Run:
+class SimulatedRun:
     """Every step of one run."""
 
     robot: Robot
@@ -39,7 +39,9 @@ class Run:
     """If it ended early: why, in a sentence."""
 
 
-def ran(task: Task, policy: Policy | None, *, seed: int = 0, seconds: float | None = None) -> Run:
+def ran(
+    task: Task, policy: Policy | None, *, seed: int = 0, seconds: float | None = None
+) -> SimulatedRun:
     """Return one run of a task from a start drawn as the task says, seen without noise.
 
     From the very middle of its start a pole that nothing holds would stand for ever.
@@ -71,7 +73,7 @@ def ran(task: Task, policy: Policy | None, *, seed: int = 0, seconds: float | No
         control[:steps, at] = received(simulator.effects, name, values, simulator.step)
     # There is no step after the last sample; what was told before it is held.
     told[steps], control[steps] = told[steps - 1], control[steps - 1]
-    return Run(
+    return SimulatedRun(
         robot=task.robot,
         model=model,
         time=moved.time,
@@ -83,7 +85,7 @@ def ran(task: Task, policy: Policy | None, *, seed: int = 0, seconds: float | No
     )
 
 
-def at_control_times(task: Task, run: Run) -> Moved:
+def at_control_times(task: Task, run: SimulatedRun) -> Moved:
     """Return a run as the terms and goals of its task see it, each control period.
 
     Those count beyond neither the task's horizon nor the run's end.

@@ -8,12 +8,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from morph.app.viewer.compare.arrows import Felt, size_of
-from morph.app.viewer.compare.figures import MARGIN, Verdict, margin, series, verdict
+from morph.app.viewer.compare.figures import MARGIN, TaskVerdict, margin, series, verdict
 from morph.app.viewer.compare.forces import forces
-from morph.app.viewer.compare.run import Run, ran
+from morph.app.viewer.compare.run import SimulatedRun, ran
 from morph.app.viewer.compare.sweep import SECONDS, swept
 from morph.app.viewer.figure import Figure, figure
-from morph.app.viewer.motion import Motion, motion, posed
+from morph.app.viewer.motion import MotionFrames, motion, posed
 from morph.body.holding import Holding
 from morph.body.posture import Posture
 from morph.body.robot import Robot
@@ -28,13 +28,13 @@ class Show:
 
     figure: Figure
     """What it looks like."""
-    motion: Motion
+    motion: MotionFrames
     """How it moves, but for arrows."""
     felt: Felt | None = None
     """What acted on it, if it was simulated."""
     policy: str = ""
     """What commands it, in words."""
-    verdict: Verdict | None = None
+    verdict: TaskVerdict | None = None
     """Whether it did its task, if that can be said."""
     notes: tuple[str, ...] = ()
     """What is to be known of it."""
@@ -111,7 +111,7 @@ def performs(
     )
 
 
-def _weight(run: Run) -> float:
+def _weight(run: SimulatedRun) -> float:
     """Return what a body weighs, N; where there is no gravity, what it would on the ground."""
     gravity = float(np.linalg.norm(run.model.opt.gravity)) or 9.81
     return float(run.model.body_mass.sum()) * gravity

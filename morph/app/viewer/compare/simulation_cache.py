@@ -8,11 +8,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
-from morph.app.viewer.compare.learned import Found, kept, learned
+from morph.app.viewer.compare.learned import LearnedPolicy, kept, learned
 from morph.app.viewer.compare.matched import LEARNED, matched, task_of
 from morph.app.viewer.compare.show import Show, at_rest, performs, sweeps
 from morph.app.viewer.compare.work import Crew, Longer, Work
-from morph.app.viewer.given import Given
+from morph.app.viewer.given import ViewRequest
 from morph.body.robot import Robot
 from morph.errors import ViewError
 from morph.physics.worlds import world, world_names
@@ -57,7 +57,7 @@ class Troupe:
         EffectError: There is no such world.
     """
 
-    def __init__(self, given: Given) -> None:
+    def __init__(self, given: ViewRequest) -> None:
         """Check what was given; nothing is simulated yet."""
         self._given = given
         self.robots = given.robots
@@ -167,6 +167,6 @@ def named(robots: Sequence[Robot]) -> tuple[str, ...]:
     return tuple(names)
 
 
-def _said(found: Found, when: str) -> str:
+def _said(found: LearnedPolicy, when: str) -> str:
     doubt = "" if found.succeeded else ", which did not succeed"
     return f"a policy by {found.search}{doubt} ({when})"

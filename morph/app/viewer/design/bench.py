@@ -14,8 +14,8 @@ from morph.app.viewer.design.measure import Measures, measured
 from morph.app.viewer.design.parameters import changes, designed, general
 from morph.app.viewer.figure import Figure, figure
 from morph.arrays import Array
-from morph.body.card import Parameter
-from morph.body.holding import Holding, Motor
+from morph.body.card import CardParameter
+from morph.body.holding import Holding, HoldingMotor
 from morph.body.posture import Handle, Posture
 from morph.body.robot import Robot
 
@@ -24,7 +24,7 @@ FINE = 1e-9
 
 
 @dataclass(frozen=True, kw_only=True)
-class Choice:
+class DesignChoice:
     """What a designer has chosen."""
 
     values: Mapping[str, float] = field(default_factory=dict)
@@ -50,7 +50,7 @@ class Built:
         return measured(self.robot, Posture(self.figure.model), self.figure.shapes)
 
 
-class Plan:
+class BodyPlan:
     """A body as described, the same for all persons.
 
     Args:
@@ -73,7 +73,7 @@ class Plan:
         """The body as it is."""
 
     @property
-    def parameters(self) -> tuple[Parameter, ...]:
+    def parameters(self) -> tuple[CardParameter, ...]:
         """All that may be changed."""
         return (*self.own, *self.general)
 
@@ -97,14 +97,14 @@ class Bench:
         plan: The body as described.
     """
 
-    def __init__(self, plan: Plan) -> None:
+    def __init__(self, plan: BodyPlan) -> None:
         """Begin with the body as it is."""
         self.plan = plan
-        self.history: History[Choice] = History(now=Choice())
+        self.history: History[DesignChoice] = History(now=DesignChoice())
         self.take(plan.original)
 
     @property
-    def choice(self) -> Choice:
+    def choice(self) -> DesignChoice:
         """What is chosen now."""
         return self.history.now
 
@@ -174,7 +174,7 @@ class Bench:
         self.history.change(replace(self.choice, values={}), "plain", time)
 
     @property
-    def motors(self) -> tuple[Motor, ...]:
+    def motors(self) -> tuple[HoldingMotor, ...]:
         """Its motors."""
         return self._holding.motors
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from morph.app.viewer.content import Table
+from morph.app.viewer.content import CellTable
 from morph.app.viewer.design.bench import Bench
 from morph.app.viewer.design.measure import Measures
 from morph.arrays import Array
@@ -40,7 +40,7 @@ def headline(bench: Bench, measures: Measures | None, original: Measures | None)
     return " · ".join(told)
 
 
-def figures(bench: Bench, measures: Measures | None, original: Measures | None) -> Table:
+def figures(bench: Bench, measures: Measures | None, original: Measures | None) -> CellTable:
     """Return mass, reach, margins and size, beside those of the original.
 
     Args:
@@ -66,10 +66,10 @@ def figures(bench: Bench, measures: Measures | None, original: Measures | None) 
     for name, key in (("joints", "joints"), ("degrees of freedom", "freedoms")):
         now, was = (PENDING if m is None else str(getattr(m, key)) for m in (measures, original))
         rows.append((name, now, was, ""))
-    return Table(title="Figures", head=("", "now", "as described", "change"), rows=tuple(rows))
+    return CellTable(title="Figures", head=("", "now", "as described", "change"), rows=tuple(rows))
 
 
-def motors(bench: Bench, measures: Measures | None) -> Table:
+def motors(bench: Bench, measures: Measures | None) -> CellTable:
     """Return what the motors hold that have the least left, here and at worst."""
     here = bench.efforts()
     worst = measures.efforts if measures is not None else np.full(len(here), np.nan)
@@ -87,7 +87,9 @@ def motors(bench: Bench, measures: Measures | None) -> Table:
     )
     more = len(here) - len(rows)
     title = "Motors, the most loaded first" + (f"; {more} more have more left" if more else "")
-    return Table(title=title, head=("N m (slides: N)", "here", "worst", "limit", "left"), rows=rows)
+    return CellTable(
+        title=title, head=("N m (slides: N)", "here", "worst", "limit", "left"), rows=rows
+    )
 
 
 def _row(name: str, both: Sequence[float | None]) -> tuple[str, str, str, str]:

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 from morph.app.viewer.design.bench import Bench
-from morph.app.viewer.design.limbs import Limb, found, limbs
+from morph.app.viewer.design.limbs import JointChain, found, limbs
 from morph.app.viewer.design.number import number_of
 from morph.app.viewer.widget import set_value
 from morph.body.posture import Handle
@@ -81,7 +81,7 @@ class JointPanel:
             return
         handles, sought = self._bench.posture.handles, str(self._find.value)[:100]
         if sought.strip():
-            groups: tuple[Limb, ...] = (Limb(title="", handles=found(handles, sought)),)
+            groups: tuple[JointChain, ...] = (JointChain(title="", handles=found(handles, sought)),)
         else:
             groups = limbs(self._bench.built.robot, handles)
         if groups == self._shown:
@@ -97,7 +97,7 @@ class JointPanel:
                 told = "no joint is found" if handles else "no joint moves by itself"
                 self._parts.append(self._gui.add_markdown(told))
 
-    def _group(self, limb: Limb, *, first: bool) -> None:
+    def _group(self, limb: JointChain, *, first: bool) -> None:
         if limb.title:
             folder = self._gui.add_folder(limb.title, expand_by_default=first)
             self._parts.append(folder)

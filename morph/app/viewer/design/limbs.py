@@ -13,7 +13,7 @@ FEW = 12
 
 
 @dataclass(frozen=True, kw_only=True)
-class Limb:
+class JointChain:
     """Joints one after another."""
 
     title: str
@@ -35,19 +35,21 @@ def found(handles: Sequence[Handle], sought: str) -> tuple[Handle, ...]:
     )
 
 
-def limbs(robot: Robot, handles: Sequence[Handle]) -> tuple[Limb, ...]:
+def limbs(robot: Robot, handles: Sequence[Handle]) -> tuple[JointChain, ...]:
     """Return joints in groups of at most `FEW`.
 
     A group is a chain: it ends where the body branches. Chains of one joint that hang from one
     link are gathered, and a chain that is too long is cut.
     """
     if len(handles) <= FEW:
-        return (Limb(title="", handles=tuple(handles)),) if handles else ()
+        return (JointChain(title="", handles=tuple(handles)),) if handles else ()
     chains = _chains(robot, handles)
     long = [chain for chain in chains if len(chain) > 1]
     alone = [chain[0] for chain in chains if len(chain) == 1]
-    found = [Limb(title=_title(part), handles=part) for chain in long for part in _pages(chain)]
-    rest = [Limb(title=f"others ({len(part)})", handles=part) for part in _pages(alone)]
+    found = [
+        JointChain(title=_title(part), handles=part) for chain in long for part in _pages(chain)
+    ]
+    rest = [JointChain(title=f"others ({len(part)})", handles=part) for part in _pages(alone)]
     return tuple(found + rest)
 
 

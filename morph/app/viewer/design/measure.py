@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from morph.app.picture.shapes import Shape
+from morph.app.picture.shapes import PictureShape
 from morph.app.viewer.design.reach import Reach
 from morph.arrays import Array
-from morph.body.holding import Holding, Motor, least
+from morph.body.holding import Holding, HoldingMotor, least
 from morph.body.poses import drawn
 from morph.body.posture import Posture
 from morph.body.robot import Robot
@@ -31,7 +31,7 @@ class Measures:
     """Joints that move by themselves."""
     freedoms: int
     """Degrees of freedom, loops closed."""
-    motors: tuple[Motor, ...]
+    motors: tuple[HoldingMotor, ...]
     """Every motor of a hinge or slide."""
     limits: Array
     """Their limits, N m or N, NaN where none is known, shape (motors,)."""
@@ -46,7 +46,7 @@ class Measures:
         return least(self.efforts, self.limits)[0]
 
 
-def measured(robot: Robot, posture: Posture, shapes: Sequence[Shape]) -> Measures:
+def measured(robot: Robot, posture: Posture, shapes: Sequence[PictureShape]) -> Measures:
     """Return the figures of a robot."""
     poses = drawn(posture)
     holding, reach = Holding(robot, posture), Reach(posture, shapes)
@@ -64,7 +64,7 @@ def measured(robot: Robot, posture: Posture, shapes: Sequence[Shape]) -> Measure
     )
 
 
-def _size(posture: Posture, shapes: Sequence[Shape]) -> tuple[float, float, float]:
+def _size(posture: Posture, shapes: Sequence[PictureShape]) -> tuple[float, float, float]:
     data = posture.data
     data.qpos[:] = posture.rest
     mujoco.mj_kinematics(posture.model, data)

@@ -14,7 +14,7 @@ from morph.app.viewer.widget import add_widget
 
 if TYPE_CHECKING:
     from morph.app.viewer.session import Session
-    from morph.app.viewer.views.design import Design
+    from morph.app.viewer.views.design import DesignView
 
 SECTIONS = ("Joints", "Parameters", "Save")
 """What is shown one at a time, so that the rest of the page stays in sight."""
@@ -26,7 +26,7 @@ POINTED = "pointed at"
 """Label of the field in which page.js tells where the pointer is; it is hidden."""
 
 
-class Panel:
+class DesignPanel:
     """The controls; every method runs in the session's thread.
 
     Args:
@@ -35,7 +35,7 @@ class Panel:
         view: The view that is controlled.
     """
 
-    def __init__(self, gui: Any, session: Session, view: Design) -> None:
+    def __init__(self, gui: Any, session: Session, view: DesignView) -> None:
         """Add them."""
         self._gui, self._session, self._view = gui, session, view
         add = self._add = partial(add_widget, session)

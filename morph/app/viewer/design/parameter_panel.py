@@ -9,7 +9,7 @@ from morph.app.viewer.design.bench import Bench
 from morph.app.viewer.design.number import number_of
 from morph.app.viewer.design.parameters import UNITS, WHOLE, neutral
 from morph.app.viewer.widget import set_value
-from morph.body.card import Parameter
+from morph.body.card import CardParameter
 from morph.body.vary import Lock
 
 OWN = "its card's parameters"
@@ -106,7 +106,7 @@ class ParameterPanel:
             for parameter in shown:
                 self._show(parameter, parameter.name if own else parameter.name.split(": ")[-1])
 
-    def _show(self, parameter: Parameter, label: str) -> None:
+    def _show(self, parameter: CardParameter, label: str) -> None:
         name = parameter.name
         part = "the whole body" if parameter.link == WHOLE else parameter.link
         unit = UNITS.get(parameter.operation, "")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from morph.body.card import SCHEMA, Card, Parameter
+from morph.body.card import SCHEMA, Card, CardParameter
 from morph.body.robot import Robot
 from morph.body.vary import Lock, Stiffen, with_parameters
 from morph.errors import RobotError
@@ -20,11 +20,11 @@ UNITS = {"scale": "x size", "heavier": "x mass", "stiffen": "N m/rad", "lock": "
 """What an operation's amount is told in."""
 
 
-def general(robot: Robot) -> tuple[Parameter, ...]:
+def general(robot: Robot) -> tuple[CardParameter, ...]:
     """Return parameters that every body has: size and mass of the whole and of each link."""
     weighed = [link.name for link in robot.links if link.mass > 0.0]
     return tuple(
-        Parameter(
+        CardParameter(
             name=f"{'whole body' if link == WHOLE else link}: {what}",
             operation=operation,
             link=link,
@@ -36,21 +36,23 @@ def general(robot: Robot) -> tuple[Parameter, ...]:
     )
 
 
-def neutral(parameter: Parameter) -> float:
+def neutral(parameter: CardParameter) -> float:
     """Return the amount nearest to where a parameter changes nothing; of a lock, to zero."""
     return min(max(_plain(parameter), parameter.low), parameter.high)
 
 
-def _plain(parameter: Parameter) -> float:
+def _plain(parameter: CardParameter) -> float:
     return 0.0 if parameter.operation in (Stiffen.name, Lock.name) else 1.0
 
 
-def changes(parameter: Parameter, value: float) -> bool:
+def changes(parameter: CardParameter, value: float) -> bool:
     """Return whether a value of a parameter changes anything."""
     return parameter.operation == Lock.name or value != _plain(parameter)
 
 
-def designed(robot: Robot, parameters: Sequence[Parameter], values: Mapping[str, float]) -> Robot:
+def designed(
+    robot: Robot, parameters: Sequence[CardParameter], values: Mapping[str, float]
+) -> Robot:
     """Return a robot with parameters set; its card stays its own.
 
     Args:
@@ -74,7 +76,7 @@ def designed(robot: Robot, parameters: Sequence[Parameter], values: Mapping[str,
     return replace(found, card=replace(found.card, parameter=kept))
 
 
-def effective(parameters: Sequence[Parameter], values: Mapping[str, float]) -> dict[str, float]:
+def effective(parameters: Sequence[CardParameter], values: Mapping[str, float]) -> dict[str, float]:
     """Return values without those that act on a joint which another of them takes away."""
     by = {parameter.name: parameter for parameter in parameters}
     locked = {by[name].link for name in values if name in by and by[name].operation == Lock.name}
@@ -85,7 +87,7 @@ def effective(parameters: Sequence[Parameter], values: Mapping[str, float]) -> d
     }
 
 
-def usable(robot: Robot, parameters: Sequence[Parameter]) -> tuple[Parameter, ...]:
+def usable(robot: Robot, parameters: Sequence[CardParameter]) -> tuple[CardParameter, ...]:
     """Return the parameters that can be set on a robot: their joint or link is there."""
     kept = []
     for parameter in parameters:

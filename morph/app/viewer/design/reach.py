@@ -11,7 +11,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from morph.app.picture.shapes import Shape
+from morph.app.picture.shapes import PictureShape
 from morph.arrays import Array, Integers
 from morph.body.posture import HINGE, Posture
 
@@ -33,7 +33,7 @@ class Reach:
         shapes: What it looks like.
     """
 
-    def __init__(self, posture: Posture, shapes: Sequence[Shape]) -> None:
+    def __init__(self, posture: Posture, shapes: Sequence[PictureShape]) -> None:
         """Keep the points that can be farthest."""
         self._posture, model = posture, posture.model
         drawn = {

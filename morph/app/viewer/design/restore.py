@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 
-from morph.app.viewer.design.bench import Choice, Plan
+from morph.app.viewer.design.bench import BodyPlan, DesignChoice
 from morph.arrays import JSON
 from morph.errors import ViewError
 
@@ -13,7 +13,7 @@ KEYS = ("body", "show_original", "designs")
 """Keys of a state."""
 
 
-def restored(plans: Sequence[Plan], state: JSON) -> tuple[int, bool, dict[int, Choice]]:
+def restored(plans: Sequence[BodyPlan], state: JSON) -> tuple[int, bool, dict[int, DesignChoice]]:
     """Return the chosen body, whether its original is shown, and each body's choice.
 
     Args:
@@ -38,7 +38,7 @@ def restored(plans: Sequence[Plan], state: JSON) -> tuple[int, bool, dict[int, C
     return body, shown, choices
 
 
-def _choice(plan: Plan, state: object, where: str) -> Choice:
+def _choice(plan: BodyPlan, state: object, where: str) -> DesignChoice:
     table = _table(state, where)
     _known(table, ("parameters", "pose"), where)
     values, pose = (_table(table.get(key, {}), f"{where}.{key}") for key in ("parameters", "pose"))
@@ -49,7 +49,7 @@ def _choice(plan: Plan, state: object, where: str) -> Choice:
         low, high = ranges[name]
         if not low <= _number(value, f"{where}.parameters.{name}") <= high:
             raise _unfit(f"{name} is {value}, outside {low:g} to {high:g}", f"{where}.parameters")
-    return Choice(
+    return DesignChoice(
         values={name: _number(value, name) for name, value in values.items()},
         pose={name: _number(value, f"{where}.pose.{name}") for name, value in pose.items()},
     )

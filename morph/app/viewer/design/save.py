@@ -11,9 +11,9 @@ from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
 
-from morph.app.viewer.design.bench import Built, Plan
+from morph.app.viewer.design.bench import BodyPlan, Built
 from morph.app.viewer.design.parameters import effective, usable
-from morph.body.card import SCHEMA, Card, Checks, Motor, Parameter, Print, Source
+from morph.body.card import SCHEMA, Card, CardParameter, Checks, Citation, Motor, PrintTable
 from morph.body.card_text import card_text
 from morph.body.convert import convert
 from morph.body.load import FREEDOMS, TOLERANCE, load
@@ -36,7 +36,7 @@ DEVICES = {
 """Names that no folder has on Windows."""
 
 
-def save(plan: Plan, built: Built, name: str) -> Path:
+def save(plan: BodyPlan, built: Built, name: str) -> Path:
     """Write a design to the user's shelf and return its folder.
 
     It is written and read back beside the shelf's bodies, and moved among them when it is the
@@ -95,7 +95,7 @@ def check_name(name: str) -> None:
         )
 
 
-def card_of(plan: Plan, built: Built, name: str) -> Card:
+def card_of(plan: BodyPlan, built: Built, name: str) -> Card:
     """Return the card of a design: where it comes from, and what still holds of the original's.
 
     The description holds closed chains and what was weighed; parameters count from the design.
@@ -120,10 +120,10 @@ def card_of(plan: Plan, built: Built, name: str) -> Card:
     )
 
 
-def origins(plan: Plan, values: Mapping[str, float]) -> tuple[Source, ...]:
+def origins(plan: BodyPlan, values: Mapping[str, float]) -> tuple[Citation, ...]:
     """Return where a design's numbers come from: the original, and each parameter."""
     robot = plan.robot
-    first = Source(
+    first = Citation(
         what="everything that no parameter below changed",
         from_=f"the robot {robot.name} (sha256 {robot.sha256[:16]}), by morph {version('morph')}",
     )
@@ -132,7 +132,7 @@ def origins(plan: Plan, values: Mapping[str, float]) -> tuple[Source, ...]:
     return (
         first,
         *(
-            Source(
+            Citation(
                 what=f"{each} = {values[each]!r}",
                 from_=f"chosen in morph view: {by[each].operation} of {by[each].link}",
             )
@@ -165,7 +165,9 @@ def _motors(robot: Robot, card: Card) -> tuple[Motor, ...]:
     return tuple(motor for motor in card.motor if motor.actuator in known)
 
 
-def _parameters(robot: Robot, plan: Plan, values: Mapping[str, float]) -> tuple[Parameter, ...]:
+def _parameters(
+    robot: Robot, plan: BodyPlan, values: Mapping[str, float]
+) -> tuple[CardParameter, ...]:
     """Return the card's parameters with ranges that count from the design."""
     found = []
     for parameter in usable(robot, plan.own):
@@ -181,10 +183,10 @@ def _parameters(robot: Robot, plan: Plan, values: Mapping[str, float]) -> tuple[
     return tuple(found)
 
 
-def _print(printed: Print | None, links: set[str]) -> Print | None:
+def _print(printed: PrintTable | None, links: set[str]) -> PrintTable | None:
     if printed is None:
         return None
-    return Print(
+    return PrintTable(
         printed=tuple(link for link in printed.printed if link in links),
         bought=tuple(each for each in printed.bought if each.link in links),
         fused=tuple(link for link in printed.fused if link in links),

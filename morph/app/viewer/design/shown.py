@@ -6,7 +6,7 @@ import numpy as np
 
 from morph.app.viewer.content import Actor, Colour
 from morph.app.viewer.design.bench import Bench
-from morph.app.viewer.motion import Motion, posed
+from morph.app.viewer.motion import MotionFrames, posed
 from morph.body.posture import Posture
 
 GHOST: Colour = (120, 130, 145)
@@ -59,10 +59,10 @@ class Shown:
         if self._shadow is not None and shadow is not None:
             _write(self._shadow, shadow)
 
-    def _design(self) -> Motion:
+    def _design(self) -> MotionFrames:
         return posed(self._bench.posture.model, self._bench.pose[None])
 
-    def _described(self) -> Motion | None:
+    def _described(self) -> MotionFrames | None:
         posture, pose = self._original, self._bench.choice.pose
         if posture is None:
             return None
@@ -70,5 +70,5 @@ class Shown:
         return posed(posture.model, posture.towards(posture.rest, goal)[0][None])
 
 
-def _write(motion: Motion, found: Motion) -> None:
+def _write(motion: MotionFrames, found: MotionFrames) -> None:
     motion.position[:], motion.turn[:] = found.position, found.turn

@@ -15,7 +15,7 @@ import morph
 from morph.app.report.templates import environment
 from morph.app.viewer.camera import Camera
 from morph.app.viewer.charts import chart_html
-from morph.app.viewer.content import Content, Live
+from morph.app.viewer.content import Content, LiveCell
 from morph.app.viewer.export.recorded import recorded
 from morph.app.viewer.export.scripts import policy
 from morph.app.viewer.fragments import notes_html, table_html, told
@@ -101,7 +101,7 @@ def _data(content: Content) -> JSON:
         for table in content.tables
         for row in table.rows
         for cell in row
-        if isinstance(cell, Live)
+        if isinstance(cell, LiveCell)
     ]
     return {
         "seconds": round(content.seconds, 6),
@@ -110,7 +110,7 @@ def _data(content: Content) -> JSON:
     }
 
 
-def _texts(content: Content, cell: Live) -> list[str]:
+def _texts(content: Content, cell: LiveCell) -> list[str]:
     motion = content.actors[cell.actor].motion
     times = np.arange(0.0, content.seconds + STEP, STEP)
     values = motion.series[cell.series]

@@ -31,7 +31,7 @@ LOOKS = (
 
 
 @dataclass(frozen=True, kw_only=True)
-class Recorded:
+class RecordedPage:
     """A page of viser's."""
 
     html: str
@@ -47,7 +47,7 @@ def recorded(
     arrows: Collection[str] | None = None,
     following: bool = True,
     camera: Camera | None = None,
-) -> Recorded:
+) -> RecordedPage:
     """Return the bodies and their motion as a page that needs no server.
 
     Args:
@@ -78,7 +78,7 @@ def recorded(
                 break
     finally:
         door.close()
-    return Recorded(html=html.replace("</head>", f"{LOOKS}</head>", 1), rate=rate)
+    return RecordedPage(html=html.replace("</head>", f"{LOOKS}</head>", 1), rate=rate)
 
 
 def _played(server: Any, stage: Stage, seconds: float, rate: int) -> str:

@@ -23,7 +23,7 @@ APART = 0.04
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Scale:
+class ArrowScale:
     """How long arrows are."""
 
     metres: dict[str, float]
@@ -48,7 +48,7 @@ class Scale:
         )
 
 
-def scale_of(figure: Figure, take: Take) -> Scale | None:
+def scale_of(figure: Figure, take: Take) -> ArrowScale | None:
     """Return how long arrows are, so that the description's fit the body; None without any."""
     if DESCRIBED not in take.missing:
         return None
@@ -62,10 +62,12 @@ def scale_of(figure: Figure, take: Take) -> Scale | None:
     free = any(joint.kind == "free" for joint in figure.robot.joints)
     long = (OUT_OF if free else LONG) * size
     metres = {unit: long / each for unit, each in greatest.items() if each > 0.0}
-    return Scale(metres=metres, size=size) if metres else None
+    return ArrowScale(metres=metres, size=size) if metres else None
 
 
-def wrenches(figure: Figure, take: Take, model: str, scale: Scale, aside: float = 0.0) -> Array:
+def wrenches(
+    figure: Figure, take: Take, model: str, scale: ArrowScale, aside: float = 0.0
+) -> Array:
     """Return arrows in the pictures, m, shape (pictures, arrows, 2, 3); NaN where none is known.
 
     A hinge or slide has one, a link that moves freely one of force and one of torque.

@@ -9,10 +9,10 @@ import numpy as np
 
 from morph.app.viewer.figure import Figure, figure
 from morph.app.viewer.mismatch import loose, rollouts
-from morph.app.viewer.mismatch.diagnosed import Diagnosed, Event, Found
+from morph.app.viewer.mismatch.diagnosed import Diagnosed, DiagnosedFinding, Event
 from morph.app.viewer.mismatch.missing import clearest, joint_of, missing
 from morph.app.viewer.mismatch.poses import poses, span, untold
-from morph.app.viewer.mismatch.window import CORRECTED, DESCRIBED, Ask, Missing, Model, Take
+from morph.app.viewer.mismatch.window import CORRECTED, DESCRIBED, Ask, MismatchModel, Missing, Take
 from morph.app.viewer.mismatch.windows import windows
 from morph.app.viewer.mismatch.worst import STRETCH, worst_of, worst_stretches
 from morph.body.robot import Robot
@@ -31,7 +31,7 @@ KEPT = 24
 DESCRIBED_COLOUR, CORRECTED_COLOUR = (0, 114, 178), (0, 158, 115)
 
 
-class Case:
+class MismatchCase:
     """Recordings of one robot and the models that they are held against.
 
     All that it gives is shared by everybody who looks, and computed once.
@@ -89,7 +89,7 @@ class Case:
         return tuple(notes)
 
     @property
-    def found(self) -> tuple[Found, ...]:
+    def found(self) -> tuple[DiagnosedFinding, ...]:
         """What the diagnosis found."""
         return () if self.diagnosed is None else self.diagnosed.findings
 
@@ -104,7 +104,7 @@ class Case:
         """The effects that it found."""
         return tuple(each.effect for each in self.found)
 
-    def moment_of(self, found: Found, take: Take) -> float | None:
+    def moment_of(self, found: DiagnosedFinding, take: Take) -> float | None:
         """Return when a finding shows most in a take, s; None if it cannot be told."""
         missed = take.missing.get(DESCRIBED)
         if missed is None:
@@ -259,8 +259,8 @@ class Case:
 
 def _models(
     robot: Robot, diagnosed: Diagnosed | None, around: tuple[Effect, ...]
-) -> tuple[Model, ...]:
-    described = Model(
+) -> tuple[MismatchModel, ...]:
+    described = MismatchModel(
         name=DESCRIBED,
         title="as described",
         robot=robot,
@@ -269,7 +269,7 @@ def _models(
     )
     if diagnosed is None or diagnosed.corrected is None:
         return (described,)
-    corrected = Model(
+    corrected = MismatchModel(
         name=CORRECTED,
         title="corrected",
         robot=diagnosed.corrected,

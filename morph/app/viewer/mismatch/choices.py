@@ -6,7 +6,7 @@ import difflib
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from morph.app.viewer.mismatch.case import Case
+from morph.app.viewer.mismatch.case import MismatchCase
 from morph.app.viewer.mismatch.drawn import BY_ERROR, COLOURINGS
 from morph.app.viewer.mismatch.window import DESCRIBED, Ask
 from morph.arrays import JSON
@@ -17,7 +17,7 @@ BOTH = "both"
 
 
 @dataclass(frozen=True, kw_only=True)
-class Choices:
+class MismatchChoices:
     """What one person chose."""
 
     ask: Ask
@@ -28,7 +28,7 @@ class Choices:
     """What links are coloured by."""
 
     @classmethod
-    def of(cls, case: Case) -> Choices:
+    def of(cls, case: MismatchCase) -> MismatchChoices:
         """Return what is shown first: a recording that no model had seen, restarted."""
         unseen = (at for at in range(len(case.recordings)) if case.never_seen(at))
         models = BOTH if len(case.models) > 1 else DESCRIBED
@@ -39,7 +39,7 @@ class Choices:
         """Names of the models that are shown."""
         return ("described", "corrected") if self.models == BOTH else (self.models,)
 
-    def state(self, case: Case) -> JSON:
+    def state(self, case: MismatchCase) -> JSON:
         """Return it as JSON, the recording by its name."""
         return {
             "recording": case.recordings[self.ask.episode].name,
@@ -50,7 +50,7 @@ class Choices:
         }
 
     @classmethod
-    def restored(cls, case: Case, state: JSON) -> Choices:
+    def restored(cls, case: MismatchCase, state: JSON) -> MismatchChoices:
         """Return what `state` said.
 
         Raises:

@@ -24,7 +24,7 @@ MOST_FINDINGS = 50
 
 
 @dataclass(frozen=True, kw_only=True)
-class Found:
+class DiagnosedFinding:
     """One finding of a diagnosis."""
 
     effect: Effect
@@ -55,7 +55,7 @@ class Diagnosed:
     """Where it was read."""
     verdict: str
     """consistent, mismatch or unknown."""
-    findings: tuple[Found, ...]
+    findings: tuple[DiagnosedFinding, ...]
     """What was left out."""
     stretches: tuple[Stretch, ...]
     """The worst stretches of held-out episodes."""
@@ -155,7 +155,7 @@ def _events(content: Said) -> Iterator[Event]:
             yield Event(episode=names[0], time=each.number("onset_s"), title=title)
 
 
-def _found(said: Said, robot: Robot) -> Found:
+def _found(said: Said, robot: Robot) -> DiagnosedFinding:
     place = said.table("where").text("name")
     parameters = {
         name: said.table("parameters").table(name) for name in said.table("parameters").content
@@ -180,7 +180,7 @@ def _found(said: Said, robot: Robot) -> Found:
         f"[{each.number('low90'):.3g}, {each.number('high90'):.3g}] {each.text('unit')}"
         for name, each in parameters.items()
     )
-    return Found(
+    return DiagnosedFinding(
         effect=effect,
         statement=said.text("statement"),
         figures=", ".join((*told, f"{100.0 * probability:.0f} % sure")),

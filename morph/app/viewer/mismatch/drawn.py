@@ -10,11 +10,11 @@ import numpy as np
 from morph.app.viewer.content import Actor, Content, Moment
 from morph.app.viewer.figure import Figure
 from morph.app.viewer.mismatch.arrows import scale_of, wrenches
-from morph.app.viewer.mismatch.case import Case
+from morph.app.viewer.mismatch.case import MismatchCase
 from morph.app.viewer.mismatch.freedoms import axes, freedoms
 from morph.app.viewer.mismatch.heat import Heat, by_error, by_force
 from morph.app.viewer.mismatch.told import charts, notes, tables
-from morph.app.viewer.mismatch.window import CORRECTED, DESCRIBED, Model, Take
+from morph.app.viewer.mismatch.window import CORRECTED, DESCRIBED, MismatchModel, Take
 from morph.app.viewer.mismatch.worst import worst_trace
 from morph.app.viewer.motion import RATE, posed
 from morph.arrays import Array
@@ -26,7 +26,7 @@ COLOURINGS = (BY_ERROR, BY_FORCE, PLAIN)
 """What links may be coloured by."""
 
 
-def drawn(case: Case, take: Take, shown: Sequence[str], colouring: str) -> Content:
+def drawn(case: MismatchCase, take: Take, shown: Sequence[str], colouring: str) -> Content:
     """Return what is shown of a take.
 
     Args:
@@ -47,7 +47,9 @@ def drawn(case: Case, take: Take, shown: Sequence[str], colouring: str) -> Conte
     )
 
 
-def _heat(figure: Figure, take: Take, models: Sequence[Model], colouring: str) -> Heat | None:
+def _heat(
+    figure: Figure, take: Take, models: Sequence[MismatchModel], colouring: str
+) -> Heat | None:
     # Where both are shown, the description is what is in question.
     name = models[0].name
     if colouring == BY_ERROR:
@@ -56,7 +58,7 @@ def _heat(figure: Figure, take: Take, models: Sequence[Model], colouring: str) -
 
 
 def _actors(
-    case: Case, take: Take, models: Sequence[Model], heat: Heat | None
+    case: MismatchCase, take: Take, models: Sequence[MismatchModel], heat: Heat | None
 ) -> tuple[Actor, ...]:
     figure = case.figure
     recorded = replace(
@@ -79,7 +81,7 @@ def _actors(
     return Actor(figure=figure, motion=recorded, lane=0, title=take.name), *ghosts
 
 
-def _arrows(figure: Figure, take: Take, models: Sequence[Model]) -> dict[str, Array]:
+def _arrows(figure: Figure, take: Take, models: Sequence[MismatchModel]) -> dict[str, Array]:
     scale = scale_of(figure, take)
     if scale is None:
         return {}
@@ -103,7 +105,7 @@ def _marks(figure: Figure, take: Take) -> Array | None:
     return found
 
 
-def _moments(case: Case, take: Take) -> tuple[Moment, ...]:
+def _moments(case: MismatchCase, take: Take) -> tuple[Moment, ...]:
     """Return the worst stretches, then events, then where each finding shows most."""
     worst = [
         Moment(

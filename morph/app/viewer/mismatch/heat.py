@@ -9,7 +9,7 @@ import numpy as np
 
 from morph.app.viewer.figure import Figure
 from morph.app.viewer.mismatch.freedoms import freedoms
-from morph.app.viewer.mismatch.window import DESCRIBED, Take, Trace
+from morph.app.viewer.mismatch.window import DESCRIBED, MismatchTrace, Take
 from morph.app.viewer.motion import RATE
 from morph.arrays import Array
 from morph.model.motion import low_pass
@@ -115,7 +115,7 @@ def on_links(figure: Figure, parts: Sequence[tuple[str, Array]], pictures: int) 
     return np.clip(found, 0.0, 1.0)
 
 
-def _error(trace: Trace, model: str, pictures: int) -> Array:
+def _error(trace: MismatchTrace, model: str, pictures: int) -> Array:
     """Return how far a model is off in the pictures; 0 where nothing is simulated."""
     known = np.isfinite(trace.time)
     if not known.any():

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from morph.app.viewer.given import Given
-from morph.app.viewer.mismatch.case import Case
+from morph.app.viewer.given import ViewRequest
+from morph.app.viewer.mismatch.case import MismatchCase
 from morph.app.viewer.mismatch.diagnosed import command_of, load_diagnosed
 from morph.app.viewer.mismatch.poses import untold
 from morph.body.robot import Robot
@@ -17,7 +17,7 @@ from morph.record.quantities import pose_channels
 from morph.record.recording import Recording
 
 
-def load_case(given: Given) -> Case:
+def load_case(given: ViewRequest) -> MismatchCase:
     """Return what was given, checked.
 
     Raises:
@@ -34,7 +34,7 @@ def load_case(given: Given) -> Case:
     _check(recordings, robot)
     diagnosed = None if given.diagnosis is None else load_diagnosed(given.diagnosis, robot)
     around = () if given.world is None else world(given.world, robot).effects
-    return Case(robot, recordings, diagnosed, around)
+    return MismatchCase(robot, recordings, diagnosed, around)
 
 
 def _check(recordings: tuple[Recording, ...], robot: Robot) -> None:

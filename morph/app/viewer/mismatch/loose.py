@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from morph.app.viewer.mismatch.poses import speeds
-from morph.app.viewer.mismatch.window import Model, Trace
+from morph.app.viewer.mismatch.window import MismatchModel, MismatchTrace
 from morph.app.viewer.motion import RATE
 from morph.arrays import Array
 from morph.body.robot import Joint, Robot
@@ -24,7 +24,7 @@ STEP = 0.002
 
 
 def simulated(
-    model: Model,
+    model: MismatchModel,
     recording: Recording,
     measured: Array,
     begin: float,
@@ -70,7 +70,7 @@ def traced(
     recording: Recording,
     measured: Array,
     poses: Mapping[str, Array],
-) -> tuple[Trace, ...]:
+) -> tuple[MismatchTrace, ...]:
     """Return each recorded channel of a pose along the pictures."""
     when = np.arange(len(measured)) / RATE
     found = []
@@ -84,7 +84,7 @@ def traced(
             error = {key: np.sqrt(np.mean((each - read) ** 2)) for key, each in values.items()}
             channel = recording.channels[name]
             found.append(
-                Trace(
+                MismatchTrace(
                     channel=name,
                     unit=_unit(joint, slot),
                     link=joint.link,

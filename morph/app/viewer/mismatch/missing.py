@@ -8,7 +8,7 @@ import numpy as np
 
 from morph.app.viewer.mismatch.freedoms import freedoms
 from morph.app.viewer.mismatch.rollouts import hypothesis_of
-from morph.app.viewer.mismatch.window import Missing, Model
+from morph.app.viewer.mismatch.window import MismatchModel, Missing
 from morph.arrays import Array
 from morph.body.robot import Robot
 from morph.model.episodes import Episode
@@ -19,7 +19,7 @@ LOOKED = 0.5
 """Seconds over which a finding's share is averaged, so that one sample decides nothing."""
 
 
-def missing(model: Model, episode: Episode, effects: Sequence[Effect] = ()) -> Missing:
+def missing(model: MismatchModel, episode: Episode, effects: Sequence[Effect] = ()) -> Missing:
     """Return the generalized force that a model lacks along an episode.
 
     The motion is smoothed as the diagnosis smooths it, and the force with it: it comes at

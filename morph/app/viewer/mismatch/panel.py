@@ -7,15 +7,15 @@ from dataclasses import replace
 from html import escape
 from typing import TYPE_CHECKING, Any
 
-from morph.app.viewer.mismatch.choices import BOTH, Choices
-from morph.app.viewer.mismatch.diagnosed import Found
+from morph.app.viewer.mismatch.choices import BOTH, MismatchChoices
+from morph.app.viewer.mismatch.diagnosed import DiagnosedFinding
 from morph.app.viewer.mismatch.drawn import COLOURINGS
 from morph.app.viewer.mismatch.missing import link_of
-from morph.app.viewer.mismatch.window import Model
+from morph.app.viewer.mismatch.window import MismatchModel
 from morph.app.viewer.widget import add_widget, set_value
 
 if TYPE_CHECKING:
-    from morph.app.viewer.mismatch.case import Case
+    from morph.app.viewer.mismatch.case import MismatchCase
     from morph.app.viewer.session import Session
     from morph.app.viewer.views.mismatch import Mismatch
 
@@ -23,7 +23,7 @@ OPEN_LOOP = "open loop"
 """A simulation that is never restarted."""
 
 
-class Panel:
+class MismatchPanel:
     """The knobs of one person's page; what they do, they do in the session's thread.
 
     Args:
@@ -80,7 +80,7 @@ class Panel:
         given = (gui.add_dropdown, label, tuple(options))
         return add_widget(self._session, *given, then=then, initial_value=options[at])
 
-    def _show(self, found: Found) -> None:
+    def _show(self, found: DiagnosedFinding) -> None:
         """Go to where a finding shows most, and point at its link."""
         case, chosen = self._view.case, self._view.chosen
         time = case.moment_of(found, case.take(chosen.ask))
@@ -96,7 +96,7 @@ class Panel:
         case, chosen = self._view.case, self._view.chosen
         return [f"{a:g} to {b:.4g} s" for a, b in case.windows(chosen.ask.episode)]
 
-    def _to(self, chosen: Choices) -> None:
+    def _to(self, chosen: MismatchChoices) -> None:
         """Have something else shown; from another stretch of time the clock begins anew."""
         before = self._view.chosen.ask
         self._session.stage.choose(0, None)
@@ -135,7 +135,7 @@ class Panel:
         self._to(replace(chosen, ask=replace(chosen.ask, **changes)))
 
 
-def _unseen(case: Case, at: int) -> str:
+def _unseen(case: MismatchCase, at: int) -> str:
     """Return what is told of a recording that the diagnosis held out."""
     if not case.never_seen(at):
         return ""
@@ -150,7 +150,7 @@ def _distinct(names: list[str]) -> list[str]:
     ]
 
 
-def _legend(models: Sequence[Model]) -> str:
+def _legend(models: Sequence[MismatchModel]) -> str:
     """Return what is drawn how, in a line of HTML."""
     solid = '<b style="color:#888">&#9632;</b> recorded (solid)'
     ghosts = "".join(
@@ -159,7 +159,7 @@ def _legend(models: Sequence[Model]) -> str:
     return f'<p class="morph">{solid}{ghosts}</p>'
 
 
-def _findings(findings: Sequence[Found]) -> str:
+def _findings(findings: Sequence[DiagnosedFinding]) -> str:
     """Return findings as a numbered list of HTML."""
     items = "".join(
         f"<li>{escape(each.statement)}<br><small>{escape(each.figures)}</small></li>"

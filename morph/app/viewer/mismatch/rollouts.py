@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from morph.app.viewer.mismatch.window import Model, Trace
+from morph.app.viewer.mismatch.window import MismatchModel, MismatchTrace
 from morph.app.viewer.motion import RATE
 from morph.arrays import Array
 from morph.body.load import FREEDOMS
@@ -17,13 +17,13 @@ from morph.model.score import rmse, rollouts, traces
 from morph.model.segments import Segments, scored_segments
 
 
-def hypothesis_of(model: Model, step: float) -> Hypothesis:
+def hypothesis_of(model: MismatchModel, step: float) -> Hypothesis:
     """Return a model as the diagnosis simulates it, nothing of it free to be refitted."""
     return Hypothesis(robot=model.robot, step=step, knobs=(), effects=model.effects)
 
 
 def simulated(
-    models: Sequence[Model], episode: Episode, horizon: float | None
+    models: Sequence[MismatchModel], episode: Episode, horizon: float | None
 ) -> tuple[Segments, dict[str, Array]]:
     """Return the rollouts along an episode, and each model's prediction of their readings.
 
@@ -43,13 +43,15 @@ def simulated(
     )
 
 
-def traced(robot: Robot, segments: Segments, predicted: Mapping[str, Array]) -> tuple[Trace, ...]:
+def traced(
+    robot: Robot, segments: Segments, predicted: Mapping[str, Array]
+) -> tuple[MismatchTrace, ...]:
     """Return each channel along all rollouts."""
     joined = traces(segments, predicted)
     errors = {name: rmse(segments, values) for name, values in predicted.items()}
     links = [each.link for each in robot.joints for _ in range(FREEDOMS[each.kind])]
     return tuple(
-        Trace(
+        MismatchTrace(
             channel=each.channel,
             unit=each.unit,
             link=link,

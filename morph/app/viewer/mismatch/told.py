@@ -7,13 +7,19 @@ from dataclasses import replace
 
 import numpy as np
 
-from morph.app.viewer.content import Chart, Line, Table
+from morph.app.viewer.content import CellTable, Chart, ChartLine
 from morph.app.viewer.figure import Figure
 from morph.app.viewer.mismatch.arrows import scale_of
-from morph.app.viewer.mismatch.case import Case
+from morph.app.viewer.mismatch.case import MismatchCase
 from morph.app.viewer.mismatch.freedoms import freedoms
 from morph.app.viewer.mismatch.heat import Heat
-from morph.app.viewer.mismatch.window import CORRECTED, DESCRIBED, Model, Take, Trace
+from morph.app.viewer.mismatch.window import (
+    CORRECTED,
+    DESCRIBED,
+    MismatchModel,
+    MismatchTrace,
+    Take,
+)
 
 MOST_CHARTED = 6
 """Channels that are charted, the worst ones."""
@@ -23,7 +29,7 @@ MEASURED = "currentColor"
 """Colour of what was measured: that of the text, dark on light and light on dark."""
 
 
-def charts(figure: Figure, take: Take, models: Sequence[Model]) -> tuple[Chart, ...]:
+def charts(figure: Figure, take: Take, models: Sequence[MismatchModel]) -> tuple[Chart, ...]:
     """Return charts of the worst channels, of their errors, and of the forces that are missing."""
     worst = _worst_first(take)[:MOST_CHARTED]
     return tuple(chart for trace in worst for chart in _charts(trace, models)) + _force_charts(
@@ -31,17 +37,19 @@ def charts(figure: Figure, take: Take, models: Sequence[Model]) -> tuple[Chart, 
     )
 
 
-def tables(figure: Figure, take: Take, models: Sequence[Model]) -> tuple[Table, ...]:
+def tables(figure: Figure, take: Take, models: Sequence[MismatchModel]) -> tuple[CellTable, ...]:
     """Return the errors of each channel and the forces that are missing at each joint."""
     return (_errors(take, models), *_lacks(figure, take, models))
 
 
-def _charts(trace: Trace, models: Sequence[Model]) -> tuple[Chart, Chart]:
+def _charts(trace: MismatchTrace, models: Sequence[MismatchModel]) -> tuple[Chart, Chart]:
     lines = [
-        Line(name=model.title, time=trace.time, value=trace.simulated[model.name], colour=model.css)
+        ChartLine(
+            name=model.title, time=trace.time, value=trace.simulated[model.name], colour=model.css
+        )
         for model in models
     ]
-    measured = Line(
+    measured = ChartLine(
         name="measured", time=trace.time, value=trace.measured, colour=MEASURED, leads=True
     )
     errors = tuple(replace(line, value=trace.measured - line.value) for line in lines)
@@ -51,7 +59,7 @@ def _charts(trace: Trace, models: Sequence[Model]) -> tuple[Chart, Chart]:
     )
 
 
-def _force_charts(figure: Figure, take: Take, models: Sequence[Model]) -> tuple[Chart, ...]:
+def _force_charts(figure: Figure, take: Take, models: Sequence[MismatchModel]) -> tuple[Chart, ...]:
     if not take.missing:
         return ()
     worst = [trace.link for trace in _worst_first(take)][:MOST_CHARTED]
@@ -60,7 +68,7 @@ def _force_charts(figure: Figure, take: Take, models: Sequence[Model]) -> tuple[
             title=f"{freedom.name}: missing {'force' if freedom.unit == 'N' else 'torque'}",
             unit=freedom.unit,
             lines=tuple(
-                Line(
+                ChartLine(
                     name=model.title,
                     time=take.missing[model.name].time,
                     value=take.missing[model.name].force[:, at],
@@ -74,10 +82,10 @@ def _force_charts(figure: Figure, take: Take, models: Sequence[Model]) -> tuple[
     )
 
 
-def _errors(take: Take, models: Sequence[Model]) -> Table:
+def _errors(take: Take, models: Sequence[MismatchModel]) -> CellTable:
     how = "open loop" if take.horizon is None else f"restarted every {take.horizon:g} s"
     until = take.start + take.seconds
-    return Table(
+    return CellTable(
         title=f"Position error (RMS), {take.start:g} to {until:.3g} s, {how}",
         head=("", *(model.title for model in models), "noise"),
         rows=tuple(
@@ -91,13 +99,13 @@ def _errors(take: Take, models: Sequence[Model]) -> Table:
     )
 
 
-def _lacks(figure: Figure, take: Take, models: Sequence[Model]) -> tuple[Table, ...]:
+def _lacks(figure: Figure, take: Take, models: Sequence[MismatchModel]) -> tuple[CellTable, ...]:
     """Return the table of the forces that are missing, if they are known."""
     if not take.missing:
         return ()
     sizes = {name: np.sqrt(np.mean(each.force**2, axis=0)) for name, each in take.missing.items()}
     return (
-        Table(
+        CellTable(
             title="Missing force (RMS)",
             head=("", *(model.title for model in models)),
             rows=tuple(
@@ -111,7 +119,9 @@ def _lacks(figure: Figure, take: Take, models: Sequence[Model]) -> tuple[Table, 
     )
 
 
-def notes(case: Case, take: Take, models: Sequence[Model], heat: Heat | None) -> tuple[str, ...]:
+def notes(
+    case: MismatchCase, take: Take, models: Sequence[MismatchModel], heat: Heat | None
+) -> tuple[str, ...]:
     """Return what colours, arrows and marks mean, and what does not fit together."""
     scale = scale_of(case.figure, take)
     ghosts = " and ".join(f"{model.title} ({COLOURS[model.name]})" for model in models)
@@ -138,5 +148,5 @@ def notes(case: Case, take: Take, models: Sequence[Model], heat: Heat | None) ->
     )
 
 
-def _worst_first(take: Take) -> list[Trace]:
+def _worst_first(take: Take) -> list[MismatchTrace]:
     return sorted(take.traces, key=lambda each: -each.rmse[DESCRIBED] / each.noise)

@@ -15,7 +15,7 @@ DESCRIBED, CORRECTED = "described", "corrected"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Model:
+class MismatchModel:
     """One account of the robot."""
 
     name: str
@@ -48,7 +48,7 @@ class Ask:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Trace:
+class MismatchTrace:
     """One channel as it was read and as the models have it."""
 
     channel: str
@@ -100,7 +100,7 @@ class Take:
     """Poses as recorded, `qpos` in the pictures, shape (pictures, nq)."""
     simulated: Mapping[str, Array]
     """Poses by model; same shape each."""
-    traces: tuple[Trace, ...]
+    traces: tuple[MismatchTrace, ...]
     """In the order of the joints."""
     missing: Mapping[str, Missing] = field(default_factory=dict)
     """By model; none where it cannot be told."""

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from morph.app.viewer.mismatch.rollouts import simulated
-from morph.app.viewer.mismatch.window import DESCRIBED, Model, Take, Trace
+from morph.app.viewer.mismatch.window import DESCRIBED, MismatchModel, MismatchTrace, Take
 from morph.model.episodes import Episode
 from morph.model.score import by_segment
 
@@ -18,7 +18,7 @@ STRETCH = 1.0
 
 
 def worst_stretches(
-    model: Model, episode: Episode, horizon: float
+    model: MismatchModel, episode: Episode, horizon: float
 ) -> tuple[tuple[float, float], ...]:
     """Return the stretches that a model misses most, each joint in units of its noise."""
     segments, predicted = simulated([model], episode, horizon)
@@ -27,7 +27,7 @@ def worst_stretches(
     return tuple(segments.seconds(int(row)) for row in order if lost[row] > 0.0)
 
 
-def worst_of(traces: Sequence[Trace], seconds: float) -> tuple[tuple[float, float], ...]:
+def worst_of(traces: Sequence[MismatchTrace], seconds: float) -> tuple[tuple[float, float], ...]:
     """Return the worst stretches of channels that were simulated, each in units of its noise."""
     edges = np.arange(0.0, max(seconds, STRETCH) + 1e-9, STRETCH)
     lost = np.zeros(len(edges) - 1)
@@ -39,10 +39,10 @@ def worst_of(traces: Sequence[Trace], seconds: float) -> tuple[tuple[float, floa
     return tuple((float(edges[at]), float(min(edges[at + 1], seconds))) for at in order)
 
 
-def worst_trace(take: Take, begin: float, end: float) -> Trace:
+def worst_trace(take: Take, begin: float, end: float) -> MismatchTrace:
     """Return the channel that the description misses most in a stretch, in units of its noise."""
 
-    def lost(trace: Trace) -> float:
+    def lost(trace: MismatchTrace) -> float:
         here = (trace.time >= begin) & (trace.time <= end)
         error = (trace.measured - trace.simulated[DESCRIBED])[here] / trace.noise
         return float(np.mean(error**2)) if len(error) else 0.0

@@ -18,7 +18,7 @@ LONGEST = 200
 
 
 @dataclass(frozen=True, kw_only=True)
-class Choices:
+class PrintChoices:
     """What is shown, and how."""
 
     show: str = APART
@@ -33,19 +33,19 @@ class Choices:
         return dict(vars(self))
 
 
-def choices_of(state: JSON) -> Choices:
+def choices_of(state: JSON) -> PrintChoices:
     """Return what an earlier `said` says; a plate or a part may be gone since.
 
     Raises:
         ViewError: It is not of this view.
     """
-    known = vars(Choices())
+    known = vars(PrintChoices())
     for name, value in state.items():
         if name not in known:
             raise _wrong(f"it says {str(name)[:80]!r}, which it does not know")
         if not isinstance(value, str) or len(value) > LONGEST:
             raise _wrong(f"{name} is no name")
-    chosen = Choices(**state)
+    chosen = PrintChoices(**state)
     if chosen.by not in COLOURINGS:
         raise _wrong(f"colours cannot tell {chosen.by!r}; they tell {', '.join(COLOURINGS)}")
     return chosen

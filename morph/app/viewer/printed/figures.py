@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from morph.app.picture.shapes import Shape
+from morph.app.picture.shapes import PictureShape
 from morph.app.viewer.content import Actor, Colour, Moment
 from morph.app.viewer.figure import Figure
-from morph.app.viewer.motion import RATE, Motion
+from morph.app.viewer.motion import RATE, MotionFrames
 from morph.app.viewer.printed.skin import MM, Skin
 from morph.arrays import Array
 from morph.body.robot import Robot
@@ -36,7 +36,7 @@ Colours = Mapping[str, "Array | Colour"]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Standing:
+class PlacedCopy:
     """One copy of a part in its first place."""
 
     name: str
@@ -114,7 +114,7 @@ def on_bed(
 ) -> Actor:
     """Return a plate: the bed, and every copy on it as it is printed."""
     copies = [
-        Standing(
+        PlacedCopy(
             name=copy_name(skins[laid.part].part, laid.copy),
             skin=skins[laid.part],
             pose=laid.pose,
@@ -126,11 +126,11 @@ def on_bed(
     return _actor(robot, copies, *still, colours, title, bed_mm)
 
 
-def _copies(skins: Mapping[str, Skin], told: Explosion) -> tuple[list[Standing], Array]:
+def _copies(skins: Mapping[str, Skin], told: Explosion) -> tuple[list[PlacedCopy], Array]:
     copies, offsets = [], []
     for name, skin in skins.items():
         for copy, placement in enumerate(skin.part.placements):
-            standing = Standing(name=copy_name(skin.part, copy), skin=skin, pose=placement.world)
+            standing = PlacedCopy(name=copy_name(skin.part, copy), skin=skin, pose=placement.world)
             copies.append(standing)
             offsets.append(told.offsets.get((name, copy), np.zeros(3)))
     return copies, np.array(offsets).reshape(-1, 3)
@@ -142,7 +142,7 @@ def _links(skins: Mapping[str, Skin], told: Explosion) -> list[str]:
 
 def _actor(
     robot: Robot,
-    copies: Sequence[Standing],
+    copies: Sequence[PlacedCopy],
     offsets: Array,
     factor: Array,
     colours: Colours,
@@ -164,17 +164,17 @@ def _actor(
     if bed_mm:
         shapes.append(_bed(len(names), bed_mm))
     figure = Figure(robot=robot, name=title, model=spec.compile(), shapes=tuple(shapes))
-    return Actor(figure=figure, motion=Motion(position=position, turn=turn), title=title)
+    return Actor(figure=figure, motion=MotionFrames(position=position, turn=turn), title=title)
 
 
-def _bed(body: int, bed_mm: Sequence[float]) -> Shape:
+def _bed(body: int, bed_mm: Sequence[float]) -> PictureShape:
     """Return a printer's bed, whose top is at 0 and whose corner is the origin."""
     from trimesh import creation
 
     wide, deep = (float(each) for each in bed_mm[:2])
     box = creation.box((wide, deep, BED_MM))
     corners = np.asarray(box.vertices) + np.array((0.5 * wide, 0.5 * deep, -0.5 * BED_MM))
-    return Shape(
+    return PictureShape(
         body=body,
         vertices=MM * corners,
         faces=np.asarray(box.faces, dtype=np.int64),
@@ -184,12 +184,12 @@ def _bed(body: int, bed_mm: Sequence[float]) -> Shape:
     )
 
 
-def _shape(body: int, copy: Standing, colours: Colours) -> Shape:
+def _shape(body: int, copy: PlacedCopy, colours: Colours) -> PictureShape:
     turn, skin = copy.pose[:3, :3], copy.skin
     faces = skin.faces if np.linalg.det(turn) > 0.0 else skin.faces[:, ::-1].copy()
     given = colours[skin.part.name]
     plain = given if isinstance(given, tuple) else (0, 0, 0)
-    return Shape(
+    return PictureShape(
         body=body,
         vertices=MM * (skin.vertices @ turn.T),
         faces=faces,

@@ -8,7 +8,7 @@ import numpy as np
 
 from morph.app.viewer.content import Actor, Colour, Moment
 from morph.app.viewer.printed import figures
-from morph.app.viewer.printed.choices import APART, PLATES, STEPS, Choices
+from morph.app.viewer.printed.choices import APART, PLATES, STEPS, PrintChoices
 from morph.app.viewer.printed.skin import HOT, PAINTERS, PLAIN, Skin, mixed, skins
 from morph.arrays import Array
 from morph.body.robot import Robot
@@ -36,7 +36,7 @@ HELD: Colour = (255, 196, 0)
 """Of the part that is pointed at."""
 
 
-class Made:
+class ViewedPackage:
     """What is seen of one package; shared by all who look.
 
     Args:
@@ -69,7 +69,7 @@ class Made:
         found = {name: PAINTERS[by](skin, self.job) for name, skin in self.skins.items()}
         self._painted[by] = {name: it for name, it in found.items() if it is not None}
 
-    def actors(self, chosen: Choices) -> tuple[tuple[Actor, ...], tuple[Moment, ...]]:
+    def actors(self, chosen: PrintChoices) -> tuple[tuple[Actor, ...], tuple[Moment, ...]]:
         """Return what is on the stage, and the moments to jump to."""
         colours = self._colours(chosen)
         plates = [plate for plate in self.job.plates if chosen.show in (PLATES, plate.name)]
@@ -98,7 +98,7 @@ class Made:
         bed, title = self.job.profile.printer.bed_mm, plate.name.replace("_", " ")
         return figures.on_bed(self.robot, plate, bed, self.skins, colours, title)
 
-    def _colours(self, chosen: Choices) -> figures.Colours:
+    def _colours(self, chosen: PrintChoices) -> figures.Colours:
         """Return the colour of each part, or of its corners."""
         painted = self._painted.get(chosen.by)
         printed = [name for name, skin in self.skins.items() if skin.part.kind != "bought"]

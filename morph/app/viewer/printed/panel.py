@@ -7,14 +7,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from morph.app.viewer.printed.choices import APART, COLOURINGS, Choices
+from morph.app.viewer.printed.choices import APART, COLOURINGS, PrintChoices
 from morph.app.viewer.printed.figures import how_far, part_of, when
 from morph.app.viewer.printed.zipped import zipped
 from morph.app.viewer.widget import add_widget, set_value
 
 if TYPE_CHECKING:
     from morph.app.viewer.session import Session
-    from morph.app.viewer.views.print import Print
+    from morph.app.viewer.views.print import PrintView
 
 NONE = "none"
 """What is chosen where no part is pointed at."""
@@ -23,7 +23,7 @@ HAND = 0.5
 """The slider is left to the hand that moved it for so long, s."""
 
 
-class Panel:
+class PrintPanel:
     """The knobs of one person's page; what they do, they do in the session's thread.
 
     Args:
@@ -32,7 +32,7 @@ class Panel:
         session: The page.
     """
 
-    def __init__(self, view: Print, gui: Any, session: Session) -> None:
+    def __init__(self, view: PrintView, gui: Any, session: Session) -> None:
         """Add them."""
         self._view, self._session = view, session
         self._touched, self._packing = 0.0, False
@@ -87,7 +87,7 @@ class Panel:
         given = (gui.add_dropdown, label, tuple(options))
         return add_widget(self._session, *given, then=then, initial_value=options[0])
 
-    def _to(self, chosen: Choices) -> None:
+    def _to(self, chosen: PrintChoices) -> None:
         before = self._view.chosen
         self._view.choose(chosen, self._session)
         self.refresh()
@@ -130,9 +130,9 @@ class Panel:
         self._session.later(work, done)
 
 
-def panel(view: Print, gui: Any, session: Session) -> Panel:
+def panel(view: PrintView, gui: Any, session: Session) -> PrintPanel:
     """Add the knobs, and let a click on a part point at it."""
-    knobs = Panel(view, gui, session)
+    knobs = PrintPanel(view, gui, session)
 
     def picked(actor: int, link: str) -> None:
         session.do(lambda: knobs.point(part_of(link)))

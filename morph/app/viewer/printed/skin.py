@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from morph.app.picture.shapes import Shape
+from morph.app.picture.shapes import PictureShape
 from morph.app.viewer.web_shapes import web_shapes
 from morph.arrays import Array, Integers
 from print.errors import PrintError
@@ -64,7 +64,7 @@ def skins(parts: Iterable[Part]) -> dict[str, Skin]:
     """Return what is drawn of each part that has a shape, by its name."""
     shaped = [(part, part.mesh) for part in parts if part.mesh is not None]
     drawn = web_shapes(
-        Shape(
+        PictureShape(
             body=at,
             vertices=mesh.vertices,
             faces=mesh.faces,

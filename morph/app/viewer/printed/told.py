@@ -7,9 +7,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from morph.app.viewer.content import Colour, Marked, Table
-from morph.app.viewer.printed.choices import Choices
-from morph.app.viewer.printed.made import Made
+from morph.app.viewer.content import CellTable, Colour, Marked
+from morph.app.viewer.printed.choices import PrintChoices
+from morph.app.viewer.printed.made import ViewedPackage
 from morph.app.viewer.printed.skin import HOT, PAINTERS, PLAIN, WARM, legend
 from morph.arrays import Array
 from morph.make.link_mass import LinkMass
@@ -30,7 +30,7 @@ SOURCES = {"estimate": "estimated", "gcode": "sliced"}
 """Where predicted masses come from."""
 
 
-def tables(made: Made, chosen: Choices) -> tuple[Table, ...]:
+def tables(made: ViewedPackage, chosen: PrintChoices) -> tuple[CellTable, ...]:
     """Return what colours mean, the part that is pointed at, checks, parts and masses."""
     found = (
         _legend(made, chosen),
@@ -42,7 +42,7 @@ def tables(made: Made, chosen: Choices) -> tuple[Table, ...]:
     return tuple(table for table in found if table is not None and table.rows)
 
 
-def notes(made: Made) -> Iterator[str]:
+def notes(made: ViewedPackage) -> Iterator[str]:
     """Yield what is to be known, a sentence each."""
     job, package = made.job, made.package
     if job.sliced:
@@ -76,7 +76,7 @@ def colour(of: Array) -> Colour:
     return red, green, blue
 
 
-def _legend(made: Made, chosen: Choices) -> Table | None:
+def _legend(made: ViewedPackage, chosen: PrintChoices) -> CellTable | None:
     if chosen.by in PAINTERS:
         rows = [(Marked(text=what, colour=colour(of)),)
                 for what, of in legend(chosen.by, made.job.profile)]  # fmt: skip
@@ -89,10 +89,10 @@ def _legend(made: Made, chosen: Choices) -> Table | None:
         ]
     else:
         return None
-    return Table(title=f"Colours: {chosen.by}", head=("what it means",), rows=tuple(rows))
+    return CellTable(title=f"Colours: {chosen.by}", head=("what it means",), rows=tuple(rows))
 
 
-def _held(made: Made, chosen: Choices) -> Table | None:
+def _held(made: ViewedPackage, chosen: PrintChoices) -> CellTable | None:
     skin = made.skins.get(chosen.part)
     if skin is None:
         return None
@@ -112,10 +112,10 @@ def _held(made: Made, chosen: Choices) -> Table | None:
         rows.append(("height as printed", f"{lies.height_mm:.0f} mm"))
     holds = Counter(seat.holds for seat in part.seats)
     rows += [("holds", f"{count} × {what}") for what, count in holds.items()]
-    return Table(title=_called(part), head=("pointed at", ""), rows=tuple(rows), words=True)
+    return CellTable(title=_called(part), head=("pointed at", ""), rows=tuple(rows), words=True)
 
 
-def _checks(made: Made) -> Table:
+def _checks(made: ViewedPackage) -> CellTable:
     checks = made.job.checks
     told = [check for name in ("refused", "noted") for check in checks if check.verdict == name]
     rows = [(_mark(check), _said(check)) for check in told[:MOST_ROWS]]
@@ -125,7 +125,9 @@ def _checks(made: Made) -> Table:
     if passed:
         what = ", ".join(f"{name} {count}" for name, count in passed.items())
         rows.append((Marked(text="passed", colour=VERDICTS["passed"]), what))
-    return Table(title="Checks", head=("verdict", "what was found"), rows=tuple(rows), words=True)
+    return CellTable(
+        title="Checks", head=("verdict", "what was found"), rows=tuple(rows), words=True
+    )
 
 
 def _mark(check: Check) -> Marked:
@@ -137,7 +139,7 @@ def _said(check: Check) -> str:
     return f"{check.part.replace('_', ' ')}, {check.name}: {check.what}.{fix}"
 
 
-def _parts(made: Made) -> Table:
+def _parts(made: ViewedPackage) -> CellTable:
     rows = [
         (_called(part), str(part.count), _plates(part, made), _grams(made, part))
         for part in made.job.parts
@@ -145,17 +147,17 @@ def _parts(made: Made) -> Table:
     ]
     left = len(rows) - MOST_ROWS
     rows = [*rows[:MOST_ROWS], *([(f"{left} more", "", "", "")] if left > 0 else [])]
-    return Table(title="Parts", head=("part", "copies", "plate", "g each"), rows=tuple(rows))
+    return CellTable(title="Parts", head=("part", "copies", "plate", "g each"), rows=tuple(rows))
 
 
-def _plates(part: Part, made: Made) -> str:
+def _plates(part: Part, made: ViewedPackage) -> str:
     if part.kind == "bought":
         return "bought"
     on = [plate.name for plate in made.job.plates if part.name in {it.part for it in plate.laid}]
     return ", ".join(on).replace("_", " ")
 
 
-def _grams(made: Made, part: Part) -> str:
+def _grams(made: ViewedPackage, part: Part) -> str:
     if part.name not in made.skins:
         return "–" if part.weight is None else f"{1e3 * part.weight.mass:.1f}"
     grams = made.grams(part.name)
@@ -166,11 +168,11 @@ def _called(part: Part) -> str:
     return f"{part.number} {part.name.replace('_', ' ')}".strip()
 
 
-def _masses(made: Made) -> Table:
+def _masses(made: ViewedPackage) -> CellTable:
     rows = [_mass(each) for each in made.package.links[:MOST_ROWS]]
     sources = {each.source for each in made.package.links} - {"description", "scale"}
     how = f", {' and '.join(SOURCES[each] for each in sorted(sources))}" if sources else ""
-    return Table(
+    return CellTable(
         title=f"Mass of each link (g){how}",
         head=("link", "designed", "predicted", "measured"),
         rows=tuple(rows),

@@ -10,7 +10,7 @@ from morph.app.viewer.content import Actor
 from morph.app.viewer.figure import figure
 from morph.app.viewer.motion import posed
 from morph.app.viewer.printed.choices import COLOURINGS
-from morph.app.viewer.printed.made import Made
+from morph.app.viewer.printed.made import ViewedPackage
 from morph.app.viewer.printed.source import excuse
 from morph.body.robot import Robot
 from morph.errors import MorphError
@@ -28,7 +28,7 @@ class Works:
     def __init__(self, robot: Robot, make: Callable[[], Package]) -> None:
         """Prepare; `complete` makes."""
         self.robot, self._make = robot, make
-        self.made: Made | None = None
+        self.made: ViewedPackage | None = None
         """What is seen; None before it is made, or if it cannot be."""
         self.excuse = ""
         """Why it cannot be, a sentence."""
@@ -48,7 +48,7 @@ class Works:
         with self._lock:
             if not self.settled:
                 try:
-                    self.made = Made(self.robot, self._make())
+                    self.made = ViewedPackage(self.robot, self._make())
                 except MorphError as error:
                     self.excuse = excuse(error)
             if self.made is not None:

@@ -6,16 +6,16 @@ from collections.abc import Callable, Iterator
 from functools import partial
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from morph.app.viewer.align.cast import Player, cast
-from morph.app.viewer.align.choices import Choices, choices_of
+from morph.app.viewer.align.cast import ChainPlayer, cast
+from morph.app.viewer.align.choices import AlignChoices, choices_of
 from morph.app.viewer.align.lines import arrows, label, links, ties, unplaced
 from morph.app.viewer.align.panel import panel
 from morph.app.viewer.align.performance import Performance
 from morph.app.viewer.align.read import story
 from morph.app.viewer.align.story import Told
 from morph.app.viewer.align.told import chain_table, hop_notes, hop_tables, verdict
-from morph.app.viewer.content import Actor, Colour, Content, Table, Tie
-from morph.app.viewer.given import Given
+from morph.app.viewer.content import Actor, CellTable, Colour, Content, Tie
+from morph.app.viewer.given import ViewRequest
 from morph.app.viewer.view import View
 from morph.arrays import JSON
 from morph.errors import ViewError
@@ -32,7 +32,7 @@ HELD: Colour = (255, 196, 0)
 """Of the links that are pointed at."""
 
 
-class Align(View):
+class AlignView(View):
     """Source and target, with lines between the parts that a map joins.
 
     Args:
@@ -68,11 +68,11 @@ class Align(View):
             )
         )
 
-    def at_hop(self, number: int) -> Choices:
+    def at_hop(self, number: int) -> AlignChoices:
         """Return what is chosen at first for a hop, or by 0 for the whole chain."""
-        found = Choices(hop=number, way="")
+        found = AlignChoices(hop=number, way="")
         ways = self._shared.ways(*_stretch(found, len(self._told)))
-        return Choices(hop=number, way=ways[0] if ways else "")
+        return AlignChoices(hop=number, way=ways[0] if ways else "")
 
     def part_at(self, actor: int, link: str) -> str:
         """Return the label of an arrow at a link: one after another, and in the end none."""
@@ -151,7 +151,7 @@ class Align(View):
         first, last = self._stretch
         yield from enumerate(self._told[first:last], first)
 
-    def _pair(self, at: int) -> tuple[Player, Player]:
+    def _pair(self, at: int) -> tuple[ChainPlayer, ChainPlayer]:
         return self._shared.players[at], self._shared.players[at + 1]
 
     def _actor(self, at: int) -> int:
@@ -176,7 +176,7 @@ class Align(View):
         ]
         return {link: HELD for end in ends for link in names.get(end, ())}
 
-    def _tables(self) -> tuple[Table, ...]:
+    def _tables(self) -> tuple[CellTable, ...]:
         chain = (chain_table(self._shared.story),) if len(self._told) > 1 else ()
         if self.chosen.hop == 0:
             return chain
@@ -200,7 +200,7 @@ class Align(View):
         yield from self._shared.story.notes
 
 
-def maker(given: Given) -> Callable[[], View]:
+def maker(given: ViewRequest) -> Callable[[], View]:
     """Return what makes this view for a person who opens the page.
 
     Raises:
@@ -211,10 +211,10 @@ def maker(given: Given) -> Callable[[], View]:
     told = story(given.transfer)
     shared = Performance(told, cast(told, given.robots), given.seed)
     # What is shown first is there when the first person comes.
-    Align(shared).complete()
-    return partial(Align, shared)
+    AlignView(shared).complete()
+    return partial(AlignView, shared)
 
 
-def _stretch(chosen: Choices, hops: int) -> tuple[int, int]:
+def _stretch(chosen: AlignChoices, hops: int) -> tuple[int, int]:
     """Return the first and the last body of what is chosen."""
     return (0, hops) if chosen.hop == 0 else (chosen.hop - 1, chosen.hop)

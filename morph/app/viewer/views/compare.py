@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from morph.app.viewer.compare.arrows import KINDS
 from morph.app.viewer.compare.compare_content import lengths, told
-from morph.app.viewer.compare.panel import Panel
+from morph.app.viewer.compare.panel import ComparePanel
 from morph.app.viewer.compare.simulation_cache import Cast, Troupe
 from morph.app.viewer.content import Content
-from morph.app.viewer.given import Given
+from morph.app.viewer.given import ViewRequest
 from morph.app.viewer.player import CONSTANT
 from morph.app.viewer.view import View
 from morph.arrays import JSON
@@ -24,7 +24,7 @@ SHOWN = set(KINDS) - {CONSTANT}
 """The arrows that are shown at first."""
 
 
-class Compare(View):
+class CompareView(View):
     """Up to eight bodies at once, each with its policy, or each showing its joints."""
 
     name: ClassVar[str] = "compare"
@@ -35,7 +35,7 @@ class Compare(View):
         self._troupe = troupe
         self._task = troupe.task
         self._arrows = set(SHOWN)
-        self._panel: Panel | None = None
+        self._panel: ComparePanel | None = None
         self._shown = 0
 
     def content(self) -> Content:
@@ -51,7 +51,7 @@ class Compare(View):
 
     def panel(self, gui: Any, session: Session) -> None:
         """Add the choice of a task and of arrows; and tell what commands each body."""
-        self._panel = Panel(
+        self._panel = ComparePanel(
             gui,
             session,
             self._troupe.tasks,
@@ -136,11 +136,11 @@ class Compare(View):
                 session.stage.reaim()
 
 
-def maker(given: Given) -> Callable[[], View]:
+def maker(given: ViewRequest) -> Callable[[], View]:
     """Return what makes this view for a person who opens the page.
 
     Raises:
         MorphError: A policy, the task or the world cannot be used by these bodies.
     """
     troupe = Troupe(given)
-    return lambda: Compare(troupe)
+    return lambda: CompareView(troupe)

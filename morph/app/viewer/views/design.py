@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from morph.app.viewer.content import Content
-from morph.app.viewer.design.bench import Bench, Built, Plan
+from morph.app.viewer.design.bench import Bench, BodyPlan, Built
 from morph.app.viewer.design.figures import figures, headline, limits_note, motors
 from morph.app.viewer.design.latest import Latest
-from morph.app.viewer.design.panel import Panel
+from morph.app.viewer.design.panel import DesignPanel
 from morph.app.viewer.design.shown import Shown
-from morph.app.viewer.given import Given
+from morph.app.viewer.given import ViewRequest
 from morph.app.viewer.view import View
 from morph.arrays import JSON
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from morph.app.viewer.session import Session
 
 
-class Design(View):
+class DesignView(View):
     """One body at a time whose joints and parameters are moved by sliders.
 
     Args:
@@ -34,13 +34,13 @@ class Design(View):
     name: ClassVar[str] = "design"
     title: ClassVar[str] = "Design"
 
-    def __init__(self, plans: Sequence[Plan], seed: int = 0) -> None:
+    def __init__(self, plans: Sequence[BodyPlan], seed: int = 0) -> None:
         """Begin with the first body as it is described."""
         self.plans, self.at, self.ghost = tuple(plans), 0, True
         self._benches: dict[int, Bench] = {}
         self._rng = np.random.default_rng(seed)
         self._session: Session | None = None
-        self._panel: Panel | None = None
+        self._panel: DesignPanel | None = None
         self._building, self._measuring = Latest(), Latest()
         self._shown = Shown(self.bench, self.ghost)
 
@@ -72,7 +72,7 @@ class Design(View):
         """Add sliders, buttons and keys."""
         first = self._session is None
         self._session = session
-        self._panel = Panel(gui, session, self)
+        self._panel = DesignPanel(gui, session, self)
         if first:
             self._panel.keys()
         self._panel.show()
@@ -171,7 +171,7 @@ class Design(View):
         session.later(work, lambda saved: session.say(f"saved; see it by: morph view {saved}"))
 
     @property
-    def _page(self) -> Panel | None:
+    def _page(self) -> DesignPanel | None:
         """The controls; None while they are not on the page."""
         session = self._session
         return self._panel if session is not None and session.view is self else None
@@ -258,7 +258,7 @@ class Design(View):
         return (limits_note(self.bench.limits),)
 
 
-def maker(given: Given) -> Callable[[], View]:
+def maker(given: ViewRequest) -> Callable[[], View]:
     """Return what makes this view for a person who opens the page."""
-    plans = tuple(Plan(robot) for robot in given.robots)
-    return lambda: Design(plans, given.seed)
+    plans = tuple(BodyPlan(robot) for robot in given.robots)
+    return lambda: DesignView(plans, given.seed)

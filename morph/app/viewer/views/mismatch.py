@@ -7,9 +7,9 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from morph.app.viewer.content import Content
-from morph.app.viewer.given import Given
-from morph.app.viewer.mismatch.case import Case
-from morph.app.viewer.mismatch.choices import Choices
+from morph.app.viewer.given import ViewRequest
+from morph.app.viewer.mismatch.case import MismatchCase
+from morph.app.viewer.mismatch.choices import MismatchChoices
 from morph.app.viewer.mismatch.drawn import drawn
 from morph.app.viewer.mismatch.load_case import load_case
 from morph.app.viewer.mismatch.window import Take
@@ -27,9 +27,9 @@ class Mismatch(View):
     name: ClassVar[str] = "mismatch"
     title: ClassVar[str] = "Mismatch"
 
-    def __init__(self, case: Case) -> None:
+    def __init__(self, case: MismatchCase) -> None:
         """Begin with the first recording that no model had seen."""
-        self._case, self._chosen = case, Choices.of(case)
+        self._case, self._chosen = case, MismatchChoices.of(case)
 
     def content(self) -> Content:
         """Return the recording and its ghosts."""
@@ -46,25 +46,25 @@ class Mismatch(View):
         Raises:
             ViewError: It names a recording, a window, a model or a way that is not here.
         """
-        self._chosen = Choices.restored(self._case, state)
+        self._chosen = MismatchChoices.restored(self._case, state)
 
     def panel(self, gui: Any, session: Session) -> None:
         """Add the choice of recording, window, simulation, models and colours, and findings."""
-        from morph.app.viewer.mismatch.panel import Panel
+        from morph.app.viewer.mismatch.panel import MismatchPanel
 
-        Panel(self, gui, session)
+        MismatchPanel(self, gui, session)
 
     @property
-    def case(self) -> Case:
+    def case(self) -> MismatchCase:
         """What was given."""
         return self._case
 
     @property
-    def chosen(self) -> Choices:
+    def chosen(self) -> MismatchChoices:
         """What is shown."""
         return self._chosen
 
-    def choose(self, chosen: Choices, session: Session, then: Callable[[], None]) -> None:
+    def choose(self, chosen: MismatchChoices, session: Session, then: Callable[[], None]) -> None:
         """Show something else as soon as it is computed; what cannot be is not chosen.
 
         Args:
@@ -98,7 +98,7 @@ class Mismatch(View):
         return self._case.take(self._chosen.ask)
 
 
-def maker(given: Given) -> Callable[[], View]:
+def maker(given: ViewRequest) -> Callable[[], View]:
     """Return what makes this view for a person who opens the page.
 
     Raises:
@@ -106,5 +106,5 @@ def maker(given: Given) -> Callable[[], View]:
     """
     case = load_case(given)
     # What is shown first is ready before anybody looks.
-    case.take(Choices.of(case).ask)
+    case.take(MismatchChoices.of(case).ask)
     return partial(Mismatch, case)

@@ -8,9 +8,9 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from morph.app.viewer.content import Content
-from morph.app.viewer.given import Given
-from morph.app.viewer.printed.choices import APART, Choices, choices_of
-from morph.app.viewer.printed.panel import Panel, panel
+from morph.app.viewer.given import ViewRequest
+from morph.app.viewer.printed.choices import APART, PrintChoices, choices_of
+from morph.app.viewer.printed.panel import PrintPanel, panel
 from morph.app.viewer.printed.source import divided, packed
 from morph.app.viewer.printed.told import notes, tables
 from morph.app.viewer.printed.works import Works
@@ -24,7 +24,7 @@ BEING_MADE = "Its parts are being made and looked at; that takes some seconds."
 """What is said until there are any."""
 
 
-class Print(View):
+class PrintView(View):
     """The parts of one body.
 
     Args:
@@ -36,8 +36,8 @@ class Print(View):
 
     def __init__(self, works: Works) -> None:
         """Begin with the body that comes apart."""
-        self.works, self.chosen = works, Choices()
-        self._panel: Panel | None = None
+        self.works, self.chosen = works, PrintChoices()
+        self._panel: PrintPanel | None = None
 
     def content(self) -> Content:
         """Return the parts; until they are made, the body as it is described."""
@@ -78,13 +78,13 @@ class Print(View):
         """Choose what an earlier `state` said."""
         self.chosen = choices_of(state)
 
-    def shown(self, chosen: Choices) -> Choices:
+    def shown(self, chosen: PrintChoices) -> PrintChoices:
         """Return what of a choice there is: a saved view may name a plate that is no more."""
         made = self.works.made
         known = made is not None and chosen.show in made.ways
         return chosen if known else replace(chosen, show=APART)
 
-    def choose(self, chosen: Choices, session: Session) -> None:
+    def choose(self, chosen: PrintChoices, session: Session) -> None:
         """Show something else as soon as it is made."""
         self.chosen = chosen
         if self.works.has(chosen.by):
@@ -102,7 +102,7 @@ class Print(View):
         session.later(partial(self.works.complete, chosen.by), shown)
 
 
-def maker(given: Given) -> Callable[[], View]:
+def maker(given: ViewRequest) -> Callable[[], View]:
     """Return what makes this view for a person who opens the page.
 
     Raises:
@@ -116,4 +116,4 @@ def maker(given: Given) -> Callable[[], View]:
     else:
         body = given.robots[0]
         works = Works(body, partial(divided, body))
-    return partial(Print, works)
+    return partial(PrintView, works)

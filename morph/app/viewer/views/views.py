@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from importlib import import_module
 
-from morph.app.viewer.given import Given
+from morph.app.viewer.given import ViewRequest
 from morph.app.viewer.view import View
 from morph.errors import ViewError
 
@@ -14,7 +14,9 @@ VIEWS = ("compare", "design", "align", "mismatch", "print")
 they bring much along, and a page of two bodies needs little of it."""
 
 
-def makers(given: Given, first: str | None = None) -> tuple[tuple[Callable[[], View], ...], int]:
+def makers(
+    given: ViewRequest, first: str | None = None
+) -> tuple[tuple[Callable[[], View], ...], int]:
     """Return what makes the views that suit what was given, and which of them to begin with.
 
     Args:
@@ -52,6 +54,6 @@ def makers(given: Given, first: str | None = None) -> tuple[tuple[Callable[[], V
     return tuple(found[name] for name in tabs), tabs.index(begin)
 
 
-def _maker(name: str, given: Given) -> Callable[[], View]:
+def _maker(name: str, given: ViewRequest) -> Callable[[], View]:
     made: Callable[[], View] = import_module(f"{__package__}.{name}").maker(given)
     return made

@@ -29,7 +29,7 @@ CUBE = 12.0 / 6.0**0.5
 
 
 @dataclass(frozen=True, kw_only=True)
-class Level:
+class PanelLevel:
     """A tensor on panels of one size."""
 
     mesh: Mesh
@@ -42,9 +42,9 @@ class Level:
 class Levels:
     """One solid's tensors on large and on small panels."""
 
-    fine: Level
+    fine: PanelLevel
     """On small panels."""
-    coarse: Level | None
+    coarse: PanelLevel | None
     """On about a quarter as many; None if none was found that does not cross itself."""
     order: float
     """Power of the panels' size with which the error falls."""
@@ -107,7 +107,7 @@ def _surfaces(solid: Mesh, panels: int) -> Iterator[Mesh]:
     yield Mesh(vertices=vertices, faces=faces)
 
 
-def _first(solid: Mesh, surfaces: Iterator[Mesh]) -> Level:
+def _first(solid: Mesh, surfaces: Iterator[Mesh]) -> PanelLevel:
     """Return the first surface that closes without crossing itself, with its tensor."""
     refused = RobotError(
         "its surface crosses or touches itself on any panels",
@@ -119,7 +119,7 @@ def _first(solid: Mesh, surfaces: Iterator[Mesh]) -> Level:
             continue
         try:
             fitted = _fitted(mesh, solid)
-            return Level(mesh=mesh, matrix=kirchhoff_of_panels(fitted))
+            return PanelLevel(mesh=mesh, matrix=kirchhoff_of_panels(fitted))
         except RobotError as error:
             refused = error
     raise refused

@@ -6,7 +6,7 @@ from morph.physics.fluid.wetted.figures import Figures as Figures
 from morph.physics.fluid.wetted.figures import figures_of as figures_of
 from morph.physics.fluid.wetted.fit import check_density as check_density
 from morph.physics.fluid.wetted.fit import fit_of as fit_of
-from morph.physics.fluid.wetted.outcome import Choice as Choice
+from morph.physics.fluid.wetted.outcome import SurfaceChoice as SurfaceChoice
 from morph.physics.fluid.wetted.outcome import Wetted as Wetted
 from morph.physics.fluid.wetted.panels import box_drag as box_drag
 from morph.physics.fluid.wetted.panels import panel_drag as panel_drag

@@ -10,7 +10,7 @@ from morph.errors import MeshError, RobotError
 from morph.physics.fluid.tensor import tensor_of_solid
 from morph.physics.fluid.tensor.manifold import simplified
 from morph.physics.fluid.wetted.box import equivalent_box
-from morph.physics.fluid.wetted.outcome import Choice, How, Wetted, wetted_by
+from morph.physics.fluid.wetted.outcome import How, SurfaceChoice, Wetted, wetted_by
 from morph.physics.fluid.wetted.sound import sound
 from morph.physics.fluid.wetted.wrap import sealing_radius, wrapped
 
@@ -85,16 +85,18 @@ def _story(
     return f"{said}; it holds {1e3 * volume:.4g} litres, its faces add up to {1e3 * own:.4g}"
 
 
-def _choice(how: str, mesh: Mesh) -> Choice | None:
+def _choice(how: str, mesh: Mesh) -> SurfaceChoice | None:
     """Return what a surface would mean; None if boundary elements refuse it."""
     try:
         tensor = tensor_of_solid(mesh.vertices, mesh.faces, panels=FEW, extrapolate=False)
     except RobotError:
         return None
-    return Choice(how=how, volume=mesh.volume, added=np.diag(tensor.about(tensor.centre).matrix))
+    return SurfaceChoice(
+        how=how, volume=mesh.volume, added=np.diag(tensor.about(tensor.centre).matrix)
+    )
 
 
-def _spread(choices: tuple[Choice, ...], chosen: str) -> Array | None:
+def _spread(choices: tuple[SurfaceChoice, ...], chosen: str) -> Array | None:
     every = {choice.how: choice.added for choice in choices}
     if chosen not in every:
         return None

@@ -13,7 +13,7 @@ How = Literal["mesh", "wrap", "hull", "box"]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Choice:
+class SurfaceChoice:
     """One surface that might stand for a link, and what it would mean."""
 
     how: str
@@ -43,7 +43,7 @@ class Wetted:
     spread: Array | None = None
     """Of each diagonal entry of the added mass, the range over the choices by the entry itself,
     shape (6,); None for a surface that is as the link's shapes say."""
-    choices: tuple[Choice, ...] = ()
+    choices: tuple[SurfaceChoice, ...] = ()
     """The surfaces compared; empty where there was nothing to choose."""
     box: Box | None = None
     """Set where the surface is that of one box, whose tensor has a quicker way."""
@@ -55,7 +55,7 @@ def wetted_by(
     reason: str,
     *,
     box: Box | None = None,
-    choices: tuple[Choice, ...] = (),
+    choices: tuple[SurfaceChoice, ...] = (),
     spread: Array | None = None,
 ) -> Wetted:
     """Return the surface that a mesh is."""

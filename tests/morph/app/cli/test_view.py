@@ -10,7 +10,7 @@ import pytest
 
 from morph.app.cli import view
 from morph.app.cli.main import main
-from morph.app.viewer.state import Body, Saved, Sources
+from morph.app.viewer.state import BodyRequest, Saved, Sources
 from morph.body.load import load
 
 SCHEMA = json.loads(Path(view.__file__).with_name("viewing.schema.json").read_text())
@@ -58,7 +58,9 @@ def test_a_page_is_written_whole_and_told_in_json(tmp_path: Path, capsys: Out) -
 
 
 def saved(tmp_path: Path, **more: object) -> Path:
-    given = Sources(bodies=(Body(asked="pendulum", sha256=load("pendulum").sha256),), seconds=1.0)
+    given = Sources(
+        bodies=(BodyRequest(asked="pendulum", sha256=load("pendulum").sha256),), seconds=1.0
+    )
     path = tmp_path / "view.json"
     kept = Saved(given=given, view="compare", **more)  # type: ignore[arg-type]
     path.write_text(kept.text(), encoding="utf-8")

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from morph.app.picture.shapes import Shape, shapes
+from morph.app.picture.shapes import PictureShape, shapes
 
 EVERY = """<mujoco><asset><material name="red" rgba="1 0 0 0.5"/>
 <mesh name="tetra" vertex="0 0 0  1 0 0  0 1 0  0 0 1"/></asset><worldbody>
@@ -23,20 +23,20 @@ EVERY = """<mujoco><asset><material name="red" rgba="1 0 0 0.5"/>
 
 
 @pytest.fixture(scope="module")
-def found() -> list[Shape]:
+def found() -> list[PictureShape]:
     return list(shapes(mujoco.MjModel.from_xml_string(EVERY)))
 
 
-def volume(shape: Shape) -> float:
+def volume(shape: PictureShape) -> float:
     return float(trimesh.Trimesh(shape.vertices, shape.faces, process=True).volume)
 
 
-def test_planes_and_shapes_for_collisions_are_left_out(found: list[Shape]) -> None:
+def test_planes_and_shapes_for_collisions_are_left_out(found: list[PictureShape]) -> None:
     assert len(found) == 6
     assert {shape.body for shape in found} == {1}
 
 
-def test_every_solid_has_its_volume_and_its_outside_outward(found: list[Shape]) -> None:
+def test_every_solid_has_its_volume_and_its_outside_outward(found: list[PictureShape]) -> None:
     due = [
         8 * 0.1 * 0.2 * 0.3,
         4 / 3 * np.pi * 0.2**3,
@@ -51,14 +51,14 @@ def test_every_solid_has_its_volume_and_its_outside_outward(found: list[Shape]) 
         assert volume(shape) == pytest.approx(expected, rel=0.04), expected
 
 
-def test_a_shape_stands_where_the_model_has_it(found: list[Shape]) -> None:
+def test_a_shape_stands_where_the_model_has_it(found: list[PictureShape]) -> None:
     # A quarter turn about z swaps the box's x and y; its middle is 1 m above the body.
     low, high = found[0].vertices.min(axis=0), found[0].vertices.max(axis=0)
     assert low == pytest.approx([-0.2, -0.1, 0.7])
     assert high == pytest.approx([0.2, 0.1, 1.3])
 
 
-def test_colours_are_those_of_the_material(found: list[Shape]) -> None:
+def test_colours_are_those_of_the_material(found: list[PictureShape]) -> None:
     assert (found[0].colour, found[0].opacity) == ((0, 255, 0), 1.0)
     assert (found[1].colour, found[1].opacity) == ((255, 0, 0), 0.5)
 

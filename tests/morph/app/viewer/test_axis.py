@@ -8,11 +8,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from morph.app.viewer.axis import rounded_steps, values_shown
-from morph.app.viewer.content import Line
+from morph.app.viewer.content import ChartLine
 
 
-def line(*values: float, leads: bool = False) -> Line:
-    return Line(
+def line(*values: float, leads: bool = False) -> ChartLine:
+    return ChartLine(
         name="a", time=np.arange(len(values), dtype=float), value=np.array(values), leads=leads
     )
 

@@ -20,14 +20,14 @@ from morph.app.viewer.charts import (
     now_html,
     thinned,
 )
-from morph.app.viewer.content import Chart, Line
+from morph.app.viewer.content import Chart, ChartLine
 
 WIDE, TALL = WIDTH - LEFT - RIGHT, HEIGHT - TOP - BOTTOM
 
 
 def chart(*values: np.ndarray, seconds: float = 4.0) -> Chart:
     lines = tuple(
-        Line(name=f"line {at}", time=np.linspace(0.0, seconds, len(each)), value=each)
+        ChartLine(name=f"line {at}", time=np.linspace(0.0, seconds, len(each)), value=each)
         for at, each in enumerate(values)
     )
     return Chart(title="Angle", unit="rad", lines=lines)
@@ -95,7 +95,7 @@ def test_names_from_files_become_no_html() -> None:
     drawn = Chart(
         title=evil,
         unit=evil,
-        lines=(Line(name=evil, time=np.zeros(1), value=np.zeros(1), colour=f'"{evil}'),),
+        lines=(ChartLine(name=evil, time=np.zeros(1), value=np.zeros(1), colour=f'"{evil}'),),
     )
     html = chart_html(drawn, 1.0)
     # What parses as XML with our elements alone holds none of theirs.

@@ -6,12 +6,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from morph.app.viewer.clock import REST, SPEEDS, Clock
+from morph.app.viewer.clock import REST, SPEEDS, PlaybackClock
 
 
 @pytest.mark.parametrize("speed", SPEEDS)
 def test_time_passes_as_fast_as_the_speed_says(speed: float) -> None:
-    clock = Clock(seconds=100.0, speed=speed)
+    clock = PlaybackClock(seconds=100.0, speed=speed)
     for _ in range(50):
         clock.tick(0.02)
     # Fifty ticks of 0.02 s are 1 s; fifty sums of doubles are off by at most 50 * 2^-53 * 4.
@@ -22,7 +22,7 @@ def test_time_passes_as_fast_as_the_speed_says(speed: float) -> None:
 def test_who_wakes_when_a_picture_is_due_misses_none_but_those_that_come_faster(
     speed: float,
 ) -> None:
-    clock, rate, shown = Clock(seconds=2.0, speed=speed, looping=False), 60.0, []
+    clock, rate, shown = PlaybackClock(seconds=2.0, speed=speed, looping=False), 60.0, []
     while clock.playing:
         passed = clock.due(rate) + 3e-4
         assert 3e-4 < passed <= 1.0 / rate + 3e-4
@@ -35,13 +35,13 @@ def test_who_wakes_when_a_picture_is_due_misses_none_but_those_that_come_faster(
 
 
 def test_a_paused_clock_stands() -> None:
-    clock = Clock(seconds=2.0, time=0.5, playing=False)
+    clock = PlaybackClock(seconds=2.0, time=0.5, playing=False)
     clock.tick(1.0)
     assert clock.time == 0.5
 
 
 def test_it_rests_at_the_end_before_it_begins_again() -> None:
-    clock = Clock(seconds=1.0)
+    clock = PlaybackClock(seconds=1.0)
     clock.tick(5.0)
     assert clock.time == 1.0
     clock.tick(0.9 * REST)
@@ -52,7 +52,7 @@ def test_it_rests_at_the_end_before_it_begins_again() -> None:
 
 
 def test_a_clock_that_does_not_repeat_stops_at_the_end_and_plays_again_from_the_start() -> None:
-    clock = Clock(seconds=1.0, looping=False)
+    clock = PlaybackClock(seconds=1.0, looping=False)
     clock.tick(5.0)
     assert (clock.time, clock.playing) == (1.0, False)
     clock.toggle()
@@ -60,19 +60,19 @@ def test_a_clock_that_does_not_repeat_stops_at_the_end_and_plays_again_from_the_
 
 
 def test_a_step_pauses() -> None:
-    clock = Clock(seconds=1.0, time=0.5)
+    clock = PlaybackClock(seconds=1.0, time=0.5)
     clock.step(0.1)
     assert (clock.time, clock.playing) == (0.6, False)
 
 
 def test_a_shorter_content_takes_the_clock_back_to_its_end() -> None:
-    clock = Clock(seconds=5.0, time=4.0)
+    clock = PlaybackClock(seconds=5.0, time=4.0)
     clock.lasts(2.0)
     assert (clock.time, clock.seconds) == (2.0, 2.0)
 
 
 def test_a_clock_of_no_length_never_moves() -> None:
-    clock = Clock()
+    clock = PlaybackClock()
     clock.tick(1.0)
     clock.seek(3.0)
     assert clock.time == 0.0
@@ -91,7 +91,7 @@ def test_a_clock_of_no_length_never_moves() -> None:
     )
 )
 def test_whatever_is_done_it_stays_within_its_range(acts: list[tuple[str, float | None]]) -> None:
-    clock = Clock(seconds=3.0)
+    clock = PlaybackClock(seconds=3.0)
     for name, value in acts:
         if value is None:
             clock.toggle()

@@ -7,7 +7,7 @@ import pytest
 
 from morph.app.viewer.content import Actor, Content
 from morph.app.viewer.figure import figure
-from morph.app.viewer.given import Given
+from morph.app.viewer.given import ViewRequest
 from morph.app.viewer.motion import motion
 from morph.app.viewer.views.views import makers
 from morph.body.load import load
@@ -37,7 +37,7 @@ def missing(notes: tuple[str, ...]) -> list[str]:
 @pytest.mark.parametrize("view", ["compare", "design"])
 def test_no_view_is_silent_about_a_mesh_that_is_missing(tmp_path: Path, view: str) -> None:
     robot = torn(tmp_path, 2)
-    found, first = makers(Given(robots=(robot,), asked=("torn",)), view)
+    found, first = makers(ViewRequest(robots=(robot,), asked=("torn",)), view)
     shown = found[first]()
     shown.complete()
     told = missing(shown.content().notes)

@@ -12,10 +12,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from morph.app.picture.shapes import Shape
+from morph.app.picture.shapes import PictureShape
 from morph.app.viewer.content import Actor
 from morph.app.viewer.layout import MOST_LETTERS, Layout, laid_out, title
-from morph.app.viewer.motion import RATE, Motion
+from morph.app.viewer.motion import RATE, MotionFrames
 from morph.app.viewer.rows import gap, in_file, in_rows
 from morph.app.viewer.standing import lanes_of
 from morph.app.viewer.swept_bounds import looked_at, matrices, room
@@ -27,7 +27,7 @@ CUBE = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-
 
 def body(edges: Any, *, wet: bool = False, name: str = "box") -> Any:
     """Return a figure of one box with so long edges, m, that hangs on one link."""
-    shape = Shape(
+    shape = PictureShape(
         body=1,
         vertices=CUBE * np.array(edges, dtype=float),
         faces=np.array([[0, 1, 2]]),
@@ -39,13 +39,13 @@ def body(edges: Any, *, wet: bool = False, name: str = "box") -> Any:
     return SimpleNamespace(shapes=(shape,), model=model, wet=wet, name=name, links=("world", "box"))
 
 
-def going(way: Any, pictures: int = 5, up: float = 3.0) -> Motion:
+def going(way: Any, pictures: int = 5, up: float = 3.0) -> MotionFrames:
     """Return the motion of a box that goes by so much, m."""
     position = np.zeros((pictures, 2, 3))
     position[:, 1] = np.linspace(0.0, 1.0, pictures)[:, None] * np.array(way) + (0.0, 0.0, up)
     turn = np.zeros((pictures, 2, 4))
     turn[..., 0] = 1.0
-    return Motion(position=position, turn=turn)
+    return MotionFrames(position=position, turn=turn)
 
 
 def actor(edges: Any = (1.0, 1.0, 1.0), way: Any = (0.0, 0.0, 0.0), **more: Any) -> Actor:
@@ -171,14 +171,14 @@ def test_a_motion_rests_where_its_numbers_end() -> None:
     motion = going((4.0, 0.0, 0.0))
     position = motion.position.copy()
     position[3:] = np.nan
-    lost = Motion(position=position, turn=motion.turn)
+    lost = MotionFrames(position=position, turn=motion.turn)
     assert lost.lost == 3 / RATE
     assert np.array_equal(lost.position[4], motion.position[2])
     assert motion.lost is None
 
 
 def test_a_motion_that_never_was_a_number_stands_at_the_origin() -> None:
-    lost = Motion(position=np.full((3, 2, 3), np.nan), turn=np.full((3, 2, 4), np.nan))
+    lost = MotionFrames(position=np.full((3, 2, 3), np.nan), turn=np.full((3, 2, 4), np.nan))
     assert lost.lost == 0.0
     assert np.array_equal(lost.position, np.zeros((3, 2, 3)))
     assert np.array_equal(lost.turn[0, 0], (1.0, 0.0, 0.0, 0.0))

@@ -11,14 +11,17 @@ import pytest
 from morph.app.viewer import state
 from morph.app.viewer.camera import Camera
 from morph.app.viewer.reopen import MOST_BYTES, read_state
-from morph.app.viewer.state import Body, Saved, Sources
+from morph.app.viewer.state import BodyRequest, Saved, Sources
 from morph.errors import ViewError
 
 SCHEMA = json.loads(Path(state.__file__).with_name("view.schema.json").read_text(encoding="utf-8"))
 
 SAW = Saved(
     given=Sources(
-        bodies=(Body(asked="cartpole", sha256="ab"), Body(asked="/bodies/mine.urdf", sha256="")),
+        bodies=(
+            BodyRequest(asked="cartpole", sha256="ab"),
+            BodyRequest(asked="/bodies/mine.urdf", sha256=""),
+        ),
         base="floating",
         task="balance",
         policies=("learned", "/policies/one"),
@@ -83,7 +86,10 @@ def test_paths_are_relative_to_the_folder_of_the_file(file: Path) -> None:
     saw = replace(
         SAW,
         given=Sources(
-            bodies=(Body(asked="cartpole", sha256=""), Body(asked="bodies/mine.urdf", sha256="")),
+            bodies=(
+                BodyRequest(asked="cartpole", sha256=""),
+                BodyRequest(asked="bodies/mine.urdf", sha256=""),
+            ),
             policies=("learned", "kept"),
             recordings=("a.csv",),
             root="data",

@@ -14,7 +14,7 @@ import pytest
 from morph.app.viewer.content import Actor, Colour, Content, Tie
 from morph.app.viewer.figure import Figure, figure
 from morph.app.viewer.framing import FIELD
-from morph.app.viewer.motion import RATE, Motion, posed
+from morph.app.viewer.motion import RATE, MotionFrames, posed
 from morph.app.viewer.player import CHOSEN, COLD, HOT, LEVELS, colour_of
 from morph.app.viewer.stage import Stage
 from morph.body.load import load
@@ -84,7 +84,7 @@ def still(drawn: Figure, **more: Any) -> Actor:
     return Actor(figure=drawn, motion=posed(drawn.model, np.zeros((1, 2))), **more)
 
 
-def moving(drawn: Figure, metres: float = 2.0, **more: Any) -> Motion:
+def moving(drawn: Figure, metres: float = 2.0, **more: Any) -> MotionFrames:
     """One second in which the cart goes along its rail, and the pole hangs."""
     poses = np.zeros((61, 2))
     poses[:, 0] = np.linspace(0.0, metres, 61)

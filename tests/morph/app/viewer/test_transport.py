@@ -16,7 +16,7 @@ from morph.app.viewer.opening import Opening
 from morph.app.viewer.server import Viewer
 from morph.app.viewer.session import Session
 from morph.app.viewer.state import Saved, Sources, saved
-from morph.app.viewer.transport import HAND, NOWHERE, Transport
+from morph.app.viewer.transport import HAND, NOWHERE, ClockControls
 from morph.app.viewer.view import View
 
 
@@ -53,9 +53,9 @@ def within(session: Session, what: Callable[[], Any]) -> Any:
     return found[0]
 
 
-def transport(session: Session) -> Transport:
+def transport(session: Session) -> ClockControls:
     knobs = session._controls._transport
-    assert isinstance(knobs, Transport)
+    assert isinstance(knobs, ClockControls)
     return knobs
 
 

@@ -9,7 +9,7 @@ import pytest
 import trimesh
 from scipy.spatial import cKDTree
 
-from morph.app.picture.shapes import Shape
+from morph.app.picture.shapes import PictureShape
 from morph.app.viewer.coarse import CLOSE, coarse
 from morph.app.viewer.crease import creased
 from morph.app.viewer.placeholders import edges
@@ -18,9 +18,9 @@ from morph.arrays import Array, Integers
 from morph.body.mesh.solid import Mesh
 
 
-def shape(solid: Any, **more: Any) -> Shape:
+def shape(solid: Any, **more: Any) -> PictureShape:
     given = {"body": 1, "colour": (9, 9, 9), "opacity": 1.0, "flat": True, **more}
-    return Shape(
+    return PictureShape(
         vertices=np.array(solid.vertices, dtype=float),
         faces=np.array(solid.faces, dtype=np.int64),
         **given,
@@ -118,7 +118,7 @@ def test_shapes_of_one_link_colour_and_opacity_become_one() -> None:
 def test_what_cannot_be_seen_is_left_out(bad: dict[str, Any]) -> None:
     box = trimesh.creation.box()
     given = {"vertices": np.array(box.vertices), "faces": np.array(box.faces), "opacity": 1.0}
-    one = Shape(body=1, colour=(1, 1, 1), flat=True, **{**given, **bad})
+    one = PictureShape(body=1, colour=(1, 1, 1), flat=True, **{**given, **bad})
     assert web_shapes([one]) == ()
 
 

@@ -12,7 +12,7 @@ from morph.body.robot import Robot
 from morph.body.vary import vary
 from morph.body.vary.heavier import Heavier
 from morph.make.match.case import Case
-from morph.make.match.inverse import RUNS, Inverse, corrected
+from morph.make.match.inverse import RUNS, InverseMatcher, corrected
 from morph.policy.linear import Linear
 from morph.policy.observing import observations_of
 from morph.policy.policy import actions_of
@@ -47,7 +47,7 @@ def test_a_body_of_half_the_density_is_told_half(arm: Callable[..., Robot]) -> N
         printed=task_for(asked, lighter),
         seconds=10.0,
     )
-    assert Inverse().suits(case)
+    assert InverseMatcher().suits(case)
     shifted, lawful = corrected(case)
     seen = 0.05 * np.random.default_rng(0).normal(size=(50, 4))
     told = policy.act(seen, np.zeros(50))
@@ -71,4 +71,4 @@ def test_a_cart_that_is_pushed_has_no_such_commands() -> None:
         period=asked.period,
     )
     case = Case(policy=policy, learned=policy, designed=asked, printed=asked, seconds=1.0)
-    assert not Inverse().suits(case)
+    assert not InverseMatcher().suits(case)

@@ -9,13 +9,13 @@ import pytest
 import torch
 
 from morph.model.jointed.draws import draw
-from morph.model.jointed.fit import Settings, fit
+from morph.model.jointed.fit import JointedSettings, fit
 from morph.model.jointed.jointed import Jointed
-from morph.model.jointed.transition import Transitions
+from morph.model.jointed.transition import JointTransitions
 from morph.sim.threads import one_thread
 
 PERIOD = 0.05
-SETTINGS = Settings(turning=(0,), command_size=(1.0,), names=("hinge",))
+SETTINGS = JointedSettings(turning=(0,), command_size=(1.0,), names=("hinge",))
 
 
 def law(position: torch.Tensor, velocity: torch.Tensor, command: torch.Tensor) -> torch.Tensor:
@@ -34,7 +34,7 @@ def alone_on_its_core() -> Iterator[None]:
 
 
 @pytest.fixture(scope="module")
-def data() -> Transitions:
+def data() -> JointTransitions:
     """Return periods that began within 0.5 rad of hanging, by the law in fine steps, with noise."""
     rng, steps = np.random.default_rng(0), 100
     q = torch.as_tensor(rng.uniform(-0.5, 0.5, (60, 1)))
@@ -46,7 +46,7 @@ def data() -> Transitions:
         place = place + PERIOD / steps * rate
     noise = 0.003 * rng.standard_normal((4, 60, 1))
     whole = [each.numpy() + off for each, off in zip((q, v, place, rate), noise, strict=True)]
-    return Transitions(
+    return JointTransitions(
         position=whole[0],
         velocity=whole[1],
         command=u.numpy(),
@@ -57,7 +57,7 @@ def data() -> Transitions:
 
 
 @pytest.fixture(scope="module")
-def corrected(data: Transitions) -> Jointed:
+def corrected(data: JointTransitions) -> Jointed:
     with one_thread():
         return fit(data, SETTINGS, base=too_weak)
 
@@ -68,7 +68,7 @@ def grid() -> tuple[torch.Tensor, torch.Tensor, torch.Tensor]:
     return q, torch.zeros_like(q), 0.5 * torch.ones_like(q)
 
 
-def test_where_nothing_was_seen_a_right_base_is_kept(data: Transitions) -> None:
+def test_where_nothing_was_seen_a_right_base_is_kept(data: JointTransitions) -> None:
     at = grid()
     right = fit(data, SETTINGS, base=law).mean(*at) - law(*at)
     none = fit(data, SETTINGS).mean(*at) - law(*at)

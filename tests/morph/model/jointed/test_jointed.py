@@ -9,10 +9,10 @@ import torch
 from morph.arrays import Array
 from morph.errors import SearchError
 from morph.model.jointed.draws import draw
-from morph.model.jointed.fit import Settings, fit
+from morph.model.jointed.fit import JointedSettings, fit
 from morph.model.jointed.jointed import Jointed, through
 from morph.model.jointed.kernel import gram
-from morph.model.jointed.transition import Transitions, transitions
+from morph.model.jointed.transition import JointTransitions, transitions
 
 H = 0.05
 PUSH = 3.0
@@ -34,7 +34,7 @@ def later(q: float, v: float, u: float, steps: int = 50) -> tuple[float, float]:
     return q, v
 
 
-def pushed(periods: int, noise: float = NOISE, push: float = PUSH) -> Transitions:
+def pushed(periods: int, noise: float = NOISE, push: float = PUSH) -> JointTransitions:
     """Return periods under random torques, each held for four."""
     rng = np.random.default_rng(3)
     u = np.repeat(rng.uniform(-push, push, periods // 4 + 1), 4)[:periods]
@@ -48,7 +48,7 @@ def pushed(periods: int, noise: float = NOISE, push: float = PUSH) -> Transition
 
 @pytest.fixture(scope="module")
 def learned() -> Jointed:
-    return fit(pushed(120), Settings(turning=(0,), command_size=(PUSH,)))
+    return fit(pushed(120), JointedSettings(turning=(0,), command_size=(PUSH,)))
 
 
 def asked(rows: int) -> tuple[torch.Tensor, ...]:
@@ -76,7 +76,7 @@ def test_a_law_tells_what_torques_do_that_were_never_tried() -> None:
     # as the slope may change with the posture, for all that is known.
     data = pushed(120, push=0.6)
     law, free = (
-        fit(data, Settings(turning=(0,), command_size=(PUSH,), lawful=lawful))
+        fit(data, JointedSettings(turning=(0,), command_size=(PUSH,), lawful=lawful))
         for lawful in (True, False)
     )
     assert missed(law) < 0.08
@@ -124,7 +124,7 @@ def test_draws_have_the_mean_and_the_variance_that_are_believed(learned: Jointed
 
 
 def test_draws_of_a_body_without_a_law_spread_like_its_belief() -> None:
-    learned = fit(pushed(40), Settings(turning=(0,), command_size=(PUSH,), lawful=False))
+    learned = fit(pushed(40), JointedSettings(turning=(0,), command_size=(PUSH,), lawful=False))
     q, v, u = asked(8)
     drawn = draw(learned, 2000, np.random.default_rng(6))
     told = drawn.accelerate(*(a.expand(2000, -1, -1) for a in (q, v, u)))[..., 0].numpy()
@@ -134,7 +134,7 @@ def test_draws_of_a_body_without_a_law_spread_like_its_belief() -> None:
 
 
 def test_more_data_leave_less_doubt(learned: Jointed) -> None:
-    few = fit(pushed(40), Settings(turning=(0,), command_size=(PUSH,)))
+    few = fit(pushed(40), JointedSettings(turning=(0,), command_size=(PUSH,)))
     q, v, u = (0.3 * each for each in asked(50))
     # Three times the data leave a third of the variance, if the settings were the same.
     assert learned.variance(q, v, u).mean() < 0.7 * few.variance(q, v, u).mean()
@@ -146,7 +146,7 @@ def test_dry_friction_is_left_to_the_free_part() -> None:
     q, v = rng.uniform(-np.pi, np.pi, (200, 1)), rng.uniform(-4.0, 4.0, (200, 1))
     u = rng.uniform(-PUSH, PUSH, (200, 1))
     change = H * (acceleration(q, v, u) - 4.0 * np.tanh(4.0 * v))
-    data = Transitions(
+    data = JointTransitions(
         position=q,
         velocity=v,
         command=u,
@@ -154,15 +154,15 @@ def test_dry_friction_is_left_to_the_free_part() -> None:
         next_velocity=v + change,
         period=H,
     )
-    found = fit(data, Settings(turning=(0,), command_size=(PUSH,)))
+    found = fit(data, JointedSettings(turning=(0,), command_size=(PUSH,)))
     assert float(found.parts[0].scales.free) > 0.0
-    smooth = fit(pushed(120), Settings(turning=(0,), command_size=(PUSH,)))
+    smooth = fit(pushed(120), JointedSettings(turning=(0,), command_size=(PUSH,)))
     assert float(smooth.parts[0].scales.free) == 0.0
 
 
 def test_a_joint_that_never_moved_is_refused() -> None:
     still = pushed(40)
-    data = Transitions(
+    data = JointTransitions(
         **{
             name: np.concatenate([value, np.zeros_like(value)], axis=1)
             if name != "command"
@@ -173,4 +173,4 @@ def test_a_joint_that_never_moved_is_refused() -> None:
         period=H,
     )
     with pytest.raises(SearchError, match="joint number 1 kept its velocity"):
-        fit(data, Settings(turning=(0, 1), command_size=(PUSH,)))
+        fit(data, JointedSettings(turning=(0, 1), command_size=(PUSH,)))

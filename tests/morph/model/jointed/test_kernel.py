@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 import torch
 
-from morph.model.jointed.kernel import Layout, Seen, gram
+from morph.model.jointed.kernel import KernelInputs, KernelLayout, gram
 
-LAYOUT = Layout(turning=(1,), sliding=(), joints=2, commands=1)
+LAYOUT = KernelLayout(turning=(1,), sliding=(), joints=2, commands=1)
 
 
-def seen(position: np.ndarray, velocity: np.ndarray, command: np.ndarray) -> Seen:
-    return Seen(
+def seen(position: np.ndarray, velocity: np.ndarray, command: np.ndarray) -> KernelInputs:
+    return KernelInputs(
         place=LAYOUT.place(torch.as_tensor(position)),
         velocity=torch.as_tensor(velocity),
         command=torch.as_tensor(command),

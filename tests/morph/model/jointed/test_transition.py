@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from morph.errors import SearchError
-from morph.model.jointed.transition import Transitions, transitions
+from morph.model.jointed.transition import JointTransitions, transitions
 
 H = 0.1
 
 
-def swinging(samples: int, noise: float = 0.0, speed: float = 1.0) -> Transitions:
+def swinging(samples: int, noise: float = 0.0, speed: float = 1.0) -> JointTransitions:
     """Return periods of q = sin(speed t), seen through noise."""
     rng = np.random.default_rng(0)
     t = H * np.arange(samples)

@@ -10,7 +10,7 @@ from scipy.stats import norm
 from morph.model.gaussian.information import Information
 from morph.model.kwik.belief import (
     UNCHANGED,
-    Belief,
+    ModelPosterior,
     belief,
     evidence,
     sized,
@@ -89,6 +89,6 @@ def test_probabilities_of_rivals_add_up_to_one() -> None:
     assert believed().weight.sum() == pytest.approx(1.0)
 
 
-def believed() -> Belief:
+def believed() -> ModelPosterior:
     found, _, _ = seen(5, 30)
     return belief(found, 2, np.ones(2), 1)

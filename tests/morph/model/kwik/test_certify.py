@@ -9,7 +9,7 @@ import pytest
 
 from morph.errors import DiagnosisError
 from morph.model.hypothesis import Hypothesis
-from morph.model.kwik.certify import Verdict, judge, watch
+from morph.model.kwik.certify import ModelVerdict, judge, watch
 from morph.model.kwik.transition_evidence import visit
 from morph.model.latent.run import Run
 from morph.model.latent.transition_model import Transit
@@ -19,7 +19,7 @@ Recorded = Callable[..., Run]
 NOISE = np.full(4, 0.01)
 
 
-def asked(hypothesis: Hypothesis, runs: list[Run], **other: object) -> Verdict:
+def asked(hypothesis: Hypothesis, runs: list[Run], **other: object) -> ModelVerdict:
     rng = np.random.default_rng(100)
     return judge(hypothesis, runs, NOISE, integrator="rk4", rng=rng, **other)  # type: ignore[arg-type]
 

@@ -7,7 +7,7 @@ import pytest
 
 from morph.body.robot import Robot
 from morph.errors import DiagnosisError
-from morph.model.latent.online import Online, hidden
+from morph.model.latent.online import OnlineInference, hidden
 from morph.model.latent.unknowns import turned
 
 NOISE = np.full(4, 0.01)
@@ -26,7 +26,9 @@ def test_a_hidden_parameter_has_the_members_mean_and_spread(cartpole: Robot) -> 
 def test_a_hundred_and_twenty_samples_tell_a_pole_of_another_length(cartpole: Robot, shown) -> None:
     truth = {"length:pole": 1.25, "weight:pole": 1.3}
     middle = {"length:pole": np.sqrt(0.7 * 1.4), "weight:pole": np.sqrt(1.5)}
-    online = Online(hidden(cartpole, MEMBERS, step=0.01), NOISE, 0.05, integrator="rk4", every=30)
+    online = OnlineInference(
+        hidden(cartpole, MEMBERS, step=0.01), NOISE, 0.05, integrator="rk4", every=30
+    )
     widths = []
     for seed in (21, 22):
         run = shown(turned(cartpole, truth), seed=seed)
@@ -47,14 +49,14 @@ def test_a_hundred_and_twenty_samples_tell_a_pole_of_another_length(cartpole: Ro
     assert widths[-1] < 0.5 * np.log(2.0) / np.sqrt(2.0)
 
 
-def _anew(online: Online) -> Online:
-    fresh = Online(online.hypothesis, NOISE, 0.05, integrator="rk4", every=30)
+def _anew(online: OnlineInference) -> OnlineInference:
+    fresh = OnlineInference(online.hypothesis, NOISE, 0.05, integrator="rk4", every=30)
     fresh.known = online.known
     return fresh
 
 
 def test_nothing_is_known_before_the_first_samples(cartpole: Robot) -> None:
-    online = Online(hidden(cartpole, MEMBERS, step=0.01), NOISE, 0.05)
+    online = OnlineInference(hidden(cartpole, MEMBERS, step=0.01), NOISE, 0.05)
     assert online.see(np.zeros(4), np.zeros(1)) is None
 
 

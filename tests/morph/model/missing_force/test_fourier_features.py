@@ -5,17 +5,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from morph.model.missing_force.fourier_features import OWN, Waves, waves_of
+from morph.model.missing_force.fourier_features import OWN, FourierFeatures, waves_of
 
 
 @pytest.fixture
-def waves() -> Waves:
+def waves() -> FourierFeatures:
     states = np.random.default_rng(0).normal(size=(200, 4)) * np.array([1.0, 2.0, 0.5, 3.0])
     found = waves_of(["slide", "hinge"], states, slides=False)
     return found.with_lengths(0.8, 1.5)
 
 
-def test_the_covariance_of_own_velocity_is_exponential(waves: Waves) -> None:
+def test_the_covariance_of_own_velocity_is_exponential(waves: FourierFeatures) -> None:
     states = np.zeros((50, 4))
     states[:, 3] = np.linspace(0.0, 2.0, 50) * waves.size[1]
     rough = waves.of(states)[:, 1, : 2 * OWN]
@@ -27,7 +27,9 @@ def test_the_covariance_of_own_velocity_is_exponential(waves: Waves) -> None:
     assert covariance[0] == pytest.approx(1.0)
 
 
-def test_the_covariance_of_the_whole_is_a_squared_exponential_on_average(waves: Waves) -> None:
+def test_the_covariance_of_the_whole_is_a_squared_exponential_on_average(
+    waves: FourierFeatures,
+) -> None:
     states = np.random.default_rng(1).normal(size=(2, 4))
     products = []
     for seed in range(400):
@@ -42,7 +44,7 @@ def test_the_covariance_of_the_whole_is_a_squared_exponential_on_average(waves: 
     assert np.mean(products) == pytest.approx(exact, abs=0.025)
 
 
-def test_a_full_turn_of_a_hinge_and_a_moved_slide_change_nothing(waves: Waves) -> None:
+def test_a_full_turn_of_a_hinge_and_a_moved_slide_change_nothing(waves: FourierFeatures) -> None:
     state = np.array([0.3, 0.7, 0.2, -1.0])
     moved = state + np.array([5.0, 2.0 * np.pi, 0.0, 0.0])
     assert waves.of(moved) == pytest.approx(waves.of(state), abs=1e-12)

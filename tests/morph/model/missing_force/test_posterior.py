@@ -5,16 +5,16 @@ import pytest
 from scipy.stats import multivariate_normal
 
 from morph.arrays import Array
-from morph.model.missing_force.periods import Slopes
+from morph.model.missing_force.periods import PeriodSlopes
 from morph.model.missing_force.posterior import Reduced, reduced
 
 PERIODS, N, JOINTS, SIZE = 5, 4, 2, 3
 
 
 @pytest.fixture
-def slopes() -> Slopes:
+def slopes() -> PeriodSlopes:
     rng = np.random.default_rng(3)
-    return Slopes(
+    return PeriodSlopes(
         state=rng.normal(size=(PERIODS + 1, N)),
         missed=rng.normal(size=(PERIODS, N)),
         of_state=np.eye(N) + 0.2 * rng.normal(size=(PERIODS, N, N)),
@@ -30,11 +30,11 @@ NOISE = np.array([0.3, 0.5, 0.4, 0.7])
 JUMP = np.array([0.02, 0.05, 0.04, 0.03])
 
 
-def _seen(slopes: Slopes) -> Array:
+def _seen(slopes: PeriodSlopes) -> Array:
     return slopes.state + np.random.default_rng(4).normal(size=slopes.state.shape)
 
 
-def _log_likelihood(slopes: Slopes, seen: Array, h: Array) -> float:
+def _log_likelihood(slopes: PeriodSlopes, seen: Array, h: Array) -> float:
     """Return log p(y_1 .. y_T | y_0, h) as one normal distribution, states never appearing.
 
     The first state has no prior, so that given y_0 it is normal about it with the noise.
@@ -61,7 +61,7 @@ def _minus_twice(part: Reduced, h: Array) -> float:
     return part.information.missed(h)
 
 
-def test_the_states_taken_out_leave_the_likelihood_of_one_big_normal(slopes: Slopes) -> None:
+def test_the_states_taken_out_leave_the_likelihood_of_one_big_normal(slopes: PeriodSlopes) -> None:
     seen = _seen(slopes)
     part = reduced(slopes, seen, NOISE, JUMP)
     rng = np.random.default_rng(5)
@@ -73,7 +73,7 @@ def test_the_states_taken_out_leave_the_likelihood_of_one_big_normal(slopes: Slo
         assert ours == pytest.approx(_log_likelihood(slopes, seen, h), rel=1e-9)
 
 
-def test_the_likeliest_states_have_no_gradient(slopes: Slopes) -> None:
+def test_the_likeliest_states_have_no_gradient(slopes: PeriodSlopes) -> None:
     seen = _seen(slopes)
     h = np.random.default_rng(6).normal(size=SIZE + PERIODS * JOINTS)
     off = reduced(slopes, seen, NOISE, JUMP).states(h).reshape(PERIODS + 1, N)
@@ -96,7 +96,7 @@ def test_the_likeliest_states_have_no_gradient(slopes: Slopes) -> None:
             assert cost(best + step) - cost(best - step) == pytest.approx(0.0, abs=1e-8)
 
 
-def test_forces_of_features_are_seen_through_them(slopes: Slopes) -> None:
+def test_forces_of_features_are_seen_through_them(slopes: PeriodSlopes) -> None:
     seen = _seen(slopes)
     part = reduced(slopes, seen, NOISE, JUMP)
     rng = np.random.default_rng(7)

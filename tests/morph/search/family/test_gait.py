@@ -9,17 +9,17 @@ from morph.body.load import load
 from morph.errors import SearchError
 from morph.search.family.family import Number
 from morph.search.family.gait import gait
-from morph.search.family.parts import Part, parts_of
+from morph.search.family.parts import ActuatorRole, parts_of
 
 
 def test_a_name_tells_role_side_and_place() -> None:
     names = ("rear_left_knee", "front_right_hip_servo", "r_hip_x", "left_middle", "abs_y")
     assert parts_of(names) == (
-        Part(role="knee", side=0.0, place=1.0),
-        Part(role="hip", side=1.0, place=0.0),
-        Part(role="hip_x", side=1.0, place=None),
-        Part(role="", side=0.0, place=0.5),
-        Part(role="abs_y", side=None, place=None),
+        ActuatorRole(role="knee", side=0.0, place=1.0),
+        ActuatorRole(role="hip", side=1.0, place=0.0),
+        ActuatorRole(role="hip_x", side=1.0, place=None),
+        ActuatorRole(role="", side=0.0, place=0.5),
+        ActuatorRole(role="abs_y", side=None, place=None),
     )
 
 

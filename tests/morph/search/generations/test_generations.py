@@ -9,13 +9,13 @@ from morph.arrays import Array
 from morph.body.load import load
 from morph.errors import SearchError
 from morph.search.cmaes import Adapting, CmaEs
-from morph.search.evolution import Anywhere, Chance, Evolution, Round
+from morph.search.evolution import Anywhere, Evolution, IsotropicNormal, RandomSearch
 from morph.search.generations.generations import Generations, Sampler
 from morph.search.search import Problem, State, Trial
 from morph.task.reach import reach
 from morph.task.task import Task
 
-SEARCHES = (CmaEs, Evolution, Chance)
+SEARCHES = (CmaEs, Evolution, RandomSearch)
 
 
 def valley(points: Array) -> Array:
@@ -39,7 +39,7 @@ def least(sampler: Sampler, generations: int) -> float:
 def test_a_covariance_beats_a_round_spread_and_both_beat_chance() -> None:
     start = np.full(4, 0.2)
     adapted = least(Adapting(start, 0.25, 10, None), 80)
-    round_ = least(Round(start, 0.25), 80)
+    round_ = least(IsotropicNormal(start, 0.25), 80)
     anywhere = least(Anywhere(start), 80)
     assert adapted < 1e-8
     assert adapted < round_ < anywhere

@@ -13,9 +13,9 @@ from morph.model.gp.gp import GaussianProcess
 from morph.search.gp_rollout.laws import RadialLaw
 from morph.search.gp_rollout.memory import Memory
 from morph.search.gp_rollout.particles import Chance, Particles
-from morph.search.gp_rollout.radial import Scale, radial_of, scale_of
+from morph.search.gp_rollout.radial import RadialScale, radial_of, scale_of
 from morph.search.gp_rollout.rollout import imagine
-from morph.search.gp_rollout.task import View, view_of
+from morph.search.gp_rollout.task import TaskSums, view_of
 from morph.search.mc_pilco import McPilco, adam
 from morph.search.search import Problem
 from morph.search.target import Simulated
@@ -23,7 +23,7 @@ from morph.task.tasks import task
 
 
 @pytest.fixture(scope="module")
-def known() -> tuple[View, GaussianProcess, Scale]:
+def known() -> tuple[TaskSums, GaussianProcess, RadialScale]:
     """What a trial with random commands shows of the cart-pole."""
     wanted = task("swing-up", load("cartpole"))
     target = Simulated(task=wanted, simulator=wanted.simulator())
@@ -34,7 +34,7 @@ def known() -> tuple[View, GaussianProcess, Scale]:
 
 
 def test_the_gradient_is_that_of_finite_differences(
-    known: tuple[View, GaussianProcess, Scale],
+    known: tuple[TaskSums, GaussianProcess, RadialScale],
 ) -> None:
     view, process, scale = known
     rng = np.random.default_rng(1)
@@ -55,7 +55,7 @@ def test_the_gradient_is_that_of_finite_differences(
 
 
 def test_without_chance_a_particle_is_the_mean_stepped_by_hand(
-    known: tuple[View, GaussianProcess, Scale],
+    known: tuple[TaskSums, GaussianProcess, RadialScale],
 ) -> None:
     view, process, scale = known
     rng = np.random.default_rng(2)
@@ -82,7 +82,7 @@ def test_without_chance_a_particle_is_the_mean_stepped_by_hand(
 
 
 def test_their_mean_loss_is_near_that_of_moment_matching(
-    known: tuple[View, GaussianProcess, Scale],
+    known: tuple[TaskSums, GaussianProcess, RadialScale],
 ) -> None:
     view, process, scale = known
     rng = np.random.default_rng(3)

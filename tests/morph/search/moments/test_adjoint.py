@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from morph.model.gp.gp import GaussianProcess
-from morph.search.gp_rollout.belief import Plant
+from morph.search.gp_rollout.belief import GPPlant
 from morph.search.gp_rollout.laws import LinearLaw, RadialLaw
 from morph.search.gp_rollout.rollout import imagine
 from morph.search.moments.moment_matching_rff import Lift, Squash
@@ -115,8 +115,8 @@ def test_the_adjoint_of_sines_and_cosines_is_a_finite_difference() -> None:
     _close(into_S, _slope(lambda x: told(m, x), S, 1e-3))
 
 
-def _plant() -> Plant:
-    return Plant(
+def _plant() -> GPPlant:
+    return GPPlant(
         process=ProcessMoments(_process(5)),
         looks=np.array([2, 3, 4, 5, 6]),
         sees=np.array([0, 2, 3, 4, 5]),

@@ -8,27 +8,27 @@ from scipy.linalg import solve_discrete_are
 
 from morph.body.load import load
 from morph.search.plan.filtered import along, filtered, gains
-from morph.search.plan.initial_trajectories import Ground, costed
+from morph.search.plan.initial_trajectories import SeedInputs, costed
 from morph.search.plan.terminal_controller import grounded
 from morph.search.trajectory.ddp import Trajectories
 from morph.task.tasks import task
 
 
 @pytest.fixture(scope="module")
-def ground() -> Ground:
+def ground() -> SeedInputs:
     wanted = task("swing-up", load("cartpole"))
     return grounded(wanted, wanted.simulator(), margin=0.0, rng=np.random.default_rng(0))
 
 
 @pytest.fixture(scope="module")
-def upright(ground: Ground) -> Trajectories:
+def upright(ground: SeedInputs) -> Trajectories:
     samples = ground.periods + 1
     q = np.tile(ground.still.position, (1, samples, 1))
     return costed(ground, q, np.zeros_like(q), np.zeros((1, samples - 1, 1)))
 
 
 def test_without_a_filter_only_the_newest_sample_counts_and_rest_has_the_regulators_gain(
-    ground: Ground, upright: Trajectories
+    ground: SeedInputs, upright: Trajectories
 ) -> None:
     found = filtered(ground, along(ground, upright), 1.0, np.inf, ages=5)
     assert not found[..., 1:, :].any()
@@ -37,7 +37,7 @@ def test_without_a_filter_only_the_newest_sample_counts_and_rest_has_the_regulat
 
 
 def test_at_rest_it_is_the_kalman_filter_of_the_riccati_equation(
-    ground: Ground, upright: Trajectories
+    ground: SeedInputs, upright: Trajectories
 ) -> None:
     near = along(ground, upright)
     doubt, noise = 0.1, ground.cost.task.noise

@@ -10,7 +10,7 @@ from scipy.optimize import minimize
 
 from morph.arrays import Array
 from morph.body.load import load
-from morph.search.plan.initial_trajectories import Ground, costed
+from morph.search.plan.initial_trajectories import SeedInputs, costed
 from morph.search.plan.terminal_controller import grounded
 from morph.search.trajectory.backward import backward
 from morph.search.trajectory.cost import Quadratic, TaskCost
@@ -20,14 +20,14 @@ from morph.task.tasks import task
 
 
 @pytest.fixture(scope="module")
-def pendulum() -> Ground:
+def pendulum() -> SeedInputs:
     """A pendulum that is to swing up in 0.6 s, twelve periods."""
     swing = replace(task("swing-up", load("pendulum")), horizon=0.6)
     swing = replace(swing, goals=tuple(replace(goal, last=0.1) for goal in swing.goals))
     return grounded(swing, swing.simulator(), margin=0.0, rng=np.random.default_rng(0))
 
 
-def run(ground: Ground, command: Array) -> Trajectories:
+def run(ground: SeedInputs, command: Array) -> Trajectories:
     q, v = ground.plant.rollout(*ground.starts(len(command)), command)
     return costed(ground, q, v, command)
 
@@ -89,7 +89,7 @@ def test_with_bounds_the_change_is_that_of_one_large_quadratic() -> None:
     assert command == pytest.approx(other.x, abs=1e-5)
 
 
-def test_the_slope_of_the_cost_is_that_of_its_values(pendulum: Ground) -> None:
+def test_the_slope_of_the_cost_is_that_of_its_values(pendulum: SeedInputs) -> None:
     rng = np.random.default_rng(4)
     periods = pendulum.periods
     q, v = rng.normal(size=(1, periods + 1, 1)), rng.normal(size=(1, periods + 1, 1))
@@ -134,7 +134,7 @@ def test_the_quadratic_of_a_saturating_term_lies_above_it_along_its_error() -> N
 
 
 def test_a_pendulum_swings_up_as_cheaply_as_by_a_search_over_all_commands(
-    pendulum: Ground,
+    pendulum: SeedInputs,
 ) -> None:
     periods = pendulum.periods
     begun = run(pendulum, np.full((1, periods, 1), 8.0))
@@ -152,7 +152,7 @@ def test_a_pendulum_swings_up_as_cheaply_as_by_a_search_over_all_commands(
 
 
 def test_every_row_leaves_the_margin_that_it_is_told_and_none_gets_dearer(
-    pendulum: Ground,
+    pendulum: SeedInputs,
 ) -> None:
     rng = np.random.default_rng(0)
     begun = run(pendulum, rng.uniform(-5.0, 5.0, (3, pendulum.periods, 1)))

@@ -9,7 +9,7 @@ from morph.body.load import load
 from morph.physics.actuator.actuator_delay import ActuatorDelay
 from morph.physics.actuator.actuator_lag import ActuatorLag
 from morph.physics.effect import Effect
-from morph.search.trajectory.delay_augmented_plant import Line
+from morph.search.trajectory.delay_augmented_plant import DelayAugmentedPlant
 from morph.sim.closed_loop import closed_loop
 from morph.task.task import Task
 from morph.task.tasks import task
@@ -29,7 +29,7 @@ def test_it_moves_as_the_closed_loop_of_the_late_simulator_does(
     cartpole: Task, effect: Effect
 ) -> None:
     simulator = cartpole.simulator((effect,))
-    line = Line(simulator, cartpole.period, PERIODS)
+    line = DelayAugmentedPlant(simulator, cartpole.period, PERIODS)
     told = np.random.default_rng(3).uniform(-10.0, 10.0, (1, PERIODS, 1))
     given = line.arriving(told)
     q, v = np.zeros((1, 2)), np.zeros((1, 2))
@@ -51,7 +51,7 @@ def test_its_slopes_foretell_a_small_change_of_one_command_many_periods_on(
     cartpole: Task,
 ) -> None:
     simulator = cartpole.simulator((ActuatorDelay(actuator="slide", T=0.033),))
-    line = Line(simulator, cartpole.period, PERIODS)
+    line = DelayAugmentedPlant(simulator, cartpole.period, PERIODS)
     told = np.random.default_rng(3).uniform(-8.0, 8.0, (2, PERIODS, 1))
     told[1] = told[0]
     small = 1e-4
@@ -72,7 +72,7 @@ def test_its_slopes_foretell_a_small_change_of_one_command_many_periods_on(
 def test_commands_told_for_a_delay_of_one_period_are_those_wanted_one_period_on(
     cartpole: Task,
 ) -> None:
-    line = Line(
+    line = DelayAugmentedPlant(
         cartpole.simulator((ActuatorDelay(actuator="slide", T=cartpole.period),)),
         cartpole.period,
         PERIODS,

@@ -14,20 +14,20 @@ from morph.search.ddp import Plan
 from morph.search.search import Problem
 from morph.search.target import Experience, Simulated
 from morph.task.swing_up import swing_up
-from morph.transfer.adjustment.source import Source
+from morph.transfer.adjustment.source import SimulatedTask
 
 Changed = Callable[..., Simulated]
 
 
 @pytest.fixture(scope="session")
-def source() -> Source:
+def source() -> SimulatedTask:
     """The swing-up of the cart-pole, as it is described."""
     task = swing_up(load("cartpole"))
-    return Source(task=task, simulator=task.simulator())
+    return SimulatedTask(task=task, simulator=task.simulator())
 
 
 @pytest.fixture(scope="session")
-def plan(source: Source) -> Policy:
+def plan(source: SimulatedTask) -> Policy:
     """A plan that leaves a fifth of the command's range free; 8 N are enough on the source."""
     problem = Problem(task=source.task, simulator=source.simulator)
     search = Plan(margin=0.2, rows=512, keep=2, rounds=1, runs=8)

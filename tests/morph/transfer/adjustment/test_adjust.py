@@ -18,14 +18,14 @@ from morph.search.lqr import Lqr
 from morph.search.search import Problem
 from morph.search.target import Experience, Simulated
 from morph.task.balance import balance
-from morph.transfer.adjustment.adjust import Made, Settings, adjusted, applied
+from morph.transfer.adjustment.adjust import AdjustedPolicy, AdjustSettings, adjusted, applied
 from morph.transfer.adjustment.adjusted_rollout import Pretended, foreseen, most_promising
 from morph.transfer.adjustment.beyond import beyond
-from morph.transfer.adjustment.source import Source, states_of
+from morph.transfer.adjustment.source import SimulatedTask, states_of
 
 
 @pytest.fixture(scope="module")
-def made(source: Source, plan: Policy, run: Experience) -> Made:
+def made(source: SimulatedTask, plan: Policy, run: Experience) -> AdjustedPolicy:
     return adjusted(source, plan, [run], rng=np.random.default_rng(1))
 
 
@@ -36,7 +36,7 @@ def shares(task_of: Simulated, *policies: Policy) -> list[float]:
     ]
 
 
-def test_inverse_dynamics_of_the_source_undo_what_it_does(source: Source) -> None:
+def test_inverse_dynamics_of_the_source_undo_what_it_does(source: SimulatedTask) -> None:
     rng = np.random.default_rng(0)
     x, u = rng.normal(size=(30, 4)), rng.uniform(-10.0, 10.0, (30, 1))
     # Of what is not affine, a few percent of 10 N, the second step leaves a few percent.
@@ -44,14 +44,14 @@ def test_inverse_dynamics_of_the_source_undo_what_it_does(source: Source) -> Non
 
 
 def test_what_a_policy_saw_is_what_its_commands_followed_from(
-    source: Source, plan: Policy, run: Experience
+    source: SimulatedTask, plan: Policy, run: Experience
 ) -> None:
     seen, time = source.seen(plan, run)
     assert plan.act(seen, time) == pytest.approx(run.command, abs=1e-12)
 
 
 def test_friction_is_named_by_one_run_and_the_next_succeeds(
-    made: Made, plan: Policy, rough: Simulated
+    made: AdjustedPolicy, plan: Policy, rough: Simulated
 ) -> None:
     # The slide's speed is the second feature that is no angle; 1 N s/m more are to be added.
     assert made.adjustment.law[0, 1] == pytest.approx(1.0, abs=0.15)
@@ -61,7 +61,7 @@ def test_friction_is_named_by_one_run_and_the_next_succeeds(
 
 
 def test_the_sign_and_the_commands_of_the_run_matter(
-    source: Source, made: Made, plan: Policy, rough: Simulated, run: Experience
+    source: SimulatedTask, made: AdjustedPolicy, plan: Policy, rough: Simulated, run: Experience
 ) -> None:
     flipped = applied(made.adjustment.times(-1.0), plan)
     mixed = replace(run, command=np.random.default_rng(5).permutation(run.command))
@@ -69,7 +69,7 @@ def test_the_sign_and_the_commands_of_the_run_matter(
     assert shares(rough, flipped, shuffled) == [0.0, 0.0]
 
 
-def test_a_target_that_is_the_source_asks_for_little(source: Source, plan: Policy) -> None:
+def test_a_target_that_is_the_source_asks_for_little(source: SimulatedTask, plan: Policy) -> None:
     runs = [source.run(plan, np.random.default_rng(2))]
     found = adjusted(source, plan, runs, rng=np.random.default_rng(1))
     seen, time = source.seen(plan, runs[0])
@@ -82,23 +82,23 @@ def test_a_target_that_is_the_source_asks_for_little(source: Source, plan: Polic
 
 @pytest.mark.parametrize("starts", ["source", "target"])
 def test_either_body_may_say_where_to_adjust(
-    source: Source, plan: Policy, run: Experience, rough: Simulated, starts: str
+    source: SimulatedTask, plan: Policy, run: Experience, rough: Simulated, starts: str
 ) -> None:
-    how = Settings(starts=starts)
+    how = AdjustSettings(starts=starts)
     found = adjusted(source, plan, [run], rng=np.random.default_rng(1), settings=how)
     assert shares(rough, found.policy)[0] > 0.8
 
 
 def test_locally_weighted_regression_adjusts_too(
-    source: Source, plan: Policy, run: Experience, rough: Simulated
+    source: SimulatedTask, plan: Policy, run: Experience, rough: Simulated
 ) -> None:
-    how = Settings(inverse="local")
+    how = AdjustSettings(inverse="local")
     found = adjusted(source, plan, [run], rng=np.random.default_rng(1), settings=how)
     assert shares(rough, found.policy)[0] > 0.8
 
 
 def test_an_adjusted_policy_is_stored_and_commands_within_bounds(
-    made: Made, run: Experience, source: Source, tmp_path
+    made: AdjustedPolicy, run: Experience, source: SimulatedTask, tmp_path
 ) -> None:
     robot = source.task.robot
     folder = write_policy(made.policy, tmp_path / "policy", robot)
@@ -112,14 +112,14 @@ def test_an_adjusted_policy_is_stored_and_commands_within_bounds(
 
 
 def test_what_was_adjusted_is_adjusted_anew(
-    source: Source, made: Made, plan: Policy, run: Experience
+    source: SimulatedTask, made: AdjustedPolicy, plan: Policy, run: Experience
 ) -> None:
     again = adjusted(source, made.policy, [run], rng=np.random.default_rng(1))
     assert again.policy == made.policy
     assert applied(made.adjustment, made.policy) == made.policy
 
 
-def test_another_task_on_the_same_pair_uses_the_same_adjustment(made: Made) -> None:
+def test_another_task_on_the_same_pair_uses_the_same_adjustment(made: AdjustedPolicy) -> None:
     robot = load("cartpole")
     mine, its = balance(robot), balance(turned(robot, {"damping:slide": 11.0}))
     law = Lqr().run(Problem(task=mine, simulator=mine.simulator()), seed=0).policy
@@ -134,7 +134,7 @@ def test_another_task_on_the_same_pair_uses_the_same_adjustment(made: Made) -> N
 
 
 def test_a_longer_pole_is_beyond_every_command_and_friction_is_not(
-    source: Source, plan: Policy, run: Experience, changed
+    source: SimulatedTask, plan: Policy, run: Experience, changed
 ) -> None:
     long = changed("length:pole", 1.5).trial(plan, np.random.default_rng(0))
     # 60 steps of 3 dimensions: 1 within 1 / sqrt(2 * 180) = 0.05, and the bounds of the source,
@@ -144,13 +144,13 @@ def test_a_longer_pole_is_beyond_every_command_and_friction_is_not(
 
 
 def test_pretending_does_what_the_target_does(
-    source: Source, made: Made, plan: Policy, rough: Simulated, run: Experience
+    source: SimulatedTask, made: AdjustedPolicy, plan: Policy, rough: Simulated, run: Experience
 ) -> None:
     stepped = Pretended(source, made.adjustment, plan.observation)
     x = states_of(run)[:-1]
     u = stepped.felt(x, run.command)
     assert u + made.adjustment(x, u) == pytest.approx(run.command, abs=0.02)
-    target = Source(task=rough.task, simulator=rough.simulator)
+    target = SimulatedTask(task=rough.task, simulator=rough.simulator)
     truly = target.after(x, run.command)
     q, v = stepped.advance(x[:, :2], x[:, 2:], run.command)
     untold = source.after(x, run.command)
@@ -166,7 +166,7 @@ def test_pretending_does_what_the_target_does(
 
 
 def test_what_is_no_run_of_the_body_is_refused(
-    source: Source, plan: Policy, run: Experience
+    source: SimulatedTask, plan: Policy, run: Experience
 ) -> None:
     rng = np.random.default_rng(0)
     with pytest.raises(TransferError, match="there is no run"):
@@ -174,4 +174,4 @@ def test_what_is_no_run_of_the_body_is_refused(
     with pytest.raises(TransferError, match=r"every 0\.1 s; the source"):
         adjusted(source, plan, [replace(run, period=0.1)], rng=rng)
     with pytest.raises(TransferError, match="starts is 'nowhere'"):
-        Settings(starts="nowhere")
+        AdjustSettings(starts="nowhere")

@@ -11,13 +11,15 @@ from morph.policy.radial import Radial
 from morph.search.evaluate import evaluate
 from morph.search.target import Experience, Simulated
 from morph.transfer.adjustment.adjust import adjusted
-from morph.transfer.adjustment.direct import Direct
+from morph.transfer.adjustment.direct import DirectAdjustment
 from morph.transfer.adjustment.multi_trajectory import Many
 from morph.transfer.adjustment.rounds import best, rounds
-from morph.transfer.adjustment.source import Source
+from morph.transfer.adjustment.source import SimulatedTask
 
 
-def test_rounds_end_with_the_first_success(source: Source, plan: Policy, rough: Simulated) -> None:
+def test_rounds_end_with_the_first_success(
+    source: SimulatedTask, plan: Policy, rough: Simulated
+) -> None:
     found = rounds(source, [plan], rough, trials=3, rng=np.random.default_rng(0))
     assert not found[0].shown.success
     assert found[-1].shown.success
@@ -26,32 +28,32 @@ def test_rounds_end_with_the_first_success(source: Source, plan: Policy, rough: 
 
 
 def test_more_rounds_are_made_of_all_runs_so_far(
-    source: Source, plan: Policy, rough: Simulated
+    source: SimulatedTask, plan: Policy, rough: Simulated
 ) -> None:
     found = rounds(source, [plan], rough, trials=2, rng=np.random.default_rng(0), until=False)
     assert len(found) == 3
     assert found[2].shown.success
 
 
-def test_without_a_policy_there_are_no_rounds(source: Source, rough: Simulated) -> None:
+def test_without_a_policy_there_are_no_rounds(source: SimulatedTask, rough: Simulated) -> None:
     with pytest.raises(TransferError, match="there are 0 policies for 1 trials"):
         rounds(source, [], rough, trials=1, rng=np.random.default_rng(0))
 
 
 def test_directly_changed_it_needs_more_trials_and_succeeds(
-    source: Source, plan: Policy, rough: Simulated
+    source: SimulatedTask, plan: Policy, rough: Simulated
 ) -> None:
-    found = Direct().found(source.task, plan, rough, trials=25, seed=100)
+    found = DirectAdjustment().found(source.task, plan, rough, trials=25, seed=100)
     assert len(found.experience) == 25
     losses = [line.loss for line in found.trials]
     assert losses == sorted(losses, reverse=True)
     assert losses[-1] < 0.6 * losses[0]
-    again = Direct().found(source.task, plan, rough, trials=3, seed=100)
+    again = DirectAdjustment().found(source.task, plan, rough, trials=3, seed=100)
     assert [line.loss for line in again.trials] == losses[:3]
 
 
 def test_one_policy_without_a_clock_is_made_of_many_trajectories(
-    source: Source, plan: Policy, rough: Simulated, run: Experience
+    source: SimulatedTask, plan: Policy, rough: Simulated, run: Experience
 ) -> None:
     made = adjusted(source, plan, [run], rng=np.random.default_rng(1))
     policy, promised = Many(rows=25, rounds=3).trained(

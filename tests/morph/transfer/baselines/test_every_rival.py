@@ -9,15 +9,15 @@ import pytest
 from morph.arrays import Array
 from morph.errors import TransferError
 from morph.policy.policy import Policy
-from morph.search.learned_dynamics.plans import Effort
+from morph.search.learned_dynamics.plans import TrialBudget
 from morph.search.search import Trial
 from morph.search.target import Experience, Simulated, Target
 from morph.transfer.baselines.ladder import Ladder
-from morph.transfer.baselines.rival import Rival
+from morph.transfer.baselines.rival import Baseline
 from morph.transfer.baselines.rivals import RIVALS
 from morph.transfer.baselines.source import Source
 
-SMALL = Effort(rows=48, keep=1, most=4, margins=(0.1,), rhos=(10.0,), bodies=(8, 16), best=2)
+SMALL = TrialBudget(rows=48, keep=1, most=4, margins=(0.1,), rhos=(10.0,), bodies=(8, 16), best=2)
 TRIALS = 2
 
 
@@ -36,13 +36,13 @@ class Counted(Target):
         return self.real.trial(policy, rng)
 
 
-Record = tuple[Rival, tuple[Trial, ...], Counted]
+Record = tuple[Baseline, tuple[Trial, ...], Counted]
 
 
 @pytest.fixture(scope="module", params=RIVALS, ids=lambda kind: kind.__name__)
 def record(request: pytest.FixtureRequest, source: Source) -> Record:
     kind: Any = request.param
-    rival: Rival = kind(effort=SMALL)
+    rival: Baseline = kind(effort=SMALL)
     target = Counted(real=source.target)
     return rival, rival.run(source, target, trials=TRIALS, seed=100), target
 

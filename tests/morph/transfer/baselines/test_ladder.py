@@ -6,13 +6,13 @@ import pytest
 
 from morph.errors import TransferError
 from morph.model.latent.unknowns import turned
-from morph.search.learned_dynamics.plans import Effort
+from morph.search.learned_dynamics.plans import TrialBudget
 from morph.search.target import Simulated
 from morph.task.tasks import task
 from morph.transfer.baselines.ladder import Ladder
 from morph.transfer.baselines.source import Source
 
-SMALL = Effort(rows=48, keep=1, most=4, margins=(0.1,), rhos=(10.0,), bodies=(8, 16), best=2)
+SMALL = TrialBudget(rows=48, keep=1, most=4, margins=(0.1,), rhos=(10.0,), bodies=(8, 16), best=2)
 
 
 def test_a_surprise_sends_the_search_down(source: Source) -> None:

@@ -10,7 +10,7 @@ import torch
 
 from morph.arrays import Array
 from morph.model.jointed.jointed import Jointed
-from morph.search.learned_dynamics.memory import Memory
+from morph.search.learned_dynamics.memory import SearchCheckpoint
 from morph.search.target import Experience
 from morph.sim.threads import one_thread
 from morph.transfer.baselines.alone import Alone
@@ -18,7 +18,7 @@ from morph.transfer.baselines.carried import Carried
 from morph.transfer.baselines.ladder import share_expected
 from morph.transfer.baselines.learner import Learner, told
 from morph.transfer.baselines.pooled import Pooled
-from morph.transfer.baselines.prior import Prior
+from morph.transfer.baselines.prior import SourcePrior
 from morph.transfer.baselines.source import Source
 
 Made = Callable[..., Experience]
@@ -42,7 +42,7 @@ def pushed(model: Jointed) -> float:
 def learned(rival: Learner, source: Source, made: Made) -> Jointed:
     """Return what a rival learns, the source being weak and the target strong."""
     lent = replace(source, experience=(made(weak, seed=1),))
-    memory = Memory(experience=(made(strong, seed=2),))
+    memory = SearchCheckpoint(experience=(made(strong, seed=2),))
     return rival.learned(lent, memory, told(source.task))
 
 
@@ -92,7 +92,7 @@ def test_samples_are_kept_where_the_target_was_not(
 
 
 def test_where_the_target_was_seen_a_wrong_prior_gives_way(source: Source, made: Made) -> None:
-    model = learned(Prior(), source, made)
+    model = learned(SourcePrior(), source, made)
     assert model.base is not None
     assert pushed(model) == pytest.approx(7.5, abs=0.6)
 

@@ -7,9 +7,9 @@ import pytest
 
 from morph.errors import TransferError
 from morph.transfer.gait.controls import CONTROLS, control
-from morph.transfer.gait.direct import Direct, direct
+from morph.transfer.gait.direct import GaitSearchResult, direct
 from morph.transfer.gait.free import free
-from morph.transfer.gait.hop import Budget, Carried, family_of, scaled
+from morph.transfer.gait.hop import Budget, GaitBody, family_of, scaled
 from morph.transfer.gait.limbs import Limb
 from morph.transfer.gait.relay import Chained, relay
 from morph.transfer.gait.swimmers import swimmer
@@ -54,7 +54,7 @@ def test_the_same_seed_gives_the_same_chain(chained: Chained) -> None:
 def test_a_control_has_as_many_trials_as_the_chain(name: str, chained: Chained) -> None:
     source, last = chained.bodies
     found = control(name, source, last, rng=np.random.default_rng(0), budget=FEW)
-    assert isinstance(found, Carried)
+    assert isinstance(found, GaitBody)
     assert len(found.speeds) == FEW.trials
 
 
@@ -84,7 +84,7 @@ def test_a_wave_travels_from_the_front_to_the_rear() -> None:
 
 
 def test_direct_learning_says_when_it_reached_a_speed() -> None:
-    found = Direct(point=np.zeros((4, 1)), speed=np.array([0.1, 0.3, 0.2, 0.5]))
+    found = GaitSearchResult(point=np.zeros((4, 1)), speed=np.array([0.1, 0.3, 0.2, 0.5]))
     assert (found.trials_to(0.3), found.trials_to(0.4), found.trials_to(0.6)) == (2, 4, None)
 
 

@@ -14,7 +14,7 @@ from morph.body.robot import Robot
 from morph.policy.linear import Linear
 from morph.policy.observing import observations_of
 from morph.policy.policy import actions_of
-from morph.transfer.link.link import Link
+from morph.transfer.link.link import MessageLink
 from morph.transfer.link.outbox import Post
 
 Making = Callable[..., Linear]
@@ -54,11 +54,11 @@ class Clock:
 
 
 @pytest.fixture
-def posted() -> Iterator[Callable[[Link, Path, str], Post]]:
+def posted() -> Iterator[Callable[[MessageLink, Path, str], Post]]:
     """Make posts that send again every two ticks, and are closed in the end."""
     made = []
 
-    def make(link: Link, folder: Path, name: str) -> Post:
+    def make(link: MessageLink, folder: Path, name: str) -> Post:
         made.append(Post(link, folder, name=name, again=2.0, clock=Clock()))
         return made[-1]
 

@@ -12,7 +12,7 @@ from morph.policy.policy import Policy
 from morph.search.target import Experience, Target
 from morph.transfer.link.fault_injection import Rough, Weather, pair
 from morph.transfer.link.offer import experience_of, experience_said
-from morph.transfer.link.online import Online, Service
+from morph.transfer.link.online import OnlineRobot, Service
 from morph.transfer.link.policies import Policies
 
 STORM = Weather(down=0.3, lost=0.2, late=0.3, twice=0.3, spoilt=0.2)
@@ -61,7 +61,7 @@ def test_a_policy_improves_over_a_link_that_is_often_down_and_no_trial_is_lost(
     robot_post = posted(here, tmp_path / "a", "robot")
     service_post = posted(there, tmp_path / "b", "service")
     hill = Hill()
-    online = Online(hill, robot_post, Policies(tmp_path / "p", cartpole, linear(0.0)))
+    online = OnlineRobot(hill, robot_post, Policies(tmp_path / "p", cartpole, linear(0.0)))
     service = Service(service_post, cartpole, towards(linear))
     trials = 0
     for _ in range(400):
@@ -88,7 +88,7 @@ def test_without_a_service_trials_go_on_with_the_safe_policy(
     rng = np.random.default_rng(100)
     post = posted(Rough(pair()[0], Weather(down=1.0), rng), tmp_path / "q", "robot")
     hill = Hill()
-    online = Online(hill, post, Policies(tmp_path / "p", cartpole, linear(0.5)))
+    online = OnlineRobot(hill, post, Policies(tmp_path / "p", cartpole, linear(0.5)))
     for _ in range(5):
         online.trial(rng)
     assert hill.tried == [0.5] * 5
@@ -106,7 +106,7 @@ def test_only_a_policy_that_went_beyond_a_limit_is_withdrawn(
     robot = posted(here, tmp_path / "a", "robot")
     service = Service(posted(there, tmp_path / "b", "service"), cartpole, towards(linear))
     hill = Hill()
-    online = Online(hill, robot, Policies(tmp_path / "p", cartpole, linear(0.0)))
+    online = OnlineRobot(hill, robot, Policies(tmp_path / "p", cartpole, linear(0.0)))
     online.trial(rng)
     service.serve()
     online.exchange()

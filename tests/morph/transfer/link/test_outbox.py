@@ -10,13 +10,13 @@ from morph.errors import LinkDropped
 from morph.transfer.link import outbox as outbox_module
 from morph.transfer.link.fault_injection import Rough, Weather, pair
 from morph.transfer.link.folder import FolderLink
-from morph.transfer.link.link import Link
+from morph.transfer.link.link import MessageLink
 from morph.transfer.link.outbox import Post
 
 STORM = Weather(down=0.3, lost=0.3, late=0.4, twice=0.3, spoilt=0.2)
 
 
-Posting = Callable[[Link, Path, str], Post]
+Posting = Callable[[MessageLink, Path, str], Post]
 
 
 def taken(post: Post) -> list[int]:

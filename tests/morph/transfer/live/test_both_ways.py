@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from morph.task.task import Task
-from morph.transfer.live.limits import Guard, Limits
+from morph.transfer.live.limits import LimitGuard, Limits
 from morph.transfer.live.watch import Watch, Watcher
 
 
 def test_a_command_falls_no_faster_than_it_may_rise(swing: Task) -> None:
     # 40 N/s for 0.05 s are 2 N, down as up.
     limits = Limits(rate={"slide": 40.0})
-    guard = Guard(limits, swing.robot, swing.simulator().model, swing.period)
+    guard = LimitGuard(limits, swing.robot, swing.simulator().model, swing.period)
     for sign in (1.0, -1.0):
         told, held = guard.allowed(np.array([sign * 7.0]), np.zeros(1))
         assert told.tolist() == [sign * 2.0]

@@ -9,11 +9,11 @@ from morph.body.load import load
 from morph.errors import TransferError
 from morph.sim.simulator import Simulator
 from morph.task.task import Task
-from morph.transfer.live.limits import Guard, Limits
+from morph.transfer.live.limits import LimitGuard, Limits
 
 
-def guard(swing: Task, **limits: object) -> Guard:
-    return Guard(Limits(**limits), swing.robot, swing.simulator().model, swing.period)  # type: ignore[arg-type]
+def guard(swing: Task, **limits: object) -> LimitGuard:
+    return LimitGuard(Limits(**limits), swing.robot, swing.simulator().model, swing.period)  # type: ignore[arg-type]
 
 
 def test_a_command_beyond_the_motor_is_clipped_to_its_limit(swing: Task) -> None:
@@ -41,7 +41,7 @@ def test_a_command_changes_no_faster_than_its_rate(swing: Task) -> None:
 def test_a_servo_starts_from_where_its_joint_is() -> None:
     arm = load("so101")
     model = Simulator(arm).model
-    servos = Guard(Limits(), arm, model, 0.02)
+    servos = LimitGuard(Limits(), arm, model, 0.02)
     position = np.clip(0.1 * np.arange(model.nq), servos.low, servos.high)
     np.testing.assert_allclose(servos.rest(position), position[: len(arm.actuators)])
 
@@ -71,7 +71,7 @@ def test_a_reading_may_be_a_little_beyond_the_limit_of_a_description() -> None:
     # The slack is 0.05 rad.
     for beyond in (0.04, 0.06):
         at[0] = joint.limits[1] + beyond
-        found.append(Guard(Limits(), arm, model, 0.02).breach(at, still) is not None)
+        found.append(LimitGuard(Limits(), arm, model, 0.02).breach(at, still) is not None)
     assert found == [False, True]
 
 
@@ -82,7 +82,7 @@ def test_the_users_limits_do_not_loosen_those_of_the_description() -> None:
     arm = replace(arm, joints=(replace(first, velocity=2.0), *arm.joints[1:]))
     model = Simulator(arm).model
     wide = Limits(position={first.name: (-99.0, 0.5)}, speed={first.name: 50.0})
-    watched = Guard(wide, arm, model, 0.02)
+    watched = LimitGuard(wide, arm, model, 0.02)
     at, rate = np.zeros(model.nq), np.zeros(model.nv)
     found = []
     # Below: the description's, and 0.05 rad of slack. Above: the user's. Speed: 2.05 rad/s.
@@ -97,7 +97,7 @@ def test_the_users_limits_do_not_loosen_those_of_the_description() -> None:
         found.append(watched.breach(at, rate) is not None)
     assert found == [False, True, False, True, True]
     with pytest.raises(TransferError, match=r"outside those of the description"):
-        Guard(Limits(position={first.name: (8.0, 9.0)}), arm, model, 0.02)
+        LimitGuard(Limits(position={first.name: (8.0, 9.0)}), arm, model, 0.02)
 
 
 @pytest.mark.parametrize(

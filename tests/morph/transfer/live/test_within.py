@@ -16,7 +16,7 @@ from morph.search.trajectory.plant import bounds_of
 from morph.task.task import Task
 from morph.task.tasks import task
 from morph.transfer.live.callable_target import Called
-from morph.transfer.live.limits import Guard, Limits
+from morph.transfer.live.limits import LimitGuard, Limits
 from morph.transfer.live.live import Live
 from morph.transfer.live.watch import Watch
 from morph.transfer.live.wiring import hello_for
@@ -37,7 +37,7 @@ def test_searches_and_the_guard_know_the_limits(
     limits = Limits(command={"slide": limit})
     found = within(swing, limits)
     assert bounds(found) == holds
-    guard = Guard(limits, found.robot, found.simulator().model, found.period)
+    guard = LimitGuard(limits, found.robot, found.simulator().model, found.period)
     assert [*guard.low.tolist(), *guard.high.tolist()] == holds
     # What actions tell is one number for both sides.
     (action,) = actions_of(found.robot)

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from morph.transfer.balancers import balancer, explored
-from morph.transfer.mapped.belief import Belief, learned, stepped
+from morph.transfer.mapped.belief import LinearPosterior, learned, stepped
 from morph.transfer.mapped.feedback import cautious, plain
 
 
 def test_without_doubt_cautious_feedback_is_the_feedback_of_the_riccati_equation() -> None:
     target = balancer("cartpole")
     law = np.array([[0.0, -7.0, -0.3, 0.0, 1.5], [0.0, 30.0, 0.5, 0.0, -2.5]])
-    believed = Belief(law=law, cover=np.zeros((10, 10)), period=0.02)
+    believed = LinearPosterior(law=law, cover=np.zeros((10, 10)), period=0.02)
     # Value iteration stops when its cost changes by less than a thousandth.
     assert cautious(believed, target) == pytest.approx(plain(believed.step, target), rel=0.1)
 
@@ -23,8 +23,8 @@ def test_doubt_about_what_commands_do_makes_feedback_smaller() -> None:
     law = np.array([[0.0, -7.0, -0.3, 0.0, 1.5], [0.0, 30.0, 0.5, 0.0, -2.5]])
     cover = np.zeros((10, 10))
     cover[4, 4] = cover[9, 9] = 0.3**2
-    sure = Belief(law=law, cover=np.zeros((10, 10)), period=0.02)
-    unsure = Belief(law=law, cover=cover, period=0.02)
+    sure = LinearPosterior(law=law, cover=np.zeros((10, 10)), period=0.02)
+    unsure = LinearPosterior(law=law, cover=cover, period=0.02)
     assert np.abs(cautious(unsure, target)).sum() < np.abs(cautious(sure, target)).sum()
 
 

@@ -16,7 +16,7 @@ from jsonschema import Draft202012Validator
 import morph.transfer
 from morph.app.cli.main import main
 from morph.body.load import load
-from morph.model.kwik.certify import Verdict
+from morph.model.kwik.certify import ModelVerdict
 from morph.model.latent.parameter_attribution import Difference, Explained
 from morph.model.latent.unknowns import turned
 from morph.policy.linear import Linear
@@ -26,9 +26,9 @@ from morph.policy.store import write_policy
 from morph.search.evaluate import evaluate
 from morph.task.task import Task
 from morph.task.tasks import task
-from morph.transfer.next_action import Advice
-from morph.transfer.predicted_return import Foreseen
-from morph.transfer.repair import Model, Repair
+from morph.transfer.next_action import NextAction
+from morph.transfer.predicted_return import PredictedReturn
+from morph.transfer.repair import Repair, TaskModel
 from morph.transfer.retask import task_for
 from morph.transfer.score import judged
 
@@ -62,7 +62,7 @@ class Knowing:
     calls: int = 0
     promised: float = 1.0
 
-    def __call__(self, what: Task, tried: Any, **_: Any) -> Advice:
+    def __call__(self, what: Task, tried: Any, **_: Any) -> NextAction:
         self.calls += 1
         if self.calls == self.interrupted:
             raise KeyboardInterrupt
@@ -73,18 +73,20 @@ class Knowing:
         last = tried[-1]
         keeps = last.experience.success
         policy: Policy = last.policy if keeps else balancing(1.0)
-        return Advice(
+        return NextAction(
             verdict=verdict(),
             repair=known(what),
             policy=policy,
             origin=last.origin if keeps else "searched again",
-            foreseen=Foreseen(loss=5.0, success=self.promised),
-            known=Foreseen(loss=5.0 if keeps else 1e4, success=self.promised if keeps else 0.0),
+            foreseen=PredictedReturn(loss=5.0, success=self.promised),
+            known=PredictedReturn(
+                loss=5.0 if keeps else 1e4, success=self.promised if keeps else 0.0
+            ),
         )
 
 
-def verdict() -> Verdict:
-    return Verdict(
+def verdict() -> ModelVerdict:
+    return ModelVerdict(
         verdict="not good",
         probability=0.01,
         transitions=np.zeros(3),
@@ -105,7 +107,7 @@ def known(what: Task) -> Repair:
         rivals=(("length:pole", 0.9), ("weight:pole + length:pole", 0.1)),
         evidence=50.0,
     )
-    model = Model(task=replace(task_for(what, robot)), effects=())
+    model = TaskModel(task=replace(task_for(what, robot)), effects=())
     return Repair(model=model, explained=explained, task=what)
 
 

@@ -18,7 +18,7 @@ from morph.app.cli.main import main
 from morph.app.cli.transfer_bodies import body_of
 from morph.transfer.body import Body
 from morph.transfer.hop import Hopped
-from morph.transfer.mapped.belief import Belief, read
+from morph.transfer.mapped.belief import LinearPosterior, read
 from morph.transfer.mapped.feedback import holding
 
 SCHEMA = json.loads((Path(morph.transfer.__file__).parent / "transfer.schema.json").read_text())
@@ -60,7 +60,7 @@ class Knowing:
 
     def __call__(
         self, source: Body, target: Body, count: int, *, seed: int, spoil: Any = None
-    ) -> tuple[Hopped, Belief]:
+    ) -> tuple[Hopped, LinearPosterior]:
         self.calls += spoil is None
         if spoil is None and self.calls in self.failing:
             raise self.failing[self.calls]
@@ -78,13 +78,13 @@ class Knowing:
         )
         return hopped, self.sure(target)
 
-    def sure(self, body: Body) -> Belief:
+    def sure(self, body: Body) -> LinearPosterior:
         """Return a belief that is the truth, or its mirror image in the commands."""
         half, rise = body.size // 2, read(body)[body.size // 2 :].copy()
         rise[:, half : 2 * half] -= np.eye(half)
         rise[:, 2 * half :] *= self.sign
         cover = 1e-12 * np.eye(rise.size)
-        return Belief(law=rise / body.task.period, cover=cover, period=body.task.period)
+        return LinearPosterior(law=rise / body.task.period, cover=cover, period=body.task.period)
 
 
 class Bench:

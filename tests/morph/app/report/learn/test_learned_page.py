@@ -14,7 +14,7 @@ import morph.app.report.learn
 from morph.app.report.learn.drawn import commands, joints, learning
 from morph.app.report.learn.files import write_learned
 from morph.app.report.learn.judge import judge
-from morph.app.report.learn.outcome import Outcome, record_text
+from morph.app.report.learn.outcome import LearnOutcome, record_text
 from morph.app.report.learn.page import learned_page
 from morph.app.report.learn.words import headline, number, summary
 from morph.body.load import load
@@ -41,7 +41,7 @@ class Named(Search):
 
 
 @pytest.fixture(scope="module")
-def outcome() -> Outcome:
+def outcome() -> LearnOutcome:
     robot = load("cartpole")
     balance = task("balance", robot)
     # Feedback that balances; where it is from stands in `tests/morph/app/cli/test_learn.py`.
@@ -59,7 +59,7 @@ def outcome() -> Outcome:
         )
         for at in range(1, 5)
     )
-    return Outcome(
+    return LearnOutcome(
         task=balance,
         search=Named(),
         policy=policy,
@@ -92,7 +92,7 @@ class Page(HTMLParser):
             self.words.append(data.strip())
 
 
-def test_the_verdict_in_words_comes_before_every_picture_and_figure(outcome: Outcome) -> None:
+def test_the_verdict_in_words_comes_before_every_picture_and_figure(outcome: LearnOutcome) -> None:
     text = learned_page(outcome, (), "morph simulate")
     body = text[text.index("<body>") :]
     first = min(body.index(tag) for tag in ("<svg", "<table", '<div class="rows"'))
@@ -100,7 +100,7 @@ def test_the_verdict_in_words_comes_before_every_picture_and_figure(outcome: Out
     assert body.index("All of 100 noisy runs") < first
 
 
-def test_the_page_loads_nothing_and_runs_nothing(outcome: Outcome) -> None:
+def test_the_page_loads_nothing_and_runs_nothing(outcome: LearnOutcome) -> None:
     page = Page(learned_page(outcome, (), "morph simulate"))
     assert "script" not in {tag for tag, _ in page.elements}
     assert not [named for _, names in page.elements for named in names if named in LOADING]
@@ -111,7 +111,7 @@ def test_the_page_loads_nothing_and_runs_nothing(outcome: Outcome) -> None:
     assert "script-src 'none'" in policy
 
 
-def test_words_from_elsewhere_stay_words(outcome: Outcome) -> None:
+def test_words_from_elsewhere_stay_words(outcome: LearnOutcome) -> None:
     trials = (replace(outcome.trials[0], note=HOSTILE),)
     spoilt = replace(
         outcome,
@@ -135,7 +135,7 @@ def test_words_from_elsewhere_stay_words(outcome: Outcome) -> None:
     assert " ".join(page.words).count("{{ 7 * 7 }}") >= 8
 
 
-def test_the_learning_curve_runs_over_trials_experience_and_seconds(outcome: Outcome) -> None:
+def test_the_learning_curve_runs_over_trials_experience_and_seconds(outcome: LearnOutcome) -> None:
     plots = learning(outcome)
     assert [plot.x_title for plot in plots] == ["trial", "experience, s", "seconds"]
     for plot, x in zip(plots, ([1, 2, 3, 4], [5, 10, 15, 20], [2, 4, 6, 8]), strict=True):
@@ -146,7 +146,7 @@ def test_the_learning_curve_runs_over_trials_experience_and_seconds(outcome: Out
     assert learning(replace(outcome, trials=())) == ()
 
 
-def test_joints_and_commands_are_drawn_with_what_bounds_them(outcome: Outcome) -> None:
+def test_joints_and_commands_are_drawn_with_what_bounds_them(outcome: LearnOutcome) -> None:
     slide, hinge = joints(outcome)
     assert (slide.title, hinge.title) == ("slide, m", "hinge, rad")
     # The goals of the task: ten degrees and 0.15 m, through the last 4.5 of 5 s.
@@ -161,7 +161,7 @@ def test_joints_and_commands_are_drawn_with_what_bounds_them(outcome: Outcome) -
     assert set(np.flatnonzero(np.diff(y))) <= set(np.flatnonzero(np.diff(x) == 0.0))
 
 
-def test_controls_start_where_the_policy_started(outcome: Outcome) -> None:
+def test_controls_start_where_the_policy_started(outcome: LearnOutcome) -> None:
     judged = outcome.judged
     assert set(judged.controls) == {"nothing", "random"}
     assert {len(score.loss) for score in judged.controls.values()} == {judged.rows} == {100}
@@ -174,7 +174,7 @@ def test_controls_start_where_the_policy_started(outcome: Outcome) -> None:
 
 
 def test_how_many_runs_judge_follows_from_the_task_alone(
-    outcome: Outcome, monkeypatch: pytest.MonkeyPatch
+    outcome: LearnOutcome, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # Work of a run: 2 coordinates x 5 s / 10 ms = 1000, so 25 runs fit into 25000.
     monkeypatch.setattr("morph.app.report.learn.judge.MOST_WORK", 25000.0)
@@ -183,13 +183,13 @@ def test_how_many_runs_judge_follows_from_the_task_alone(
     assert {len(score.loss) for score in fewer.controls.values()} == {25}
 
 
-def test_the_typical_run_is_in_the_middle(outcome: Outcome) -> None:
+def test_the_typical_run_is_in_the_middle(outcome: LearnOutcome) -> None:
     loss = outcome.judged.loss
     assert abs((loss < loss[outcome.judged.typical]).sum() - 49.5) <= 0.5
 
 
 def test_a_failure_names_its_reason_and_success_is_not_claimed_for_the_search_alone(
-    outcome: Outcome,
+    outcome: LearnOutcome,
 ) -> None:
     missed = replace(outcome.judged, success=np.arange(100) < 49)
     half = replace(outcome, judged=missed)
@@ -202,14 +202,14 @@ def test_a_failure_names_its_reason_and_success_is_not_claimed_for_the_search_al
     assert "All of 100 noisy runs" in summary(modest)[0]
 
 
-def test_the_trial_by_chance_is_experience_and_no_trial(outcome: Outcome) -> None:
+def test_the_trial_by_chance_is_experience_and_no_trial(outcome: LearnOutcome) -> None:
     first = Trial(number=0, loss=300.0, success=0.0, seconds=0.5, experience=5.0)
     begun = replace(outcome, trials=(first, *outcome.trials))
     assert begun.count == 4
     assert "took 8 s, four trials and 20 s of experience." in summary(begun)[1]
 
 
-def test_a_loss_that_is_no_number_is_null(outcome: Outcome) -> None:
+def test_a_loss_that_is_no_number_is_null(outcome: LearnOutcome) -> None:
     lost = replace(outcome, trials=(replace(outcome.trials[0], loss=float("inf")),))
     said = json.loads(record_text(lost))
     assert said["trials"][0]["loss"] is None
@@ -219,7 +219,7 @@ def test_a_loss_that_is_no_number_is_null(outcome: Outcome) -> None:
 
 
 def test_what_is_written_holds_pictures_where_it_can_be_drawn(
-    outcome: Outcome, tmp_path: Path
+    outcome: LearnOutcome, tmp_path: Path
 ) -> None:
     written = write_learned(outcome, tmp_path / "out", see="morph simulate")
     text = (tmp_path / "out/report.html").read_text()
@@ -232,7 +232,7 @@ def test_what_is_written_holds_pictures_where_it_can_be_drawn(
     assert len(text) < 1_000_000
 
 
-def test_a_folder_that_cannot_be_written_to_is_said(outcome: Outcome, tmp_path: Path) -> None:
+def test_a_folder_that_cannot_be_written_to_is_said(outcome: LearnOutcome, tmp_path: Path) -> None:
     (tmp_path / "out").write_text("a file")
     with pytest.raises(OutputError, match="Not a directory"):
         write_learned(outcome, tmp_path / "out", see="")

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from morph.app.report.learn.plots import HEIGHT, WIDTH, Band, Line, Plot, figure, ticks
+from morph.app.report.learn.plots import HEIGHT, WIDTH, GoalBand, Plot, PlottedLine, figure, ticks
 
 
 def drawn(plot: Plot) -> ET.Element:
@@ -21,7 +21,7 @@ def points(element: ET.Element) -> list[tuple[float, float]]:
 
 
 def plot(x: list[float], y: list[float], **more: object) -> Plot:
-    line = Line(x=np.array(x, dtype=float), y=np.array(y, dtype=float))
+    line = PlottedLine(x=np.array(x, dtype=float), y=np.array(y, dtype=float))
     return Plot(title="loss", x_title="trial", lines=(line,), **more)  # type: ignore[arg-type]
 
 
@@ -71,7 +71,7 @@ def test_names_are_escaped() -> None:
     y=st.lists(st.floats(-1e12, 1e12) | st.just(float("nan")), min_size=20, max_size=20),
 )
 def test_whatever_is_drawn_stays_within_the_picture(x: list[float], y: list[float]) -> None:
-    band = Band(x=(min(x), max(x)), y=(-1.0, 1.0))
+    band = GoalBand(x=(min(x), max(x)), y=(-1.0, 1.0))
     for a, b in curve(drawn(plot(x, y[: len(x)], bands=(band,), rules=((5.0, "five"),)))):
         assert -0.1 <= a <= WIDTH + 0.1
         assert -0.1 <= b <= HEIGHT + 0.1

@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 from morph.app.report.loop.drawn import predicted, true_states
-from morph.app.report.loop.outcome import Outcome
+from morph.app.report.loop.outcome import LoopOutcome
 from morph.app.report.loop.page import loop_page
 from morph.body.load import load
 from morph.model.latent.parameter_attribution import Difference, Explained
 from morph.model.latent.unknowns import turned
 from morph.search.target import Experience, Simulated
 from morph.task.tasks import task
-from morph.transfer.repair import Model, Repair
+from morph.transfer.repair import Repair, TaskModel
 from morph.transfer.retask import task_for
 
 HOSTILE = "</svg><script>alert(1)</script>\" onload='x' {{ 7 * 7 }}"
@@ -33,7 +33,7 @@ def run_of(factors: dict[str, float]) -> Experience:
 
 
 @pytest.fixture(scope="module")
-def outcome() -> Outcome:
+def outcome() -> LoopOutcome:
     here = task("swing-up", load("cartpole"))
     robot = turned(here.robot, HEAVY)
     explained = Explained(
@@ -43,9 +43,9 @@ def outcome() -> Outcome:
         evidence=9.0,
     )
     repair = Repair(
-        model=Model(task=task_for(here, robot), effects=()), explained=explained, task=here
+        model=TaskModel(task=task_for(here, robot), effects=()), explained=explained, task=here
     )
-    return Outcome(
+    return LoopOutcome(
         task=here,
         target=HOSTILE,
         runs=(run_of(HEAVY),),
@@ -68,7 +68,7 @@ class Page(HTMLParser):
         self.elements.append((tag, dict(attrs)))
 
 
-def test_the_page_loads_nothing_and_runs_nothing_whatever_it_is_told(outcome: Outcome) -> None:
+def test_the_page_loads_nothing_and_runs_nothing_whatever_it_is_told(outcome: LoopOutcome) -> None:
     page = Page(loop_page(outcome))
     assert "script" not in {tag for tag, _ in page.elements}
     assert not [named for _, names in page.elements for named in names if named in LOADING]
@@ -78,7 +78,7 @@ def test_the_page_loads_nothing_and_runs_nothing_whatever_it_is_told(outcome: Ou
     assert "default-src 'none'" in policy
 
 
-def test_what_differs_comes_in_words_before_every_picture(outcome: Outcome) -> None:
+def test_what_differs_comes_in_words_before_every_picture(outcome: LoopOutcome) -> None:
     text = loop_page(outcome)
     body = text[text.index("<body>") :]
     first = min(body.index(tag) for tag in ("<svg", "<table", '<div class="rows"'))
@@ -86,7 +86,7 @@ def test_what_differs_comes_in_words_before_every_picture(outcome: Outcome) -> N
     assert body.index("cart is 3.0 times as heavy (2.9 to 3.1)") < first
 
 
-def test_the_seal_says_what_was_found_and_what_was_missed(outcome: Outcome) -> None:
+def test_the_seal_says_what_was_found_and_what_was_missed(outcome: LoopOutcome) -> None:
     opened = outcome.opened()
     assert opened is not None
     assert [(each["name"], each["found"]) for each in opened["concealed"]] == [
@@ -96,7 +96,7 @@ def test_the_seal_says_what_was_found_and_what_was_missed(outcome: Outcome) -> N
     assert "not named" in loop_page(outcome)
 
 
-def test_the_true_model_foretells_a_run_and_another_does_not(outcome: Outcome) -> None:
+def test_the_true_model_foretells_a_run_and_another_does_not(outcome: LoopOutcome) -> None:
     assert outcome.repair is not None
     (run,) = outcome.runs
     states = true_states(outcome, 0)
@@ -114,7 +114,7 @@ def test_the_true_model_foretells_a_run_and_another_does_not(outcome: Outcome) -
     assert np.abs(wrong[0, -1] - seen).max() > 0.05
 
 
-def test_a_run_that_ends_within_a_window_is_foretold_to_its_end(outcome: Outcome) -> None:
+def test_a_run_that_ends_within_a_window_is_foretold_to_its_end(outcome: LoopOutcome) -> None:
     (run,) = outcome.runs
     short = replace(
         run, position=run.position[:15], velocity=run.velocity[:15], command=run.command[:14]

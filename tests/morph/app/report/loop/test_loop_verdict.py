@@ -9,21 +9,21 @@ import numpy as np
 import pytest
 
 from morph.app.report.loop.files import UNNAMED, write_loop
-from morph.app.report.loop.outcome import Outcome
+from morph.app.report.loop.outcome import LoopOutcome
 from morph.app.report.loop.verdict import beyond, sealed_rows, summary
 from morph.body.load import load
 from morph.model.latent.parameter_attribution import Difference, Explained
 from morph.model.latent.unknowns import turned
 from morph.model.missing_force.force import MissingForce
-from morph.model.missing_force.fourier_features import Waves
+from morph.model.missing_force.fourier_features import FourierFeatures
 from morph.physics.joint.coulomb_friction import CoulombFriction
 from morph.physics.joint.stribeck_friction import StribeckFriction
 from morph.physics.store import load_effects
 from morph.search.evaluate import Score
 from morph.task.tasks import task
-from morph.transfer.repair import Model, Repair
+from morph.transfer.repair import Repair, TaskModel
 from morph.transfer.retask import task_for
-from morph.transfer.score import KEPT, SEARCHED, Judged
+from morph.transfer.score import KEPT, SEARCHED, PolicyScores
 
 SWING = task("swing-up", load("cartpole"))
 
@@ -34,7 +34,7 @@ def differs(name: str, value: float, low: float, high: float) -> Difference:
 
 def outcome_of(
     concealed: dict[str, float], *found: Difference, effects: tuple[Any, ...] = (), **more: Any
-) -> Outcome:
+) -> LoopOutcome:
     robot = turned(SWING.robot, {"weight:cart": 3.0})
     explained = Explained(
         inferred=SimpleNamespace(robot=robot, effects=effects, unsaid=0.1, states=()),  # type: ignore[arg-type]
@@ -42,8 +42,8 @@ def outcome_of(
         rivals=(),
         evidence=9.0,
     )
-    model = Model(task=task_for(SWING, robot), effects=effects)
-    return Outcome(
+    model = TaskModel(task=task_for(SWING, robot), effects=effects)
+    return LoopOutcome(
         task=SWING,
         target="a target",
         runs=(),
@@ -110,7 +110,7 @@ def test_coulomb_friction_is_found_as_stribeck_friction_whose_fast_part_is_right
 def test_a_learned_force_is_left_out_of_the_corrected_files_and_that_is_said(
     tmp_path: Path,
 ) -> None:
-    waves = Waves(
+    waves = FourierFeatures(
         hinges=np.array([1]), slides=np.array([], dtype=int), joints=2, size=np.ones(2),
         own_length=1.0, length=1.0, farthest=np.array([[-1.0, -1.0], [1.0, 1.0]]),
     )  # fmt: skip
@@ -122,7 +122,7 @@ def test_a_learned_force_is_left_out_of_the_corrected_files_and_that_is_said(
     before = outcome_of({}, effects=named)
     assert before.repair is not None
     # The force was fitted with figures of its own.
-    model = Model(task=SWING, effects=(*named, force))
+    model = TaskModel(task=SWING, effects=(*named, force))
     repair = replace(before.repair, model=model, learned=SimpleNamespace())  # type: ignore[arg-type]
     written = write_loop(replace(before, repair=repair), tmp_path)
     (effect,) = load_effects(tmp_path / "corrected.toml")
@@ -143,7 +143,7 @@ def test_the_summary_says_which_policy_the_oracle_is() -> None:
     run: Any = SimpleNamespace(loss=9.0, seconds=3.0)
     done: Any = SimpleNamespace(foreseen=None, seconds=1.0, policy=None, rounds=())
     for best, said in ((SEARCHED, "parameters 5 (100"), (KEPT, "better than the policy to keep")):
-        judged = Judged(
+        judged = PolicyScores(
             still=costs(60.0), source=costs(9.0), final=costs(5.0), oracle=costs(5.0), best=best
         )
         kept: Any = SimpleNamespace(tried=SimpleNamespace(policy=None))

@@ -14,7 +14,7 @@ from morph.body.load import load
 from morph.task.tasks import task
 from morph.transfer.hop_result import Crossing, Curve
 from morph.transfer.parts import Arrow, Parts
-from morph.transfer.record import Guard
+from morph.transfer.record import GuardRecord
 from morph.transfer.relay_record import RelayRecord
 
 
@@ -31,7 +31,7 @@ HOP = Crossing(
         states=(Arrow(begin="board", end="slide", weight=-0.8),), commands=(), lost=("ankle",)
     ),
     quality={"round_trip": 0.01, "one_step": float("nan")},
-    guard=Guard(verdict="safe", probability=0.98),
+    guard=GuardRecord(verdict="safe", probability=0.98),
     samples=40,
     measured={
         **{"hold_still": 0.2, "oracle": 1.0, "final": 0.99, "zero_shot": 0.6},
@@ -144,7 +144,7 @@ def test_where_holding_still_does_as_well_there_is_no_credit() -> None:
     ("changed", "said"),
     [
         ({}, "rider <b> does balance, by way of one hop"),
-        ({"guard": Guard(verdict="unsafe", probability=0.1)}, "The guard warns of rider <b>"),
+        ({"guard": GuardRecord(verdict="unsafe", probability=0.1)}, "The guard warns of rider <b>"),
         (
             {"measured": {**HOP.measured, "final": 0.6}},
             "rider <b> does not do balance as well as it could",

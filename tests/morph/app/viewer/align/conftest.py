@@ -11,8 +11,8 @@ from typing import Any
 import pytest
 
 from morph.app.cli.main import main
-from morph.app.viewer.given import Given
-from morph.app.viewer.views.align import Align, maker
+from morph.app.viewer.given import ViewRequest
+from morph.app.viewer.views.align import AlignView, maker
 
 QUICK = ("--trials", "2", "--repeats", "0", "--scratch", "0", "--quiet")
 
@@ -53,14 +53,16 @@ def makers() -> dict[Path, Callable[[], Any]]:
 
 
 @pytest.fixture
-def shown(wrote: dict[str, Path], makers: dict[Path, Callable[[], Any]]) -> Callable[..., Align]:
+def shown(
+    wrote: dict[str, Path], makers: dict[Path, Callable[[], Any]]
+) -> Callable[..., AlignView]:
     """Makes the view of a folder; what nobody spoils is loaded once."""
 
-    def view(folder: Path) -> Align:
+    def view(folder: Path) -> AlignView:
         if folder not in makers or folder not in wrote.values():
-            makers[folder] = maker(Given(robots=(), asked=(), transfer=folder))
+            makers[folder] = maker(ViewRequest(robots=(), asked=(), transfer=folder))
         made = makers[folder]()
-        assert isinstance(made, Align)
+        assert isinstance(made, AlignView)
         return made
 
     return view

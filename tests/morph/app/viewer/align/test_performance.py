@@ -14,7 +14,7 @@ from morph.app.viewer.align.performance import PARTS, SOURCE, TARGET, Performanc
 from morph.app.viewer.align.read import story
 from morph.app.viewer.align.turns import SECONDS, SHIFT
 from morph.app.viewer.figure import figure
-from morph.app.viewer.motion import Motion
+from morph.app.viewer.motion import MotionFrames
 from morph.arrays import Array
 from morph.body.load import load
 from morph.errors import ViewError
@@ -28,7 +28,7 @@ def chain(wrote: dict[str, Path]) -> Performance:
     return Performance(told, cast(told, ()))
 
 
-def leaning(chain: Performance, motion: Motion, at: int, link: str) -> Array:
+def leaning(chain: Performance, motion: MotionFrames, at: int, link: str) -> Array:
     """Return by how much a link leans more than it does at first, rad, about the world's y."""
     drawn = chain.players[at].figure
     assert drawn is not None
@@ -37,7 +37,7 @@ def leaning(chain: Performance, motion: Motion, at: int, link: str) -> Array:
     return np.asarray((turned * turned[0].inv()).as_rotvec()[:, 1])
 
 
-def along(chain: Performance, motion: Motion, at: int, link: str) -> Array:
+def along(chain: Performance, motion: MotionFrames, at: int, link: str) -> Array:
     """Return how far a link has gone along x, m."""
     drawn = chain.players[at].figure
     assert drawn is not None

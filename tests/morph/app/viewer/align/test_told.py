@@ -15,7 +15,7 @@ from morph.app.viewer.align.told import chain_table, hop_notes, hop_tables, scor
 from morph.app.viewer.content import Marked
 from morph.app.viewer.fragments import notes_html, table_html
 from morph.transfer.parts import Arrow, Parts
-from morph.transfer.record import Guard
+from morph.transfer.record import GuardRecord
 
 Copy = Callable[..., Path]
 
@@ -28,13 +28,13 @@ def hop(wrote: dict[str, Path]) -> Told:
 @pytest.mark.parametrize(
     ("guard", "said"),
     [
-        (Guard(verdict="safe", probability=0.997), "calls it safe on"),
-        (Guard(verdict="unsafe", probability=0.2), "calls it unsafe on"),
-        (Guard(verdict="unsure", probability=None), "cannot tell of"),
+        (GuardRecord(verdict="safe", probability=0.997), "calls it safe on"),
+        (GuardRecord(verdict="unsafe", probability=0.2), "calls it unsafe on"),
+        (GuardRecord(verdict="unsure", probability=None), "cannot tell of"),
     ],
 )
 def test_the_verdict_is_told_in_words_with_its_probability(
-    hop: Told, guard: Guard, said: str
+    hop: Told, guard: GuardRecord, said: str
 ) -> None:
     told = replace(hop, guard=guard, why="it was never seen")
     words = verdict(told)

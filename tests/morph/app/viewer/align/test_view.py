@@ -13,12 +13,12 @@ import pytest
 from morph.app.viewer.align.lines import COMMANDS, FAINT, SAME, TURNED
 from morph.app.viewer.align.performance import PARTS, TARGET
 from morph.app.viewer.content import Content, Tie
-from morph.app.viewer.given import Given
-from morph.app.viewer.views.align import HELD, TURNED_ROUND, Align, maker
+from morph.app.viewer.given import ViewRequest
+from morph.app.viewer.views.align import HELD, TURNED_ROUND, AlignView, maker
 from morph.errors import ViewError
 
 Copy = Callable[..., Path]
-Shown = Callable[..., Align]
+Shown = Callable[..., AlignView]
 
 
 def joined(content: Content, tie: Tie) -> tuple[str, str, str, str]:
@@ -227,15 +227,15 @@ def test_names_that_are_no_part_of_the_bodies_are_told(copy: Copy, shown: Shown)
 
 def test_without_a_folder_there_is_no_view() -> None:
     with pytest.raises(ViewError, match=r"no folder is named"):
-        maker(Given(robots=(), asked=()))
+        maker(ViewRequest(robots=(), asked=()))
 
 
 def test_two_people_choose_each_for_themselves(wrote: dict[str, Path]) -> None:
-    make = maker(Given(robots=(), asked=(), transfer=wrote["transfer"]))
+    make = maker(ViewRequest(robots=(), asked=(), transfer=wrote["transfer"]))
     one, other = make(), make()
-    assert isinstance(one, Align)
+    assert isinstance(one, AlignView)
     one.chosen = one.at_hop(1)
-    assert isinstance(other, Align)
+    assert isinstance(other, AlignView)
     assert other.chosen.hop == 0
     # What is loaded is one thing for both.
     assert one.content().actors[0].figure is other.content().actors[0].figure

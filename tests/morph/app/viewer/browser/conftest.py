@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from morph.app.cli.main import main
-from morph.app.viewer.given import Given
+from morph.app.viewer.given import ViewRequest
 from morph.app.viewer.server import Viewer
 from morph.app.viewer.view import View
 from morph.app.viewer.views.views import makers
@@ -260,7 +260,7 @@ def served(caplog: pytest.LogCaptureFixture) -> Iterator[Callable[..., Viewer]]:
         begin = 0
         if views is None:
             robots = tuple(load(name) for name in names)
-            found, begin = makers(Given(robots=robots, asked=names, **given), first)
+            found, begin = makers(ViewRequest(robots=robots, asked=names, **given), first)
             views = lambda: [make() for make in found]  # noqa: E731
         viewers.append(Viewer(views, first=begin, port=free_port()))
         return viewers[-1]

@@ -10,7 +10,7 @@ import pytest
 
 from morph.app.viewer.server import Viewer
 from morph.app.viewer.session import Session
-from morph.app.viewer.views.design import Design
+from morph.app.viewer.views.design import DesignView
 from morph.body.load import load
 
 
@@ -26,7 +26,7 @@ def test_a_designer_finds_moves_changes_undoes_and_saves(
     page = person.page
     session: Session = viewer.sessions[0]
     view = session.view
-    assert isinstance(view, Design)
+    assert isinstance(view, DesignView)
 
     # The search leaves both knees.
     page.get_by_text("find", exact=True).locator("xpath=../../../..").locator("input").fill("knee")

@@ -7,7 +7,7 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
-from morph.app.viewer.given import Given
+from morph.app.viewer.given import ViewRequest
 from morph.app.viewer.views.views import makers
 from morph.body.load import load
 
@@ -28,7 +28,7 @@ def test_a_page_is_drawn_by_webgl_asks_nobody_else_and_runs_nothing_that_names_s
     robot = load(str(file))
     # What this is about is there: nobody has refused or mended the names.
     assert robot.links[0].name == f"{HOSTILE}link"
-    found, _ = makers(Given(robots=(robot,), asked=(str(file),)))
+    found, _ = makers(ViewRequest(robots=(robot,), asked=(str(file),)))
     address = served(views=lambda: [make() for make in found]).address
     person = look(address)
     the_canvas_is_drawn_by_webgl(person)

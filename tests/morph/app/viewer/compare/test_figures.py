@@ -19,7 +19,7 @@ from morph.app.viewer.compare.figures import (
     verdict,
 )
 from morph.app.viewer.compare.forces import forces
-from morph.app.viewer.compare.run import Run, ran
+from morph.app.viewer.compare.run import SimulatedRun, ran
 from morph.body.robot import Robot
 from morph.policy.pattern import Swing, pattern
 from morph.task.task import Task
@@ -27,7 +27,7 @@ from morph.task.task import Task
 INERTIA = 2.0
 
 
-def turned(task: Task, torque: float) -> Run:
+def turned(task: Task, torque: float) -> SimulatedRun:
     return ran(task, pattern(task.robot, {"axle": Swing(offset=torque)}, period=task.period))
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from morph.app.picture.times import nearest_samples
 from morph.app.viewer.compare.forces import Forces, forces
-from morph.app.viewer.compare.run import Run, ran
+from morph.app.viewer.compare.run import SimulatedRun, ran
 from morph.app.viewer.motion import RATE
 from morph.body.robot import Robot
 from morph.physics.fluid.added_mass import AddedMass
@@ -33,7 +33,7 @@ def body(height: float, mass: float) -> str:
     <geom type="box" size="0.2 0.2 0.2" mass="{mass}"/>{FIN}</body>"""
 
 
-def told(task: Task, torque: float = 0.0) -> tuple[Run, Forces]:
+def told(task: Task, torque: float = 0.0) -> tuple[SimulatedRun, Forces]:
     """What happens when the fin's motor is told a constant torque, N m."""
     swings = {"fin": Swing(offset=torque)}
     run = ran(task, pattern(task.robot, swings, period=task.period))

@@ -13,8 +13,8 @@ from morph.app.viewer.compare.panel import legend_html, states_html
 from morph.app.viewer.compare.show import at_rest
 from morph.app.viewer.compare.simulation_cache import named
 from morph.app.viewer.compare.work import Work
-from morph.app.viewer.content import Content, Live
-from morph.app.viewer.given import Given
+from morph.app.viewer.content import Content, LiveCell
+from morph.app.viewer.given import ViewRequest
 from morph.app.viewer.views.compare import maker
 from morph.body.load import load
 from morph.errors import EffectError, TaskError, ViewError
@@ -22,8 +22,8 @@ from morph.policy.pattern import Swing, pattern
 from morph.policy.store import write_policy
 
 
-def given(*names: str, **how: Any) -> Given:
-    return Given(robots=tuple(map(load, names)), asked=names, **how)
+def given(*names: str, **how: Any) -> ViewRequest:
+    return ViewRequest(robots=tuple(map(load, names)), asked=names, **how)
 
 
 def shown(*names: str, **how: Any) -> Content:
@@ -47,7 +47,7 @@ def test_without_a_task_joints_go_through_their_ranges_by_no_physics() -> None:
     assert column(content, 0, "joints") == ["2", "6"]
     assert column(content, 0, "driven") == ["1", "6"]
     live = column(content, 1, "holding margin (%)")
-    assert live == [Live(actor=at, series=MARGIN) for at in (0, 1)]
+    assert live == [LiveCell(actor=at, series=MARGIN) for at in (0, 1)]
     assert content.charts == ()
 
 

@@ -8,22 +8,22 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from morph.app.viewer.design.bench import Bench, Plan
+from morph.app.viewer.design.bench import Bench, BodyPlan
 from morph.app.viewer.design.figures import figures, headline, limits_note, motors
 from morph.body.load import load
 from morph.body.robot import Robot
 
 
 @pytest.fixture(scope="module")
-def biped() -> Plan:
-    return Plan(load("biped"))
+def biped() -> BodyPlan:
+    return BodyPlan(load("biped"))
 
 
 def rebuilt(bench: Bench) -> None:
     bench.take(bench.plan.built(bench.choice.values))
 
 
-def test_a_parameter_makes_the_body_stale_until_it_is_built(biped: Plan) -> None:
+def test_a_parameter_makes_the_body_stale_until_it_is_built(biped: BodyPlan) -> None:
     bench = Bench(biped)
     assert not bench.stale
     bench.set("torso_mass", 1.5, 0.0)
@@ -35,7 +35,7 @@ def test_a_parameter_makes_the_body_stale_until_it_is_built(biped: Plan) -> None
     assert bench.built.robot.mass == pytest.approx(biped.robot.mass + 0.5 * torso, abs=1e-9)
 
 
-def test_a_parameter_where_it_changes_nothing_is_not_set(biped: Plan) -> None:
+def test_a_parameter_where_it_changes_nothing_is_not_set(biped: BodyPlan) -> None:
     bench = Bench(biped)
     bench.set("torso_mass", 1.5, 0.0)
     bench.set("torso_mass", 1.0, 9.0)
@@ -43,7 +43,7 @@ def test_a_parameter_where_it_changes_nothing_is_not_set(biped: Plan) -> None:
     assert not bench.stale
 
 
-def test_values_beyond_a_range_or_of_no_parameter_do_no_harm(biped: Plan) -> None:
+def test_values_beyond_a_range_or_of_no_parameter_do_no_harm(biped: BodyPlan) -> None:
     bench = Bench(biped)
     bench.set("torso_mass", 1e9, 0.0)
     assert bench.choice.values == {"torso_mass": 2.0}
@@ -54,7 +54,7 @@ def test_values_beyond_a_range_or_of_no_parameter_do_no_harm(biped: Plan) -> Non
     assert bench.turn("wing", 1.0, 15.0)
 
 
-def test_a_turned_joint_stays_turned_when_the_body_is_built_anew(biped: Plan) -> None:
+def test_a_turned_joint_stays_turned_when_the_body_is_built_anew(biped: BodyPlan) -> None:
     bench = Bench(biped)
     handle = bench.posture.handles[3]
     bench.turn(handle.joint, 0.5 * handle.high, 0.0)
@@ -63,7 +63,7 @@ def test_a_turned_joint_stays_turned_when_the_body_is_built_anew(biped: Plan) ->
     assert bench.position(handle) == pytest.approx(0.5 * handle.high, abs=1e-12)
 
 
-def test_a_joint_that_was_locked_comes_back_where_it_was(biped: Plan) -> None:
+def test_a_joint_that_was_locked_comes_back_where_it_was(biped: BodyPlan) -> None:
     bench = Bench(biped)
     knee = next(each for each in bench.posture.handles if each.link == "left_shank")
     bench.turn(knee.joint, 0.5 * (knee.low + knee.high), 0.0)
@@ -77,7 +77,7 @@ def test_a_joint_that_was_locked_comes_back_where_it_was(biped: Plan) -> None:
     assert bench.position(knee) == pytest.approx(turned, abs=1e-12)
 
 
-def test_undo_takes_back_a_drag_and_then_a_parameter(biped: Plan) -> None:
+def test_undo_takes_back_a_drag_and_then_a_parameter(biped: BodyPlan) -> None:
     bench = Bench(biped)
     bench.set("torso_mass", 1.5, 0.0)
     rebuilt(bench)
@@ -93,7 +93,7 @@ def test_undo_takes_back_a_drag_and_then_a_parameter(biped: Plan) -> None:
     assert bench.built.robot is biped.robot
 
 
-def test_random_poses_are_within_limits_and_rest_undoes_them(biped: Plan) -> None:
+def test_random_poses_are_within_limits_and_rest_undoes_them(biped: BodyPlan) -> None:
     bench = Bench(biped)
     bench.random(np.random.default_rng(1), 0.0)
     places = [bench.position(handle) for handle in bench.posture.handles]
@@ -107,7 +107,7 @@ def test_random_poses_are_within_limits_and_rest_undoes_them(biped: Plan) -> Non
     ]
 
 
-def test_what_is_pointed_at_is_seen_even_if_it_is_not_drawn(biped: Plan) -> None:
+def test_what_is_pointed_at_is_seen_even_if_it_is_not_drawn(biped: BodyPlan) -> None:
     bench = Bench(biped)
     links = {link.name for link in biped.robot.links}
     for joint in biped.robot.joints:
@@ -117,7 +117,7 @@ def test_what_is_pointed_at_is_seen_even_if_it_is_not_drawn(biped: Plan) -> None
     assert bench.seen(None) is None
 
 
-def test_tables_hold_the_figures_and_what_changed(biped: Plan) -> None:
+def test_tables_hold_the_figures_and_what_changed(biped: BodyPlan) -> None:
     bench = Bench(biped)
     bench.set("torso_mass", 2.0, 0.0)
     rebuilt(bench)
@@ -140,7 +140,7 @@ def test_tables_hold_the_figures_and_what_changed(biped: Plan) -> None:
     )
 
 
-def test_figures_that_are_not_known_yet_are_told_as_such(biped: Plan) -> None:
+def test_figures_that_are_not_known_yet_are_told_as_such(biped: BodyPlan) -> None:
     bench = Bench(biped)
     rows = {str(row[0]): row[1:] for row in figures(bench, None, None).rows}
     assert rows["reach (m)"] == ("…", "…", "")
@@ -151,7 +151,7 @@ def test_figures_that_are_not_known_yet_are_told_as_such(biped: Plan) -> None:
 def test_a_heavy_link_shows_in_the_margin_of_the_motor_that_holds_it(
     arm: Callable[..., Robot],
 ) -> None:
-    plan = Plan(arm())
+    plan = BodyPlan(arm())
     bench = Bench(plan)
     bench.set("lower: mass", 2.0, 0.0)
     rebuilt(bench)
@@ -165,7 +165,7 @@ def test_a_heavy_link_shows_in_the_margin_of_the_motor_that_holds_it(
 
 
 def test_a_body_without_motors_has_figures_too(long_snake: Robot) -> None:
-    bench = Bench(Plan(long_snake))
+    bench = Bench(BodyPlan(long_snake))
     table = figures(bench, bench.built.measures, bench.built.measures)
     rows = {str(row[0]): row[1:] for row in table.rows}
     assert rows["margin here"][0] == "–"

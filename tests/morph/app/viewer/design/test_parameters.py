@@ -15,14 +15,14 @@ from morph.app.viewer.design.parameters import (
     neutral,
     usable,
 )
-from morph.body.card import Parameter
+from morph.body.card import CardParameter
 from morph.body.load import load
 from morph.body.robot import Robot
 from morph.errors import RobotError
 
 
-def parameter(operation: str, low: float, high: float, link: str = "knee") -> Parameter:
-    return Parameter(name=operation, operation=operation, link=link, low=low, high=high)
+def parameter(operation: str, low: float, high: float, link: str = "knee") -> CardParameter:
+    return CardParameter(name=operation, operation=operation, link=link, low=low, high=high)
 
 
 def test_any_body_can_be_larger_or_heavier_by_link(arm: Callable[..., Robot]) -> None:

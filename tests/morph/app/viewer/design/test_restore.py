@@ -9,25 +9,25 @@ from typing import Any
 
 import pytest
 
-from morph.app.viewer.design.bench import Plan
-from morph.app.viewer.views.design import Design
+from morph.app.viewer.design.bench import BodyPlan
+from morph.app.viewer.views.design import DesignView
 from morph.body.robot import Robot
 from morph.errors import ViewError
 
 
 @pytest.fixture
-def plan(arm: Callable[..., Robot]) -> Plan:
-    return Plan(arm())
+def plan(arm: Callable[..., Robot]) -> BodyPlan:
+    return BodyPlan(arm())
 
 
-def test_a_state_shows_the_same_again(plan: Plan) -> None:
-    view = Design((plan, plan))
+def test_a_state_shows_the_same_again(plan: BodyPlan) -> None:
+    view = DesignView((plan, plan))
     view.choose(1)
     view.turn("elbow", 0.5)
     view.set("lower: mass", 1.5)
     view.show_original(False)
     state = json.loads(json.dumps(view.state()))
-    other = Design((plan, plan))
+    other = DesignView((plan, plan))
     other.restore(state)
     assert other.state() == state
     assert other.at == 1
@@ -40,8 +40,8 @@ def test_a_state_shows_the_same_again(plan: Plan) -> None:
     )
 
 
-def test_an_empty_state_is_the_beginning(plan: Plan) -> None:
-    view = Design((plan,))
+def test_an_empty_state_is_the_beginning(plan: BodyPlan) -> None:
+    view = DesignView((plan,))
     view.restore({})
     assert view.at == 0
     assert view.bench.choice.values == {}
@@ -65,6 +65,6 @@ def test_an_empty_state_is_the_beginning(plan: Plan) -> None:
         ({"designs": {"0": {"pose": {"tail": 0.1}}}}, r"there is no 'tail'"),
     ],
 )
-def test_a_state_that_does_not_fit_is_refused(plan: Plan, state: Any, told: str) -> None:
+def test_a_state_that_does_not_fit_is_refused(plan: BodyPlan, state: Any, told: str) -> None:
     with pytest.raises(ViewError, match=told):
-        Design((plan,)).restore(state)
+        DesignView((plan,)).restore(state)

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 import morph.app.viewer.design.save as saving
-from morph.app.viewer.design.bench import Plan
+from morph.app.viewer.design.bench import BodyPlan
 from morph.app.viewer.design.save import check_name, save
 from morph.body.load import load
 from morph.body.robot import Robot
@@ -25,7 +25,7 @@ def shelf(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return place
 
 
-def some(plan: Plan) -> dict[str, float]:
+def some(plan: BodyPlan) -> dict[str, float]:
     """Return all parameters that are no locks, a third of the way up, and two general ones."""
     own = {
         each.name: each.low + (each.high - each.low) / 3.0
@@ -37,7 +37,7 @@ def some(plan: Plan) -> dict[str, float]:
 
 @pytest.mark.parametrize("name", ["quadruped_printed", "so101", "quadruped_four_bar", "pendulum"])
 def test_a_saved_body_is_the_one_designed(name: str, shelf: Path) -> None:
-    plan = Plan(load(name))
+    plan = BodyPlan(load(name))
     built = plan.built(some(plan))
     assert abs(built.robot.mass - plan.robot.mass) > 1e-4
     folder = save(plan, built, "designed")
@@ -55,7 +55,7 @@ def test_a_saved_body_is_the_one_designed(name: str, shelf: Path) -> None:
 
 
 def test_a_saved_body_says_where_it_comes_from_and_can_be_designed_further() -> None:
-    plan = Plan(load("biped"))
+    plan = BodyPlan(load("biped"))
     save(plan, plan.built({"torso_mass": 1.5, "left_ankle_stiffness": 100.0}), "heavy_biped")
     found = load("heavy_biped")
     assert found.card is not None
@@ -69,13 +69,13 @@ def test_a_saved_body_says_where_it_comes_from_and_can_be_designed_further() -> 
     assert ranges["torso_mass"] == pytest.approx((0.3 / 1.5, 2.0 / 1.5), rel=1e-12)
     assert ranges["left_ankle_stiffness"] == (0.0, 900.0)
     assert found.card.licence == plan.robot.card.licence
-    again = Plan(found)
+    again = BodyPlan(found)
     once = again.built({"torso_mass": 2.0 / 1.5}).robot.mass
     assert once == pytest.approx(plan.built({"torso_mass": 2.0}).robot.mass, abs=1e-9)
 
 
 def test_a_locked_joint_is_gone_with_its_parameters() -> None:
-    plan = Plan(load("biped"))
+    plan = BodyPlan(load("biped"))
     values = {"left_knee_locked_at": 0.5, "left_ankle_stiffness": 50.0}
     save(plan, plan.built(values), "stiff_leg")
     found = load("stiff_leg")
@@ -86,7 +86,7 @@ def test_a_locked_joint_is_gone_with_its_parameters() -> None:
 
 
 def test_a_body_without_a_card_is_saved_with_one(arm: Callable[..., Robot]) -> None:
-    plan = Plan(arm())
+    plan = BodyPlan(arm())
     save(plan, plan.built({"lower: mass": 1.5}), "long_arm")
     found = load("long_arm")
     assert found.card is not None
@@ -95,7 +95,7 @@ def test_a_body_without_a_card_is_saved_with_one(arm: Callable[..., Robot]) -> N
 
 
 def test_a_floating_body_without_a_card_still_floats(gripper: Robot) -> None:
-    plan = Plan(gripper)
+    plan = BodyPlan(gripper)
     save(plan, plan.original, "hand")
     found = load("hand")
     assert found.card is not None
@@ -127,7 +127,7 @@ def test_a_name_that_is_none_is_refused(name: str, shelf: Path) -> None:
 
 @pytest.mark.parametrize("name", ["pendulum", "Pendulum", "mine", "MINE"])
 def test_nothing_is_written_over(name: str, shelf: Path, arm: Callable[..., Robot]) -> None:
-    plan = Plan(arm())
+    plan = BodyPlan(arm())
     save(plan, plan.original, "mine")
     before = {file: file.read_bytes() for file in shelf.rglob("*") if file.is_file()}
     with pytest.raises(ViewError, match=r"there is a body called .* already"):
@@ -138,7 +138,7 @@ def test_nothing_is_written_over(name: str, shelf: Path, arm: Callable[..., Robo
 def test_what_fails_on_the_way_leaves_nothing(
     shelf: Path, arm: Callable[..., Robot], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    plan = Plan(arm())
+    plan = BodyPlan(arm())
 
     def full(*_: Any) -> None:
         raise OSError(28, "No space left on device")
@@ -152,7 +152,7 @@ def test_what_fails_on_the_way_leaves_nothing(
 def test_what_was_not_written_right_is_not_saved(
     shelf: Path, arm: Callable[..., Robot], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    plan = Plan(arm())
+    plan = BodyPlan(arm())
     heavier = plan.built({"lower: mass": 1.5}).robot
     monkeypatch.setattr(saving, "load", lambda folder: heavier)
     with pytest.raises(MorphError, match=r"weighs 3\.5 kg, and the design 3 kg"):
@@ -162,7 +162,7 @@ def test_what_was_not_written_right_is_not_saved(
 
 def test_a_shelf_that_is_a_file_is_told(shelf: Path, arm: Callable[..., Robot]) -> None:
     shelf.write_text("not a folder")
-    plan = Plan(arm())
+    plan = BodyPlan(arm())
     with pytest.raises(OutputError, match=r"the design cannot be saved"):
         save(plan, plan.original, "mine")
     assert shelf.read_text() == "not a folder"

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from morph.app.viewer.camera import Camera
-from morph.app.viewer.content import Chart, Content, Line, Live, Moment, Table
+from morph.app.viewer.content import CellTable, Chart, ChartLine, Content, LiveCell, Moment
 from morph.app.viewer.export.page import exported_page
 from morph.app.viewer.export.recorded import FIGURES, recorded, rounded
 
@@ -58,10 +58,14 @@ def full(shown: Content) -> Content:
     figure = replace(actor.figure, robot=replace(actor.figure.robot, name=EVIL))
     return Content(
         actors=(replace(actor, motion=moves, figure=figure, title=EVIL),),
-        charts=(Chart(title=EVIL, unit="J", lines=(Line(name=EVIL, time=times, value=energy),)),),
+        charts=(
+            Chart(title=EVIL, unit="J", lines=(ChartLine(name=EVIL, time=times, value=energy),)),
+        ),
         tables=(
-            Table(
-                title=EVIL, head=(EVIL, "energy"), rows=((EVIL, Live(actor=0, series="energy")),)
+            CellTable(
+                title=EVIL,
+                head=(EVIL, "energy"),
+                rows=((EVIL, LiveCell(actor=0, series="energy")),),
             ),
         ),
         moments=(Moment(time=0.5, title=EVIL),),

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from morph.app.viewer.mismatch.arrows import scale_of, wrenches
-from morph.app.viewer.mismatch.case import Case
+from morph.app.viewer.mismatch.case import MismatchCase
 from morph.app.viewer.mismatch.diagnosed import load_diagnosed
 from morph.app.viewer.mismatch.freedoms import axes
 from morph.app.viewer.mismatch.heat import by_error, by_force, forces
@@ -40,7 +40,7 @@ def without(recording: Recording, *names: str) -> Recording:
 def test_where_nothing_is_missing_the_ghost_stays_with_the_recording(
     pendulum: Robot, swung: Callable[..., Recording]
 ) -> None:
-    take = Case(pendulum, (swung(),)).take(EACH_SECOND)
+    take = MismatchCase(pendulum, (swung(),)).take(EACH_SECOND)
     # Starts are read off smoothed motion: 15 Hz let through of motion below 1 Hz, and a step of
     # 4 ms against the recording's 2 ms; friction of 0.2 N m costs 0.1 rad in the same second.
     assert take.traces[0].rmse[DESCRIBED] < 2e-3
@@ -51,7 +51,7 @@ def test_hidden_friction_is_the_force_that_is_missing(
     pendulum: Robot, swung: Callable[..., Recording]
 ) -> None:
     run = swung(RUBBING)
-    missed = Case(pendulum, (run,)).take(EACH_SECOND).missing[DESCRIBED]
+    missed = MismatchCase(pendulum, (run,)).take(EACH_SECOND).missing[DESCRIBED]
     speed = run.channel("hinge.velocity").at(missed.time)
     fast = np.abs(speed) > 0.8
     # -c sign(v), a square wave: smoothed, it rings by up to a quarter beside its edges, and the
@@ -63,7 +63,7 @@ def test_hidden_friction_is_the_force_that_is_missing(
 
 def test_a_command_that_was_not_recorded_is_missing_as_a_constant_torque(pendulum: Robot) -> None:
     run = Simulator(pendulum).run(seconds=6.0, start={"hinge": 0.6}, command={"hinge": 0.3})
-    case = Case(pendulum, (without(run, "hinge.command"),))
+    case = MismatchCase(pendulum, (without(run, "hinge.command"),))
     take = case.take(EACH_SECOND)
     missed = take.missing[DESCRIBED]
     # The motion is a swing of 0.7 Hz seen through a filter of 3 Hz, which makes up a tenth of the
@@ -91,7 +91,7 @@ def test_the_measured_effort_of_a_motor_stands_in_for_its_command(
     told = run.channel("hinge.command")
     measured = Channel(time=told.time, value=told.value)
     channels = {**without(run, "hinge.command").channels, "hinge.effort": measured}
-    take = Case(pendulum, (replace(run, channels=channels),)).take(EACH_SECOND)
+    take = MismatchCase(pendulum, (replace(run, channels=channels),)).take(EACH_SECOND)
     assert take.traces[0].rmse[DESCRIBED] < 2e-3
     assert any("the effort measured at its joint is taken" in note for note in take.notes)
 
@@ -100,7 +100,7 @@ def test_the_corrected_model_takes_the_error_away(
     pendulum: Robot, swung: Callable[..., Recording], diagnosis_of: Callable[..., Path]
 ) -> None:
     diagnosed = load_diagnosed(diagnosis_of(pendulum, RUBBING), pendulum)
-    case = Case(pendulum, (swung(RUBBING),), diagnosed)
+    case = MismatchCase(pendulum, (swung(RUBBING),), diagnosed)
     take = case.take(EACH_SECOND)
     errors = take.traces[0].rmse
     assert errors[DESCRIBED] > 0.02
@@ -113,7 +113,7 @@ def test_the_corrected_model_takes_the_error_away(
 def test_a_restarted_ghost_meets_the_recording_at_every_restart(
     pendulum: Robot, swung: Callable[..., Recording]
 ) -> None:
-    take = Case(pendulum, (swung(RUBBING),)).take(EACH_SECOND)
+    take = MismatchCase(pendulum, (swung(RUBBING),)).take(EACH_SECOND)
     apart = np.abs(take.simulated[DESCRIBED] - take.measured)[:, 0]
     # Rollouts start 0.15 s into a run, then every second: one picture later they are still near.
     starts = [int(np.ceil((0.15 + second) * RATE)) for second in range(5)]
@@ -122,7 +122,7 @@ def test_a_restarted_ghost_meets_the_recording_at_every_restart(
 
 
 def test_an_open_loop_is_never_put_back(pendulum: Robot, swung: Callable[..., Recording]) -> None:
-    case = Case(pendulum, (swung(RUBBING),))
+    case = MismatchCase(pendulum, (swung(RUBBING),))
     take, restarted = case.take(OPEN), case.take(EACH_SECOND)
     jumps = np.abs(np.diff(take.simulated[DESCRIBED][:, 0])).max()
     # 5 rad/s at most is 0.09 rad a picture.
@@ -133,7 +133,7 @@ def test_an_open_loop_is_never_put_back(pendulum: Robot, swung: Callable[..., Re
 def test_a_run_shorter_than_the_horizon_is_not_restarted_and_says_so(
     pendulum: Robot, swung: Callable[..., Recording]
 ) -> None:
-    take = Case(pendulum, (swung(seconds=0.8),)).take(EACH_SECOND)
+    take = MismatchCase(pendulum, (swung(seconds=0.8),)).take(EACH_SECOND)
     assert take.horizon is None
     assert any("less than 1 s" in note for note in take.notes)
 
@@ -141,7 +141,7 @@ def test_a_run_shorter_than_the_horizon_is_not_restarted_and_says_so(
 def test_a_run_too_short_to_be_diagnosed_is_still_shown(
     pendulum: Robot, swung: Callable[..., Recording]
 ) -> None:
-    take = Case(pendulum, (swung(seconds=0.3),)).take(EACH_SECOND)
+    take = MismatchCase(pendulum, (swung(seconds=0.3),)).take(EACH_SECOND)
     assert take.missing == {}
     assert len(take.measured) == 19
     assert any("it lasts 0.3 s" in note for note in take.notes)
@@ -150,7 +150,7 @@ def test_a_run_too_short_to_be_diagnosed_is_still_shown(
 def test_full_red_is_where_the_description_is_at_its_worst(
     pendulum: Robot, swung: Callable[..., Recording]
 ) -> None:
-    case = Case(pendulum, (swung(RUBBING),))
+    case = MismatchCase(pendulum, (swung(RUBBING),))
     take = case.take(EACH_SECOND)
     heat = by_error(case.figure, take, DESCRIBED)
     assert heat is not None
@@ -187,7 +187,7 @@ def test_a_finding_leads_to_where_its_force_is_missing(pendulum: Robot) -> None:
         time = np.concatenate([at + run.channel(name).time[1:] for at, run in parts])
         value = np.concatenate([run[name][1:] for _, run in parts])
         channels[name] = Channel(time=time, value=value, hold=name.endswith("command"))
-    case = Case(pendulum, (Recording(name="dragged", channels=channels),))
+    case = MismatchCase(pendulum, (Recording(name="dragged", channels=channels),))
     found = ViscousFriction(joint="hinge", b=0.3)
     episode, _ = case.laid(0)
     assert episode is not None
@@ -212,7 +212,7 @@ def test_windows_are_all_of_a_recording_and_none_is_a_sliver() -> None:
 def test_a_window_holds_what_the_whole_holds_there(
     pendulum: Robot, swung: Callable[..., Recording]
 ) -> None:
-    case = Case(pendulum, (swung(seconds=30.0),))
+    case = MismatchCase(pendulum, (swung(seconds=30.0),))
     assert [round(end) for _, end in case.windows(0)] == [20, 30]
     whole, _ = case.laid(0)
     assert whole is not None
@@ -226,7 +226,7 @@ def test_a_window_holds_what_the_whole_holds_there(
 def test_a_joint_that_was_not_measured_rests_and_is_named() -> None:
     robot = load("double_pendulum")
     run = Simulator(robot).run(seconds=2.0, start={"shoulder": 0.4, "elbow": 0.3})
-    take = Case(robot, (without(run, "elbow.position"),)).take(OPEN)
+    take = MismatchCase(robot, (without(run, "elbow.position"),)).take(OPEN)
     assert (take.measured[:, 1] == 0.0).all()
     assert np.ptp(take.measured[:, 0]) > 0.1
     assert any("elbow" in note for note in take.notes)
@@ -243,7 +243,7 @@ def test_a_tracked_body_and_its_ghost_float_as_recorded() -> None:
         speed={"hull.linear_velocity.x": 0.3},
         command={"left_front": 0.0},
     )
-    case = Case(robot, (run,), around=water)
+    case = MismatchCase(robot, (run,), around=water)
     # A rollout from 0.15 s on: smoothing rounds the fin's release, 0.02 rad.
     take = case.take(Ask(horizon=0.6))
     x = int(case.figure.model.joint("root").qposadr[0])
@@ -258,7 +258,7 @@ def test_a_tracked_body_and_its_ghost_float_as_recorded() -> None:
 def test_the_pictures_of_forces_are_unknown_where_smoothing_makes_them_up(
     pendulum: Robot, swung: Callable[..., Recording]
 ) -> None:
-    take = Case(pendulum, (swung(RUBBING),)).take(EACH_SECOND)
+    take = MismatchCase(pendulum, (swung(RUBBING),)).take(EACH_SECOND)
     found = forces(take, DESCRIBED, len(take.measured))
     assert np.isnan(found[0]).all()
     assert np.isnan(found[-1]).all()
@@ -268,7 +268,7 @@ def test_the_pictures_of_forces_are_unknown_where_smoothing_makes_them_up(
 def test_what_is_bolted_to_the_world_is_drawn_once(
     pendulum: Robot, swung: Callable[..., Recording]
 ) -> None:
-    case = Case(pendulum, (swung(),))
+    case = MismatchCase(pendulum, (swung(),))
     assert any(shape.body == 0 for shape in case.figure.shapes)
     assert {shape.body for shape in case.ghost.shapes} == {1}
 
@@ -283,7 +283,7 @@ def test_the_stretches_of_a_run_whose_end_was_held_out_lie_in_its_last_quarter(
     }
     fit = {"horizon_s": 1.0, "train": ["run"], "held_out": ["run"], "split": "by time"}
     folder = diagnosis_of(pendulum, RUBBING, located=located, fit=fit)
-    case = Case(pendulum, (swung(RUBBING, seconds=8.0),), load_diagnosed(folder, pendulum))
+    case = MismatchCase(pendulum, (swung(RUBBING, seconds=8.0),), load_diagnosed(folder, pendulum))
     # The last quarter of 8 s begins at 6 s.
     assert case.unseen_from(0) == pytest.approx(6.0, abs=0.003)
     assert case.take(EACH_SECOND).worst[0] == pytest.approx((6.2, 7.2), abs=0.003)
@@ -295,5 +295,5 @@ def test_a_long_gap_in_a_log_is_told(pendulum: Robot, swung: Callable[..., Recor
     kept = (angle.time < 2.0) | (angle.time > 4.0)
     holed = Channel(time=angle.time[kept], value=angle.value[kept])
     channels = {**run.channels, "hinge.position": holed}
-    take = Case(pendulum, (replace(run, channels=channels),)).take(EACH_SECOND)
+    take = MismatchCase(pendulum, (replace(run, channels=channels),)).take(EACH_SECOND)
     assert any(note.startswith("There is no reading for 2") for note in take.notes)

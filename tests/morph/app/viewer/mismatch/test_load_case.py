@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from morph.app.viewer.given import Given
+from morph.app.viewer.given import ViewRequest
 from morph.app.viewer.mismatch.load_case import load_case
 from morph.body.load import load
 from morph.body.robot import Robot
@@ -23,21 +23,23 @@ RUBBING = CoulombFriction(joint="hinge", c=0.2)
 
 
 @pytest.fixture
-def given(pendulum: Robot, swung: Callable[..., Recording], tmp_path: Path) -> Callable[..., Given]:
+def given(
+    pendulum: Robot, swung: Callable[..., Recording], tmp_path: Path
+) -> Callable[..., ViewRequest]:
     """Makes what was given: a run of the pendulum, and what is changed of it."""
 
-    def made(**changes: object) -> Given:
+    def made(**changes: object) -> ViewRequest:
         path = tmp_path / "run.npz"
         if not path.exists():
             write(swung(seconds=2.0), path)
-        whole = Given(robots=(pendulum,), asked=("pendulum",), recordings=(path,))
+        whole = ViewRequest(robots=(pendulum,), asked=("pendulum",), recordings=(path,))
         return replace(whole, **changes)  # type: ignore[arg-type]
 
     return made
 
 
 def test_a_recording_of_another_robot_is_refused_with_the_nearest_names(
-    given: Callable[..., Given],
+    given: Callable[..., ViewRequest],
 ) -> None:
     with pytest.raises(RecordingError, match=r"names no .* of cartpole; its .* are") as caught:
         load_case(given(robots=(load("cartpole"),)))
@@ -45,14 +47,14 @@ def test_a_recording_of_another_robot_is_refused_with_the_nearest_names(
 
 
 def test_a_file_that_is_not_there_is_refused_by_its_name(
-    given: Callable[..., Given], tmp_path: Path
+    given: Callable[..., ViewRequest], tmp_path: Path
 ) -> None:
     with pytest.raises(RecordingError, match=r"nowhere\.npz"):
         load_case(given(recordings=(tmp_path / "nowhere.npz",)))
 
 
 def test_a_recording_that_tells_of_no_joint_is_refused(
-    given: Callable[..., Given], swung: Callable[..., Recording], tmp_path: Path
+    given: Callable[..., ViewRequest], swung: Callable[..., Recording], tmp_path: Path
 ) -> None:
     run = swung(seconds=1.0)
     channels = {"hinge.command": run.channel("hinge.command")}
@@ -63,7 +65,7 @@ def test_a_recording_that_tells_of_no_joint_is_refused(
 
 
 def test_two_recordings_of_one_name_are_refused(
-    given: Callable[..., Given], swung: Callable[..., Recording], tmp_path: Path
+    given: Callable[..., ViewRequest], swung: Callable[..., Recording], tmp_path: Path
 ) -> None:
     other = tmp_path / "other"
     other.mkdir()
@@ -74,7 +76,7 @@ def test_two_recordings_of_one_name_are_refused(
 
 
 def test_a_diagnosis_alone_asks_for_its_recordings_by_its_own_command(
-    given: Callable[..., Given], pendulum: Robot, diagnosis_of: Callable[..., Path]
+    given: Callable[..., ViewRequest], pendulum: Robot, diagnosis_of: Callable[..., Path]
 ) -> None:
     folder = diagnosis_of(pendulum, RUBBING)
     with pytest.raises(ViewError, match=r"morph diagnose pendulum runs/train\.npz") as caught:
@@ -83,14 +85,14 @@ def test_a_diagnosis_alone_asks_for_its_recordings_by_its_own_command(
 
 
 def test_a_folder_without_a_diagnosis_is_refused(
-    given: Callable[..., Given], tmp_path: Path
+    given: Callable[..., ViewRequest], tmp_path: Path
 ) -> None:
     with pytest.raises(ViewError, match=r"diagnosis\.json.*No such file"):
         load_case(given(diagnosis=tmp_path))
 
 
 def test_a_diagnosis_of_another_robot_is_refused(
-    given: Callable[..., Given], diagnosis_of: Callable[..., Path]
+    given: Callable[..., ViewRequest], diagnosis_of: Callable[..., Path]
 ) -> None:
     cartpole = load("cartpole")
     folder = diagnosis_of(cartpole)
@@ -99,7 +101,7 @@ def test_a_diagnosis_of_another_robot_is_refused(
 
 
 def test_a_finding_at_a_part_that_is_not_there_is_refused(
-    given: Callable[..., Given], pendulum: Robot, diagnosis_of: Callable[..., Path]
+    given: Callable[..., ViewRequest], pendulum: Robot, diagnosis_of: Callable[..., Path]
 ) -> None:
     folder = diagnosis_of(pendulum, RUBBING)
     path = folder / "diagnosis.json"
@@ -109,7 +111,7 @@ def test_a_finding_at_a_part_that_is_not_there_is_refused(
 
 
 def test_another_version_of_the_description_is_told_not_refused(
-    given: Callable[..., Given], pendulum: Robot, diagnosis_of: Callable[..., Path]
+    given: Callable[..., ViewRequest], pendulum: Robot, diagnosis_of: Callable[..., Path]
 ) -> None:
     folder = diagnosis_of(pendulum, RUBBING)
     assert load_case(given(diagnosis=folder)).notes == ()
@@ -123,7 +125,7 @@ def test_another_version_of_the_description_is_told_not_refused(
 
 
 def test_effects_beside_the_corrected_model_act_in_it(
-    given: Callable[..., Given], pendulum: Robot, diagnosis_of: Callable[..., Path]
+    given: Callable[..., ViewRequest], pendulum: Robot, diagnosis_of: Callable[..., Path]
 ) -> None:
     hard = StribeckFriction(joint="hinge")
     case = load_case(given(diagnosis=diagnosis_of(pendulum, hard)))
@@ -132,7 +134,7 @@ def test_effects_beside_the_corrected_model_act_in_it(
 
 
 def test_a_spoilt_corrected_model_is_refused_by_its_name(
-    given: Callable[..., Given], pendulum: Robot, diagnosis_of: Callable[..., Path]
+    given: Callable[..., ViewRequest], pendulum: Robot, diagnosis_of: Callable[..., Path]
 ) -> None:
     folder = diagnosis_of(pendulum, RUBBING)
     whole = (folder / "corrected.xml").read_text()
@@ -164,7 +166,7 @@ def test_a_spoilt_corrected_model_is_refused_by_its_name(
     ],
 )
 def test_a_spoilt_diagnosis_is_refused_in_a_sentence(
-    given: Callable[..., Given],
+    given: Callable[..., ViewRequest],
     pendulum: Robot,
     diagnosis_of: Callable[..., Path],
     spoilt: str,
@@ -176,7 +178,7 @@ def test_a_spoilt_diagnosis_is_refused_in_a_sentence(
 
 
 def test_every_key_of_a_diagnosis_may_be_spoilt_without_a_traceback(
-    given: Callable[..., Given], pendulum: Robot, diagnosis_of: Callable[..., Path]
+    given: Callable[..., ViewRequest], pendulum: Robot, diagnosis_of: Callable[..., Path]
 ) -> None:
     folder = diagnosis_of(pendulum, RUBBING)
     path = folder / "diagnosis.json"

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from morph.app.report.files import diagnosis_text
-from morph.app.viewer.given import Given
-from morph.app.viewer.mismatch.choices import Choices
+from morph.app.viewer.given import ViewRequest
+from morph.app.viewer.mismatch.choices import MismatchChoices
 from morph.app.viewer.mismatch.load_case import load_case
 from morph.app.viewer.mismatch.window import CORRECTED, DESCRIBED
 from morph.app.viewer.view import View
@@ -25,7 +25,7 @@ BINDING = Path(__file__).resolve().parents[5] / "experiments" / "bindings" / "df
 
 
 @pytest.fixture(scope="module")
-def given(recordings: Path, tmp_path_factory: pytest.TempPathFactory) -> Given:
+def given(recordings: Path, tmp_path_factory: pytest.TempPathFactory) -> ViewRequest:
     """The rig's runs, and a diagnosis of them whose budget ends before it finds anything."""
     root = recordings / "dfki_double_pendulum"
     robot = load("double_pendulum")
@@ -41,7 +41,7 @@ def given(recordings: Path, tmp_path_factory: pytest.TempPathFactory) -> Given:
     (folder / "diagnosis.json").write_text(diagnosis_text(found))
     (folder / "corrected.xml").write_text(found.corrected)
     (folder / "corrected.toml").write_text(effects_text(found.corrected_effects))
-    return Given(
+    return ViewRequest(
         robots=(robot,),
         asked=("double_pendulum",),
         recordings=(BINDING,),
@@ -51,16 +51,16 @@ def given(recordings: Path, tmp_path_factory: pytest.TempPathFactory) -> Given:
 
 
 @pytest.fixture(scope="module")
-def made(given: Given) -> Callable[[], View]:
+def made(given: ViewRequest) -> Callable[[], View]:
     """What makes the view."""
     return maker(given)
 
 
-def test_the_errors_shown_are_those_of_the_diagnosis(given: Given) -> None:
+def test_the_errors_shown_are_those_of_the_diagnosis(given: ViewRequest) -> None:
     assert given.diagnosis is not None
     told = json.loads((given.diagnosis / "diagnosis.json").read_text())["fit"]["held_out_rmse"]
     case = load_case(given)
-    take = case.take(Choices.of(case).ask)
+    take = case.take(MismatchChoices.of(case).ask)
     assert take.name == "run_03"
     for trace in take.traces:
         # diagnosis.json keeps six figures, and corrected.xml as many as MuJoCo writes.
@@ -71,7 +71,7 @@ def test_the_errors_shown_are_those_of_the_diagnosis(given: Given) -> None:
 
 
 def test_the_worst_moment_marked_is_the_one_that_the_diagnosis_located(
-    given: Given, made: Callable[[], View]
+    given: ViewRequest, made: Callable[[], View]
 ) -> None:
     assert given.diagnosis is not None
     located = json.loads((given.diagnosis / "diagnosis.json").read_text())["located"]["times"]

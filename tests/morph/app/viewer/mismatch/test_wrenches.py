@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from morph.app.viewer.mismatch.arrows import scale_of, wrenches
-from morph.app.viewer.mismatch.case import Case
+from morph.app.viewer.mismatch.case import MismatchCase
 from morph.app.viewer.mismatch.window import DESCRIBED, Ask
 from morph.app.viewer.motion import RATE
 from morph.body.load import load
@@ -29,7 +29,7 @@ def test_what_a_free_link_lacks_is_an_arrow_of_force_and_one_of_torque(tmp_path:
     run = Simulator(robot).run(seconds=4.0, command={"screw": 2.0})
     silent = replace(run.channel("screw.command"), value=np.zeros(len(run["screw.command"])))
     run = replace(run, channels={**run.channels, "screw.command": silent})
-    case = Case(robot, (run,))
+    case = MismatchCase(robot, (run,))
     take = case.take(Ask(horizon=None))
     scale = scale_of(case.figure, take)
     assert scale is not None

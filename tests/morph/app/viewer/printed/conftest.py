@@ -6,13 +6,13 @@ from dataclasses import replace
 
 import pytest
 
-from morph.app.viewer.printed.made import Made
+from morph.app.viewer.printed.made import ViewedPackage
 from morph.app.viewer.printed.source import divided
 from morph.body.load import load
 
 
 @pytest.fixture(scope="module")
-def made() -> Made:
+def made() -> ViewedPackage:
     """What is seen of the printed quadruped, one of its legs 7 g on the scale."""
     robot = load("quadruped_printed")
-    return Made(robot, replace(divided(robot), readings={"lower_leg": 0.007}))
+    return ViewedPackage(robot, replace(divided(robot), readings={"lower_leg": 0.007}))

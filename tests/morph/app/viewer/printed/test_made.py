@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from morph.app.viewer.content import Actor, Live, Marked
-from morph.app.viewer.printed.choices import APART, COLOURINGS, PLATES, STEPS, Choices
+from morph.app.viewer.content import Actor, LiveCell, Marked
+from morph.app.viewer.printed.choices import APART, COLOURINGS, PLATES, STEPS, PrintChoices
 from morph.app.viewer.printed.figures import how_far, part_of, when
-from morph.app.viewer.printed.made import HELD, Made
+from morph.app.viewer.printed.made import HELD, ViewedPackage
 from morph.app.viewer.printed.told import notes, tables
 from morph.app.viewer.printed.zipped import zipped
 from morph.errors import OutputError
@@ -30,8 +30,8 @@ def boxes(actor: Actor, picture: int) -> dict[str, tuple[np.ndarray, np.ndarray]
     return found
 
 
-def test_the_body_comes_apart_by_as_much_as_was_planned(made: Made) -> None:
-    (actor,), moments = made.actors(Choices())
+def test_the_body_comes_apart_by_as_much_as_was_planned(made: ViewedPackage) -> None:
+    (actor,), moments = made.actors(PrintChoices())
     assert [moment.title for moment in moments] == ["together", "apart"]
     first, last = (actor.motion.at(moment.time) for moment in moments)
     gone = actor.motion.position[last] - actor.motion.position[first]
@@ -41,18 +41,20 @@ def test_the_body_comes_apart_by_as_much_as_was_planned(made: Made) -> None:
         np.testing.assert_allclose(gone[at], planned, atol=1e-12)
 
 
-def test_step_by_step_all_is_in_its_place_at_the_end_and_the_base_first(made: Made) -> None:
-    (apart,), _ = made.actors(Choices())
-    (actor,), moments = made.actors(Choices(show=STEPS))
+def test_step_by_step_all_is_in_its_place_at_the_end_and_the_base_first(
+    made: ViewedPackage,
+) -> None:
+    (apart,), _ = made.actors(PrintChoices())
+    (actor,), moments = made.actors(PrintChoices(show=STEPS))
     np.testing.assert_allclose(actor.motion.position[-1], apart.motion.position[0], atol=1e-12)
     assert moments[0].title == "body"
     assert len(moments) == len(made.told.links)
     assert all(a.time < b.time for a, b in itertools.pairwise(moments))
 
 
-def test_what_is_on_a_plate_stands_on_its_bed_and_within_it(made: Made) -> None:
+def test_what_is_on_a_plate_stands_on_its_bed_and_within_it(made: ViewedPackage) -> None:
     name = made.job.plates[0].name
-    (actor,), _ = made.actors(Choices(show=name))
+    (actor,), _ = made.actors(PrintChoices(show=name))
     found = boxes(actor, 0)
     bed = found.pop("bed")
     assert len(found) == len(made.job.plates[0].laid)
@@ -63,18 +65,18 @@ def test_what_is_on_a_plate_stands_on_its_bed_and_within_it(made: Made) -> None:
         assert (high[:2] < bed[1][:2]).all()
 
 
-def test_every_plate_is_one_body_each(made: Made) -> None:
+def test_every_plate_is_one_body_each(made: ViewedPackage) -> None:
     both = replace(made.job, plates=(made.job.plates[0], replace(made.job.plates[0], name="two")))
-    two = Made(made.robot, replace(made.package, job=both))
+    two = ViewedPackage(made.robot, replace(made.package, job=both))
     assert two.ways == (APART, STEPS, PLATES, made.job.plates[0].name, "two")
-    assert len(two.actors(Choices(show=PLATES))[0]) == 2
+    assert len(two.actors(PrintChoices(show=PLATES))[0]) == 2
 
 
 @pytest.mark.parametrize("by", COLOURINGS)
-def test_a_colouring_colours_every_copy_of_a_part_alike(made: Made, by: str) -> None:
+def test_a_colouring_colours_every_copy_of_a_part_alike(made: ViewedPackage, by: str) -> None:
     made.paint(by)
     assert made.has(by)
-    (actor,), _ = made.actors(Choices(by=by))
+    (actor,), _ = made.actors(PrintChoices(by=by))
     seen: dict[str, list[bytes]] = {}
     for shape in actor.figure.shapes:
         told = np.array(shape.colour) if shape.colours is None else shape.colours
@@ -83,12 +85,12 @@ def test_a_colouring_colours_every_copy_of_a_part_alike(made: Made, by: str) -> 
     assert {len(set(each)) for each in seen.values()} == {1}
 
 
-def test_a_part_that_is_pointed_at_is_seen_and_told(made: Made) -> None:
+def test_a_part_that_is_pointed_at_is_seen_and_told(made: ViewedPackage) -> None:
     made.paint("overhang")
-    (actor,), _ = made.actors(Choices(part="lower_leg", by="overhang"))
+    (actor,), _ = made.actors(PrintChoices(part="lower_leg", by="overhang"))
     held = {shape.body for shape in actor.figure.shapes if shape.colour == HELD}
     assert {part_of(actor.figure.links[body]) for body in held} == {"lower_leg"}
-    table = tables(made, Choices(part="lower_leg"))[0]
+    table = tables(made, PrintChoices(part="lower_leg"))[0]
     # What the scale showed comes before what was estimated.
     assert ("mass", "7.0 g") in table.rows
 
@@ -100,32 +102,32 @@ def test_the_slider_and_the_clock_mean_the_same() -> None:
         assert how_far(when(0.01 * percent)) == pytest.approx(0.01 * percent, abs=1e-4)
 
 
-def test_checks_stand_with_the_refused_first_and_the_passed_counted(made: Made) -> None:
+def test_checks_stand_with_the_refused_first_and_the_passed_counted(made: ViewedPackage) -> None:
     checks = (
         Check(part="a", name="wall", verdict="passed", what="thick"),
         Check(part="b", name="wall", verdict="noted", what="thin in places", fix="look"),
         Check(part=EVIL, name="bed fit", verdict="refused", what=EVIL, fix="cut it"),
     )
-    looked = Made(made.robot, replace(made.package, job=replace(made.job, checks=checks)))
-    (table,) = (each for each in tables(looked, Choices()) if each.title == "Checks")
+    looked = ViewedPackage(made.robot, replace(made.package, job=replace(made.job, checks=checks)))
+    (table,) = (each for each in tables(looked, PrintChoices()) if each.title == "Checks")
     verdicts = [row[0].text for row in table.rows if isinstance(row[0], Marked)]
     assert verdicts == ["refused", "noted", "passed"]
     assert table.rows[0][1] == f"{EVIL}, bed fit: {EVIL}. Put it right: cut it."
     assert table.rows[2][1] == "wall 1"
 
 
-def test_masses_of_links_stand_beside_each_other(made: Made) -> None:
-    (table,) = (each for each in tables(made, Choices()) if each.title.startswith("Mass"))
+def test_masses_of_links_stand_beside_each_other(made: ViewedPackage) -> None:
+    (table,) = (each for each in tables(made, PrintChoices()) if each.title.startswith("Mass"))
     assert len(table.rows) == len(made.package.links)
-    assert not any(isinstance(cell, Live) for row in table.rows for cell in row)
+    assert not any(isinstance(cell, LiveCell) for row in table.rows for cell in row)
     total = sum(float(str(row[1])) for row in table.rows)
     # Nine links, each rounded to 0.05 g.
     assert total == pytest.approx(1e3 * made.package.designed_kg, abs=0.45)
 
 
-def test_what_is_not_written_says_how_to_write_it(made: Made) -> None:
+def test_what_is_not_written_says_how_to_write_it(made: ViewedPackage) -> None:
     assert any("`morph print` makes the package" in note for note in notes(made))
-    written = Made(made.robot, replace(made.package, folder=Path("/somewhere/walker")))
+    written = ViewedPackage(made.robot, replace(made.package, folder=Path("/somewhere/walker")))
     assert any(note == "The package is the folder walker." for note in notes(written))
 
 

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from morph.app.viewer.content import Content
-from morph.app.viewer.views.design import Design
+from morph.app.viewer.views.design import DesignView
 
 HAND = SimpleNamespace(client_id=1)
 """An event that a person caused."""
@@ -54,7 +54,7 @@ class Knob:
 class Page:
     """A page and its session: what is done later is done when a test says so."""
 
-    def __init__(self, view: Design) -> None:
+    def __init__(self, view: DesignView) -> None:
         self.knobs: list[Any] = []
         self.inside: Any = None
         self.said: list[str] = []
@@ -120,7 +120,7 @@ class Page:
         return str(rows[row][column])
 
 
-def opened_by(view: Design) -> Page:
+def opened_by(view: DesignView) -> Page:
     """Return the page of a person who has opened it."""
     page = Page(view)
     # A button group's choices are given by position; everything else by name.
@@ -137,6 +137,6 @@ def opened_by(view: Design) -> Page:
 
 
 @pytest.fixture
-def opened() -> Callable[[Design], Any]:
+def opened() -> Callable[[DesignView], Any]:
     """Opens a page."""
     return opened_by

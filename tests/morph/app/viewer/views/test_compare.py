@@ -10,18 +10,18 @@ from typing import Any
 import numpy as np
 import pytest
 
-from morph.app.viewer.clock import Clock
+from morph.app.viewer.clock import PlaybackClock
 from morph.app.viewer.compare.panel import SWEEP
 from morph.app.viewer.compare.simulation_cache import Troupe
 from morph.app.viewer.compare.work import Work
-from morph.app.viewer.given import Given
+from morph.app.viewer.given import ViewRequest
 from morph.app.viewer.player import ARROWS
-from morph.app.viewer.views.compare import Compare
+from morph.app.viewer.views.compare import CompareView
 from morph.body.load import load
 
 
-def given(*names: str, **how: Any) -> Given:
-    return Given(robots=tuple(map(load, names)), asked=names, **how)
+def given(*names: str, **how: Any) -> ViewRequest:
+    return ViewRequest(robots=tuple(map(load, names)), asked=names, **how)
 
 
 class Handle:
@@ -62,8 +62,8 @@ class Gui:
 class Page:
     """A session that does at once what it is asked."""
 
-    def __init__(self, view: Compare) -> None:
-        self.view, self.clock, self.shows = view, Clock(time=3.0, seconds=5.0), 0
+    def __init__(self, view: CompareView) -> None:
+        self.view, self.clock, self.shows = view, PlaybackClock(time=3.0, seconds=5.0), 0
         self.stage = SimpleNamespace(shown_arrows=set(ARROWS), reaim=lambda: None)
         self.client = SimpleNamespace(camera=None, atomic=nullcontext)
 
@@ -77,7 +77,7 @@ class Page:
 
 @pytest.fixture
 def page() -> tuple[Page, Gui]:
-    view = Compare(Troupe(given("cartpole", "pendulum", seconds=0.5)))
+    view = CompareView(Troupe(given("cartpole", "pendulum", seconds=0.5)))
     view.complete()
     page, gui = Page(view), Gui()
     page.show()
@@ -117,7 +117,7 @@ def test_the_boxes_say_which_arrows_are_drawn(page: tuple[Page, Gui]) -> None:
 
 
 def test_only_arrows_that_there_are_have_a_box() -> None:
-    view = Compare(Troupe(given("pendulum", task="balance", seconds=0.5)))
+    view = CompareView(Troupe(given("pendulum", task="balance", seconds=0.5)))
     view.complete()
     page, gui = Page(view), Gui()
     page.show()

@@ -9,26 +9,26 @@ from typing import Any
 import numpy as np
 import pytest
 
-from morph.app.viewer.design.bench import Plan
-from morph.app.viewer.given import Given
-from morph.app.viewer.views.design import Design, maker
+from morph.app.viewer.design.bench import BodyPlan
+from morph.app.viewer.given import ViewRequest
+from morph.app.viewer.views.design import DesignView, maker
 from morph.body.load import load
 
 
 @pytest.fixture(scope="module")
-def biped() -> Plan:
-    return Plan(load("biped"))
+def biped() -> BodyPlan:
+    return BodyPlan(load("biped"))
 
 
 @pytest.fixture(scope="module")
-def humanoid() -> Plan:
-    return Plan(load("humanoid"))
+def humanoid() -> BodyPlan:
+    return BodyPlan(load("humanoid"))
 
 
 def test_a_slider_moves_its_link_by_degrees_and_nothing_is_sent_anew(
-    opened: Callable[[Design], Any], humanoid: Plan
+    opened: Callable[[DesignView], Any], humanoid: BodyPlan
 ) -> None:
-    view = Design((humanoid,))
+    view = DesignView((humanoid,))
     page = opened(view)
     motion = page.content.actors[0].motion
     before = motion.turn.copy()
@@ -46,9 +46,9 @@ def test_a_slider_moves_its_link_by_degrees_and_nothing_is_sent_anew(
 
 
 def test_a_text_leaves_only_the_sliders_that_it_finds(
-    opened: Callable[[Design], Any], humanoid: Plan
+    opened: Callable[[DesignView], Any], humanoid: BodyPlan
 ) -> None:
-    page = opened(Design((humanoid,)))
+    page = opened(DesignView((humanoid,)))
     folder = [each for each in page.knobs if each.kind == "slider"]
     assert len(folder) == 25 + len(humanoid.own)
     page.knob("find").move("hip_z")
@@ -58,8 +58,10 @@ def test_a_text_leaves_only_the_sliders_that_it_finds(
     assert "no joint is found" in [each.label for each in page.knobs]
 
 
-def test_what_is_pointed_at_is_highlighted(opened: Callable[[Design], Any], humanoid: Plan) -> None:
-    page = opened(Design((humanoid,)))
+def test_what_is_pointed_at_is_highlighted(
+    opened: Callable[[DesignView], Any], humanoid: BodyPlan
+) -> None:
+    page = opened(DesignView((humanoid,)))
     number = page.knob("r_hip_x")._impl.uuid
     page.knob("pointed at").move(number)
     assert page.chosen[-1] == (0, humanoid.robot.joint("r_hip_x").link)
@@ -72,8 +74,10 @@ def test_what_is_pointed_at_is_highlighted(opened: Callable[[Design], Any], huma
     assert page.chosen[-1] == (0, "head")
 
 
-def test_a_click_on_a_link_seeks_its_joint(opened: Callable[[Design], Any], humanoid: Plan) -> None:
-    page = opened(Design((humanoid,)))
+def test_a_click_on_a_link_seeks_its_joint(
+    opened: Callable[[DesignView], Any], humanoid: BodyPlan
+) -> None:
+    page = opened(DesignView((humanoid,)))
     joint = humanoid.robot.joint("l_elbow_y")
     page.stage.picked(0, joint.link)
     assert page.knob("find").value == "l_elbow_y"
@@ -81,9 +85,9 @@ def test_a_click_on_a_link_seeks_its_joint(opened: Callable[[Design], Any], huma
 
 
 def test_a_click_on_a_link_while_parameters_are_shown_offers_the_links_own(
-    opened: Callable[[Design], Any], humanoid: Plan
+    opened: Callable[[DesignView], Any], humanoid: BodyPlan
 ) -> None:
-    page = opened(Design((humanoid,)))
+    page = opened(DesignView((humanoid,)))
     page.press("Parameters")
     page.stage.picked(0, "head")
     assert page.knob("change").value == "head"
@@ -91,9 +95,9 @@ def test_a_click_on_a_link_while_parameters_are_shown_offers_the_links_own(
 
 
 def test_a_parameter_changes_mass_and_shows_the_original_as_a_ghost(
-    opened: Callable[[Design], Any], biped: Plan
+    opened: Callable[[DesignView], Any], biped: BodyPlan
 ) -> None:
-    view = Design((biped,))
+    view = DesignView((biped,))
     page = opened(view)
     page.work()
     page.knob("left_foot_size").move(1.5)
@@ -109,8 +113,10 @@ def test_a_parameter_changes_mass_and_shows_the_original_as_a_ghost(
     assert len(page.content.actors) == 1
 
 
-def test_the_ghost_takes_the_same_pose(opened: Callable[[Design], Any], biped: Plan) -> None:
-    view = Design((biped,))
+def test_the_ghost_takes_the_same_pose(
+    opened: Callable[[DesignView], Any], biped: BodyPlan
+) -> None:
+    view = DesignView((biped,))
     page = opened(view)
     page.knob("left_foot_size").move(1.5)
     page.work()
@@ -122,18 +128,18 @@ def test_the_ghost_takes_the_same_pose(opened: Callable[[Design], Any], biped: P
 
 
 def test_a_body_of_another_mass_alone_has_no_ghost(
-    opened: Callable[[Design], Any], biped: Plan
+    opened: Callable[[DesignView], Any], biped: BodyPlan
 ) -> None:
-    page = opened(Design((biped,)))
+    page = opened(DesignView((biped,)))
     page.knob("torso_mass").move(1.5)
     page.work()
     assert len(page.content.actors) == 1
 
 
 def test_a_drag_builds_once_at_a_time_and_the_last_at_last(
-    opened: Callable[[Design], Any], biped: Plan
+    opened: Callable[[DesignView], Any], biped: BodyPlan
 ) -> None:
-    view = Design((biped,))
+    view = DesignView((biped,))
     page = opened(view)
     page.work()
     for at in range(100):
@@ -148,9 +154,9 @@ def test_a_drag_builds_once_at_a_time_and_the_last_at_last(
 
 
 def test_a_lock_takes_its_slider_away_and_undo_brings_it_back(
-    opened: Callable[[Design], Any], biped: Plan
+    opened: Callable[[DesignView], Any], biped: BodyPlan
 ) -> None:
-    view = Design((biped,))
+    view = DesignView((biped,))
     page = opened(view)
     knee = next(h.joint for h in view.bench.posture.handles if h.link == "left_shank")
     page.knob("left_knee_locked_at").move(True)
@@ -162,8 +168,10 @@ def test_a_lock_takes_its_slider_away_and_undo_brings_it_back(
     assert page.knob("left_knee_locked_at").value is False
 
 
-def test_undo_moves_the_slider_back(opened: Callable[[Design], Any], humanoid: Plan) -> None:
-    page = opened(Design((humanoid,)))
+def test_undo_moves_the_slider_back(
+    opened: Callable[[DesignView], Any], humanoid: BodyPlan
+) -> None:
+    page = opened(DesignView((humanoid,)))
     slider = page.knob("head_z")
     slider.move(0.5 * slider.max)
     page.press("Undo")
@@ -176,17 +184,17 @@ def test_undo_moves_the_slider_back(opened: Callable[[Design], Any], humanoid: P
     assert slider.value != 0.0
 
 
-def test_nothing_to_undo_is_told(opened: Callable[[Design], Any], humanoid: Plan) -> None:
-    page = opened(Design((humanoid,)))
+def test_nothing_to_undo_is_told(opened: Callable[[DesignView], Any], humanoid: BodyPlan) -> None:
+    page = opened(DesignView((humanoid,)))
     page.press("Undo")
     page.press("Redo")
     assert page.said == ["there is nothing to undo", "there is nothing to do again"]
 
 
 def test_keys_act_only_while_the_view_is_shown(
-    opened: Callable[[Design], Any], humanoid: Plan
+    opened: Callable[[DesignView], Any], humanoid: BodyPlan
 ) -> None:
-    view = Design((humanoid,))
+    view = DesignView((humanoid,))
     page = opened(view)
     view.turn("head_z", 0.1)
     page.view = None  # type: ignore[assignment]
@@ -197,8 +205,10 @@ def test_keys_act_only_while_the_view_is_shown(
     assert not view.bench.choice.pose
 
 
-def test_general_parameters_serve_a_body_without_its_own(opened: Callable[[Design], Any]) -> None:
-    view = Design((Plan(load("so101")),))
+def test_general_parameters_serve_a_body_without_its_own(
+    opened: Callable[[DesignView], Any],
+) -> None:
+    view = DesignView((BodyPlan(load("so101")),))
     page = opened(view)
     page.knob("size").move(1.5)
     page.work()
@@ -212,9 +222,9 @@ def test_general_parameters_serve_a_body_without_its_own(opened: Callable[[Desig
 
 
 def test_several_bodies_are_designed_one_at_a_time(
-    opened: Callable[[Design], Any], biped: Plan, humanoid: Plan
+    opened: Callable[[DesignView], Any], biped: BodyPlan, humanoid: BodyPlan
 ) -> None:
-    view = Design((biped, humanoid))
+    view = DesignView((biped, humanoid))
     page = opened(view)
     page.work()
     view.set("torso_mass", 1.5)
@@ -229,9 +239,9 @@ def test_several_bodies_are_designed_one_at_a_time(
 
 
 def test_two_persons_have_designs_of_their_own(
-    opened: Callable[[Design], Any], biped: Plan
+    opened: Callable[[DesignView], Any], biped: BodyPlan
 ) -> None:
-    one, other = Design((biped,)), Design((biped,))
+    one, other = DesignView((biped,)), DesignView((biped,))
     opened(one)
     opened(other)
     one.turn(one.bench.posture.handles[0].joint, 0.1)
@@ -242,10 +252,13 @@ def test_two_persons_have_designs_of_their_own(
 
 
 def test_a_design_is_saved_under_a_new_name(
-    opened: Callable[[Design], Any], biped: Plan, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    opened: Callable[[DesignView], Any],
+    biped: BodyPlan,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setenv("MORPH_SHELF", str(tmp_path))
-    view = Design((biped,))
+    view = DesignView((biped,))
     page = opened(view)
     view.set("torso_mass", 1.5)
     page.work()
@@ -257,26 +270,26 @@ def test_a_design_is_saved_under_a_new_name(
 
 
 def test_the_view_is_made_of_what_is_given() -> None:
-    make = maker(Given(robots=(load("pendulum"),), asked=("pendulum",)))
+    make = maker(ViewRequest(robots=(load("pendulum"),), asked=("pendulum",)))
     one, other = make(), make()
-    assert isinstance(one, Design)
-    assert isinstance(other, Design)
+    assert isinstance(one, DesignView)
+    assert isinstance(other, DesignView)
     assert one is not other
     assert one.plans is not None
     assert one.plans[0] is other.plans[0]
 
 
-def test_a_page_that_is_written_has_all_figures(biped: Plan) -> None:
-    view = Design((Plan(biped.robot),))
+def test_a_page_that_is_written_has_all_figures(biped: BodyPlan) -> None:
+    view = DesignView((BodyPlan(biped.robot),))
     assert "…" in {str(cell) for row in view.content().tables[0].rows for cell in row}
     view.complete()
     assert "…" not in {str(cell) for row in view.content().tables[0].rows for cell in row}
 
 
 def test_controls_that_are_off_the_page_are_left_alone(
-    opened: Callable[[Design], Any], biped: Plan
+    opened: Callable[[DesignView], Any], biped: BodyPlan
 ) -> None:
-    view = Design((biped,))
+    view = DesignView((biped,))
     page = opened(view)
     headline = next(each for each in page.knobs if each.kind == "html")
     before = headline.content

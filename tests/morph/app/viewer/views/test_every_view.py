@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from morph.app.cli.main import main
-from morph.app.viewer.content import Content, Live
+from morph.app.viewer.content import Content, LiveCell
 from morph.app.viewer.fragments import table_html
-from morph.app.viewer.given import Given
+from morph.app.viewer.given import ViewRequest
 from morph.app.viewer.view import View
 from morph.app.viewer.views.views import VIEWS, makers
 from morph.body.load import load
@@ -30,7 +30,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Callable[[], Vie
     write(run, folder / "run.parquet")
     bodies = ["cartpole", "rider_rigid_driven"]
     assert main(["align", *bodies, "--out", str(folder / "aligned"), "--quiet"]) == 0
-    given = Given(
+    given = ViewRequest(
         robots=(robot, load("cartpole")),
         asked=("pendulum", "cartpole"),
         recordings=(folder / "run.parquet",),
@@ -88,7 +88,7 @@ def test_lines_end_on_links_that_are_there(finished: Content) -> None:
 
 def test_cells_that_move_show_numbers_that_are_there(finished: Content) -> None:
     for table in finished.tables:
-        for cell in (cell for row in table.rows for cell in row if isinstance(cell, Live)):
+        for cell in (cell for row in table.rows for cell in row if isinstance(cell, LiveCell)):
             assert cell.series in finished.actors[cell.actor].motion.series
         assert {len(row) for row in table.rows} <= {len(table.head)}
         assert "<table" in table_html(table, finished.actors, 0.0)
@@ -131,8 +131,8 @@ def test_what_one_person_shows_is_not_what_another_does(
 
 
 def test_a_view_that_was_not_given_what_it_needs_says_so(tmp_path: Path) -> None:
-    given = Given(robots=(load("pendulum"),), asked=("pendulum",))
+    given = ViewRequest(robots=(load("pendulum"),), asked=("pendulum",))
     with pytest.raises(ViewError, match=r"there is no view 'align'"):
         makers(given, "align")
     with pytest.raises(ViewError, match=r"nothing to show"):
-        makers(Given(robots=(), asked=()))
+        makers(ViewRequest(robots=(), asked=()))

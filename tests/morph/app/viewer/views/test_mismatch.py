@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from morph.app.viewer.clock import Clock
-from morph.app.viewer.mismatch.case import Case
-from morph.app.viewer.mismatch.diagnosed import Diagnosed, Event, Found
+from morph.app.viewer.clock import PlaybackClock
+from morph.app.viewer.mismatch.case import MismatchCase
+from morph.app.viewer.mismatch.diagnosed import Diagnosed, DiagnosedFinding, Event
 from morph.app.viewer.mismatch.window import CORRECTED, DESCRIBED
 from morph.app.viewer.views.mismatch import Mismatch
 from morph.body.load import load
@@ -68,7 +68,7 @@ class Page:
     """A session whose long work is done at once."""
 
     def __init__(self, view: Mismatch) -> None:
-        self.view, self.clock, self.gui = view, Clock(), Gui()
+        self.view, self.clock, self.gui = view, PlaybackClock(), Gui()
         self.chosen: list[tuple[int, str | None]] = []
         self.said: list[str] = []
         self.stage = SimpleNamespace(choose=lambda at, link: self.chosen.append((at, link)))
@@ -111,14 +111,18 @@ def swings(robot: Robot, name: str, seconds: float = 4.0) -> Recording:
 
 
 @pytest.fixture(scope="module")
-def case() -> Case:
+def case() -> MismatchCase:
     """Three runs of a pendulum, and a diagnosis that found its friction."""
     robot = load("pendulum")
     effect = CoulombFriction(joint="hinge", c=0.2)
     diagnosed = Diagnosed(
         folder=Path("nowhere"),
         verdict="mismatch",
-        findings=(Found(effect=effect, statement="<b>It rubs</b>", figures="c = 0.2, 97 % sure"),),
+        findings=(
+            DiagnosedFinding(
+                effect=effect, statement="<b>It rubs</b>", figures="c = 0.2, 97 % sure"
+            ),
+        ),
         stretches=(),
         horizon=1.0,
         train=("first",),
@@ -135,11 +139,11 @@ def case() -> Case:
         ),
     )
     runs = swings(robot, "first"), swings(robot, "<i>second</i>"), swings(robot, "long", 27.0)
-    return Case(robot, runs, diagnosed)
+    return MismatchCase(robot, runs, diagnosed)
 
 
 @pytest.fixture
-def page(case: Case) -> Iterator[Page]:
+def page(case: MismatchCase) -> Iterator[Page]:
     """One person's page."""
     page = Page(Mismatch(case))
     yield page
@@ -203,7 +207,7 @@ def test_links_may_keep_their_own_colours(page: Page) -> None:
     assert page.content.actors[0].motion.heat is None
 
 
-def test_a_finding_is_shown_where_its_force_is_missing(case: Case, page: Page) -> None:
+def test_a_finding_is_shown_where_its_force_is_missing(case: MismatchCase, page: Page) -> None:
     page.gui.knobs["show finding"].turn("1")
     assert not page.clock.playing
     assert page.chosen[-1] == (0, case.robot.joints[0].link)
@@ -228,7 +232,7 @@ def test_changes_and_pushes_are_moments_of_their_window(page: Page) -> None:
     assert events() == [(pytest.approx(6.0), "external_push@pole")]
 
 
-def test_what_is_chosen_is_kept_and_comes_back(case: Case, page: Page) -> None:
+def test_what_is_chosen_is_kept_and_comes_back(case: MismatchCase, page: Page) -> None:
     page.gui.knobs["recording"].turn("long")
     page.gui.knobs["window"].turn("20 to 27 s")
     page.gui.knobs["simulation"].turn("open loop")
@@ -261,22 +265,24 @@ def test_what_is_chosen_is_kept_and_comes_back(case: Case, page: Page) -> None:
         {"colour": "missing force"},
     ],
 )
-def test_a_state_that_does_not_fit_is_refused(case: Case, state: dict[str, Any]) -> None:
+def test_a_state_that_does_not_fit_is_refused(case: MismatchCase, state: dict[str, Any]) -> None:
     with pytest.raises(ViewError, match=r"saved view of mismatch: there is no"):
         Mismatch(case).restore(state)
 
 
-def test_what_cannot_be_computed_is_not_chosen(case: Case, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_cannot_be_computed_is_not_chosen(
+    case: MismatchCase, monkeypatch: pytest.MonkeyPatch
+) -> None:
     page = Page(Mismatch(case))
     page.gui.knobs["recording"].turn("first")
 
     @contextmanager
     def failing() -> Iterator[None]:
-        def fails(self: Case, ask: object) -> None:
+        def fails(self: MismatchCase, ask: object) -> None:
             raise SimulationFailed("it fell apart", where="here", fix="none")
 
         with monkeypatch.context() as patch:
-            patch.setattr(Case, "take", fails)
+            patch.setattr(MismatchCase, "take", fails)
             yield
 
     with failing():
@@ -286,7 +292,7 @@ def test_what_cannot_be_computed_is_not_chosen(case: Case, monkeypatch: pytest.M
     assert page.view.content().actors[0].title == "first"
 
 
-def test_two_people_choose_apart_and_share_what_is_computed(case: Case) -> None:
+def test_two_people_choose_apart_and_share_what_is_computed(case: MismatchCase) -> None:
     one, other = Page(Mismatch(case)), Page(Mismatch(case))
     one.gui.knobs["recording"].turn("first")
     assert other.content.actors[0].title == "<i>second</i>"
