@@ -49,10 +49,8 @@ FRICTION = (("b", 3.0), ("b", 11.0))
 
 FACTORS = (0.25, 0.5, 2.0, 4.0, 10.0)
 """Factors of each parameter, as in figures 7 and 8 of the thesis."""
-
 FIGURE = tuple((name, factor) for name in ("g", "l", "m", "M", "b") for factor in FACTORS)
 """Every parameter by every factor."""
-
 ROWS = 30
 """Noisy runs by which each policy is judged beside its first trial."""
 

@@ -27,7 +27,7 @@ class DescriptionRefused(RobotError):
     """A description holds no robot that can be simulated.
 
     Args:
-        findings: Everything found in it, `morph.body.finding.Finding` each.
+        findings: Everything found in it, `morph.body.finding.DescriptionFinding` each.
     """
 
     def __init__(self, what: str, *, where: str, fix: str, findings: tuple[Any, ...]) -> None:

@@ -70,8 +70,7 @@ class EffectSelection:
     deadline: float
     """Time of the monotonic clock after which no refit begins."""
     by_rollouts: bool = False
-    """Whether sets are refitted to the errors of rollouts, since runs are not explained to their
-    noise."""
+    """Whether sets are refitted to rollouts, since runs are not explained to their noise."""
     by_forces: bool = False
     """Whether forces while joints slip propose these sets, and start their refits."""
 
@@ -140,22 +139,20 @@ class EffectSelection:
         price = self.prior.price({effect.label for effect in refit.effects})
         return Finalist(refit=refit, price=price, losses=losses, fitted=fitted, about=about)
 
-    def added(
-        self, base: Finalist, search: BeamSearch, most: int
-    ) -> tuple[list[Finalist], Finalist]:
+    def added(self, base: Finalist, beam: BeamSearch, most: int) -> tuple[list[Finalist], Finalist]:
         """Return larger sets, refitted, and the best; none where all leave too much force.
 
         Sets that are proposed later are refitted only where none of those before is better.
 
         Args:
             base: A set.
-            search: What might be added to it.
+            beam: What might be added to it.
             most: Most effects, or laws at every joint, that are added.
         """
         tried: list[Finalist] = []
         gained: list[Finalist] = []
         done = {labels(base.effects)}
-        for proposed in self.proposals(search, search.sets(most), base):
+        for proposed in self.proposals(beam, beam.sets(most), base):
             wholes = []
             for found in proposed:
                 start = replace(self.nominal, effects=(*base.effects, *found.effects))

@@ -12,7 +12,7 @@ from morph.record.nearest import nearest
 from morph.search.search import Search
 
 SEARCHES: Mapping[str, str] = {
-    "chance": "morph.search.evolution:Chance",
+    "chance": "morph.search.evolution:RandomSearch",
     "cmaes": "morph.search.cmaes:CmaEs",
     "ddp": "morph.search.ddp:Plan",
     "evolution": "morph.search.evolution:Evolution",

@@ -16,14 +16,14 @@ PAGE = (Path(__file__).resolve().parents[2] / "docs" / "card.md").read_text(enco
 
 TABLES = {
     "Top of the file": card.Card,
-    "`source`": card.Source,
+    "`source`": card.Citation,
     "`checks`": card.Checks,
     "`[[motor]]`": card.Motor,
     "`[[measured]]`": card.Measured,
     "`[[closure]]`": card.Closure,
-    "`[[parameter]]`": card.Parameter,
+    "`[[parameter]]`": card.CardParameter,
     "`[water]`": card.Water,
-    "`[print]`": card.Print,
+    "`[print]`": card.PrintTable,
     "`bought`": card.Bought,
 }
 """The heading under which the keys of each table of a card stand."""

@@ -11,7 +11,7 @@ from print.mesh import Mesh
 from print.screw import screw
 from print.servo import (
     SERVOS,
-    Servo,
+    ServoSize,
     body,
     case,
     disc_radius,
@@ -30,7 +30,7 @@ def test_every_motor_that_a_card_may_name_has_a_size() -> None:
 
 
 @EVERY
-def test_a_case_is_as_large_as_its_sides(which: Servo) -> None:
+def test_a_case_is_as_large_as_its_sides(which: ServoSize) -> None:
     sides = which.length_mm * which.width_mm * which.height_mm
     if which.flange is not None:
         over = which.flange.length_mm - which.length_mm
@@ -44,7 +44,7 @@ def test_a_case_is_as_large_as_its_sides(which: Servo) -> None:
 
 @EVERY
 @pytest.mark.parametrize("side", ["+z", "+y", "-y"])
-def test_a_pocket_lets_the_servo_in_from_its_open_side(which: Servo, side: str) -> None:
+def test_a_pocket_lets_the_servo_in_from_its_open_side(which: ServoSize, side: str) -> None:
     room = pocket(which, 0.2, side).manifold  # type: ignore[arg-type]
     way = {"+z": (0, 0, 1), "+y": (0, 1, 0), "-y": (0, -1, 0)}[side]
     depth = which.height_mm if side == "+z" else which.width_mm
@@ -55,14 +55,14 @@ def test_a_pocket_lets_the_servo_in_from_its_open_side(which: Servo, side: str) 
 
 
 @EVERY
-def test_the_horn_turns_in_the_pocket(which: Servo) -> None:
+def test_the_horn_turns_in_the_pocket(which: ServoSize) -> None:
     turned = horn_disc(which).rotate([0, 0, 37.0])
     assert (turned - pocket(which, 0.2).manifold).volume() == pytest.approx(0.0, abs=1e-6)
     assert disc_radius(which) >= which.horn.diameter_mm / 2
 
 
 @EVERY
-def test_a_horns_holes_are_in_its_disc_and_apart(which: Servo) -> None:
+def test_a_horns_holes_are_in_its_disc_and_apart(which: ServoSize) -> None:
     disc, holes = horn_disc(which), horn_pattern(which, 0.2).manifold
     left = disc - holes
     # One piece: no hole cuts the rim off.
@@ -76,7 +76,7 @@ def test_a_horns_holes_are_in_its_disc_and_apart(which: Servo) -> None:
 
 
 @EVERY
-def test_screws_meet_the_case_or_its_rim_and_not_the_wires(which: Servo) -> None:
+def test_screws_meet_the_case_or_its_rim_and_not_the_wires(which: ServoSize) -> None:
     holes = screw_holes(which, 2.4)
     assert (holes is None) == (which.held_by == "strap")
     low, high, half = which.wires_mm
@@ -88,7 +88,7 @@ def test_screws_meet_the_case_or_its_rim_and_not_the_wires(which: Servo) -> None
 
 
 @EVERY
-def test_all_of_a_servo_is_its_case_and_its_horn(which: Servo) -> None:
+def test_all_of_a_servo_is_its_case_and_its_horn(which: ServoSize) -> None:
     whole: Mesh = body(which)
     assert whole.volume > case(which).volume
     assert whole.bounds[1, 2] >= which.horn.top_mm

@@ -12,7 +12,7 @@ from print.gate import check_part
 from print.mesh import Mesh, from_manifold
 from print.part import Part
 from print.printer import Profile, material, printer
-from print.servo import SERVOS, Servo, case, servo
+from print.servo import SERVOS, ServoSize, case, servo
 from print.shell import HAIR_MM, Shell, shell
 from print.skeleton import Mount, Skeleton
 from print.solid import box, frame, placed
@@ -47,7 +47,7 @@ def test_a_block_with_a_pocket_is_the_block_less_the_pocket() -> None:
 
 
 @pytest.mark.parametrize("which", SERVOS, ids=lambda each: each.name)
-def test_a_servo_alone_gets_a_case_that_it_goes_into(which: Servo) -> None:
+def test_a_servo_alone_gets_a_case_that_it_goes_into(which: ServoSize) -> None:
     pose = frame(np.array([10.0, -20.0, 30.0]), np.array([1.0, 2.0, 2.0]))
     mount = Mount(servo=which.name, pose=pose)
     grown = shell(Skeleton(name="part", solids=(), servos=(mount,)), PROFILE)
@@ -61,7 +61,7 @@ def test_a_servo_alone_gets_a_case_that_it_goes_into(which: Servo) -> None:
 
 
 @pytest.mark.parametrize("which", SERVOS, ids=lambda each: each.name)
-def test_what_a_servo_turns_is_clear_of_it(which: Servo) -> None:
+def test_what_a_servo_turns_is_clear_of_it(which: ServoSize) -> None:
     # A bar that passes through the servo: the joint's frame is often drawn inside the case.
     bar = block((-4.0, -4.0, -10.0), (4.0, 80.0, 12.0))
     room = from_manifold(case(which).manifold.hull())
