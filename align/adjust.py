@@ -46,17 +46,17 @@ class Adjustment:
         """Return what is added, (m, nu), and its derivative in the commands, (m, nu, nu)."""
         z = np.concatenate([features(state, self.turns), command], axis=1)
         held = np.clip(z, -self.reach, self.reach)
-        found = held @ self.law.T + self.bias
-        told = np.arange(z.shape[1] - command.shape[1], z.shape[1])
-        slope = np.where((held == z)[:, None, told], self.law[:, told], 0.0)
+        result = held @ self.law.T + self.bias
+        commanded = np.arange(z.shape[1] - command.shape[1], z.shape[1])
+        slope = np.where((held == z)[:, None, commanded], self.law[:, commanded], 0.0)
         for at, (width, weight) in enumerate(zip(self.width, self.weight, strict=True)):
             here, there = z / width, self.centre / width
             near = np.exp(-0.5 * apart(here, there)) * weight
             total = near.sum(axis=1)
-            found[:, at] += total
-            pull = near @ there[:, told] - total[:, None] * here[:, told]
-            slope[:, at] += pull / width[told]
-        return np.asarray(found), np.asarray(slope)
+            result[:, at] += total
+            pull = near @ there[:, commanded] - total[:, None] * here[:, commanded]
+            slope[:, at] += pull / width[commanded]
+        return np.asarray(result), np.asarray(slope)
 
     def times(self, factor: float) -> Adjustment:
         """Return so much of it; -1 turns its sign, as controls do."""

@@ -161,8 +161,8 @@ def _scores(
             break
         seen = x + belief.noise * rng.standard_normal(x.shape)
         time = np.full(draws * m, at * trial.period)
-        told = np.nan_to_num(law(seen.reshape(-1, n), time)).reshape(draws, m, -1)
-        z = np.concatenate([x, np.clip(told, trial.low, trial.high)], axis=-1)
+        command = np.nan_to_num(law(seen.reshape(-1, n), time)).reshape(draws, m, -1)
+        z = np.concatenate([x, np.clip(command, trial.low, trial.high)], axis=-1)
         x = z @ laws.swapaxes(1, 2) + level * own * rng.standard_normal(x.shape)
         # What has fallen is over: its numbers must not grow until they are none.
         x = np.clip(x, -1e3, 1e3) * alive[..., None]
@@ -178,11 +178,11 @@ def odds(features: Array) -> float:
     return float(1.0 / (1.0 + np.exp(-np.clip(features @ np.array(WEIGHTS), -30.0, 30.0))))
 
 
-def judge(found: PredictedScores, *, safe: float = SAFE, unsafe: float = UNSAFE) -> Verdict:
+def judge(result: PredictedScores, *, safe: float = SAFE, unsafe: float = UNSAFE) -> Verdict:
     """Return the verdict on what was foreseen.
 
     Args:
-        found: What was foreseen.
+        result: What was foreseen.
         safe: Up to which probability of harm a policy is safe.
         unsafe: From which on it is unsafe.
 
@@ -195,7 +195,7 @@ def judge(found: PredictedScores, *, safe: float = SAFE, unsafe: float = UNSAFE)
             where="the guard",
             fix="give 0 <= safe <= unsafe <= 1",
         )
-    probability = odds(found.features)
+    probability = odds(result.features)
     if probability <= safe:
         return Verdict(verdict="safe", probability=probability)
     return Verdict(verdict="unsafe" if probability >= unsafe else "unsure", probability=probability)

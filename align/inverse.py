@@ -108,10 +108,10 @@ class LocalInverse(Inverse):
         data = joint(seen.state, seen.after, seen.turns)
         middle, spread = data.mean(axis=0), data.std(axis=0)
         spread = np.where(spread > 1e-9, spread, 1.0)
-        z, asked = (data - middle) / spread, (joint(state, after, seen.turns) - middle) / spread
+        z, requested = (data - middle) / spread, (joint(state, after, seen.turns) - middle) / spread
         count = seen.command.shape[1]
         left = seen.command - guessed(self.guess, seen.state, seen.after, count)
-        planes = [self._plane(z, left, each) for each in asked]
+        planes = [self._plane(z, left, each) for each in requested]
         mean = np.stack([each[0] for each in planes])
         variance = np.stack([each[1] for each in planes])
         return mean + guessed(self.guess, state, after, count), variance

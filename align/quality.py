@@ -51,8 +51,8 @@ def quality(
     Raises:
         SamplesError: The source never moved.
     """
-    spread, told = source.state.std(axis=0), source.command.std(axis=0)
-    if min(spread.max(initial=0.0), told.max(initial=0.0)) <= 0.0:
+    spread, command = source.state.std(axis=0), source.command.std(axis=0)
+    if min(spread.max(initial=0.0), command.max(initial=0.0)) <= 0.0:
         raise SamplesError(
             "no state, or no command, of the source ever changed",
             where="the quality of a map",
@@ -64,7 +64,7 @@ def quality(
     starts, length = _runs(target, steps)
     return Quality(
         round_trip=_size(there, spread),
-        command_round_trip=_size(read, told),
+        command_round_trip=_size(read, command),
         one_step=_missed(body_map, target, step, np.arange(len(target.state)), 1),
         many_steps=_missed(body_map, target, step, starts, length),
         steps=length,
@@ -88,7 +88,7 @@ def resampled(
         SamplesError: Fewer than two draws allow a map.
     """
     seen, count = given.target, len(given.target.state)
-    found = []
+    results = []
     for _ in range(rounds):
         which = rng.integers(count, size=count)
         again = Transitions(
@@ -101,16 +101,16 @@ def resampled(
             one = mapper.fit(replace(given, target=again), rng)
         except AlignError:
             continue
-        found.append(one.state(seen.state))
-    if len(found) < 2:
+        results.append(one.state(seen.state))
+    if len(results) < 2:
         raise SamplesError(
-            f"{len(found)} of {rounds} draws of the transitions allow a map",
+            f"{len(results)} of {rounds} draws of the transitions allow a map",
             where="the bootstrap of a map",
             fix="give more transitions",
         )
-    said = np.stack(found)
-    spread = np.maximum(said.std(axis=1).mean(axis=0), 1e-12)
-    return _size(said.std(axis=0), spread)
+    statement = np.stack(results)
+    spread = np.maximum(statement.std(axis=1).mean(axis=0), 1e-12)
+    return _size(statement.std(axis=0), spread)
 
 
 def _size(off: Array, spread: Array) -> float:

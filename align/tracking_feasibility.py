@@ -86,13 +86,13 @@ def following(
     off = np.where(start <= near, differ, np.inf).min(axis=1)
     permitted = np.ones(len(ours), dtype=bool)
     if inverse is not None:
-        asked, variance = inverse.predict(source.state, source.after)
+        requested, variance = inverse.predict(source.state, source.after)
         # What is not known is not forbidden: one standard deviation is left to the doubt.
         doubt = np.sqrt(variance)
         if low is not None:
-            permitted &= (asked + doubt >= low).all(axis=1)
+            permitted &= (requested + doubt >= low).all(axis=1)
         if high is not None:
-            permitted &= (asked - doubt <= high).all(axis=1)
+            permitted &= (requested - doubt <= high).all(axis=1)
     return TrackingFeasibility(
         euclidean=np.asarray(whole.min(axis=1) <= near),
         relative=np.asarray(off <= alike * size + chance),

@@ -37,26 +37,29 @@ class AssemblyStep:
 
 
 def steps(
-    parts: Sequence[Part], hinges: Sequence[Hinge], told: Explosion
+    parts: Sequence[Part], hinges: Sequence[Hinge], explosion: Explosion
 ) -> tuple[AssemblyStep, ...]:
     """Return how to put a body together.
 
     Args:
         parts: All that it is made of; what is fused comes with the part that it is fused into.
         hinges: How its links move.
-        told: The body taken apart, which knows the order of its links.
+        explosion: The body taken apart, which knows the order of its links.
     """
-    within = {link: _contents(link, parts) for link in told.links}
-    makes = _alike((within[link], link) for link in told.links if _work(within[link]))
+    within = {link: _contents(link, parts) for link in explosion.links}
+    makes = _alike((within[link], link) for link in explosion.links if _work(within[link]))
     joined = _alike(
         ((hinge.kind, within[hinge.still], within[hinge.moving]), hinge)
-        for link in told.links
+        for link in explosion.links
         for hinge in hinges
         if hinge.moving == link and hinge.still in within
     )
     return (
         *(_make(contents, links) for contents, links in makes),
-        *(_join(found, told.parent, first=not at) for at, found in enumerate(_chained(joined))),
+        *(
+            _join(result, explosion.parent, first=not at)
+            for at, result in enumerate(_chained(joined))
+        ),
     )
 
 
@@ -71,12 +74,12 @@ Contents = tuple[tuple[int, Part], ...]
 
 
 def _contents(link: str, parts: Iterable[Part]) -> Contents:
-    found = []
+    results = []
     for part in parts:
         count = sum(placement.link == link for placement in part.placements)
         if count and part.kind != "fused":
-            found.append((count, part))
-    return tuple(found)
+            results.append((count, part))
+    return tuple(results)
 
 
 def _work(contents: Contents) -> bool:
@@ -86,67 +89,67 @@ def _work(contents: Contents) -> bool:
 
 def _alike(pairs: Iterable[tuple[Key, Found]]) -> list[tuple[Key, list[Found]]]:
     """Return what has the same key together, in the order of the first of each."""
-    found: dict[Key, list[Found]] = {}
+    results: dict[Key, list[Found]] = {}
     for key, it in pairs:
-        found.setdefault(key, []).append(it)
-    return list(found.items())
+        results.setdefault(key, []).append(it)
+    return list(results.items())
 
 
 def _make(contents: Contents, links: Sequence[str]) -> AssemblyStep:
     printed = [(count, part) for count, part in contents if part.kind == "printed"]
     bought = [(count, part) for count, part in contents if part.kind == "bought"]
-    said = []
+    lines = []
     if any(part.piece_of for _, part in printed):
-        said.append(
+        lines.append(
             "Put the pieces together with their pins: they go together one way only. "
             "A drop of glue on each face holds them."
         )
     elif sum(count for count, _ in printed) > 1:
-        said.append("Join the printed parts, which do not move against each other.")
+        lines.append("Join the printed parts, which do not move against each other.")
     for _, part in printed:
         if part.seats:
-            said.append(f"{_called(part)} holds {_held(part)}.")
+            lines.append(f"{_called(part)} holds {_held(part)}.")
     loose = [
         f"{count} {part.name.replace('_', ' ')}" if count > 1 else part.name.replace("_", " ")
         for count, part in bought
         if not any(_same(seat.holds, part.name) for _, each in printed for seat in each.seats)
     ]
     if loose:
-        said.append(f"In it go, where there is room for them: {', '.join(loose)}.")
+        lines.append(f"In it go, where there is room for them: {', '.join(loose)}.")
     return AssemblyStep(
         title=f"Make {short(links)}",
         links=tuple(links),
         needs=tuple((count, part.number, part.name) for count, part in contents),
-        said=tuple(said),
+        said=tuple(lines),
     )
 
 
 def _chained(joined: Iterable[tuple[object, list[Hinge]]]) -> list[list[Hinge]]:
     """Return joints by steps: those that are like no other go into the step before them."""
-    found: list[list[Hinge]] = []
+    results: list[list[Hinge]] = []
     single = False
     for _, hinges in joined:
-        if single and len(hinges) == 1 and len(found[-1]) < MOST_NAMED:
-            found[-1] += hinges
+        if single and len(hinges) == 1 and len(results[-1]) < MOST_NAMED:
+            results[-1] += hinges
         else:
-            found.append(list(hinges))
+            results.append(list(hinges))
         single = len(hinges) == 1
-    return found
+    return results
 
 
-def _join(found: Sequence[Hinge], parent: Mapping[str, str], *, first: bool) -> AssemblyStep:
-    said = [CENTRED] if first else []
-    for hinge in found[:MOST_NAMED]:
+def _join(results: Sequence[Hinge], parent: Mapping[str, str], *, first: bool) -> AssemblyStep:
+    statement = [CENTRED] if first else []
+    for hinge in results[:MOST_NAMED]:
         way = "turns about" if hinge.kind == "hinge" else "slides along"
         closing = " This closes a chain." if parent.get(hinge.moving) != hinge.still else ""
-        said.append(
+        statement.append(
             f"The {short([hinge.moving])} goes onto the {short([hinge.still])}: it {way} the axis "
             f"of the joint {short([hinge.name])}.{closing}"
         )
     return AssemblyStep(
-        title=f"Put on {short([hinge.moving for hinge in found])}",
-        links=tuple(hinge.moving for hinge in found),
-        said=tuple(said),
+        title=f"Put on {short([hinge.moving for hinge in results])}",
+        links=tuple(hinge.moving for hinge in results),
+        said=tuple(statement),
     )
 
 

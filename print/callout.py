@@ -40,15 +40,15 @@ def callouts(
     """
     order = sorted(labels, key=lambda each: float(each[1][0]))
     half = (len(order) + 1) // 2
-    found = []
+    results = []
     for side, x in ((order[:half], EDGE), (order[half:], width - EDGE)):
         column = sorted(side, key=lambda each: float(each[1][1]))
         heights = spread(np.array([float(each[1][1]) for each in column]), height)
-        found += [
+        results += [
             Callout(text=text, at=(x, y), points_to=(float(to[0]), float(to[1])))
             for (text, to), y in zip(column, heights.tolist(), strict=True)
         ]
-    return tuple(found)
+    return tuple(results)
 
 
 def spread(wanted: Array, height: float) -> Array:

@@ -97,8 +97,8 @@ def chosen(
 
 def _stout(turned: Any, height: float, middle: float) -> tuple[float, float]:
     """Return how good a cut is: by the largest circle in it, then by how near to the middle."""
-    found = section(turned.slice(float(height)), squares=ROUGHLY)
-    deepest = 0.0 if found is None else found.deepest
+    result = section(turned.slice(float(height)), squares=ROUGHLY)
+    deepest = 0.0 if result is None else result.deepest
     return (round(min(deepest, ENOUGH_MM), 1), -abs(height - middle))
 
 

@@ -23,12 +23,12 @@ def lighter(mesh: Mesh, most: int) -> Mesh:
     """
     if len(mesh.faces) <= most:
         return mesh
-    found = _thinned(mesh, most)
+    result = _thinned(mesh, most)
     for cells in CELLS:
-        if len(found.faces) <= CLOSE * most:
+        if len(result.faces) <= CLOSE * most:
             break
-        found = _thinned(_clustered(mesh, cells), most)
-    return found
+        result = _thinned(_clustered(mesh, cells), most)
+    return result
 
 
 def _thinned(mesh: Mesh, most: int) -> Mesh:

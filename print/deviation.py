@@ -65,11 +65,11 @@ def _distance(mesh: Mesh, chosen: Mask, other: Mesh) -> float:
     import trimesh
 
     try:
-        found = samples(Mesh(vertices=mesh.vertices, faces=mesh.faces[chosen]), POINTS).points
+        result = samples(Mesh(vertices=mesh.vertices, faces=mesh.faces[chosen]), POINTS).points
     except SolidError:
         # What changed has no area: nobody can be far from it.
         return 0.0
     _, apart, _ = trimesh.proximity.closest_point(  # type: ignore[no-untyped-call]
-        other.trimesh, found
+        other.trimesh, result
     )
     return float(apart.max())

@@ -32,14 +32,14 @@ def resting(mesh: Mesh) -> Array:
     # A flat face is many triangles: what points the same way is one, and the largest are met first.
     alike, group = np.unique(np.round(normals, 3), axis=0, return_inverse=True)
     total = np.bincount(group.ravel(), weights=areas)
-    found = np.empty((0, 3))
+    result = np.empty((0, 3))
     for at in np.argsort(-total, kind="stable"):
         normal = alike[at] / np.linalg.norm(alike[at])
-        if len(found) == FACES:
+        if len(result) == FACES:
             break
-        if not len(found) or (found @ normal).max() < np.cos(np.deg2rad(1.0)):
-            found = np.concatenate([found, normal[None]])
-    return found
+        if not len(result) or (result @ normal).max() < np.cos(np.deg2rad(1.0)):
+            result = np.concatenate([result, normal[None]])
+    return result
 
 
 def spread(count: int = SPREAD) -> Array:

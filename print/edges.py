@@ -61,11 +61,11 @@ def edges(mesh: Mesh) -> DirectedEdges:
 
 def trouble(mesh: Mesh) -> str:
     """Return in words why a mesh is not closed; empty if it is."""
-    found = edges(mesh)
+    result = edges(mesh)
     named = (
-        (found.open, "open (one face only)"),
-        (found.crowded, "shared by more than two faces"),
-        (found.twisted, "between faces that wind differently"),
+        (result.open, "open (one face only)"),
+        (result.crowded, "shared by more than two faces"),
+        (result.twisted, "between faces that wind differently"),
     )
     return ", ".join(
         f"{count} edge{'s' if count > 1 else ''} {what}" for count, what in named if count

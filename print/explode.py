@@ -124,10 +124,10 @@ def _hangs(link: str, on: str, parent: Mapping[str, str]) -> bool:
 def _pieces(part: Part) -> list[_Piece]:
     if part.mesh is None:
         return []
-    found = []
+    results = []
     for copy, placement in enumerate(part.placements):
         corners = part.mesh.vertices @ placement.world[:3, :3].T + placement.world[:3, 3]
-        found.append(
+        results.append(
             _Piece(
                 key=(part.name, copy),
                 part=part,
@@ -136,7 +136,7 @@ def _pieces(part: Part) -> list[_Piece]:
                 high=corners.max(axis=0),
             )
         )
-    return found
+    return results
 
 
 def _outward(by_link: Mapping[str, Sequence[_Piece]], parent: Mapping[str, str]) -> list[str]:
@@ -145,13 +145,13 @@ def _outward(by_link: Mapping[str, Sequence[_Piece]], parent: Mapping[str, str])
     for link, holder in parent.items():
         below.setdefault(holder, []).append(link)
     every = dict.fromkeys((*by_link, *parent.values()))
-    found: list[str] = []
+    results: list[str] = []
     waiting = deque(link for link in every if link not in parent)
     while waiting:
         link = waiting.popleft()
-        found.append(link)
+        results.append(link)
         waiting.extend(below.get(link, ()))
-    return [link for link in found if link in by_link]
+    return [link for link in results if link in by_link]
 
 
 def _holder(link: str, parent: Mapping[str, str], by_link: Mapping[str, object]) -> str:
@@ -166,21 +166,21 @@ def _within(group: Sequence[_Piece], gap: float) -> dict[Copy, Array]:
     """Return how the parts of one link leave its largest printed part."""
     ours = [piece for piece in group if piece.part.kind == "printed"] or list(group)
     main = max(ours, key=lambda piece: piece.size)
-    found = {main.key: np.zeros(3)}
+    results = {main.key: np.zeros(3)}
     placed = [(main.low, main.high)]
     others = [piece for piece in group if piece.key != main.key]
     # Pieces of one part first: what was bought goes around all of them.
     for piece in sorted(others, key=lambda each: each.part.kind == "bought"):
         if piece.part.kind == "fused":
-            found[piece.key] = np.zeros(3)
+            results[piece.key] = np.zeros(3)
             continue
         seat = _seat_axis(piece, ours) if piece.part.kind == "bought" else None
         away = piece.middle - main.middle if seat is None else seat
         ways = _ways(away, None) if seat is None else [seat]
-        found[piece.key] = _clear([(piece.low, piece.high)], placed, ways, 0.5 * gap)
-        step = found[piece.key]
+        results[piece.key] = _clear([(piece.low, piece.high)], placed, ways, 0.5 * gap)
+        step = results[piece.key]
         placed.append((piece.low + step, piece.high + step))
-    return found
+    return results
 
 
 def _seat_axis(piece: _Piece, ours: Sequence[_Piece]) -> Array | None:

@@ -24,12 +24,12 @@ def merged(mesh: Mesh) -> Mesh:
 
     size = float(np.abs(mesh.vertices).max())
     digits = int(np.clip(np.floor(-np.log10(size * 2.0**-21)), 0, 9))
-    found = trimesh.Trimesh(vertices=mesh.vertices, faces=mesh.faces, process=False)
-    found.merge_vertices(digits_vertex=digits)
-    found.remove_unreferenced_vertices()
+    result = trimesh.Trimesh(vertices=mesh.vertices, faces=mesh.faces, process=False)
+    result.merge_vertices(digits_vertex=digits)
+    result.remove_unreferenced_vertices()
     return Mesh(
-        vertices=np.asarray(found.vertices, dtype=np.float64),
-        faces=np.asarray(found.faces, dtype=np.int64),
+        vertices=np.asarray(result.vertices, dtype=np.float64),
+        faces=np.asarray(result.faces, dtype=np.int64),
     )
 
 
@@ -43,9 +43,9 @@ def without_cracks(mesh: Mesh) -> Mesh:
     from scipy.sparse.csgraph import connected_components
     from scipy.spatial import cKDTree
 
-    found = edges(mesh)
-    lonely = (found.along + found.against == 1)[found.edge]
-    rim = np.unique(found.directed[lonely])
+    result = edges(mesh)
+    lonely = (result.along + result.against == 1)[result.edge]
+    rim = np.unique(result.directed[lonely])
     pairs = cKDTree(mesh.vertices[rim]).query_pairs(CRACK_MM, output_type="ndarray")
     if not len(pairs):
         return mesh
@@ -112,12 +112,12 @@ def wound_alike(mesh: Mesh) -> Mesh:
 
 def _neighbours(mesh: Mesh) -> tuple[Integers, Integers, Mask]:
     """Return the pairs of faces that share an edge with no third, and whether they wind alike."""
-    found = edges(mesh)
-    order = np.argsort(found.edge, kind="stable")
-    shared = (found.along + found.against == 2)[found.edge[order]]
+    result = edges(mesh)
+    order = np.argsort(result.edge, kind="stable")
+    shared = (result.along + result.against == 2)[result.edge[order]]
     first, second = order[shared].reshape(-1, 2).T
     # Neighbours that wind alike walk their edge in opposite directions.
-    alike = found.directed[first, 0] != found.directed[second, 0]
+    alike = result.directed[first, 0] != result.directed[second, 0]
     return first // 3, second // 3, alike
 
 
@@ -152,10 +152,10 @@ def filled(mesh: Mesh) -> Mesh:
 
 def rims(mesh: Mesh) -> list[Integers]:
     """Return the loops of open edges, each as corners in the order in which a cap runs."""
-    found = edges(mesh)
-    lonely = (found.along + found.against == 1)[found.edge]
+    result = edges(mesh)
+    lonely = (result.along + result.against == 1)[result.edge]
     # A neighbour walks a shared edge the other way.
-    after = {int(b): int(a) for a, b in found.directed[lonely]}
+    after = {int(b): int(a) for a, b in result.directed[lonely]}
     loops = []
     while after:
         first = next(iter(after))

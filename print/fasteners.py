@@ -70,8 +70,8 @@ def fasteners(parts: Sequence[Part]) -> tuple[Fastener, ...]:
                     axis=place.world[:3, :3] @ seat.axis,
                 )
             )
-    for screw, found in holes.items():
-        counted["screw", screw] += _screws(found)
+    for screw, result in holes.items():
+        counted["screw", screw] += _screws(result)
     return _listed(counted)
 
 

@@ -70,8 +70,8 @@ def axle(name: str) -> Axle:
         which = bearing(name)
         return Axle(screw=screw(which.screw), outer_mm=which.outer_mm, seat_mm=which.width_mm)
     if any(known.name.lower() == name.lower() for known in SCREWS):
-        found = screw(name)
-        return Axle(screw=found, outer_mm=found.clear_mm, seat_mm=0.0)
+        result = screw(name)
+        return Axle(screw=result, outer_mm=result.clear_mm, seat_mm=0.0)
     raise SeatError(
         f"no bearing and no screw is called {name[:100]!r}",
         where="print.skeleton.Pivot.bearing",

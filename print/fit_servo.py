@@ -55,24 +55,24 @@ def pockets(mounts: Sequence[Mount], body: Any, profile: Profile) -> tuple[Fitti
         profile: How much play there is.
     """
     walls = [placed(_walls(servo(m.servo), profile.clearance_mm), m.pose) for m in mounts]
-    found = []
+    results = []
     for k, mount in enumerate(mounts):
         others = union([body, *(wall for j, wall in enumerate(walls) if j != k)])
         fitting = _pocket(mount, walls[k], others, profile)
-        found.append(replace(fitting, notes=(*fitting.notes, *_crowded(mounts, k))))
-    return tuple(found)
+        results.append(replace(fitting, notes=(*fitting.notes, *_crowded(mounts, k))))
+    return tuple(results)
 
 
 def _crowded(mounts: Sequence[Mount], k: int) -> list[str]:
     """Return what to say of servos that are drawn where another one is, each pair once."""
     mine = placed(case(servo(mounts[k].servo)).manifold, mounts[k].pose)
-    said = []
+    lines = []
     for other in mounts[:k]:
         both = float((placed(case(servo(other.servo)).manifold, other.pose) ^ mine).volume())
         if both > CROWDED_MM3:
             names = f"a {other.servo} and a {mounts[k].servo}"
-            said.append(f"{names} are drawn into each other by {both / 1e3:.1f} cm3: move one")
-    return said
+            lines.append(f"{names} are drawn into each other by {both / 1e3:.1f} cm3: move one")
+    return lines
 
 
 def _pocket(mount: Mount, walls: Any, others: Any, profile: Profile) -> Fitting:
@@ -125,10 +125,10 @@ def _screws(which: ServoSize, mount: Mount, play: float) -> tuple[Seat, ...]:
     height = -which.height_mm - play - WALL_MM
     if rim and which.flange is not None:
         height = -which.flange.depth_mm
-    found = []
+    results = []
     for x, y in which.holes_mm:
         at = mount.pose @ np.array([x, y, height, 1.0])
-        found.append(
+        results.append(
             Seat(
                 holds=size.name,
                 position=at[:3],
@@ -136,7 +136,7 @@ def _screws(which: ServoSize, mount: Mount, play: float) -> tuple[Seat, ...]:
                 bore_mm=size.tap_mm if rim else size.clear_mm,
             )
         )
-    return tuple(found)
+    return tuple(results)
 
 
 def horn(mount: Mount, profile: Profile) -> Fitting:

@@ -30,18 +30,18 @@ def check_part(part: Part, profile: Profile) -> tuple[Part, tuple[Check, ...]]:
     if sized.verdict == "refused" or part.mesh is None:
         return part, (sized,)
     try:
-        found = repaired(part.mesh, where=part.name)
+        result = repaired(part.mesh, where=part.name)
     except PrintError as error:
         return part, (sized, _refused(part, "repair", error.what, error.fix))
     except FOREIGN as error:
         return part, (sized, _refused(part, "repair", f"it cannot be mended: {error}", ODD))
-    mended = replace(part, mesh=found.mesh)
+    mended = replace(part, mesh=result.mesh)
     repair = Check(
         part=part.name,
         name="repair",
-        verdict="noted" if set(found.steps) - HARMLESS else "passed",
-        what=_told(found),
-        value=found.distance_mm,
+        verdict="noted" if set(result.steps) - HARMLESS else "passed",
+        what=_told(result),
+        value=result.distance_mm,
     )
     checks = [sized, repair]
     subject = Subject(part=mended, profile=profile)
@@ -52,14 +52,14 @@ def check_part(part: Part, profile: Profile) -> tuple[Part, tuple[Check, ...]]:
     return mended, tuple(checks)
 
 
-def _told(found: MeshRepair) -> str:
+def _told(result: MeshRepair) -> str:
     """Return what was mended, and how far the part is now from what was given."""
-    if not found.steps:
+    if not result.steps:
         return "nothing to mend"
-    far = f"its surface moved by {found.distance_mm:.2g} mm at most"
-    if found.volume_change is not None:
-        far += f", its volume changed by {100 * found.volume_change:.2g} %"
-    return f"{'; '.join(found.steps)}; {far}"
+    far = f"its surface moved by {result.distance_mm:.2g} mm at most"
+    if result.volume_change is not None:
+        far += f", its volume changed by {100 * result.volume_change:.2g} %"
+    return f"{'; '.join(result.steps)}; {far}"
 
 
 HARMLESS = frozenset({"merged coinciding corners"})

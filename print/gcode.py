@@ -214,15 +214,15 @@ def _remarks(gcode: bytes, breaks: Integers) -> dict[bytes, tuple[Integers, list
     starts = np.concatenate([[0], breaks + 1])
     starts = starts[starts < len(gcode)]
     noted = np.flatnonzero(np.frombuffer(gcode, dtype=np.uint8)[starts] == ord(";"))
-    found: dict[bytes, tuple[list[int], list[bytes]]] = {name: ([], []) for name in REMARKS}
+    results: dict[bytes, tuple[list[int], list[bytes]]] = {name: ([], []) for name in REMARKS}
     for line, start in zip(noted.tolist(), starts[noted].tolist(), strict=True):
         name, colon, _ = gcode[start + 1 : start + 8].partition(b":")
-        if colon and name in found:
+        if colon and name in results:
             end = gcode.find(b"\n", start)
             text = gcode[start : end if end >= 0 else len(gcode)]
-            found[name][0].append(line)
-            found[name][1].append(text.partition(b":")[2].strip())
-    return {name: (np.array(at, dtype=np.int64), texts) for name, (at, texts) in found.items()}
+            results[name][0].append(line)
+            results[name][1].append(text.partition(b":")[2].strip())
+    return {name: (np.array(at, dtype=np.int64), texts) for name, (at, texts) in results.items()}
 
 
 def _said(remark: tuple[Integers, list[bytes]], at: Integers, where: str) -> Array:
@@ -236,8 +236,8 @@ def _said(remark: tuple[Integers, list[bytes]], at: Integers, where: str) -> Arr
             where=where,
             fix="slice the part again; the file may be cut short or mixed up",
         ) from error
-    said: Array = values[np.searchsorted(lines_of, at)]
-    return said
+    statement: Array = values[np.searchsorted(lines_of, at)]
+    return statement
 
 
 def _features(

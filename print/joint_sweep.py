@@ -77,25 +77,25 @@ class Sweep:
             moved = [(n, s.rotate((0, 0, math.degrees(position)))) for n, s in self.moving]
         else:
             moved = [(n, s.translate((0, 0, position))) for n, s in self.moving]
-        found: dict[tuple[str, str], float] = {}
+        results: dict[tuple[str, str], float] = {}
         for still, solid in self.still:
             for moving, other in moved:
                 if _apart(solid, other):
                     continue
                 volume = _overlap(solid ^ other)
                 if volume > 0:
-                    found[still, moving] = found.get((still, moving), 0.0) + volume
-        return found
+                    results[still, moving] = results.get((still, moving), 0.0) + volume
+        return results
 
     def hit(self, position: float) -> Met | None:
         """Return the pair that is most in each other's way at a position, and its volume."""
-        found = {
+        results = {
             pair: volume
             for pair, volume in self.shared(position).items()
             if volume > 1.05 * self.rest.get(pair, 0.0) + TOUCH_MM3
         }
-        pair = max(found, key=lambda each: found[each], default=None)
-        return None if pair is None else (pair, found[pair])
+        pair = max(results, key=lambda each: results[each], default=None)
+        return None if pair is None else (pair, results[pair])
 
     def free_to(self, to: float) -> tuple[float, Met | None]:
         """Return how far the joint moves freely from its start, and what it meets there."""

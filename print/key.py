@@ -84,12 +84,12 @@ def _joined(
         (pins(*flipped, profile, mark=mark), True),
     ]
     # Two pins rather than a D, then the thicker ones, then as the axis runs.
-    found, over = max(
+    result, over = max(
         ways, key=lambda way: (len(way[0]), max((p.radius for p in way[0]), default=0))
     )
-    if not found:
+    if not result:
         return None
-    for pin in found:
+    for pin in result:
         solid, hole = pin.solid(), pin.hole(profile.clearance_mm)
         if over:
             above, below = above + rotated(solid, OVER), below - rotated(hole, OVER)
@@ -112,12 +112,12 @@ def _reason(low: Any, high: Any, plane: Plane, profile: Profile) -> str:
     """Return why no pin has room between two pieces; empty where they hardly touch."""
     up = swapped(plane.axis)
     below, above = (_onto(solid, up, plane.height) for solid in (low, high))
-    found = section(common(below, above, 1.0))
-    if found is None:
+    result = section(common(below, above, 1.0))
+    if result is None:
         return ""
     needed = 1.25 + profile.clearance_mm + profile.thinnest_mm
     return (
         f"where it would be cut, the largest circle in its section has a radius of "
-        f"{found.deepest:.1f} mm, and a pin with play and walls needs {needed:.2f} mm, and as "
+        f"{result.deepest:.1f} mm, and a pin with play and walls needs {needed:.2f} mm, and as "
         f"much depth"
     )

@@ -61,20 +61,20 @@ class Mesh:
         """
         import manifold3d
 
-        found = manifold3d.Manifold(
+        result = manifold3d.Manifold(
             manifold3d.Mesh64(
                 np.ascontiguousarray(self.vertices, dtype=np.float64),
                 np.ascontiguousarray(self.faces, dtype=np.uint64),
             )
         )
-        if found.status() != manifold3d.Error.NoError or found.is_empty():
-            reason = str(found.status()).rpartition(".")[2]
+        if result.status() != manifold3d.Error.NoError or result.is_empty():
+            reason = str(result.status()).rpartition(".")[2]
             raise SolidError(
                 f"the mesh encloses no solid ({'Empty' if reason == 'NoError' else reason})",
                 where="print.mesh.Mesh.manifold",
                 fix="close its surface, with each edge between two faces that wind alike",
             )
-        return found
+        return result
 
     @cached_property
     def trimesh(self) -> Any:

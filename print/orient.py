@@ -46,21 +46,21 @@ def orient(mesh: Mesh, profile: Profile) -> Orientation:
         upright = about_up(outline @ turn.T, profile)
         if upright is None:
             continue
-        found = standing((mesh.vertices @ turn.T)[mesh.faces], profile)
-        support = support_plastic(found.support_mm3, found.supported_mm2)
-        falls = _falls(found, float(lying.height[at]), profile)
+        result = standing((mesh.vertices @ turn.T)[mesh.faces], profile)
+        support = support_plastic(result.support_mm3, result.supported_mm2)
+        falls = _falls(result, float(lying.height[at]), profile)
         cost = float(dry[at] + wasted(np.array(support)) + falls)
         if best is None or cost < best[0] - 1e-6:
-            best = cost, upright @ turn, found
+            best = cost, upright @ turn, result
         tried += 1
         if tried == FINALISTS:
             break
     if best is None:
         raise _too_large(mesh, profile)
-    _, turn, found = best
+    _, turn, result = best
     return Orientation(
         turn=turn,
-        support_mm3=found.support_mm3,
+        support_mm3=result.support_mm3,
         first_support_mm3=standing(mesh.corners, profile).support_mm3,
         height_mm=float(np.ptp(outline @ turn[2])),
     )
@@ -74,9 +74,9 @@ def fits(mesh: Mesh, profile: Profile) -> bool:
     )
 
 
-def _falls(found: Standing, height: float, profile: Profile) -> float:
+def _falls(result: Standing, height: float, profile: Profile) -> float:
     """Return what it costs that a print may fall over, s."""
-    base = np.sqrt(max(found.contact_mm2, profile.line_mm**2))
+    base = np.sqrt(max(result.contact_mm2, profile.line_mm**2))
     return float(FALL_S * max(0.0, height / (SLENDER * base) - 1.0))
 
 

@@ -54,9 +54,9 @@ def whole(gcode: bytes, ran: Ran, name: str, where: str) -> None:
     """
     if gcode and END in gcode[-200:] and FILAMENT.search(gcode):
         return
-    found = f"{len(gcode)} bytes without the end of a G-code" if gcode else "no G-code"
+    result = f"{len(gcode)} bytes without the end of a G-code" if gcode else "no G-code"
     raise SlicerError(
-        f"{name} ended as if all were well but wrote {found}; it said: {_last(ran)}",
+        f"{name} ended as if all were well but wrote {result}; it said: {_last(ran)}",
         where=where,
         fix=f"see that {tempfile.gettempdir()} has room, and slice the part by hand to look at it",
     )
@@ -64,8 +64,8 @@ def whole(gcode: bytes, ran: Ran, name: str, where: str) -> None:
 
 def agree(gcode: bytes, ours: float, where: str) -> None:
     """Refuse a G-code of which our sum of the filament is not the slicer's."""
-    found = FILAMENT.search(gcode)
-    theirs = float(found.group(1)) if found else 0.0
+    result = FILAMENT.search(gcode)
+    theirs = float(result.group(1)) if result else 0.0
     if abs(ours - theirs) > AGREE * theirs:
         raise SlicerError(
             f"its lines use {ours:.1f} mm of filament, while its last lines say {theirs:.1f} mm",
@@ -83,20 +83,20 @@ def _signal(number: int) -> str:
 
 def _last(ran: Ran) -> str:
     """Return the last lines that a slicer said, without its progress."""
-    said = [line for line in ran.said.splitlines() if line.strip() and "] [trace]" not in line]
-    return " | ".join(line.strip()[:200] for line in said[-4:]) or "nothing"
+    lines = [line for line in ran.said.splitlines() if line.strip() and "] [trace]" not in line]
+    return " | ".join(line.strip()[:200] for line in lines[-4:]) or "nothing"
 
 
 def seconds(gcode: bytes) -> float:
     """Return the slicer's estimate of the time, such as `1d 2h 3m 4s`, in seconds."""
-    found = TIME.search(gcode)
+    result = TIME.search(gcode)
     units = {"d": 86400.0, "h": 3600.0, "m": 60.0, "s": 1.0}
-    text = found.group(1).decode() if found else ""
+    text = result.group(1).decode() if result else ""
     return sum(float(count) * units[unit] for count, unit in re.findall(r"(\d+)([dhms])", text))
 
 
-def warnings(said: str) -> tuple[str, ...]:
+def warnings(text: str) -> tuple[str, ...]:
     """Return what a slicer warned of, each warning once."""
-    found = (WARNING.match(line.strip()) for line in said.splitlines())
-    words = (each.group(1) or each.group(2) for each in found if each)
+    results = (WARNING.match(line.strip()) for line in text.splitlines())
+    words = (each.group(1) or each.group(2) for each in results if each)
     return tuple(dict.fromkeys(each for each in words if each not in SETTLED))

@@ -197,11 +197,11 @@ def _path(corner: Array) -> str:
 
 
 def _lines(corner: Array, sharp: Mask) -> str:
-    found = ""
+    text = ""
     for at in np.flatnonzero(sharp).tolist():
         a, b = corner[at], corner[(at + 1) % 3]
-        found += f"M{_number(a[0])} {_number(a[1])}l{_step(b, a)}"
-    return found
+        text += f"M{_number(a[0])} {_number(a[1])}l{_step(b, a)}"
+    return text
 
 
 def _css(colour: Colour, bright: float) -> str:
@@ -210,17 +210,17 @@ def _css(colour: Colour, bright: float) -> str:
 
 
 def _labels(labels: Sequence[Callout]) -> str:
-    found = []
+    results = []
     for each in labels:
         x, y = each.at
         to_x, to_y = each.points_to
         half = 5.0 + 4.6 * len(each.text)
         left = x - half
-        found.append(
+        results.append(
             f'<path d="M{x:.1f} {y:.1f}L{to_x:.1f} {to_y:.1f}" stroke="#24303c" '
             f'stroke-width="1" fill="none"/><circle cx="{to_x:.1f}" cy="{to_y:.1f}" r="2.6" '
             f'fill="#24303c"/><rect x="{left:.1f}" y="{y - 11:.1f}" width="{2 * half:.1f}" '
             f'height="22" rx="11" fill="#fff" stroke="#24303c"/><text x="{x:.1f}" y="{y + 5:.1f}" '
             f'text-anchor="middle" font-size="14">{escape(each.text)}</text>'
         )
-    return "".join(found)
+    return "".join(results)

@@ -106,16 +106,16 @@ def pins(low: Any, high: Any, profile: Profile, *, mark: int = 0) -> tuple[Pin, 
             many pieces only those go together that belong together.
     """
     wall, play = profile.thinnest_mm, profile.clearance_mm
-    found: dict[float, Section | None] = {}
+    results: dict[float, Section | None] = {}
     slight = section(common(low, high, LENGTH * 2.0 * RADII_MM[-1] + 2.0 * play + wall))
     if slight is None or slight.deepest < RADII_MM[-1] + play + wall:
         return ()
     for alone in (False, True):
         for radius in RADII_MM:
             length = min(LENGTH * 2.0 * radius, LONGEST_MM)
-            if length not in found:
-                found[length] = section(common(low, high, length + 2.0 * play + wall))
-            room = found[length]
+            if length not in results:
+                results[length] = section(common(low, high, length + 2.0 * play + wall))
+            room = results[length]
             if room is None:
                 continue
             chosen = _lone(room, radius, length, play + wall)

@@ -35,7 +35,7 @@ def prepare(
     profile: Profile,
     *,
     slicer: Slicer | None,
-    tell: Callable[[str], None] = lambda said: None,
+    tell: Callable[[str], None] = lambda statement: None,
     timeout_s: float = 300.0,
 ) -> Job:
     """Return the job of printing parts; what cannot be printed is in it as refused.
@@ -97,13 +97,13 @@ class _Gate:
             self.kept.append(part)
             return
         self.tell(f"looking at {part.name}")
-        found, checks = check_part(part, self.profile)
+        result, checks = check_part(part, self.profile)
         self.checks += checks
         if any(check.verdict == "refused" for check in checks):
             self.refused.append(part)
             return
         try:
-            self.passed += split(found, self.profile)
+            self.passed += split(result, self.profile)
         except SplitError as error:
             self.checks.append(
                 Check(
@@ -131,11 +131,11 @@ def _weighed(
     timeout_s: float,
 ) -> dict[str, Sliced]:
     if slicer is None:
-        found = {}
+        results = {}
         for part in parts:
             tell(f"estimating {part.name}")
-            found[part.name] = estimated(part, turned[part.name], profile)
-        return found
+            results[part.name] = estimated(part, turned[part.name], profile)
+        return results
 
     mine = replace(slicer, stop=Event())
 
@@ -146,16 +146,16 @@ def _weighed(
     return at_once({part.name: partial(ask, part) for part in parts}, mine)
 
 
-def at_once(asked: Mapping[str, Callable[[], T]], slicer: Slicer) -> dict[str, T]:
+def at_once(requested: Mapping[str, Callable[[], T]], slicer: Slicer) -> dict[str, T]:
     """Return what each call comes to, some at a time; after a failure the others are stopped.
 
     Args:
-        asked: What to call, by its name.
+        requested: What to call, by its name.
         slicer: The slicer that they all ask; a failure, or Ctrl-C, stops it for good.
     """
     pool = ThreadPoolExecutor(AT_ONCE)
     try:
-        begun = {name: pool.submit(call) for name, call in asked.items()}
+        begun = {name: pool.submit(call) for name, call in requested.items()}
         for future in as_completed(begun.values()):
             # The first that fails is told, not the first in order.
             future.result()

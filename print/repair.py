@@ -52,18 +52,18 @@ def repaired(mesh: Mesh, *, where: str) -> MeshRepair:
         SolidError: It encloses no solid, or only one that is too far from what was given.
     """
     _refuse_numbers(mesh, where)
-    found, steps = _closed(mesh, where)
-    if found.volume < 0:
-        found, steps = facets.turned(found), (*steps, "turned inside out")
-    apart = deviation(mesh, found) if len(steps) else None
+    result, steps = _closed(mesh, where)
+    if result.volume < 0:
+        result, steps = facets.turned(result), (*steps, "turned inside out")
+    apart = deviation(mesh, result) if len(steps) else None
     change = apart.volume if apart else 0.0
     distance = apart.distance_mm if apart else 0.0
     if "turned inside out" in steps and change is not None:
         # Turning changes the sign of the volume and nothing else.
-        change = abs(abs(found.volume) - abs(mesh.volume)) / abs(found.volume)
+        change = abs(abs(result.volume) - abs(mesh.volume)) / abs(result.volume)
     _refuse_far(change, distance, mesh, steps, where)
-    whole, overlap = _one_shell(found)
-    if whole is not found:
+    whole, overlap = _one_shell(result)
+    if whole is not result:
         steps = (*steps, f"joined its shells, which share {100 * overlap:.2g} % of their volume")
     return MeshRepair(
         mesh=whole,

@@ -68,7 +68,7 @@ def sheet(job: Job, hinges: Sequence[Hinge], *, title: str, command: str = "") -
         title: What the body is called; from a file, and escaped as all text is.
         command: What made it.
     """
-    told = exploded(job.parts, hinges)
+    given = exploded(job.parts, hinges)
     colours = _colours(job.parts)
     page = _environment().get_template("sheet.html.j2")
     printed = [part for part in job.parts if part.kind == "printed"]
@@ -84,7 +84,7 @@ def sheet(job: Job, hinges: Sequence[Hinge], *, title: str, command: str = "") -
         gauges=[_row(part, job, colours, len(job.gauges)) for part in job.gauges],
         bought=[part for part in job.parts if part.kind == "bought"],
         fused=[part for part in job.parts if part.kind == "fused"],
-        steps=steps(job.parts, hinges, told),
+        steps=steps(job.parts, hinges, given),
         needs=_needs,
         short=short,
         style=Markup((FOLDER / "sheet.css").read_text(encoding="utf-8")),
@@ -93,11 +93,11 @@ def sheet(job: Job, hinges: Sequence[Hinge], *, title: str, command: str = "") -
 
 def _apart(job: Job, hinges: Sequence[Hinge], title: str) -> str:
     """Return the exploded picture; empty where nothing has a shape."""
-    told, colours = exploded(job.parts, hinges), _colours(job.parts)
+    given, colours = exploded(job.parts, hinges), _colours(job.parts)
     copies = sum(part.count for part in job.parts if part.mesh is not None)
     drawn = [
         PlacedMesh(
-            mesh=part.mesh.moved(told.pose(part, copy)),
+            mesh=part.mesh.moved(given.pose(part, copy)),
             colour=colours[part.name],
             label="" if copy and copies > MOST_LABELS else part.number or part.name,
         )
@@ -110,8 +110,8 @@ def _apart(job: Job, hinges: Sequence[Hinge], title: str) -> str:
 
 def _colours(parts: Sequence[Part]) -> dict[str, Colour]:
     printed = [part.name for part in parts if part.kind != "bought"]
-    found = {name: COLOURS[at % len(COLOURS)] for at, name in enumerate(printed)}
-    return found | {part.name: BOUGHT for part in parts if part.kind == "bought"}
+    results = {name: COLOURS[at % len(COLOURS)] for at, name in enumerate(printed)}
+    return results | {part.name: BOUGHT for part in parts if part.kind == "bought"}
 
 
 def _row(part: Part, job: Job, colours: dict[str, Colour], among: int) -> Row:

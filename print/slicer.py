@@ -140,12 +140,12 @@ class Slicer:
 def find_slicer() -> Slicer | None:
     """Return the PrusaSlicer on the path, or None where there is none that answers."""
     for name in PROGRAMS:
-        found = shutil.which(name)
-        if found is None:
+        result = shutil.which(name)
+        if result is None:
             continue
-        version = _version(Path(found))
+        version = _version(Path(result))
         if version:
-            return Slicer(program=Path(found), name=version)
+            return Slicer(program=Path(result), name=version)
     return None
 
 
@@ -161,8 +161,8 @@ def _version(program: Path) -> str:
             )
         except OSError:
             return ""
-    found = re.search(r"PrusaSlicer-(\d+\.\d+\.\d+)", ran.said)
-    return f"PrusaSlicer {found.group(1)}" if found and ran.status == 0 else ""
+    result = re.search(r"PrusaSlicer-(\d+\.\d+\.\d+)", ran.said)
+    return f"PrusaSlicer {result.group(1)}" if result and ran.status == 0 else ""
 
 
 def _environment(folder: Path) -> dict[str, str]:

@@ -97,5 +97,5 @@ def frame(position: Array, axis: Array) -> Array:
 
 def pieces(solid: Any) -> list[Any]:
     """Return the separate pieces of a solid, the largest first; voids inside are filled."""
-    found = [piece for piece in solid.decompose() if piece.volume() > NOTHING]
-    return sorted(found, key=lambda piece: -piece.volume())
+    results = [piece for piece in solid.decompose() if piece.volume() > NOTHING]
+    return sorted(results, key=lambda piece: -piece.volume())

@@ -35,15 +35,15 @@ def shells(cuts: Sequence[Section], inner: Sequence[Section], profile: Profile) 
     count = len(cuts)
     tops = [_surface(cuts, inner, layer, layer + 1) for layer in range(count)] if top else []
     bottoms = [_surface(cuts, inner, layer, layer - 1) for layer in range(count)] if bottom else []
-    found = []
+    results = []
     for layer in range(count):
         near = tops[layer : layer + top] + bottoms[max(0, layer - bottom + 1) : layer + 1]
         around = inner[max(0, layer - max(bottom - 1, 0)) : layer + max(top, 1)]
         rim = inner[layer] - shared(around)
         if not rim.is_empty():
             near.append(grown(inset(rim, NARROW_MM), NARROW_MM + BARE_MM))
-        found.append(all_of(near) ^ inner[layer])
-    return found
+        results.append(all_of(near) ^ inner[layer])
+    return results
 
 
 def _surface(cuts: Sequence[Section], inner: Sequence[Section], layer: int, other: int) -> Section:

@@ -57,10 +57,10 @@ def split(part: Part, profile: Profile) -> tuple[Part, ...]:
         pieces = cut(whole.solid, planes)
         if not _all_fit(pieces, profile):
             continue
-        found = keyed(pieces, planes, profile)
-        if not found.loose and _all_fit(found.solids, profile):
-            return _named(whole, found.solids)
-        loose.append(found.loose)
+        result = keyed(pieces, planes, profile)
+        if not result.loose and _all_fit(result.solids, profile):
+            return _named(whole, result.solids)
+        loose.append(result.loose)
         if len(loose) == PATIENCE:
             break
     raise _refused(whole, next(filter(None, loose), ""), profile)

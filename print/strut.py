@@ -51,9 +51,9 @@ def strut(first: Any, second: Any, forbidden: Any) -> Any | None:
     radius = thickness(first, second)
     a, b = points(first), points(second)
     for thin in (radius, max(0.7 * radius, SLIM_MM)):
-        found = _straight(first, second, _pairs(a, b, 2.0 * thin), thin, forbidden)
-        if found is not None:
-            return found
+        result = _straight(first, second, _pairs(a, b, 2.0 * thin), thin, forbidden)
+        if result is not None:
+            return result
     ways = bent(a, b, forbidden, (radius, max(0.6 * radius, SLIM_MM), THINNEST_MM))
     joined = (_joining(first, second, way) for way in ways)
     return next((way - forbidden for way in joined if way is not None), None)
@@ -94,7 +94,7 @@ def _pairs(a: Array, b: Array, apart: float) -> list[tuple[Array, Array]]:
     """
     distance, nearest = KDTree(b).query(a)
     order = np.argsort(np.round(distance, 3), kind="stable")
-    found: list[tuple[Array, Array]] = []
+    results: list[tuple[Array, Array]] = []
     free = np.ones(len(a), dtype=bool)
     for k in order:
         if not free[k]:
@@ -105,11 +105,11 @@ def _pairs(a: Array, b: Array, apart: float) -> list[tuple[Array, Array]]:
         # The mean of a ring lies off the surface: the point nearest to it does not.
         start = a[patch][int(np.argmin(np.linalg.norm(a[patch] - start, axis=1)))]
         end = b[int(np.argmin(np.linalg.norm(b - end, axis=1)))]
-        found.append((start, end))
+        results.append((start, end))
         free &= ~about
-        if len(found) == TRIES:
+        if len(results) == TRIES:
             break
-    return found
+    return results
 
 
 def _between(first: Any, second: Any, start: Array, end: Array, radius: float) -> Any:

@@ -60,10 +60,10 @@ class AffineMap(BodyMap):
             "read_shift": (k_s,),
         }  # fmt: skip
         for name, shape in fit.items():
-            found = getattr(self, name)
-            if found.shape != shape or not np.isfinite(found).all():
+            result = getattr(self, name)
+            if result.shape != shape or not np.isfinite(result).all():
                 raise MapError(
-                    f"{name} has the shape {found.shape}, or a number of it is not finite",
+                    f"{name} has the shape {result.shape}, or a number of it is not finite",
                     where="an affine map",
                     fix=f"give finite numbers of the shape {shape}",
                 )

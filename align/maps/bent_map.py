@@ -47,12 +47,12 @@ class BentMap(BodyMap):
         """Check that the parts fit each other."""
         n, k = len(self.affine.lift_shift), len(self.affine.action_shift)
         shapes = [part.shape for part in (self.middle, self.spread)]
-        told = [part.shape for part in (self.command_middle, self.command_spread)]
-        fit = shapes == [(n,)] * 2 and told == [(k,)] * 2
+        command = [part.shape for part in (self.command_middle, self.command_spread)]
+        fit = shapes == [(n,)] * 2 and command == [(k,)] * 2
         fit = fit and self.states.size == n and self.commands.size == k
         if not fit or not (self.spread.min() > 0.0 and self.command_spread.min() > 0.0):
             raise MapError(
-                f"middles and spreads have the shapes {[*shapes, *told]}, or a spread is not "
+                f"middles and spreads have the shapes {[*shapes, *command]}, or a spread is not "
                 f"positive, where the affine part has {n} states and {k} commands",
                 where="a bent map",
                 fix="give all parts for the same numbers of the target",
@@ -74,15 +74,15 @@ class BentMap(BodyMap):
 
     def action_back(self, target: Array, command: Array) -> Array:
         """Return R z_a + F z + r."""
-        told = self.commands.value((command - self.command_middle) / self.command_spread)
-        return self.affine.action_back(self._straight(target), told)
+        commanded = self.commands.value((command - self.command_middle) / self.command_spread)
+        return self.affine.action_back(self._straight(target), commanded)
 
     def weights(self) -> Mapping[str, Array]:
         """Return all numbers, those of a part after its name."""
-        found = {f"affine.{name}": value for name, value in self.affine.weights().items()}
+        results = {f"affine.{name}": value for name, value in self.affine.weights().items()}
         for part in ("states", "commands"):
-            found |= {f"{part}.{name}": v for name, v in getattr(self, part).weights().items()}
-        return found | {name: getattr(self, name) for name in ABOUT}
+            results |= {f"{part}.{name}": v for name, v in getattr(self, part).weights().items()}
+        return results | {name: getattr(self, name) for name in ABOUT}
 
     @classmethod
     def of(cls, weights: Mapping[str, Array]) -> BentMap:

@@ -104,8 +104,8 @@ class Mapper(ABC):
                 where=f"map {self.name}",
                 fix="give what it needs, or take a map that does without",
             )
-        return self.found(given, rng)
+        return self.estimate(given, rng)
 
     @abstractmethod
-    def found(self, given: MapData, rng: np.random.Generator) -> BodyMap:
+    def estimate(self, given: MapData, rng: np.random.Generator) -> BodyMap:
         """Return what `fit` is to give back; what it needs is there."""

@@ -138,30 +138,30 @@ class Agreement:
     def errors(self, guess: Guess) -> tuple[Array, Any]:
         """Return what is off, shape (2 rows m,), and what the slopes are made of."""
         seen = self.seen
-        z, told = guess.states.value(seen.before), guess.commands.value(seen.command)
+        z, command = guess.states.value(seen.before), guess.commands.value(seen.command)
         x = z @ guess.S.T + guess.s
-        move, by_x, by_u = self.moves(x, told @ guess.R.T + guess.r)
+        move, by_x, by_u = self.moves(x, command @ guess.R.T + guess.r)
         next_t = guess.states.back(z + move @ guess.L.T)
         same_t = guess.states.back(x @ guess.L.T + guess.b)
         ahead, again = self.weight
         off = [((next_t - seen.after) * ahead).ravel(), ((same_t - seen.before) * again).ravel()]
-        return np.concatenate(off), (z, told, x, move, by_x, by_u, next_t, same_t)
+        return np.concatenate(off), (z, command, x, move, by_x, by_u, next_t, same_t)
 
     def slopes(self, guess: Guess, at: Any) -> Array:
         """Return the slopes of what is off by `guess.vector`, shape (2 rows m, numbers)."""
-        z, told, x, move, by_x, by_u, next_t, same_t = at
+        z, command, x, move, by_x, by_u, next_t, same_t = at
         (rows, m), n, k = z.shape, len(guess.s), len(guess.r)
         one = np.eye(m)
         by_z = guess.states.slope(self.seen.before)
         by_told = guess.commands.slope(self.seen.command)
         Lx, Lu = guess.L @ by_x, guess.L @ by_u
         ahead = [
-            _outer(Lx, z), Lx, _outer(Lu, told), Lu, _outer(one, move), np.zeros((rows, m, m)),
+            _outer(Lx, z), Lx, _outer(Lu, command), Lu, _outer(one, move), np.zeros((rows, m, m)),
             Lx @ guess.S @ by_z + by_z - guess.states.slope(next_t), Lu @ guess.R @ by_told,
         ]  # fmt: skip
         Lz = np.broadcast_to(guess.L, (rows, m, n))
         again = [
-            _outer(Lz, z), Lz, np.zeros((rows, m, k * told.shape[1])), np.zeros((rows, m, k)),
+            _outer(Lz, z), Lz, np.zeros((rows, m, k * command.shape[1])), np.zeros((rows, m, k)),
             _outer(one, x), np.broadcast_to(one, (rows, m, m)),
             guess.L @ guess.S @ by_z - guess.states.slope(same_t),
             np.zeros((rows, m, by_told.shape[2])),

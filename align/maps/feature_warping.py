@@ -257,27 +257,27 @@ def straight_of(weights: Mapping[str, Array]) -> InvertibleWarp:
         MapError: They make neither, or what they make cannot be inverted.
     """
     w = {name: np.asarray(value, dtype=float) for name, value in weights.items()}
-    found: InvertibleWarp | None = None
+    result: InvertibleWarp | None = None
     if set(w) == {"height", "centre", "width"} and w["height"].ndim == 2 and not w["width"].ndim:
         kernels, cosines = w["centre"].shape, w["height"].shape[1]
         spaced = bool((np.diff(w["centre"]) > 0.0).all()) if len(kernels) == 1 else False
         if spaced and w["width"] > 0.0 and kernels[0] == 2 * cosines:
-            found = Curves(height=w["height"], centre=w["centre"], width=float(w["width"]))
+            result = Curves(height=w["height"], centre=w["centre"], width=float(w["width"]))
     if set(w) == {"out", "into", "bias"} and w["out"].ndim == 2:
         m, hidden = w["out"].shape
         if w["into"].shape == (hidden, m) and w["bias"].shape == (hidden,):
-            found = NetworkWarp(out=w["out"], into=w["into"], bias=w["bias"])
-    whole = found is not None and np.isfinite(found.parameters).all()
-    if found is None or not whole or not _kept(found):
+            result = NetworkWarp(out=w["out"], into=w["into"], bias=w["bias"])
+    whole = result is not None and np.isfinite(result.parameters).all()
+    if result is None or not whole or not _kept(result):
         raise MapError(
             f"{', '.join(sorted(w)) or 'nothing'} makes no curves and no network with an inverse",
             where="what straightens a bent map",
             fix="give height, centre and width, or out, into and bias, as they were written",
         )
-    return found
+    return result
 
 
-def _kept(found: InvertibleWarp) -> bool:
+def _kept(result: InvertibleWarp) -> bool:
     """Return whether nothing has to be mended before it can be inverted."""
-    mended = found.at(found.parameters).parameters
-    return bool(np.allclose(mended, found.parameters, rtol=1e-6, atol=1e-12))
+    mended = result.at(result.parameters).parameters
+    return bool(np.allclose(mended, result.parameters, rtol=1e-6, atol=1e-12))

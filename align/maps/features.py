@@ -31,8 +31,8 @@ class Features(Following):
     def states(self, given: MapData, rng: np.random.Generator) -> StateLaw:
         """Return the map that the looks say."""
         wanted = (given.source.state.shape[1], given.target.state.shape[1])
-        found = (self.source_look.shape[1], self.target_look.shape[1])
-        if wanted != found or len(self.source_look) != len(self.target_look):
+        results = (self.source_look.shape[1], self.target_look.shape[1])
+        if wanted != results or len(self.source_look) != len(self.target_look):
             raise MapError(
                 f"the looks have the shapes {self.source_look.shape} and {self.target_look.shape}",
                 where=f"map {self.name}",

@@ -51,7 +51,7 @@ def read(path: Path) -> BodyMap:
         _measured(path)
         # Objects would be pickles, and pickles run what they are told to.
         with np.load(path, allow_pickle=False) as file:
-            found = {name: file[name] for name in file.files}
+            results = {name: file[name] for name in file.files}
     # numpy and zipfile raise a dozen unrelated errors on damaged bytes.
     except Exception as e:
         raise MapError(
@@ -59,8 +59,8 @@ def read(path: Path) -> BodyMap:
             where=f"map {path}",
             fix="give an .npz that was written as a map, without objects in it",
         ) from e
-    kind = found.pop(KIND, np.array(0.0))
-    plain = [kind, *found.values()]
+    kind = results.pop(KIND, np.array(0.0))
+    plain = [kind, *results.values()]
     if not all(isinstance(value, np.ndarray) for value in plain):
         raise MapError(
             "it holds what is no array",
@@ -73,7 +73,7 @@ def read(path: Path) -> BodyMap:
             where=f"map {path}",
             fix=f"give one word under the name {KIND!r}, such as affine",
         )
-    return kind_of(str(kind)).of({name: _numbers(path, name, found[name]) for name in found})
+    return kind_of(str(kind)).of({name: _numbers(path, name, results[name]) for name in results})
 
 
 def _measured(path: Path) -> None:

@@ -94,17 +94,17 @@ def followed(
     # Columns of the source: x, u and 1; of the target: y and 1, and what each command moved.
     seen = np.concatenate([np.eye(n), np.zeros((n, k + 1))], axis=1)
     free = np.concatenate([np.eye(m), np.zeros((m, 1))], axis=1)
-    told = np.zeros((m, horizon * kt))
+    command = np.zeros((m, horizon * kt))
     drive, wanted, by_itself = [], [], []
     for h in range(horizon):
         seen, free = ours.A @ seen, theirs.A @ free
         seen[:, n:] += np.column_stack([ours.B, ours.c])
         free[:, -1] += theirs.c
-        told = theirs.A @ told
-        told[:, h * kt : (h + 1) * kt] += theirs.B * spread
+        command = theirs.A @ command
+        command[:, h * kt : (h + 1) * kt] += theirs.B * spread
         there = lift @ seen
         there[:, -1] += lift_shift
-        drive.append(weight[:, None] * told)
+        drive.append(weight[:, None] * command)
         wanted.append(weight[:, None] * there)
         by_itself.append(weight[:, None] * free)
     G = np.concatenate(drive)
@@ -164,7 +164,7 @@ class Following(Mapper):
                 fix="give a horizon of 1 to 200 and a positive effort",
             )
 
-    def found(self, given: MapData, rng: np.random.Generator) -> AffineMap:
+    def estimate(self, given: MapData, rng: np.random.Generator) -> AffineMap:
         """Return the map of states with commands that follow."""
         return followed(
             self.states(given, rng),

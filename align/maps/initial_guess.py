@@ -37,7 +37,7 @@ class Beginnings:
 
     def drawn(self, rng: np.random.Generator) -> Guess:
         """Return a map by chance."""
-        n, m, k, told = self.shape
+        n, m, k, command = self.shape
         S = (self.axes @ rng.standard_normal(n * m)).reshape(n, m)
         if rng.random() < 0.5 and n <= m:
             # Every other one sees the source's numbers as spread as they were, and unrelated.
@@ -45,13 +45,13 @@ class Beginnings:
             S = left @ right @ np.linalg.inv(self.root)
         else:
             S = S * np.sqrt(n / np.square(S @ self.root).sum())
-        R = (self.reads @ S.ravel()).reshape(k, told)
+        R = (self.reads @ S.ravel()).reshape(k, command)
         x = self.states @ S.T
         gram = x.T @ x + FAINT * len(x) * np.eye(n)
         L = np.linalg.solve(gram, x.T @ self.states).T
         return Guess(
             S=S, s=np.zeros(n), R=R, r=np.zeros(k), L=L, b=np.zeros(m),
-            states=no_curves(m), commands=no_curves(told),
+            states=no_curves(m), commands=no_curves(command),
         )  # fmt: skip
 
 
@@ -64,7 +64,7 @@ def beginnings(x: Array, u: Array, move: Array, seen: ScaledTransitions) -> Begi
         move: How far it moved from there, in spreads, shape (rows, n).
         seen: The target's transitions.
     """
-    (rows, m), told, n, k = seen.before.shape, seen.command.shape[1], x.shape[1], u.shape[1]
+    (rows, m), command, n, k = seen.before.shape, seen.command.shape[1], x.shape[1], u.shape[1]
     inputs = np.concatenate([x, u, np.ones((len(x), 1))], axis=1)
     law = np.linalg.lstsq(inputs, move, rcond=None)[0].T
     A, B = law[:, :n], law[:, n : n + k]
@@ -87,5 +87,9 @@ def beginnings(x: Array, u: Array, move: Array, seen: ScaledTransitions) -> Begi
     value = np.maximum(value, 0.0)
     axes = even.T @ (vector / np.sqrt(value + 0.3 * value[0] + 1e-9))
     return Beginnings(
-        axes=axes, reads=-best[: k * told], root=root, shape=(n, m, k, told), states=seen.before
+        axes=axes,
+        reads=-best[: k * command],
+        root=root,
+        shape=(n, m, k, command),
+        states=seen.before,
     )

@@ -47,7 +47,7 @@ class KernelMapper(Mapper):
                 fix="give one cosine or more, and positive numbers",
             )
 
-    def found(self, given: MapData, rng: np.random.Generator) -> BodyMap:
+    def estimate(self, given: MapData, rng: np.random.Generator) -> BodyMap:
         """Return the curves and the affine map that agree best with the transitions."""
         bends = Bends(
             states=partial(flat_curves, cosines=self.cosines, reach=self.reach),

@@ -135,9 +135,9 @@ def _check_heard(step: Step, cubic: Surrogate, source: Transitions, where: str) 
     """Refuse a source with a command that does nothing: any map of it would agree."""
     after = step(source.state, source.command)
     for number, middle in enumerate(cubic.command_middle):
-        told = source.command.copy()
-        told[:, number] = middle
-        if np.abs((step(source.state, told) - after) / cubic.spread).max() < FAINTEST:
+        command = source.command.copy()
+        command[:, number] = middle
+        if np.abs((step(source.state, command) - after) / cubic.spread).max() < FAINTEST:
             raise SamplesError(
                 f"command {number} of the source moves nothing",
                 where=where,
@@ -164,9 +164,9 @@ def _finalists(
     fits.sort(key=lambda fit: fit.loss)
     if bends is None:
         return _different(fits, effort.finalists)
-    m, told = seen.before.shape[1], seen.command.shape[1]
+    m, command = seen.before.shape[1], seen.command.shape[1]
     bent = [
-        replace(fit.guess, states=bends.states(m), commands=bends.commands(told))
+        replace(fit.guess, states=bends.states(m), commands=bends.commands(command))
         for fit in _different(fits, effort.candidates)
     ]
     fits = [descended(each, agree, rounds=effort.rounds, hold=bends.hold) for each in bent]
@@ -175,11 +175,11 @@ def _finalists(
 
 def _different(fits: list[MapGuess], count: int) -> list[MapGuess]:
     """Return the best of sorted fits, one of each loss: some that err alike are one map."""
-    found = fits[:1]
+    result = fits[:1]
     for fit in fits[1:]:
-        if fit.loss > found[-1].loss * (1.0 + SAME) and len(found) < count:
-            found.append(fit)
-    return found
+        if fit.loss > result[-1].loss * (1.0 + SAME) and len(result) < count:
+            result.append(fit)
+    return result
 
 
 def _best(
@@ -238,7 +238,7 @@ def _unscaled(
                 where=where,
                 fix="give more transitions, which excite every joint, or another source",
             )
-    (n, m), (k, told) = guess.S.shape, guess.R.shape
+    (n, m), (k, command) = guess.S.shape, guess.R.shape
     x_spread, u_spread = cubic.spread, cubic.command_spread
     S_back, R_back = np.linalg.pinv(guess.S), np.linalg.pinv(guess.R)
     # The learned way back, moved by the least that makes the way there undo it.
@@ -251,7 +251,7 @@ def _unscaled(
         lift_law=L / x_spread,
         lift_shift=b - L @ (cubic.middle / x_spread),
         action_law=R_back / u_spread,
-        action_state=np.zeros((told, m)),
+        action_state=np.zeros((command, m)),
         action_shift=-R_back @ (guess.r + cubic.command_middle / u_spread),
         read_law=u_spread[:, None] * guess.R,
         read_state=np.zeros((k, m)),

@@ -42,7 +42,7 @@ class NetworkMapper(Mapper):
                 fix="give two or more, and a positive number",
             )
 
-    def found(self, given: MapData, rng: np.random.Generator) -> BodyMap:
+    def estimate(self, given: MapData, rng: np.random.Generator) -> BodyMap:
         """Return the network and the affine map that agree best with the transitions."""
         bends = Bends(
             states=partial(idle_network, hidden=self.hidden, rng=rng),

@@ -84,11 +84,11 @@ class Sparse(Following):
                 # A change of the source's numbers weighs by how large it is there.
                 moving = np.column_stack([step / moves[at], np.zeros(len(z))])
                 wanted = np.concatenate([made[:, at], share * a[:, at]])
-                found = np.linalg.solve(
+                result = np.linalg.solve(
                     normal + moving.T @ moving,
                     rows.T @ wanted + moving.T @ made[:, n + at] + price @ [*law[at], rest[at]],
                 )
-                law[at], rest[at] = found[:-1], found[-1]
+                law[at], rest[at] = result[:-1], result[-1]
         return unscaled(law, rest, ours, theirs)
 
 
@@ -100,13 +100,13 @@ def dictionary(z: Array, atoms: int, active: int, rng: np.random.Generator) -> A
 
     Source: Engan, Aase and Husoy 1999, ICASSP (method of optimal directions).
     """
-    found = _unit(z[rng.integers(len(z), size=atoms)])
+    result = _unit(z[rng.integers(len(z), size=atoms)])
     for _ in range(TURNS):
-        codes = coded(z, found, active)
+        codes = coded(z, result, active)
         used = np.abs(codes).sum(axis=0) > 0.0
         fresh = z[rng.integers(len(z), size=atoms)]
-        found = _unit(np.where(used[:, None], np.linalg.pinv(codes) @ z, fresh))
-    return found
+        result = _unit(np.where(used[:, None], np.linalg.pinv(codes) @ z, fresh))
+    return result
 
 
 def _unit(atoms: Array) -> Array:

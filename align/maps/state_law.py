@@ -46,11 +46,11 @@ def labelled(given: MapData, *, where: str) -> Pairs:
             where=where,
             fix="label a few states of both bodies that correspond",
         )
-    found = (given.pairs.source.shape[1], given.pairs.target.shape[1])
+    results = (given.pairs.source.shape[1], given.pairs.target.shape[1])
     wanted = (given.source.state.shape[1], given.target.state.shape[1])
-    if found != wanted:
+    if results != wanted:
         raise SamplesError(
-            f"states of the pairs have {found[0]} and {found[1]} numbers",
+            f"states of the pairs have {results[0]} and {results[1]} numbers",
             where=where,
             fix=f"give {wanted[0]} of the source and {wanted[1]} of the target",
         )
@@ -77,5 +77,5 @@ def ridged(inputs: Array, outputs: Array, ridge: float) -> tuple[Array, Array]:
     m, d = inputs.shape
     z = np.concatenate([inputs, np.ones((m, 1))], axis=1)
     price = np.diag([*[ridge * m] * d, 1.0])
-    found = np.linalg.solve(z.T @ z + price, z.T @ outputs)
-    return np.asarray(found[:d].T), np.asarray(found[d])
+    result = np.linalg.solve(z.T @ z + price, z.T @ outputs)
+    return np.asarray(result[:d].T), np.asarray(result[d])

@@ -73,10 +73,10 @@ def surrogate(source: Transitions, step: Step, rng: np.random.Generator) -> Surr
             fix="move every joint by random commands on every actuator",
         )
     place = source.state[rng.integers(len(source.state), size=ASKED)] - middle
-    told = source.command[rng.integers(len(source.command), size=ASKED)] - low
+    command = source.command[rng.integers(len(source.command), size=ASKED)] - low
     # Numbers that were seen together are taken apart by chance, so that the fit knows of each.
     x = WIDER * (place / spread + 0.3 * rng.standard_normal(place.shape))
-    u = WIDER * told / wide
+    u = WIDER * command / wide
     after = np.asarray(step(middle + spread * x, low + wide * u))
     fine = np.isfinite(after).all(axis=1)
     move = (after - middle) / spread - x

@@ -26,7 +26,7 @@ class TransitionMapper(Mapper):
     effort: FitBudget = field(default_factory=FitBudget)
     """How long it is looked for."""
 
-    def found(self, given: MapData, rng: np.random.Generator) -> AffineMap:
+    def estimate(self, given: MapData, rng: np.random.Generator) -> AffineMap:
         """Return the affine map that agrees best with the transitions."""
         where = f"map {self.name}"
         return straightened(consistent(given, rng, effort=self.effort, bends=None, where=where))
@@ -36,7 +36,7 @@ def straightened(bent: BentMap) -> AffineMap:
     """Return the affine map that a map without bends is, in the target's own units."""
     affine = bent.affine
     by_state, by_command = 1.0 / bent.spread, 1.0 / bent.command_spread
-    back, told = bent.spread[:, None], bent.command_spread[:, None]
+    back, command = bent.spread[:, None], bent.command_spread[:, None]
     away, told_away = by_state * bent.middle, by_command * bent.command_middle
     action_shift = affine.action_shift - affine.action_state @ away
     read_shift = affine.read_shift - affine.read_law @ told_away - affine.read_state @ away
@@ -45,8 +45,8 @@ def straightened(bent: BentMap) -> AffineMap:
         state_shift=affine.state_shift - affine.state_law @ away,
         lift_law=back * affine.lift_law,
         lift_shift=bent.middle + bent.spread * affine.lift_shift,
-        action_law=told * affine.action_law,
-        action_state=told * affine.action_state * by_state,
+        action_law=command * affine.action_law,
+        action_state=command * affine.action_state * by_state,
         action_shift=bent.command_middle + bent.command_spread * action_shift,
         read_law=affine.read_law * by_command,
         read_state=affine.read_state * by_state,

@@ -72,8 +72,8 @@ class Transport(Following):
             goal = np.concatenate([goal, np.repeat(a, share, axis=0)])
         columns = np.column_stack([start, np.ones(len(start))])
         price = 1e-3 * len(columns) * np.eye(columns.shape[1])
-        found = np.linalg.solve(columns.T @ columns + price, columns.T @ goal).T
-        return unscaled(found[:, :-1], found[:, -1], ours, theirs)
+        result = np.linalg.solve(columns.T @ columns + price, columns.T @ goal).T
+        return unscaled(result[:, :-1], result[:, -1], ours, theirs)
 
 
 def fused(cost: Array, ours: Array, theirs: Array, shape: float) -> Array:

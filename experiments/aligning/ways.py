@@ -93,7 +93,7 @@ def shown_by(
 
 def _measured(mapper: Following, given: MapData, law: Array, score: Score, seed: int) -> JSON:
     try:
-        found = mapper.found(given, np.random.default_rng([seed, 2]))
+        found = mapper.estimate(given, np.random.default_rng([seed, 2]))
     except AlignError as error:
         return {"score": 0.0, "agreement": 0.0, "refused": str(error).split("\n")[0]}
     truth = given.target.state @ law.T

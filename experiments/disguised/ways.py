@@ -24,11 +24,11 @@ def shuffled(given: MapData, rng: np.random.Generator) -> MapData:
 def learned(name: str) -> Callable[[MapData, np.random.Generator], Read]:
     """Return what reads by a map of the family that has this name."""
 
-    def found(given: MapData, rng: np.random.Generator) -> Read:
+    def estimate(given: MapData, rng: np.random.Generator) -> Read:
         body_map = mapper(name).fit(given, rng)
         return lambda y, a: (body_map.state(y), body_map.action_back(y, a))
 
-    return found
+    return estimate
 
 
 def lost(given: MapData, rng: np.random.Generator) -> Read:

@@ -110,18 +110,18 @@ def _link(
 
 
 def _file(part: PartTable, place: Place, files: Files) -> Path:
-    found = files.find(part.mesh)
-    if found.path is None or found.how != "exact":
-        there = found.path and found.path.relative_to(files.folder)
+    result = files.find(part.mesh)
+    if result.path is None or result.how != "exact":
+        there = result.path and result.path.relative_to(files.folder)
         raise RobotError(
             f"the mesh {part.mesh!r} of the link {part.name!r} "
             + {"outside": f"lies outside {files.folder}, where nothing is read"}.get(
-                found.how, f"is not there{f', but {str(there)!r} is' if there else ''}"
+                result.how, f"is not there{f', but {str(there)!r} is' if there else ''}"
             ),
             where=place.key("mesh"),
             fix="write where it is, from the folder of the table",
         )
-    return found.path
+    return result.path
 
 
 def _mesh(path: Path) -> Mesh:

@@ -38,7 +38,7 @@ class Cut:
 
 
 def with_pieces(
-    robot: Robot, cutting: Cutting | None = None, *, told: Callable[[str], None] | None = None
+    robot: Robot, cutting: Cutting | None = None, *, progress: Callable[[str], None] | None = None
 ) -> tuple[Robot, tuple[Cut, ...]]:
     """Return a robot whose collision meshes are convex pieces, and what was cut.
 
@@ -48,7 +48,7 @@ def with_pieces(
     Args:
         robot: The robot.
         cutting: How to cut.
-        told: Called with each mesh's name before it is cut.
+        progress: Called with each mesh's name before it is cut.
 
     Raises:
         RobotError: A mesh cannot be read, or MuJoCo refuses a piece.
@@ -56,18 +56,18 @@ def with_pieces(
     spec = bare_spec(robot)
     assets = dict(robot.assets)
     meshes = {mesh.name or Path(mesh.file).stem: mesh for mesh in spec.meshes}
-    found: dict[str, Pieces | None] = {}
+    results: dict[str, Pieces | None] = {}
     cuts = []
     for geom in list(spec.geoms):
         touches = geom.contype or geom.conaffinity
         if geom.type != mujoco.mjtGeom.mjGEOM_MESH or not touches:
             continue
         name = geom.meshname
-        if name not in found:
-            if told is not None:
-                told(name)
-            found[name] = _cut(meshes[name], assets, cutting)
-        pieces = found[name]
+        if name not in results:
+            if progress is not None:
+                progress(name)
+            results[name] = _cut(meshes[name], assets, cutting)
+        pieces = results[name]
         if pieces is None:
             continue
         whole = pieces.hull_ratio < ENOUGH

@@ -33,14 +33,14 @@ def read_description(
     Raises:
         DescriptionRefused: There is no robot in it; its findings say why.
     """
-    asked, base = base, base or (card.base if card else None)
+    requested, base = base, base or (card.base if card else None)
     if base is not None and base not in BASES:
         raise RobotError(
             f"a base cannot be {base!r}", where=str(path), fix=f"use {', '.join(BASES)}"
         )
     try:
         robot = _read(path, card, base, folder)
-        _check_base(robot, path, asked)
+        _check_base(robot, path, requested)
         return robot
     except DescriptionRefused:
         raise
@@ -52,7 +52,7 @@ def read_description(
         raise refusal([about_file(nested, path)]) from error
 
 
-def _check_base(robot: Robot, path: Path, asked: str | None) -> None:
+def _check_base(robot: Robot, path: Path, requested: str | None) -> None:
     """Refuse a base that the description does not leave open: nothing is overruled in silence."""
     first = robot.joints[0] if robot.joints else None
     stands = "fixed"
@@ -60,9 +60,9 @@ def _check_base(robot: Robot, path: Path, asked: str | None) -> None:
         stands = "floating"
     elif first is not None and first.kind == "slide" and first.name.startswith("board"):
         stands = "board"
-    if asked and asked != stands:
+    if requested and requested != stands:
         raise RobotError(
-            f"the description says itself how its base stands: {stands}, not {asked}",
+            f"the description says itself how its base stands: {stands}, not {requested}",
             where=str(path),
             fix="leave the base out, or change what ties the description's first link to the world",
         )

@@ -166,13 +166,13 @@ class Draft:
     def heads(self) -> dict[str, str]:
         """Return, for each link, the topmost of those that fixed joints weld to it."""
         above = self.joint_above()
-        found: dict[str, str] = {}
+        results: dict[str, str] = {}
         for link in self.links:
             name = link.name
             while name in above and above[name].kind == "fixed":
                 name = above[name].parent
-            found[link.name] = name
-        return found
+            results[link.name] = name
+        return results
 
     def roots(self) -> tuple[str, ...]:
         """Return the links that no joint moves, in order."""

@@ -21,7 +21,7 @@ def followers(model: Any) -> tuple[dict[int, Mimic], list[str]]:
     y = a0 + a1 x + a2 x^2 + ...; here `offset` is a0 and `ratio` a1.
     Source: MuJoCo documentation, XML reference, equality/joint.
     """
-    found: dict[int, Mimic] = {}
+    results: dict[int, Mimic] = {}
     others = []
     for index in range(model.neq):
         kind = mujoco.mjtEq(model.eq_type[index])
@@ -29,11 +29,11 @@ def followers(model: Any) -> tuple[dict[int, Mimic], list[str]]:
             continue
         first, second = int(model.eq_obj1id[index]), int(model.eq_obj2id[index])
         offset, ratio, *higher = model.eq_data[index, :5].tolist()
-        if second < 0 or any(higher) or first in found:
+        if second < 0 or any(higher) or first in results:
             others.append(model.joint(first).name)
         else:
-            found[first] = Mimic(joint=model.joint(second).name, ratio=ratio, offset=offset)
-    return found, others
+            results[first] = Mimic(joint=model.joint(second).name, ratio=ratio, offset=offset)
+    return results, others
 
 
 def leaders(model: Any) -> dict[int, tuple[int, float, float]]:
@@ -45,7 +45,7 @@ def leaders(model: Any) -> dict[int, tuple[int, float, float]]:
         joint: (model.joint(mimic.joint).id, from_zero(model, joint, mimic))
         for joint, mimic in followers(model)[0].items()
     }
-    found = {}
+    results = {}
     for joint, (leader, mimic) in direct.items():
         ratio, offset, passed = mimic.ratio, mimic.offset, {joint}
         while leader in direct and leader not in passed:
@@ -53,8 +53,8 @@ def leaders(model: Any) -> dict[int, tuple[int, float, float]]:
             leader, above = direct[leader]
             ratio, offset = ratio * above.ratio, ratio * above.offset + offset
         if leader not in passed:
-            found[joint] = leader, ratio, offset
-    return found
+            results[joint] = leader, ratio, offset
+    return results
 
 
 def chains(model: Any) -> list[int]:

@@ -105,8 +105,8 @@ class FourBar:
                 fix="keep the crank within "
                 + " or ".join(f"{low:.6g} to {high:.6g} rad" for low, high in self.crank_range()),
             )
-        found: Array = np.arctan2(y, x) + self.branch * np.arccos(cosine)
-        return np.asarray((found + np.pi) % (2.0 * np.pi) - np.pi)
+        result: Array = np.arctan2(y, x) + self.branch * np.arccos(cosine)
+        return np.asarray((result + np.pi) % (2.0 * np.pi) - np.pi)
 
     def coupler_angle(self, crank_angle: Array | float) -> Array:
         """Return the angle of the coupler, rad, seen from the crank's end; shape as given."""

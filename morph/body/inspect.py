@@ -83,15 +83,15 @@ def inspect_robot(
             disagreement that no repair explains is a finding.
     """
     try:
-        found = load(robot, base=base, folder=folder)
+        result = load(robot, base=base, folder=folder)
     except RobotError as error:
         return _refused(robot, error)
-    findings = list(found.findings)
+    findings = list(result.findings)
     if second_opinion:
         from morph.body.agreement import disagreement
 
-        findings += disagreement(found)
-    spec = spec_of(found)
+        findings += disagreement(result)
+    spec = spec_of(result)
     for geom in spec.geoms:
         geom.contype = geom.conaffinity = 0  # So that MuJoCo computes no hulls.
     with quiet():
@@ -101,9 +101,9 @@ def inspect_robot(
         mujoco.mj_comPos(model, data)
     x, y, z = data.subtree_com[0].tolist()
     return Inspection(
-        name=found.name,
+        name=result.name,
         findings=tuple(findings),
-        robot=replace(found, findings=tuple(findings)),
+        robot=replace(result, findings=tuple(findings)),
         com=(x, y, z),
         dof=int(model.nv),
         reach=_reach(model, data),

@@ -99,22 +99,22 @@ def _compiled(spec: Any, where: str) -> Any:
 
 
 def _body(model: Any, name: str, where: str) -> int:
-    found = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, name)
-    if found < 0:
+    result = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, name)
+    if result < 0:
         known = ", ".join(model.body(index).name for index in range(1, model.nbody))
         raise RobotError(
             f"the closure names a link {name!r}; there are {known}",
             where=where,
             fix="correct the bodies of the [[closure]]",
         )
-    return int(found)
+    return int(result)
 
 
 def _ancestry(model: Any, body: int) -> list[int]:
-    found = [body]
-    while found[-1] != 0:
-        found.append(int(model.body_parentid[found[-1]]))
-    return found
+    results = [body]
+    while results[-1] != 0:
+        results.append(int(model.body_parentid[results[-1]]))
+    return results
 
 
 def _check_loop(model: Any, data: Any, closure: Closure, chain: list[int], where: str) -> None:
@@ -194,11 +194,11 @@ def _points(model: Any, data: Any, body: int) -> list[Array]:
     # What URDF calls a frame is a link on a fixed joint: here a body without a joint.
     pose = _frame(data, body)
     sites = [model.site_pos[i] for i in range(model.nsite) if model.site_bodyid[i] == body]
-    found = [data.xpos[body] + pose @ site for site in sites]
+    results = [data.xpos[body] + pose @ site for site in sites]
     for child in range(1, model.nbody):
         if model.body_parentid[child] == body and model.body_jntnum[child] == 0:
-            found += [data.xpos[child].copy(), *_points(model, data, child)]
-    return found
+            results += [data.xpos[child].copy(), *_points(model, data, child)]
+    return results
 
 
 def _frame(data: Any, body: int) -> Array:

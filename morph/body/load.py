@@ -44,10 +44,10 @@ def load(robot: str | Path, *, base: str | None = None, folder: str | Path | Non
             everything that is wrong.
     """
     path, card = find(robot)
-    found = read_description(path, card, base=base, folder=Path(folder) if folder else None)
+    result = read_description(path, card, base=base, folder=Path(folder) if folder else None)
     if card is not None and base is None:
-        _check(found, card)
-    return found
+        _check(result, card)
+    return result
 
 
 def find(robot: str | Path) -> tuple[Path, Card | None]:

@@ -51,23 +51,23 @@ def _include(
         for at, child in reversed(list(enumerate(parent))):
             if not isinstance(child, Element) or child.tag != "include":
                 continue
-            found = files.find(child.get("file", ""))
-            if found.path is None or depth > DEEPEST or found.path.resolve() in open_:
-                why = "lies outside its folder" if found.how == "outside" else "is not there"
-                if found.path is not None:
+            result = files.find(child.get("file", ""))
+            if result.path is None or depth > DEEPEST or result.path.resolve() in open_:
+                why = "lies outside its folder" if result.how == "outside" else "is not there"
+                if result.path is not None:
                     why = "is included twice"
                 raise RobotError(
                     f"the file {child.get('file', '')!r} that it includes {why}",
                     where=child.place,
                     fix=f"put it into {files.folder}, and include it once",
                 )
-            open_.add(found.path.resolve())
+            open_.add(result.path.resolve())
             if len(open_) > MOST_FILES:
                 what = f"it includes more than {MOST_FILES} files"
                 raise RobotError(what, where=child.place, fix="include less")
-            other = parse(read_text(found.path), str(found.path))
+            other = parse(read_text(result.path), str(result.path))
             lines.add(other)
-            _include(other, found.path, files, lines, open_, depth + 1)
+            _include(other, result.path, files, lines, open_, depth + 1)
             parent.remove(child)
             for offset, grandchild in enumerate(list(other)):
                 parent.insert(at + offset, grandchild)
@@ -128,9 +128,9 @@ class _Gatherer:
         """Take a file in; return whether it could be."""
         written = element.get(key, "")
         folder = self.folders["texture" if element.tag == "texture" else "mesh"]
-        found = self.files.find(written, folder)
-        if found.path is None:
-            outside = found.how == "outside"
+        result = self.files.find(written, folder)
+        if result.path is None:
+            outside = result.how == "outside"
             code = "mesh-outside" if outside else "mesh-missing"
             why = f"lies outside {self.files.folder}" if outside else "is nowhere"
             what = f"the file {written!r} {why}"
@@ -139,22 +139,22 @@ class _Gatherer:
             self.tell(element, code, "repaired", what, "what uses it was left out")
             return False
         try:
-            content, ending, done = asset_content(element.tag, found.path)
+            content, ending, done = asset_content(element.tag, result.path)
         except MeshError as error:
-            what = f"{found.path.name} {error.what}"
+            what = f"{result.path.name} {error.what}"
             self.tell(element, error.code, "repaired", what, "what uses it was left out", error.fix)
             return False
         if done:
-            what = f"{found.path.name} has more than {MOST_FACES} faces, which MuJoCo cannot take"
+            what = f"{result.path.name} has more than {MOST_FACES} faces, which MuJoCo cannot take"
             self.tell(element, "mesh-too-large", "repaired", what, done, "export it coarser")
-        if found.how in ("case", "moved"):
-            shown = found.path.relative_to(self.files.folder)
-            code = "mesh-case" if found.how == "case" else "mesh-path"
+        if result.how in ("case", "moved"):
+            shown = result.path.relative_to(self.files.folder)
+            code = "mesh-case" if result.how == "case" else "mesh-path"
             what = f"the file {written!r} is there as {str(shown)!r}"
             self.tell(element, code, "repaired", what, "that file was taken")
         element.set("name", asset_name(element))
         element.attrib.pop("content_type", None)
-        asset = f"{len(self.assets)}_{found.path.stem}{ending}"
+        asset = f"{len(self.assets)}_{result.path.stem}{ending}"
         self.assets[asset] = content
         element.set(key, asset)
         return True
@@ -197,9 +197,9 @@ def weighs(tree: Element, body: Element, geom: Element) -> bool:
     if any(each.get("inertiafromgeom") == "false" for each in compilers):
         return False
     kind = geom.get("class") or body.get("childclass")
-    said = [geom]
+    lines = [geom]
     for default in tree.everything():
         if default.tag == "default" and default.get("class") == kind:
-            said += default.children("geom")
-    given = [each.get(key, "") for each in said for key in ("mass", "density")]
+            lines += default.children("geom")
+    given = [each.get(key, "") for each in lines for key in ("mass", "density")]
     return not any(word.strip() and float_or(word, 1.0) == 0.0 for word in given)

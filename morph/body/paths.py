@@ -96,8 +96,8 @@ class Files:
                 with open_regular(path) as file:
                     content = file.read(MOST_MARK)
                 if b"<!" not in content.replace(b"<!--", b""):
-                    found = ElementTree.fromstring(content).findtext("name")
-                    names.add((found or "").strip())
+                    result = ElementTree.fromstring(content).findtext("name")
+                    names.add((result or "").strip())
             except (OSError, ElementTree.ParseError):
                 continue
         return frozenset(names - {""})

@@ -71,12 +71,12 @@ def convex_pieces(mesh: Mesh, cutting: Cutting | None = None) -> Pieces:
             code="mesh-empty",
         )
     # Hulls, so that a piece is convex to rounding and wound outward.
-    found = tuple(piece.hull for piece in _cut_once(mesh.merged, cutting))
+    results = tuple(piece.hull for piece in _cut_once(mesh.merged, cutting))
     volume = abs(mesh.volume)
     return Pieces(
-        meshes=found,
+        meshes=results,
         hull_ratio=mesh.hull.volume / volume,
-        pieces_ratio=sum(piece.volume for piece in found) / volume,
+        pieces_ratio=sum(piece.volume for piece in results) / volume,
     )
 
 
@@ -100,13 +100,13 @@ def cache_folder() -> Path:
 def _cut_once(mesh: Mesh, cutting: Cutting) -> tuple[Mesh, ...]:
     key = sha256(EDITION, repr(asdict(cutting)), mesh.vertices.tobytes(), mesh.faces.tobytes())
     path = cache_folder() / "pieces" / f"{key}.npz"
-    found = _stored(path)
-    if found is None:
-        found = _cut(mesh, cutting)
+    result = _stored(path)
+    if result is None:
+        result = _cut(mesh, cutting)
         # A cache that cannot be written to costs time, not the result.
         with contextlib.suppress(MorphError):
-            write_whole(path, _packed(found))
-    return found
+            write_whole(path, _packed(result))
+    return result
 
 
 def _cut(mesh: Mesh, cutting: Cutting) -> tuple[Mesh, ...]:

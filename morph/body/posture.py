@@ -139,13 +139,13 @@ class Posture:
         J v = 0 holds for every movement v that keeps the loops closed, so that what follows
         moves by v_tied = -J_tied^+ J_free v_free.
         """
-        found = np.zeros((self.model.nv, len(self.dofs)))
-        found[self.dofs, np.arange(len(self.dofs))] = 1.0
+        result = np.zeros((self.model.nv, len(self.dofs)))
+        result[self.dofs, np.arange(len(self.dofs))] = 1.0
         if len(self.tied):
             mujoco.mj_makeConstraint(self.model, self.data)
             _, J = self._constraint()
-            found[self.tied] = -np.linalg.lstsq(J[:, self.tied], J[:, self.dofs], rcond=1e-9)[0]
-        return found
+            result[self.tied] = -np.linalg.lstsq(J[:, self.tied], J[:, self.dofs], rcond=1e-9)[0]
+        return result
 
     def _closed(self, pose: Array) -> Array | None:
         """Return a pose with its loops closed by what follows; None if they do not close."""

@@ -23,10 +23,10 @@ def quiet() -> Iterator[list[str]]:
     before = mujoco.get_mju_user_warning()
     mujoco.set_mju_user_warning(keep)
     try:
-        with warnings.catch_warnings(record=True) as told:
+        with warnings.catch_warnings(record=True) as given:
             warnings.simplefilter("always")
             yield caught
-        for warning in told:
+        for warning in given:
             keep(str(warning.message))
     finally:
         mujoco.set_mju_user_warning(before)

@@ -58,35 +58,35 @@ class _Reader:
         return replace(link, shapes=shapes)
 
     def shape(self, shape: Shape, link: DraftLink) -> Shape:
-        found = self.files.find(shape.file)
-        if how := HOW.get(found.how):
-            self.tell(link, shape, *how(shape, found, self.files.folder))
-        if found.path is None:
+        result = self.files.find(shape.file)
+        if how := HOW.get(result.how):
+            self.tell(link, shape, *how(shape, result, self.files.folder))
+        if result.path is None:
             return shape
-        if found.path not in self.read:
-            self.read[found.path] = self.content(found.path)
-        content = self.read[found.path]
+        if result.path not in self.read:
+            self.read[result.path] = self.content(result.path)
+        content = self.read[result.path]
         if isinstance(content, MeshError):
             self.tell(
                 link,
                 shape,
                 content.code,
                 "repaired",
-                f"{found.path.name} {content.what}",
+                f"{result.path.name} {content.what}",
                 "the shape was left out",
                 content.fix,
             )
-            return replace(shape, path=found.path)
+            return replace(shape, path=result.path)
         if self.too_many(content) and len(content.faces) > COARSE:
-            content = self.coarsened(found.path, content)
-            what = f"the shapes up to {found.path.name} have more than {MOST_TOGETHER} faces"
+            content = self.coarsened(result.path, content)
+            what = f"the shapes up to {result.path.name} have more than {MOST_TOGETHER} faces"
             self.tell(
                 *(link, shape, "mesh-too-large", "repaired", what),
-                f"{found.path.name} was thinned to {len(content.faces)}",
+                f"{result.path.name} was thinned to {len(content.faces)}",
                 "export the meshes coarser",
             )
-        elif found.path in self.thin:
-            what = f"{found.path.name} has more than {MOST_FACES} faces, which MuJoCo cannot take"
+        elif result.path in self.thin:
+            what = f"{result.path.name} has more than {MOST_FACES} faces, which MuJoCo cannot take"
             self.tell(
                 *(link, shape, "mesh-too-large", "repaired", what),
                 f"it was thinned to {len(content.faces)}",
@@ -97,7 +97,7 @@ class _Reader:
         if id(content) not in self.counted:
             self.counted.add(id(content))
             self.faces += len(content.faces)
-        return replace(shape, path=found.path, mesh=content)
+        return replace(shape, path=result.path, mesh=content)
 
     def too_many(self, mesh: Mesh) -> bool:
         """Return whether a further shape of this mesh is too much beside all that were read."""
@@ -170,28 +170,28 @@ def _outside(shape: Shape, _found: ResolvedPath, folder: Path) -> Said:
     )
 
 
-def _case(shape: Shape, found: ResolvedPath, folder: Path) -> Said:
+def _case(shape: Shape, result: ResolvedPath, folder: Path) -> Said:
     return (
         "mesh-case",
         "repaired",
-        f"the mesh {shape.file!r} is there as {_shown(found, folder)!r}",
+        f"the mesh {shape.file!r} is there as {_shown(result, folder)!r}",
         "that file was taken",
         "write its name with the same capitals; most systems tell them apart",
     )
 
 
-def _moved(shape: Shape, found: ResolvedPath, folder: Path) -> Said:
+def _moved(shape: Shape, result: ResolvedPath, folder: Path) -> Said:
     return (
         "mesh-path",
         "repaired",
-        f"the mesh {shape.file!r} is not where its path says, but at {_shown(found, folder)!r}",
+        f"the mesh {shape.file!r} is not where its path says, but at {_shown(result, folder)!r}",
         "that file was taken",
         "correct the path",
     )
 
 
-def _shown(found: ResolvedPath, folder: Path) -> str:
-    return "" if found.path is None else str(found.path.relative_to(folder))
+def _shown(result: ResolvedPath, folder: Path) -> str:
+    return "" if result.path is None else str(result.path.relative_to(folder))
 
 
 HOW: dict[str, Callable[[Shape, ResolvedPath, Path], Said]] = {

@@ -65,14 +65,14 @@ def solid(shape: Shape, *, hull: bool = False) -> Solid | None:
         hull: Whether to take a mesh's convex hull even if the mesh is closed;
             of a mesh that is open the hull is taken anyway.
     """
-    found = _mesh(shape, hull) if shape.kind == "mesh" else _primitive(shape)
-    if found is None or not found.volume > 0:
+    result = _mesh(shape, hull) if shape.kind == "mesh" else _primitive(shape)
+    if result is None or not result.volume > 0:
         return None
     turn = shape.pose.rotation
     return Solid(
-        volume=found.volume,
-        com=shape.pose.apply(found.com),
-        inertia=turn @ found.inertia @ turn.T,
+        volume=result.volume,
+        com=shape.pose.apply(result.com),
+        inertia=turn @ result.inertia @ turn.T,
     )
 
 

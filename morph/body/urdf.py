@@ -59,9 +59,9 @@ def draft_urdf(tree: Element, path: Path) -> tuple[Draft, list[DescriptionFindin
                 joints.append(joint)
                 findings.extend(noted)
         except RobotError as error:
-            found = about_file(error, path, code="ill-typed")
-            where = replace(found.where, kind=element.tag, name=name)
-            findings.append(replace(found, where=where))
+            result = about_file(error, path, code="ill-typed")
+            where = replace(result.where, kind=element.tag, name=name)
+            findings.append(replace(result, where=where))
     if any(finding.code == "ill-typed" for finding in findings):
         raise refusal(findings)
     name = _named(tree) if tree.get("name") else path.stem

@@ -36,12 +36,12 @@ GEOMETRIES = ("mesh", "box", "sphere", "cylinder", "capsule")
 
 def strangers(tree: Element) -> list[DescriptionFinding]:
     """Return what is told of elements that are misspelt, doubled, blank or no shape."""
-    found = _doubles(tree) + _shapeless(tree) + _blank_limits(tree)
-    return [*found[:MOST_STRANGERS], *_misspelt(tree)]
+    result = _doubles(tree) + _shapeless(tree) + _blank_limits(tree)
+    return [*result[:MOST_STRANGERS], *_misspelt(tree)]
 
 
 def _misspelt(tree: Element) -> list[DescriptionFinding]:
-    found: list[DescriptionFinding] = []
+    results: list[DescriptionFinding] = []
     harmless: set[tuple[str, str]] = set()
     parts = list(tree.children("link", "joint"))
     inertials = [inertial for part in parts for inertial in part.children("inertial")]
@@ -54,15 +54,15 @@ def _misspelt(tree: Element) -> list[DescriptionFinding]:
             near = difflib.get_close_matches(child.tag, allowed, n=1, cutoff=0.75)
             if near and ":" not in child.tag:
                 fix = f"write <{near[0]}>, or remove it"
-                found.append(_stranger(parent, child, f"no element of URDF; <{near[0]}> is", fix))
+                results.append(_stranger(parent, child, f"no element of URDF; <{near[0]}> is", fix))
             elif child.tag.startswith("xacro:") and child.tag != "xacro:property":
                 fix = "expand the file with xacro, or give the .xacro file"
-                found.append(_stranger(parent, child, "a macro that was not expanded", fix))
+                results.append(_stranger(parent, child, "a macro that was not expanded", fix))
             else:
                 harmless.add(kind)
-            if len(found) >= MOST_STRANGERS or len(harmless) > MOST_KINDS:
-                return found
-    return found
+            if len(results) >= MOST_STRANGERS or len(harmless) > MOST_KINDS:
+                return results
+    return results
 
 
 def _stranger(parent: Element, child: Element, what: str, fix: str) -> DescriptionFinding:
@@ -90,7 +90,7 @@ def _doubles(tree: Element) -> list[DescriptionFinding]:
 
 
 def _shapeless(tree: Element) -> list[DescriptionFinding]:
-    found = []
+    results = []
     for link in tree.children("link"):
         for shape in link.children("visual", "collision"):
             geometry = shape.child("geometry")
@@ -100,12 +100,12 @@ def _shapeless(tree: Element) -> list[DescriptionFinding]:
             held = "nothing" if other is None else f"<{other.tag[:LONGEST_TAG]}>"
             what = f"a <{shape.tag}> holds {held} for a shape"
             fix = f"write one of {', '.join(f'<{tag}>' for tag in GEOMETRIES)} into its <geometry>"
-            found.append(_left_out(link, shape, what, "the shape was left out", fix))
-    return found
+            results.append(_left_out(link, shape, what, "the shape was left out", fix))
+    return results
 
 
 def _blank_limits(tree: Element) -> list[DescriptionFinding]:
-    found = []
+    results = []
     for joint in tree.children("joint"):
         limit = joint.child("limit")
         if limit is None or joint.get("type") not in ("revolute", "prismatic"):
@@ -114,7 +114,7 @@ def _blank_limits(tree: Element) -> list[DescriptionFinding]:
         if not blank:
             continue
         free = all(not limit.get(key, "").strip() for key in ENDS)
-        found.append(
+        results.append(
             DescriptionFinding(
                 code="limit-range",
                 severity="info",
@@ -124,7 +124,7 @@ def _blank_limits(tree: Element) -> list[DescriptionFinding]:
                 fix="write the range as numbers, or make it continuous",
             )
         )
-    return found
+    return results
 
 
 def _where(part: Element, child: Element) -> Where:

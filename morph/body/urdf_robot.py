@@ -34,8 +34,8 @@ def robot_from_draft(
         DescriptionRefused: It cannot be simulated; its findings say why.
         RobotError: MuJoCo refuses it, or the card does not fit it.
     """
-    draft, found = check(weighed(draft, card), files, base_moves=base in ("floating", "board"))
-    findings = [*findings, *found]
+    draft, result = check(weighed(draft, card), files, base_moves=base in ("floating", "board"))
+    findings = [*findings, *result]
     if any(finding.severity == "refused" for finding in findings):
         raise refusal(findings)
     if base is None:

@@ -82,8 +82,8 @@ class _Writer:
             self.body(body)
         for what, names in self.unlimited.items():
             if names:
-                said = f"that no limit of {what} is known of {few(names)}: {STRONG:g} stands there"
-                self.left_out.append(said)
+                text = f"that no limit of {what} is known of {few(names)}: {STRONG:g} stands there"
+                self.left_out.append(text)
 
     def body(self, body: int) -> None:
         model = self.model

@@ -44,12 +44,12 @@ def _check_finite(model: Any, source: Path) -> None:
 def _check_weight(model: Any, source: Path) -> None:
     # The world's own mass, that of what stands in it, is no part's.
     for index in range(1, model.nbody):
-        told, mass = f"the link {model.body(index).name!r}", float(model.body_mass[index])
+        given, mass = f"the link {model.body(index).name!r}", float(model.body_mass[index])
         if mass <= HEAVIEST:
-            told, mass = "the robot", float(model.body_subtreemass[0])
+            given, mass = "the robot", float(model.body_subtreemass[0])
         if mass > HEAVIEST:
             raise RobotError(
-                f"{told} weighs {mass:.3g} kg, which no robot does",
+                f"{given} weighs {mass:.3g} kg, which no robot does",
                 where=str(source),
                 fix="write masses in kg, densities in kg/m3 and meshes in metres",
             )

@@ -52,7 +52,7 @@ def sized(
             and (wet or not isinstance(grid[0], WetEffect | FluidCurrent))
         ]
         return [(law,) for law in every] if any(_acts(law, tried[0]) for law in every) else []
-    found = []
+    results = []
     for law in laws:
         grid = there.get(law.label, (law,))
         if law.of_a_run or isinstance(law, Tether) or law.kind == "contact":
@@ -65,8 +65,8 @@ def sized(
         shape = grid[len(grid) // 2] if law == type(law).at(law.where) else law
         for seen in chain(tuple(tried), more):
             tried = tried if seen in tried else [*tried, seen]
-            told = law if law.coefficients.any() else at_share(shape, seen)
-            if _acts(told, seen):
+            given = law if law.coefficients.any() else at_share(shape, seen)
+            if _acts(given, seen):
                 break
         else:
             raise DiagnosisError(
@@ -76,8 +76,8 @@ def sized(
                 "limit or a nearer stop, or name a law of a joint that moves or an actuator that "
                 "drives",
             )
-        found.append((told, *grid))
-    return found
+        results.append((given, *grid))
+    return results
 
 
 def _acts(effect: Effect, seen: Observed) -> bool:

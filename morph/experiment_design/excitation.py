@@ -88,7 +88,7 @@ def excitations(robot: Robot, seconds: float, step: float, seed: int) -> list[Ex
     time: Array = np.asarray(step * np.arange(simulator.steps(seconds) + 1), dtype=float)
     gone = np.minimum(time / MOVING, 1.0)[:, None]
     about = home + gone * (middle - home)
-    found: list[Excitation] = []
+    results: list[Excitation] = []
     for kind, wave in _waves(robot, time, seed):
         # A one-sided motor idles where a wave is below zero.
         # A command stays within its range on the way there.
@@ -100,16 +100,16 @@ def excitations(robot: Robot, seconds: float, step: float, seed: int) -> list[Ex
                 small = SMALLER * amplitude
                 less = _simulated(simulator, time, about + small * reach)
                 pairs = [(amplitude, made), (small, less)]
-                found += [Excitation(kind=kind, amplitude=a, recording=r) for a, r in pairs if r]
+                results += [Excitation(kind=kind, amplitude=a, recording=r) for a, r in pairs if r]
                 break
-    if not found:
+    if not results:
         raise DiagnosisError(
             f"no motion from home is safe, not even at {100 * AMPLITUDES[-1]:.0f} % of the "
             "actuators' limits: a joint comes to its end",
             where=f"robot {robot.name}",
             fix="describe a home position at which it rests, or wider ranges of its joints",
         )
-    return found
+    return results
 
 
 def _room(simulator: Simulator) -> tuple[Array, Array, Array]:
@@ -124,8 +124,8 @@ def _room(simulator: Simulator) -> tuple[Array, Array, Array]:
             where=f"robot {robot.name}",
             fix="give a description with motors or servos",
         )
-    found = [_range(robot, actuator, model) for actuator in robot.actuators]
-    low, home, high = np.array(found, dtype=float).T
+    results = [_range(robot, actuator, model) for actuator in robot.actuators]
+    low, home, high = np.array(results, dtype=float).T
     _check_rests(robot, model, home)
     outside = next((at for at in range(len(home)) if not low[at] <= home[at] <= high[at]), None)
     if outside is not None or not (high > low).any():
@@ -228,10 +228,10 @@ def _begun(time: Array) -> Array:
     return np.minimum(time, 1.0)[:, None]
 
 
-def _simulated(simulator: Simulator, time: Array, told: Array) -> Recording | None:
+def _simulated(simulator: Simulator, time: Array, given: Array) -> Recording | None:
     """Return a run of the description, None of one that is not safe."""
     command = {
-        each.name: Channel(time=time, value=told[:, at], hold=True)
+        each.name: Channel(time=time, value=given[:, at], hold=True)
         for at, each in enumerate(simulator.robot.actuators)
     }
     try:

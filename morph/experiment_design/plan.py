@@ -76,8 +76,8 @@ def plan(
     """
     _check(laws, seconds, rate, noise, seed)
     progress("simulating motions")
-    found = excitations(robot, seconds, _step(robot, rate), seed)
-    shown = [replace(each, recording=_read(each.recording, rate)) for each in found]
+    result = excitations(robot, seconds, _step(robot, rate), seed)
+    shown = [replace(each, recording=_read(each.recording, rate)) for each in result]
     nominal = Hypothesis(
         robot=robot,
         step=step_for([each.recording for each in shown], robot),
@@ -105,13 +105,13 @@ def plan(
     return ExperimentPlan(
         robot=robot,
         runs=tuple(
-            PlannedRun(excitation=found[at], seconds=float(lengths[length]))
+            PlannedRun(excitation=result[at], seconds=float(lengths[length]))
             for at, length in chosen
         ),
         separations=tuple(sorted(separations_of(whole, grids, pairs), key=lambda each: each.nats)),
         noise=noise,
         unmodelled=UNMODELLED,
-        tried=len(found),
+        tried=len(result),
     )
 
 
@@ -184,13 +184,13 @@ def laws_information(
     grown = np.cumsum([fold.gram for fold in folds], axis=0)
     trust, at = information(nominal), offset(nominal, nominal.start)
     inside = slice(1, 1 + len(nominal.start))
-    found = []
+    results = []
     for gram in grown:
         whole = believed(gram, trust, at)
         rest = projected(whole, whole[inside, inside], whole[inside])
         kept = np.r_[0, 1 + len(nominal.start) : len(whole)]
-        found.append(rest[np.ix_(kept, kept)])
-    return np.array(found)
+        results.append(rest[np.ix_(kept, kept)])
+    return np.array(results)
 
 
 def _pairs(grids: Sequence[tuple[Effect, ...]], *, two: bool) -> list[tuple[int, int | None]]:
@@ -220,7 +220,7 @@ def separations_of(
     for at, grid in enumerate(grids):
         some = columns[firsts[at] : firsts[at] + len(grid)]
         places[at] = [np.r_[column.place] for column in some]
-    found = []
+    results = []
     for at, other in pairs:
         law, mine = grids[at][0], places[at][0]
         size = law.coefficients
@@ -230,7 +230,7 @@ def separations_of(
             along = gram[np.ix_(theirs, mine)] @ size
             inner = gram[np.ix_(theirs, theirs)]
             explained = max(explained, float(along @ np.linalg.pinv(inner, hermitian=True) @ along))
-        found.append(
+        results.append(
             Separation(
                 law=law.label,
                 rival="none" if other is None else grids[other][0].label,
@@ -238,7 +238,7 @@ def separations_of(
                 nats=max(0.0, 0.5 * (whole - explained)),
             )
         )
-    return found
+    return results
 
 
 def _cheapest(

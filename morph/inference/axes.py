@@ -20,7 +20,7 @@ def axes_of(space: Coordinates, position: Array) -> Axes:
         space: Where joints stand in a state.
         position: Shape (samples, nq).
     """
-    found = []
+    results = []
     for at, _ in space.balls:
         w, x, y, z = position[:, at : at + 4].T
         rows = [
@@ -28,8 +28,8 @@ def axes_of(space: Coordinates, position: Array) -> Axes:
             [2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)],
             [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)],
         ]
-        found.append(np.moveaxis(np.array(rows), 2, 0))
-    return tuple(found)
+        results.append(np.moveaxis(np.array(rows), 2, 0))
+    return tuple(results)
 
 
 def along_parent(space: Coordinates, axes: Axes, values: Array) -> Array:
@@ -51,11 +51,11 @@ def along_body(space: Coordinates, axes: Axes, values: Array) -> Array:
 def _turned(space: Coordinates, turns: list[Array], values: Array) -> Array:
     if not turns:
         return values
-    found = values.copy()
+    result = values.copy()
     for turn, (_, dof) in zip(turns, space.balls, strict=True):
         part = slice(dof, dof + 3)
-        found[:, part] = (turn @ values[:, part, None])[:, :, 0]
-    return found
+        result[:, part] = (turn @ values[:, part, None])[:, :, 0]
+    return result
 
 
 def jacobian_along_parent(
@@ -74,13 +74,13 @@ def jacobian_along_parent(
     """
     if not axes:
         return jacobian
-    found, dofs = jacobian.copy(), space.dofs
+    result, dofs = jacobian.copy(), space.dofs
     spin = along_parent(space, axes, velocity)
     for turn, (_, dof) in zip(axes, space.balls, strict=True):
         rows = slice(dof, dof + 3)
-        found[:, rows] = turn @ found[:, rows]
+        result[:, rows] = turn @ result[:, rows]
         for part in (rows, slice(dofs + dof, dofs + dof + 3)):
-            found[:, :, part] = found[:, :, part] @ np.swapaxes(turn, 1, 2)
+            result[:, :, part] = result[:, :, part] @ np.swapaxes(turn, 1, 2)
         cross = np.cross(spin[:, None, rows], np.eye(3)[None])  # Rows w x e_k: the columns of [w]x.
-        found[:, rows, dofs + dof : dofs + dof + 3] += np.swapaxes(cross, 1, 2)
-    return found
+        result[:, rows, dofs + dof : dofs + dof + 3] += np.swapaxes(cross, 1, 2)
+    return result

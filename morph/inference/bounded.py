@@ -42,18 +42,20 @@ def bounded(inner: Array, along: Array, low: Array, high: Array) -> tuple[Array,
     size = np.sqrt(np.maximum(np.diag(inner), 0.0))
     felt = size * np.minimum(high - low, 1e100)
     seen = (size > NEGLIGIBLE * size.max(initial=1e-300)) & (felt > FELT)
-    found = np.clip(np.zeros_like(along), low, high)
+    result = np.clip(np.zeros_like(along), low, high)
     if not seen.any():
-        return found, 0
+        return result, 0
     scale = size[seen]
     if len(scale) == 1:
-        found[seen] = np.clip(along[seen] / scale**2, low[seen], high[seen])
-        return found, 1
+        result[seen] = np.clip(along[seen] / scale**2, low[seen], high[seen])
+        return result, 1
     unit = inner[np.ix_(seen, seen)] / np.outer(scale, scale)
     _, _, rank, _ = lapack.dpstrf(unit, tol=RANK_TOLERANCE)
     unit[np.diag_indices_from(unit)] += RIDGE
-    found[seen] = _pivoted(unit, along[seen] / scale, low[seen] * scale, high[seen] * scale) / scale
-    return found, int(rank)
+    result[seen] = (
+        _pivoted(unit, along[seen] / scale, low[seen] * scale, high[seen] * scale) / scale
+    )
+    return result, int(rank)
 
 
 def _pivoted(inner: Array, along: Array, low: Array, high: Array) -> Array:

@@ -23,14 +23,14 @@ FIGURES = ("armature", "com_offset", "link_inertia", "torque_scale")
 """Laws of what the description says, which own figures are within their bounds."""
 
 
-def richer(task: EffectSelection, found: Finalist) -> Finalist:
+def richer(task: EffectSelection, result: Finalist) -> Finalist:
     """Return a set with a richer law in the place of one wherever rollouts surely err less then.
 
     Where the model of the missing force is not believed, a richer law that was refitted by
     it may have been far from where rollouts err least. The simpler one tells where to begin.
     """
     rollouts = replace(task, by_rollouts=True)
-    for at, effect in enumerate(found.effects):
+    for at, effect in enumerate(result.effects):
         laws = [kind for kind in EFFECTS if effect.name == kind.simpler and kind.kind == "joint"]
         if not laws or task.late():
             continue
@@ -40,14 +40,14 @@ def richer(task: EffectSelection, found: Finalist) -> Finalist:
             strengths = np.zeros(len(law.strengths))
             strengths[: len(effect.strengths)] = effect.coefficients
             more.append(law.at(effect.where).with_strengths(strengths))
-        again, *tried = [rollouts.exchanged(found, at, each) for each in more]
+        again, *tried = [rollouts.exchanged(result, at, each) for each in more]
         same, best = (
-            min(some, key=lambda each: each.losses.mean()) for some in ((found, again), tried)
+            min(some, key=lambda each: each.losses.mean()) for some in ((result, again), tried)
         )
         gain = float((same.losses - best.losses).mean())
         if gain > RICHER and task.validation.sure(same.losses, best.losses):
-            found = replace(best, refit=replace(best.refit, evidence=found.refit.evidence))
-    return found
+            result = replace(best, refit=replace(best.refit, evidence=result.refit.evidence))
+    return result
 
 
 def beside(task: EffectSelection, best: Finalist) -> Finalist:
@@ -72,11 +72,11 @@ def on_floor(task: EffectSelection, best: Finalist) -> Finalist:
         return best
     if remaining(best, task.validation).chaotic:
         return best
-    found = likeliest_contact(best, task.validation, float(best.losses.mean()))
-    if found is None or task.late():
+    result = likeliest_contact(best, task.validation, float(best.losses.mean()))
+    if result is None or task.late():
         return best
     refit, rollouts = best.refit, replace(task, by_rollouts=True)
-    more = replace(refit.hypothesis, effects=(*best.effects, *found[1].effects))
+    more = replace(refit.hypothesis, effects=(*best.effects, *result[1].effects))
     point = np.r_[refit.point, more.start[len(refit.point) :]]
     # More steps alone may lower the errors.
     same = rollouts.refitted(refit.hypothesis, refit.point, refit.runs)
@@ -86,12 +86,12 @@ def on_floor(task: EffectSelection, best: Finalist) -> Finalist:
     return replace(new, refit=replace(new.refit, evidence=refit.evidence))
 
 
-def to_rollouts(task: EffectSelection, found: Finalist) -> Finalist:
+def to_rollouts(task: EffectSelection, result: Finalist) -> Finalist:
     """Return a set refitted to rollouts, unless they are surely worse then."""
-    refit, rollouts = found.refit, replace(task, by_rollouts=True)
+    refit, rollouts = result.refit, replace(task, by_rollouts=True)
     again = rollouts.refitted(refit.hypothesis, refit.point, refit.runs)
-    if task.validation.worse(found.losses, again.losses):
-        return found
+    if task.validation.worse(result.losses, again.losses):
+        return result
     fewer = rollouts.reduced(again)
     # Evidence alone speaks for what acts once: rollouts in which it acts are few.
     if not {e.label for e in again.effects if e.passing} - labels(fewer.effects):
@@ -99,15 +99,15 @@ def to_rollouts(task: EffectSelection, found: Finalist) -> Finalist:
     return replace(again, refit=replace(again.refit, evidence=refit.evidence))
 
 
-def without_figures(task: EffectSelection, found: Finalist) -> Finalist:
+def without_figures(task: EffectSelection, result: Finalist) -> Finalist:
     """Return a set less changes of own figures that rollouts do not need.
 
     Linearised about the set they seem needed where own figures are at their bounds: of a joint's
     friction that is taken too small, a weak motor explains what is left. All is refitted without.
     """
-    for effect in found.effects:
-        if effect.name in FIGURES and len(found.effects) > 1 and not task.late():
-            at = [each.label for each in found.effects].index(effect.label)
-            fewer = task.exchanged(found, at, None)
-            found = fewer if task.prefers(found, fewer, effect, None) else found
-    return found
+    for effect in result.effects:
+        if effect.name in FIGURES and len(result.effects) > 1 and not task.late():
+            at = [each.label for each in result.effects].index(effect.label)
+            fewer = task.exchanged(result, at, None)
+            result = fewer if task.prefers(result, fewer, effect, None) else result
+    return result

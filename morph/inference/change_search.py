@@ -124,10 +124,10 @@ class ChangeSearch:
         for level, (at, law) in itertools.product(self.levels, enumerate(self.laws)):
             for until, acts in zip(law.sides, level.acts[at], strict=True):
                 least = -math.inf if best is None else best.gain
-                found = self._of_law(level, law, acts, none, least)
-                if found is None:
+                result = self._of_law(level, law, acts, none, least)
+                if result is None:
                     continue
-                time, change, gain = found
+                time, change, gain = result
                 before, after = self._sides(law, change, until=until)
                 run, begins = self.starts[time]
                 # A limit that a fit puts out of reach does nothing.

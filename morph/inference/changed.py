@@ -63,12 +63,12 @@ def changed(
     runs = each(settled, seen(best.hypothesis, best.point, episodes))
     if not best.effects and missing(runs) < LITTLE and _loudest(runs) < LOUD:
         return None, recordings, ()
-    found = likeliest_change(replace(best, runs=runs), known, ranking.search.prior)
-    if found is None:
+    result = likeliest_change(replace(best, runs=runs), known, ranking.search.prior)
+    if result is None:
         return None, recordings, ()
-    episode = episodes[found.run]
+    episode = episodes[result.run]
     at = [recording.name for recording in recordings].index(episode.recording.name)
-    if not found.lasts:
+    if not result.lasts:
         unseen = episode.recording.name not in {each.recording.name for each in train}
         turned = [recordings[at], *recordings[:at], *recordings[at + 1 :]]
         return None, turned if unseen else recordings, ()
@@ -77,7 +77,7 @@ def changed(
         max(float(some.channel(name).time[0]) for name in channels)
         for some in (whole, episode.recording)
     )
-    when = first + episode.begin + found.time
+    when = first + episode.begin + result.time
     earlier = [*recordings[:at], between(whole, whole.start, when)]
     later = [between(whole, when, whole.end), *recordings[at + 1 :]]
     before, after = (
@@ -88,13 +88,13 @@ def changed(
     if max(lasts) < ENOUGH:
         return None, recordings, ()
     change = Change(
-        before=found.before,
-        after=found.after,
+        before=result.before,
+        after=result.after,
         episode=episode.recording.name,
         time=when - start,
-        gain=found.gain,
+        gain=result.gain,
         since=since,
-        slide=on_slide(robot, found.after),
+        slide=on_slide(robot, result.after),
     )
     kept, rest = (after, before) if since else (before, after)
     return change, kept, rest if min(lasts) >= SOME else ()
@@ -133,7 +133,7 @@ def _loudest(runs: Sequence[Observed]) -> float:
 
 def in_whole(episodes: Sequence[Episode], whole: Mapping[str, Recording]) -> list[Episode]:
     """Return episodes of recordings that were cut at a change as pieces of the whole ones."""
-    found = []
+    results = []
     for episode in episodes:
         cut = episode.recording
         other = whole.get(cut.name, cut)
@@ -143,5 +143,5 @@ def in_whole(episodes: Sequence[Episode], whole: Mapping[str, Recording]) -> lis
         )
         begin = episode.begin + first - start
         later = replace(episode, recording=other, begin=begin, whole=False)
-        found.append(later if first > start else episode)
-    return found
+        results.append(later if first > start else episode)
+    return results

@@ -58,20 +58,20 @@ def likeliest_change(base: Refit, known: Sequence[Effect], prior: Prior) -> Like
     grids = [grid for grid in every if grid[0].label not in taken]
     grids = screened(own, grids, base.runs)
     stretches = _Stretches.of(base, own, grids)
-    found = stretches.search(prior).likeliest()
-    if found is None or found.gain < 0.0:
+    result = stretches.search(prior).likeliest()
+    if result is None or result.gain < 0.0:
         return None
     # What shows only about that time is no lasting law, but a push that no shape fits.
-    if isinstance(found.after, ExternalPush):
+    if isinstance(result.after, ExternalPush):
         names = [run.motion.run for run in base.runs]
-        found = replace(found, run=names.index(found.after.run), lasts=False)
-        return found if found.gain >= CERTAIN else None
-    away = stretches.search(prior, found).likeliest()
+        result = replace(result, run=names.index(result.after.run), lasts=False)
+        return result if result.gain >= CERTAIN else None
+    away = stretches.search(prior, result).likeliest()
     if away is None or away.gain < 0.0:
-        return replace(found, lasts=False) if found.gain >= CERTAIN else None
-    grids = [grid for grid in grids if grid[0].label == found.label]
-    found = _exact(base, own, grids, prior, found).likeliest()
-    return found if found is not None and found.gain >= CERTAIN else None
+        return replace(result, lasts=False) if result.gain >= CERTAIN else None
+    grids = [grid for grid in grids if grid[0].label == result.label]
+    result = _exact(base, own, grids, prior, result).likeliest()
+    return result if result is not None and result.gain >= CERTAIN else None
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -104,14 +104,14 @@ class _Stretches:
         def one(at: int) -> list[tuple[Array, Array, list[Array]]]:
             about = base.runs[at].about
             columns = all_columns(own, grids, base.runs[at])
-            found = []
+            results = []
             for share in SHARES:
                 level = about.leaving(share)
                 blocks = whitened_blocks(about.tangent, level, *columns, blocks=counts[at])
                 total = np.array([block.gram[:size, :size] for block in blocks])
                 acts = [np.array([block.gram[row] for block in blocks]) for row in rows]
-                found.append((total, np.array([block.logarithm for block in blocks]), acts))
-            return found
+                results.append((total, np.array([block.logarithm for block in blocks]), acts))
+            return results
 
         by_level = list(zip(*each(one, range(len(lasts))), strict=True))
         return cls(
@@ -187,7 +187,7 @@ def _exact(
     def one(at: int) -> list[list[Whitened]]:
         """Return, by law and level, products of [errors, entries, the law from each time on]."""
         about, seen = base.runs[at].about, base.runs[at]
-        every, found = all_columns(own, grids, seen), []
+        every, result = all_columns(own, grids, seen), []
         since = times if at == near.run else times[:1]
         acts = (seen.motion.time[:, None] >= since).astype(float)
         for law in laws:
@@ -203,10 +203,10 @@ def _exact(
                 )
                 for whole in every
             )
-            found.append(
+            result.append(
                 [whitened(about.tangent, about.leaving(share), readings, moved) for share in SHARES]
             )
-        return found
+        return result
 
     by_run = each(one, range(len(base.runs)))
     levels = []
@@ -239,7 +239,7 @@ def _sides(
     def always(gram: Array) -> Array:
         return np.concatenate([gram[full, :size], gram[full, full]], axis=1)
 
-    found = []
+    results = []
     for until in law.sides:
         others = grams[:run] if until else grams[run + 1 :]
         rest = np.sum([always(gram) for gram in others], axis=0) if others else 0.0
@@ -253,5 +253,5 @@ def _sides(
                 along = gram[full, :size] - along
                 inner = gram[full, full] - across - across.T + inner
             rows.append(np.concatenate([along, inner], axis=1) + rest)
-        found.append(np.array(rows))
-    return found
+        results.append(np.array(rows))
+    return results

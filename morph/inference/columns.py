@@ -138,21 +138,21 @@ class Columns:
     def _beside(self, seen: Observed) -> dict[Effect, Array]:
         """Return forces of effects outside the model, before and after each nudge."""
         changes = [each.change for each in self.nudged if each.change is not None]
-        found: dict[Effect, Array] = {}
+        results: dict[Effect, Array] = {}
         for first in dict.fromkeys(before for before, _ in changes):
             shapes = [first, *(after for before, after in changes if before == first)]
             if type(first).command is not Effect.command:
-                found |= {effect: self._commanded(effect, seen) for effect in shapes}
+                results |= {effect: self._commanded(effect, seen) for effect in shapes}
             elif first.kind == "sensor":
-                found |= dict.fromkeys(shapes, np.zeros_like(seen.motion.position))
+                results |= dict.fromkeys(shapes, np.zeros_like(seen.motion.position))
             else:
                 # Laws with a memory are followed together.
                 whole = type(first).regressors(shapes, seen.motion)
                 parts = np.split(whole, len(shapes), axis=2)
                 slips = np.broadcast_to(slipping(first, seen.motion), len(whole))[:, None]
                 for effect, part in zip(shapes, parts, strict=True):
-                    found[effect] = np.where(slips, part @ effect.coefficients, 0.0)
-        return found
+                    results[effect] = np.where(slips, part @ effect.coefficients, 0.0)
+        return results
 
     def _commanded(self, effect: Effect, seen: Observed) -> Array:
         """Return the actuators' generalized force by commands that one effect alone changed."""

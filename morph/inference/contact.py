@@ -38,13 +38,13 @@ def touches(robot: Robot, episodes: Sequence[Episode]) -> bool:
     """
     model = spec_of(robot).compile()
     data, floor = mujoco.MjData(model), _floors(model)
-    found = []
+    results = []
     for episode in episodes:
         for position in episode.position[:: -(-len(episode.position) // INSTANTS)]:
             data.qpos[:] = position
             mujoco.mj_fwdPosition(model, data)
-            found.append(bool(_touching(model, data, floor).any()))
-    return float(np.mean(found)) > LEAST
+            results.append(bool(_touching(model, data, floor).any()))
+    return float(np.mean(results)) > LEAST
 
 
 def at_stops(robot: Robot, episodes: Sequence[Episode]) -> bool:
@@ -140,14 +140,14 @@ def contact_along(
     whitened = np.linalg.cholesky(whitened)
     unsure = min(unsure, round(IMPACT / step))
     across = np.linalg.inv(whitened).transpose(0, 2, 1)
-    found, since, speed = [], dict.fromkeys(there[0], -len(there)), []
+    result, since, speed = [], dict.fromkeys(there[0], -len(there)), []
     for at, now in enumerate(there):
         # Impacts happen between two samples.
         near_by = dict(now)
         for other in there[max(at - unsure, 0) : at + unsure + 1]:
             near_by = other | near_by
         since = {key: since.get(key, at) for key in near_by}
-        found.append(_independent([*near_by.values()], across[at]))
+        result.append(_independent([*near_by.values()], across[at]))
         fast = []
         for key, began in since.items():
             if step * (at - began) < IMPACT:
@@ -156,10 +156,10 @@ def contact_along(
                 fast.append(float(np.linalg.norm(before @ moves.T, axis=1).max()))
         speed.append(max(fast, default=0.0))
     # The filter is compiled for as many rows as joints, where these are few.
-    most = max(map(len, found))
+    most = max(map(len, result))
     rows = np.zeros((len(position), model.nv if most and model.nv <= 7 else most, model.nv))
     last = rows[0]
-    for sample, some in zip(rows, found, strict=True):
+    for sample, some in zip(rows, result, strict=True):
         if len(some):
             sample[: len(some)] = some
             sample[:] = last = _turned(sample, last)
@@ -185,13 +185,13 @@ def by_contact(rows: Array, mobility: Array) -> Array:
         Shape (samples, dofs, rows); zero where a row is.
     """
     there = rows.any(axis=(1, 2))
-    found = np.zeros((len(rows), rows.shape[2], rows.shape[1]))
+    result = np.zeros((len(rows), rows.shape[2], rows.shape[1]))
     along = mobility @ np.swapaxes(rows, 1, 2)
     # A model that has diverged is not finite, and stays so.
-    found[there] = np.nan
+    result[there] = np.nan
     there &= np.isfinite(along).all(axis=(1, 2))
-    found[there] = along[there] @ np.linalg.pinv(rows[there] @ along[there], rcond=1e-9)
-    return found
+    result[there] = along[there] @ np.linalg.pinv(rows[there] @ along[there], rcond=1e-9)
+    return result
 
 
 def _floors(model: mujoco.MjModel) -> Mask:
@@ -217,7 +217,7 @@ def _touching_rows(
     model: mujoco.MjModel, data: mujoco.MjData, floor: Mask
 ) -> dict[tuple[int, int], Array]:
     """Return what contact of each two shapes may change, shapes (rows, dofs)."""
-    found: dict[tuple[int, int], Array] = {}
+    results: dict[tuple[int, int], Array] = {}
     none = np.zeros((0, model.nv))
     linear, angular = np.empty((3, model.nv)), np.empty((3, model.nv))
     for index in np.flatnonzero(_touching(model, data, floor)):
@@ -228,9 +228,9 @@ def _touching_rows(
         # Rolling and torsional friction are moments.
         turns = angular if contact.dim > 4 else contact.frame[None, :3] @ angular
         pair = int(contact.geom[0]), int(contact.geom[1])
-        rows = [found.get(pair, none), linear, turns if contact.dim > 3 else none]
-        found[pair] = np.concatenate(rows)
-    return found
+        rows = [results.get(pair, none), linear, turns if contact.dim > 3 else none]
+        results[pair] = np.concatenate(rows)
+    return results
 
 
 def _independent(parts: Sequence[Array], across: Array) -> Array:
@@ -242,8 +242,8 @@ def _independent(parts: Sequence[Array], across: Array) -> Array:
     """
     if not parts:
         return np.zeros((0, len(across)))
-    _, size, found = np.linalg.svd(np.concatenate(parts) @ across, full_matrices=False)
-    return np.asarray(found[size > RANK * max(size[0], 1e-12)])
+    _, size, result = np.linalg.svd(np.concatenate(parts) @ across, full_matrices=False)
+    return np.asarray(result[size > RANK * max(size[0], 1e-12)])
 
 
 def _turned(rows: Array, last: Array) -> Array:

@@ -176,4 +176,4 @@ def whitened_levels(
         ]
 
     by_run = each(one, runs)
-    return [[fold for found in by_run for fold in found[at]] for at in range(len(shares))]
+    return [[fold for result in by_run for fold in result[at]] for at in range(len(shares))]

@@ -253,5 +253,5 @@ def _completed(
 
 def _refitted(nominal: Hypothesis, episodes: Sequence[Episode]) -> mujoco.MjModel:
     """Return a description with its own figures refitted to some runs."""
-    found = refitted(nominal, nominal.start, stretches(episodes, MOST_SECONDS))
-    return nominal.at(found.point).model
+    result = refitted(nominal, nominal.start, stretches(episodes, MOST_SECONDS))
+    return nominal.at(result.point).model

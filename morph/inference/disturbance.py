@@ -66,13 +66,13 @@ def likeliest_disturbance(about: Reference, *, steps: int) -> Disturbance:
         return -log_likelihood(about, at(point))
 
     def slope(point: Array) -> tuple[float, Array]:
-        found = scored(tangent, at(point), about.error, about.acceleration)
+        result = scored(tangent, at(point), about.error, about.acceleration)
         by_times = [
-            -(cost(point + NUDGE * axes[at]) + found.log_likelihood) / NUDGE if there else 0.0
+            -(cost(point + NUDGE * axes[at]) + result.log_likelihood) / NUDGE if there else 0.0
             for at, there in ((-3, tangent.contacts), (-2, True))
         ]
-        return -found.log_likelihood, -np.array(
-            [*found.scale, *found.vibration, found.contact, *by_times, found.noise]
+        return -result.log_likelihood, -np.array(
+            [*result.scale, *result.vibration, result.contact, *by_times, result.noise]
         )
 
     most = np.where(about.unread, MOST_UNREAD, MOST_SCALE)

@@ -154,10 +154,10 @@ class EffectSelection:
         done = {labels(base.effects)}
         for proposed in self.proposals(beam, beam.sets(most), base):
             wholes = []
-            for found in proposed:
-                start = replace(self.nominal, effects=(*base.effects, *found.effects))
+            for result in proposed:
+                start = replace(self.nominal, effects=(*base.effects, *result.effects))
                 if not self.late() and labels(start.effects) not in done:
-                    own = base.refit.point + (found.own if self.believed else 0.0)
+                    own = base.refit.point + (result.own if self.believed else 0.0)
                     point = np.concatenate([own, start.start[len(own) :]])
                     wholes.append(self.refitted(start, point, base.refit.runs, base.refit))
                     done.add(labels(start.effects))
@@ -196,11 +196,11 @@ class EffectSelection:
         segments = self.validation.segments.only(rows)
         validation, now = replace(self.validation, segments=segments), base.losses[rows].mean()
         losses: dict[tuple[int, ...], float] = {}
-        for members, found in listed.items():
+        for members, result in listed.items():
             if self.late():
                 return []
             losses[members], listed[members] = simulated(
-                found, search, base, validation, believed=self.believed
+                result, search, base, validation, believed=self.believed
             )
         by_rollouts = sorted(listed.values(), key=lambda one: losses[one.members])
         # A stiff spring diverges in long steps. So may the likeliest set, far from the base.

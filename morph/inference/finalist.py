@@ -76,20 +76,20 @@ def better(one: Finalist, other: Finalist, validation: Validation) -> Finalist:
     return second if validation.sure(first.fitted, second.losses) else first
 
 
-def simplified(found: Finalist) -> Finalist:
+def simplified(result: Finalist) -> Finalist:
     """Return a set with the simpler law in the place of each that reduces to it.
 
     Of Stribeck friction that does not fade, Coulomb friction of the same level stays.
     """
-    for at, effect in enumerate(found.effects):
+    for at, effect in enumerate(result.effects):
         simple = next((kind for kind in EFFECTS if kind.name == effect.simpler), None)
         if simple is None or not reduces(effect):
             continue
         law = effect.simplified(simple.at(effect.where))
-        if law.label in labels(found.effects):
+        if law.label in labels(result.effects):
             continue
-        refit, about, (first, *others) = found.refit, found.about, found.refit.removal([at])[0]
-        effects = (*found.effects[:at], law, *found.effects[at + 1 :])
+        refit, about, (first, *others) = result.refit, result.about, result.refit.removal([at])[0]
+        effects = (*result.effects[:at], law, *result.effects[at + 1 :])
         hypothesis = replace(refit.hypothesis, effects=effects)
         point = np.delete(refit.point, others)
         point[first] = hypothesis.start[first]
@@ -99,8 +99,8 @@ def simplified(found: Finalist) -> Finalist:
         rank = about.step()[1]
         evidence = refit.evidence + 0.5 * (refit.rank - rank) * math.log(about.readings)
         refit = replace(refit, hypothesis=hypothesis, point=point, rank=rank, evidence=evidence)
-        found = replace(found, refit=refit, about=about)
-    return found
+        result = replace(result, refit=refit, about=about)
+    return result
 
 
 def reduces(effect: Effect) -> bool:

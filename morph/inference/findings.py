@@ -161,8 +161,8 @@ def _idle_within(effect: Effect, parameters: Mapping[str, Estimate]) -> bool:
     strengths = [each for each in free if each.neutral is not None]
     idle = []
     for each in strengths:
-        found, neutral = parameters[each.name], each.neutral or 0.0
+        result, neutral = parameters[each.name], each.neutral or 0.0
         # Of a limit or a stiffness without end, that is its greatest.
-        held = found.low90 <= neutral <= found.high90
-        idle.append(found.high90 >= 0.99 * each.high if each.reciprocal else held)
+        held = result.low90 <= neutral <= result.high90
+        idle.append(result.high90 >= 0.99 * each.high if each.reciprocal else held)
     return bool(idle) and all(idle)

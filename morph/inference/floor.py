@@ -111,8 +111,8 @@ def _searched(
                 there = min(value * factor**power, GREATEST.get(name, np.inf))
                 law = _with(best.laws[at], {name: there})
                 moved = (*best.laws[:at], law, *best.laws[at + 1 :])
-                found = _Floor(laws=moved, loss=loss(moved))
-                best = min(best, found, key=lambda each: each.loss)
+                result = _Floor(laws=moved, loss=loss(moved))
+                best = min(best, result, key=lambda each: each.loss)
         factor = factor**NARROWER
     return best
 

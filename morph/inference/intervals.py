@@ -55,7 +55,7 @@ def estimates(about: LogPosterior) -> tuple[list[Estimate], Mask]:
     prior_only = moving & (variance * (trust + even) > 0.9)
     stiff = np.maximum(np.diag(inner), 1e-300)
     width = np.where(at_bound, NORMAL90 * np.sqrt(TEMPERATURE / stiff), width)
-    found = [
+    results = [
         Estimate(
             value=float(point[at]),
             low90=float(np.clip(point[at] - width[at], low[at], high[at])),
@@ -66,7 +66,7 @@ def estimates(about: LogPosterior) -> tuple[list[Estimate], Mask]:
         )
         for at in range(len(point))
     ]
-    return found, ~(at_bound | prior_only)
+    return results, ~(at_bound | prior_only)
 
 
 def factors(about: LogPosterior) -> dict[str, Estimate]:

@@ -184,16 +184,16 @@ def likeliest_forces(
 
     runs = each(lambda seen: as_moved(hypothesis, point, seen), runs)
     none = np.zeros(len(point))
-    found = errors(point)
-    about = found.quadratic(hypothesis, point, found.sizes(none) + TINY)
-    damping, failed, best = FIRST, 0, found.value(about)
+    result = errors(point)
+    about = result.quadratic(hypothesis, point, result.sizes(none) + TINY)
+    damping, failed, best = FIRST, 0, result.value(about)
     for _ in range(ROUNDS):
         if failed > FAILED or time.monotonic() > deadline:
             break
         step = none
         for _ in range(REWEIGHTED):
-            sizes = found.sizes(step) + TINY
-            step, _, _ = found.quadratic(hypothesis, about.point, sizes).step(damping=damping)
+            sizes = result.sizes(step) + TINY
+            step, _, _ = result.quadratic(hypothesis, about.point, sizes).step(damping=damping)
         there = np.clip(about.point + step, hypothesis.low, hypothesis.high)
         tried = errors(there)
         new = tried.quadratic(hypothesis, there, tried.sizes(none) + TINY)
@@ -202,7 +202,7 @@ def likeliest_forces(
             damping, failed = 10.0 * damping, failed + 1
             continue
         gained, damping, failed = value - best, 0.1 * damping, 0
-        best, about, found = value, new, tried
+        best, about, result = value, new, tried
         if gained < SETTLED:
             break
     return about
@@ -216,12 +216,12 @@ def weighed_forces(
     def one(seen: Observed) -> ForceRows:
         return force_rows(own, as_moved(own.hypothesis, own.point, seen), grids)
 
-    found = each(one, runs)
-    counts = sum(run.slips.sum(axis=0) for run in found)
-    squares = sum((run.slips * run.rows[:, :, 0] ** 2).sum(axis=0) for run in found)
+    result = each(one, runs)
+    counts = sum(run.slips.sum(axis=0) for run in result)
+    squares = sum((run.slips * run.rows[:, :, 0] ** 2).sum(axis=0) for run in result)
     sizes = np.sqrt(squares / np.maximum(counts, 1.0)) + TINY
     return [
-        replace(run, rows=run.rows * (run.slips / sizes)[:, :, None]) for run in found
+        replace(run, rows=run.rows * (run.slips / sizes)[:, :, None]) for run in result
     ], np.asarray(sizes)
 
 
@@ -240,9 +240,9 @@ def force_levels(
         blocks: Into how many folds each run is divided.
         shares: One for each level.
     """
-    found, sizes = weighed_forces(own, grids, runs)
+    result, sizes = weighed_forces(own, grids, runs)
     levels: list[list[Whitened]] = [[] for _ in shares]
-    for run in found:
+    for run in result:
         for part in np.array_split(np.arange(len(run.rows)), blocks):
             rows = run.rows[part].reshape(-1, run.rows.shape[2])
             gram, count = rows.T @ rows, run.slips[part].sum(axis=0)
@@ -277,9 +277,9 @@ def force_error(
     points = [[each] * validation.folds for each in (point, forces.point)]
     before, after = validation.losses(hypothesis, points, runs).mean(axis=1)
     start = forces.point if after < before else point
-    found = output_error(hypothesis, start, validation, deadline)
+    result = output_error(hypothesis, start, validation, deadline)
     if after >= before:
-        return found
+        return result
     every = [range(len(hypothesis.effects))]
-    losses = [validation.losses_of(one, runs, every).mean() for one in (forces, found)]
-    return forces if losses[0] < losses[1] else found
+    losses = [validation.losses_of(one, runs, every).mean() for one in (forces, result)]
+    return forces if losses[0] < losses[1] else result

@@ -51,28 +51,28 @@ def output_error(
     segments = validation.segments.only(rows)
     read = predict(hypothesis, segments, [point], [segments.start])[0]
     units = measure(segments, read)
-    found = fit(hypothesis, segments, *units, point=point, iterations=STEPS, deadline=deadline)
+    result = fit(hypothesis, segments, *units, point=point, iterations=STEPS, deadline=deadline)
     for _ in range(SCALINGS - 1):
-        read = segments.reading - found.around.error.reshape(read.shape) * found.scale
+        read = segments.reading - result.around.error.reshape(read.shape) * result.scale
         scale, weight = measure(segments, read)
-        if float(np.log(scale / found.scale).mean()) > -FALLEN:
+        if float(np.log(scale / result.scale).mean()) > -FALLEN:
             break
         # Errors that have fallen weigh more beside the prior.
-        found = fit(
+        result = fit(
             hypothesis,
             segments,
             scale,
             weight,
-            point=found.point,
-            start=found.start,
-            around=found.around.in_units(found.scale / scale),
+            point=result.point,
+            start=result.start,
+            around=result.around.in_units(result.scale / scale),
             iterations=STEPS,
             deadline=deadline,
         )
-    point, around = found.point, found.around
+    point, around = result.point, result.around
     if not around.exact and time.monotonic() < deadline:
-        around = sensitivity(hypothesis, segments, point, found.start, found.scale)
-    fold, curve = validation.fold[rows], quadratic(segments, around, found.weight)
+        around = sensitivity(hypothesis, segments, point, result.start, result.scale)
+    fold, curve = validation.fold[rows], quadratic(segments, around, result.weight)
     grams = np.zeros((validation.folds, 1 + len(point), 1 + len(point)))
     np.add.at(grams[:, 0, 0], fold, curve.loss)
     np.add.at(grams[:, 0, 1:], fold, curve.slope)

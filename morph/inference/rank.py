@@ -105,44 +105,44 @@ def ranked(
         deadline=deadline,
     )
     own = replace(task, deadline=math.inf).refitted(nominal, nominal.start)
-    told = _told(nominal.robot) and not validation.constrained
-    most = 0.0 if tossed else FAR if told else FARTHEST
+    given = _told(nominal.robot) and not validation.constrained
+    most = 0.0 if tossed else FAR if given else FARTHEST
     far = missing(own.refit.runs) >= most
-    found = _searched(_by_rollouts(task, own) if far else _begun(task, own), progress)
+    result = _searched(_by_rollouts(task, own) if far else _begun(task, own), progress)
     if not far:
-        own = functools.reduce(under, found.tried, own)
-        found = replace(found, none=own)
-        if not found.tried and not at_noise(own.refit.runs) and not found.task.late():
+        own = functools.reduce(under, result.tried, own)
+        result = replace(result, none=own)
+        if not result.tried and not at_noise(own.refit.runs) and not result.task.late():
             # The model of the missing force is wrong: the search goes on by errors of rollouts.
-            found = _searched(_by_rollouts(replace(found.task, deadline=deadline), own), progress)
-    free = found.task.by_rollouts and not tossed
-    if free and missing(found.best.refit.runs) < NEAR:
-        found = _whitened(found, own, progress)
+            result = _searched(_by_rollouts(replace(result.task, deadline=deadline), own), progress)
+    free = result.task.by_rollouts and not tossed
+    if free and missing(result.best.refit.runs) < NEAR:
+        result = _whitened(result, own, progress)
     progress("trying other laws", 0.85)
-    found = replace(found, best=restarted(found.task, found.best))
-    if not found.task.by_rollouts:
+    result = replace(result, best=restarted(result.task, result.best))
+    if not result.task.by_rollouts:
         # By rollouts each law of friction was tried at all driven joints.
-        found = _freed(_replaced(found))
-    none, best = found.none, found.best
-    if found.task.by_rollouts:
-        best = without_figures(found.task, best)
-    if not found.task.late() and not found.task.by_forces and not at_noise(best.refit.runs):
-        if not found.task.by_rollouts:
-            none, best = (to_rollouts(found.task, each) for each in (none, best))
-        best = richer(found.task, best)
-        if not found.task.by_rollouts and missing(best.refit.runs) > NEAR:
-            best = beside(found.task, best)
-    if touching and not found.task.by_rollouts:
-        best = on_floor(found.task, best)
+        result = _freed(_replaced(result))
+    none, best = result.none, result.best
+    if result.task.by_rollouts:
+        best = without_figures(result.task, best)
+    if not result.task.late() and not result.task.by_forces and not at_noise(best.refit.runs):
+        if not result.task.by_rollouts:
+            none, best = (to_rollouts(result.task, each) for each in (none, best))
+        best = richer(result.task, best)
+        if not result.task.by_rollouts and missing(best.refit.runs) > NEAR:
+            best = beside(result.task, best)
+    if touching and not result.task.by_rollouts:
+        best = on_floor(result.task, best)
     best = simplified(best)
-    if labels(best.effects) != labels(found.best.effects):
-        found = replace(found, search=found.task.search(best))
+    if labels(best.effects) != labels(result.best.effects):
+        result = replace(result, search=result.task.search(best))
     return Ranking(
         best=best,
-        tried=tuple(sorted([*found.tried, none], key=lambda each: -each.evidence)),
-        validation=found.task.validation,
-        search=found.search,
-        stopped=found.task.late(),
+        tried=tuple(sorted([*result.tried, none], key=lambda each: -each.evidence)),
+        validation=result.task.validation,
+        search=result.search,
+        stopped=result.task.late(),
     )
 
 
@@ -172,8 +172,8 @@ def _begun(task: EffectSelection, none: Finalist) -> _Found:
 
 def _by_rollouts(task: EffectSelection, own: Finalist) -> _Found:
     """Return a ranking by errors of rollouts before its first round."""
-    told = _told(task.nominal.robot) and not task.validation.constrained
-    task = replace(task, by_rollouts=True, by_forces=told)
+    given = _told(task.nominal.robot) and not task.validation.constrained
+    task = replace(task, by_rollouts=True, by_forces=given)
     half = replace(task, deadline=0.5 * (time.monotonic() + task.deadline))
     return _begun(task, half.refitted(task.nominal, own.refit.point, own.refit.runs))
 
@@ -183,50 +183,50 @@ def _told(robot: Robot) -> bool:
     return all(each.kind == "motor" for each in robot.actuators) and not robot.loops
 
 
-def _searched(found: _Found, progress: Progress) -> _Found:
+def _searched(result: _Found, progress: Progress) -> _Found:
     """Return a ranking after rounds of its search."""
-    task, base = found.task, found.best
+    task, base = result.task, result.best
     later, first = (FAR_ROUNDS, 0.5) if task.by_rollouts else (MOST_ROUNDS, 0.1)
     for turn, most in enumerate((MOST_FIRST, *[LATER] * later)):
         if task.late():
             break
         share = 0.8 - (0.8 - first) * 0.7**turn
         progress(f"looking for what is missing (round {turn + 1})", share)
-        new, best = task.added(base, found.search, most)
-        found = replace(found, best=best, tried=(*found.tried, *new))
+        new, best = task.added(base, result.search, most)
+        result = replace(result, best=best, tried=(*result.tried, *new))
         if labels(best.effects) == labels(base.effects):
             break
         base, search = best, task.search(best)
         task = replace(task, prior=search.prior)
-        found = replace(found, task=task, search=search)
-    return found
+        result = replace(result, task=task, search=search)
+    return result
 
 
-def _whitened(found: _Found, own: Finalist, progress: Progress) -> _Found:
+def _whitened(result: _Found, own: Finalist, progress: Progress) -> _Found:
     """Return a ranking by evidence from a set that was found by rollouts, where it is near."""
-    if found.task.late():
-        return found
-    task, best = replace(found.task, by_rollouts=False, by_forces=False), found.best
+    if result.task.late():
+        return result
+    task, best = replace(result.task, by_rollouts=False, by_forces=False), result.best
     again = task.refitted(best.refit.hypothesis, best.refit.point, best.refit.runs)
     if missing(again.refit.runs) >= NEAR:
-        return found
+        return result
     start = _Found(task=task, none=own, best=again, search=task.search(again), tried=(again,))
     return _searched(start, progress)
 
 
-def _replaced(found: _Found) -> _Found:
+def _replaced(result: _Found) -> _Found:
     """Return a ranking after other laws were tried in the place of those of its best set."""
     gone: set[str] = set()
-    while not found.task.late():
-        best = found.best
-        other = found.task.replaced(best, found.search, gone)
+    while not result.task.late():
+        best = result.best
+        other = result.task.replaced(best, result.search, gone)
         if other is None:
             break
         gone |= {e.label for e in best.effects} - {e.label for e in other.effects}
-        found = replace(
-            found, best=other, search=found.task.search(other), tried=(*found.tried, other)
+        result = replace(
+            result, best=other, search=result.task.search(other), tried=(*result.tried, other)
         )
-    return found
+    return result
 
 
 def restarted(task: EffectSelection, best: Finalist) -> Finalist:
@@ -239,19 +239,19 @@ def restarted(task: EffectSelection, best: Finalist) -> Finalist:
     return best
 
 
-def _freed(found: _Found) -> _Found:
+def _freed(result: _Found) -> _Found:
     """Return a ranking whose best is no effect where the description says too much friction.
 
     Joints that are described too stiff or damped move as under greater gains and masses.
     """
-    task, best, own = found.task, found.best, found.none.refit
+    task, best, own = result.task, result.best, result.none.refit
     nominal = task.nominal
     low = nominal.low + 0.01 * (nominal.high - nominal.low)
     held = np.array([each.guessed for each in nominal.knobs], dtype=bool) & (own.point < low)
     # What no bound holds would stay where it is.
     if not best.effects or task.late() or not held.any():
-        return found
+        return result
     freed = task.refitted(nominal.freed(), own.point, own.runs)
     if freed.evidence > best.evidence and not task.validation.worse(best.losses, freed.losses):
-        return replace(found, best=freed, search=task.search(freed))
-    return found
+        return replace(result, best=freed, search=task.search(freed))
+    return result

@@ -58,19 +58,19 @@ def reference(
     # Between two readings the guess is a straight line.
     unsure = round(1.0 / max(float(run.valid.mean()), 1e-3))
     contact = contact_along(model, run.placed, position, velocity, run.step, unsure)
-    found = _along(model, run, position, velocity, np.zeros_like(velocity), contact, None)
-    known = likeliest_disturbance(found, steps=STEPS)
+    result = _along(model, run, position, velocity, np.zeros_like(velocity), contact, None)
+    known = likeliest_disturbance(result, steps=STEPS)
     for _ in range(ROUNDS):
-        single = outliers(found.error / run.noise, run.valid)
+        single = outliers(result.error / run.noise, run.valid)
         run = replace(run, valid=run.valid & ~single)
-        found = _smoothed(model, run, found, known)
-    return replace(found, disturbance=likeliest_disturbance(found, steps=FEWER_STEPS))
+        result = _smoothed(model, run, result, known)
+    return replace(result, disturbance=likeliest_disturbance(result, steps=FEWER_STEPS))
 
 
 def _smoothed(
     model: mujoco.MjModel,
     run: SampledRun,
-    found: Reference,
+    result: Reference,
     known: Disturbance,
 ) -> Reference:
     """Return the motion of a linearised model, smoothed, and the model linearised along that.
@@ -78,14 +78,14 @@ def _smoothed(
     Args:
         model: The model.
         run: What was commanded and read.
-        found: The model along another motion.
+        result: The model along another motion.
         known: The disturbance.
     """
     space = run.measurement.coordinates
-    state, spread = smoothed(found.tangent, known, found.error, found.acceleration)
+    state, spread = smoothed(result.tangent, known, result.error, result.acceleration)
     change, rate, force, _ = np.split(state, [n * space.dofs for n in (1, 2, 3)], axis=1)
-    position = space.moved_by(found.position, along_body(space, found.axes, change))
-    velocity = found.velocity + along_body(space, found.axes, rate)
+    position = space.moved_by(result.position, along_body(space, result.axes, change))
+    velocity = result.velocity + along_body(space, result.axes, rate)
     chained = chains(model)
     if chained:
         position = closed(model, position)
@@ -93,7 +93,7 @@ def _smoothed(
         # Rotations add up to the first order in the error alone, and chains close along curves.
         velocity[1:] = space.apart(position[1:], position[:-1]) / run.step
     follow(model, position, velocity)
-    moved = _along(model, run, position, velocity, force, found.contact, known)
+    moved = _along(model, run, position, velocity, force, result.contact, known)
     return replace(moved, spread=spread)
 
 
@@ -215,8 +215,8 @@ def _stepped(
     whole[:, :, dofs : 2 * dofs] += local[:, :, 2 * dofs :] * (slope[:, 1:] - sticking[:, None])
     damped = np.eye(dofs) - run.step * later(sticking) * whole[:, :, dofs : 2 * dofs]
     # An inverse costs half as much as solving for so many columns, and this is near the identity.
-    found = np.asarray(np.linalg.inv(damped) @ whole)
-    return found[:, :, :-1], found[:, :, -1]
+    result = np.asarray(np.linalg.inv(damped) @ whole)
+    return result[:, :, :-1], result[:, :, -1]
 
 
 def _interpolated(
@@ -278,16 +278,16 @@ def _jolt(
     model: mujoco.MjModel, run: SampledRun, position: Array, jacobian: Array, impact: Array
 ) -> Array | None:
     """Return changes of velocity by unsure commands and impacts, (samples, dofs, sources)."""
-    found, dofs = [], jacobian.shape[1]
+    result, dofs = [], jacobian.shape[1]
     if run.unsure is not None:
         transmission = Transmission.along(model, position)
         transmission = replace(transmission, moment=np.abs(transmission.moment))
         forces = transmission.forces(run.unsure * np.abs(model.actuator_gainprm[:, 0]))
         moved = times(np.abs(jacobian[:, :, 2 * dofs : 3 * dofs]), forces)
-        found.append(moved[:, :, None] * np.eye(dofs))
+        result.append(moved[:, :, None] * np.eye(dofs))
     if impact.any():
-        found.append(impact[:, None, None] * jacobian[:, :, 3 * dofs :])
-    return np.concatenate(found, axis=2) if found else None
+        result.append(impact[:, None, None] * jacobian[:, :, 3 * dofs :])
+    return np.concatenate(result, axis=2) if result else None
 
 
 def _initial_std(run: SampledRun, values: Array) -> Array:

@@ -97,15 +97,15 @@ def seen(
         known, run = before[at] if before else None, episodes[at]
         if beside and known is None:
             known = observed(model, hypothesis.robot, run, effects=beside)
-        found = observed(model, hypothesis.robot, run, effects=beside, before=known)
-        if before is None and not np.isfinite(found.about.velocity).all():
+        result = observed(model, hypothesis.robot, run, effects=beside, before=known)
+        if before is None and not np.isfinite(result.about.velocity).all():
             raise RecordingError(
                 "no finite motion of the described robot comes near its readings",
                 where=f"recording {run.name}",
                 fix="see that angles are in rad and do not jump by 2 pi, lengths in m and times in "
                 "s, or list every column with its unit in recording.toml",
             )
-        return found
+        return result
 
     return each(one, range(len(episodes)))
 
@@ -209,9 +209,9 @@ def _descended(best: Refit, episodes: Sequence[Episode], rounds: int) -> Refit:
         for damping, share in TRIALS:
             step, _, _ = about.step(damping=damping)
             point = np.clip(best.point + share * step, hypothesis.low, hypothesis.high)
-            found = _judged(hypothesis, point, seen(hypothesis, point, episodes, best.runs), rank)
-            if found.evidence > best.evidence:
-                best = found
+            result = _judged(hypothesis, point, seen(hypothesis, point, episodes, best.runs), rank)
+            if result.evidence > best.evidence:
+                best = result
                 break
         if best is last or (
             (damping, share) == TRIALS[0] and best.evidence < last.evidence + SETTLED

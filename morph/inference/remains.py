@@ -85,9 +85,9 @@ class Remains:
         return min(some, UNTOLD) if self.touching else some
 
 
-def remaining(found: Finalist, validation: Validation) -> Remains:
+def remaining(result: Finalist, validation: Validation) -> Remains:
     """Return what a refit leaves unexplained of the runs it was fitted to."""
-    runs, segments = found.refit.runs, validation.segments
+    runs, segments = result.refit.runs, validation.segments
     share = missing_by_joint(runs)
     touching = validation.constrained
     return Remains(
@@ -96,11 +96,11 @@ def remaining(found: Finalist, validation: Validation) -> Remains:
             segments.measurement.channels[at]: float(share[at]) for at in segments.read.tolist()
         },
         nats=sum(_over_floor(run) for run in runs),
-        in_noise=_typical(found.fitted, validation),
-        named=bool(found.effects),
+        in_noise=_typical(result.fitted, validation),
+        named=bool(result.effects),
         touching=touching,
-        by_starts=_by_starts(found, validation) if touching else 0.0,
-        in_motion=_in_motion(found, validation) if touching else 0.0,
+        by_starts=_by_starts(result, validation) if touching else 0.0,
+        in_motion=_in_motion(result, validation) if touching else 0.0,
     )
 
 
@@ -109,9 +109,9 @@ def _typical(losses: Array, validation: Validation) -> float:
     return float(np.expm1(2.0 * np.median(losses) / len(validation.segments.read)))
 
 
-def _by_starts(found: Finalist, validation: Validation) -> float:
+def _by_starts(result: Finalist, validation: Validation) -> float:
     """Return the error of rollouts by errors of their initial states alone, as `in_noise`."""
-    rng, segments, runs = np.random.default_rng(0), validation.segments, found.refit.runs
+    rng, segments, runs = np.random.default_rng(0), validation.segments, result.refit.runs
     space, begun = segments.measurement.coordinates, []
     for run in runs:
         about = run.about
@@ -119,17 +119,17 @@ def _by_starts(found: Finalist, validation: Validation) -> float:
         rate = about.velocity + about.spread * rng.standard_normal(about.velocity.shape)
         moved = replace(about, position=space.moved_by(about.position, off), velocity=rate)
         begun.append(replace(run, about=moved))
-    points = [[found.about.point] * validation.folds]
-    hypothesis = found.about.hypothesis
+    points = [[result.about.point] * validation.folds]
+    hypothesis = result.about.hypothesis
     one, other = (validation.rollouts(hypothesis, points, each)[0] for each in (runs, begun))
     squared = np.where(segments.valid, (one - other) ** 2, 0.0).sum(axis=1) / segments.counts
     return _typical(0.5 * np.log1p(squared / segments.noise**2).sum(axis=1), validation)
 
 
-def _in_motion(found: Finalist, validation: Validation) -> float:
+def _in_motion(result: Finalist, validation: Validation) -> float:
     """Return the error of a typical segment over the variance of its readings."""
-    segments, points = validation.segments, [[found.about.point] * validation.folds]
-    (read,) = validation.rollouts(found.about.hypothesis, points, found.refit.runs)
+    segments, points = validation.segments, [[result.about.point] * validation.folds]
+    (read,) = validation.rollouts(result.about.hypothesis, points, result.refit.runs)
     off = np.where(segments.valid, segments.reading - read, 0.0)
     centred = np.where(segments.valid, segments.reading, np.nan)
     spread = np.nanvar(centred, axis=1) + segments.noise**2

@@ -141,7 +141,7 @@ def outliers(error: Array, valid: Mask) -> Mask:
             channels).
         valid: Which readings there are, same shape.
     """
-    found = np.zeros_like(valid)
+    result = np.zeros_like(valid)
     for channel in range(error.shape[1]):
         at = np.flatnonzero(valid[:, channel])
         off = np.abs(error[at, channel])
@@ -154,5 +154,5 @@ def outliers(error: Array, valid: Mask) -> Mask:
         usual = np.maximum(np.median(around, axis=1) / 0.6745, 1.0)
         padded = np.pad(off, 1)
         alone = np.maximum(padded[:-2], padded[2:]) < 0.5 * off
-        found[at[(off > OUTLIER * usual) & alone], channel] = True
-    return found
+        result[at[(off > OUTLIER * usual) & alone], channel] = True
+    return result

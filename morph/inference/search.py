@@ -112,10 +112,10 @@ class BeamSearch:
             best = shorter
         return sorted((each.beside(none) for each in tried.values()), key=lambda each: -each.gain)
 
-    def single(self, found: Explanation) -> bool:
+    def single(self, result: Explanation) -> bool:
         """Return whether a set is one effect, or a current and the drag through which it acts."""
-        through = {self.needs.get(at) for at in found.members}
-        return len(set(found.members) - through) == 1
+        through = {self.needs.get(at) for at in result.members}
+        return len(set(result.members) - through) == 1
 
     def together(self) -> list[Explanation]:
         """Return the groups as sets of effects, the best first."""
@@ -143,10 +143,10 @@ class BeamSearch:
         others = [each for each in without.sets(1) if len(each.effects) == 1]
         return none - held, [(each.effects[0], each.gain + none - held) for each in others]
 
-    def without_fold(self, found: Explanation, fold: int) -> tuple[Array, tuple[Effect, ...]]:
+    def without_fold(self, result: Explanation, fold: int) -> tuple[Array, tuple[Effect, ...]]:
         """Return the change of own figures and the effects, fitted to all folds but one."""
-        columns = [self.columns[each] for each in found.members]
-        fit = self.levels[found.level].without_fold(fold).fit(columns, self.readings, 0.0)
+        columns = [self.columns[each] for each in result.members]
+        fit = self.levels[result.level].without_fold(fold).fit(columns, self.readings, 0.0)
         return fit.own, fit.effects
 
     def price(self, members: Collection[int]) -> float:
@@ -211,7 +211,7 @@ class BeamSearch:
 
     def _most_gains(self, rests: Sequence[Array], options: Sequence[tuple[int, ...]]) -> Array:
         """Return what additions gain without bounds, for one column exactly: (levels, options)."""
-        found, least = np.empty((len(rests), len(options))), 0.5 * math.log(self.readings)
+        result, least = np.empty((len(rests), len(options))), 0.5 * math.log(self.readings)
         places = [self._place(added) for added in options]
         sizes = np.array([len(place) for place in places])
         for size in np.unique(sizes):
@@ -237,8 +237,8 @@ class BeamSearch:
                     inverse = np.linalg.pinv(unit, rcond=RANK_TOLERANCE, hermitian=True)
                     along = along / scale
                     gain = 0.5 * np.einsum("si,sij,sj->s", along, inverse, along)
-                found[at, same] = gain - least
-        return found
+                result[at, same] = gain - least
+        return result
 
     def _gain(self, rest: Array, added: Sequence[int]) -> float:
         """Return what an addition gains, less the price of its columns."""

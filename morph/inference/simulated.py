@@ -19,7 +19,7 @@ STRENGTHS = (1.0, 0.3, 0.1)
 
 
 def simulated(
-    found: Explanation,
+    result: Explanation,
     search: BeamSearch,
     base: Finalist,
     validation: Validation,
@@ -29,7 +29,7 @@ def simulated(
     """Return the mean loss of a set that is added to another, and the set as it is simulated.
 
     Args:
-        found: The effects to add.
+        result: The effects to add.
         search: What they come from.
         base: The other set.
         validation: The stretches.
@@ -38,9 +38,9 @@ def simulated(
             few shares of the strengths is taken.
     """
     hypothesis, there = base.refit.hypothesis, len(base.refit.point)
-    parts = [(found.own, found.effects)] * validation.folds
+    parts = [(result.own, result.effects)] * validation.folds
     if believed:
-        parts = [search.without_fold(found, fold) for fold in range(validation.folds)]
+        parts = [search.without_fold(result, fold) for fold in range(validation.folds)]
     points, more = [], hypothesis
     for share in STRENGTHS[:1] if believed else STRENGTHS:
         weaker = [(*hypothesis.effects, *scaled(effects, share)) for _, effects in parts]
@@ -52,7 +52,7 @@ def simulated(
         )
     losses = validation.losses(more, points, base.refit.runs).mean(axis=1)
     best = int(np.argmin(losses))
-    return float(losses[best]), replace(found, effects=scaled(found.effects, STRENGTHS[best]))
+    return float(losses[best]), replace(result, effects=scaled(result.effects, STRENGTHS[best]))
 
 
 def likeliest_limit(

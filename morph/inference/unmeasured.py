@@ -56,9 +56,9 @@ def with_unmeasured(
     Raises:
         RecordingError: The filter diverges.
     """
-    told = {name for name, each in recording.channels.items() if not each.guess}
+    given = {name for name, each in recording.channels.items() if not each.guess}
     lead = [each.name for each in robot.joints if each.mimic is None]
-    read = [name for name in lead if f"{name}.position" in told]
+    read = [name for name in lead if f"{name}.position" in given]
     unread = [name for name in lead if name not in read]
     needed = [f"{actuator.name}.command" for actuator in robot.actuators]
     known = all(name in recording.channels for name in needed)
@@ -192,7 +192,7 @@ class _Readings:
         )
         run = FilterRun(tangent, disturbance, 1)
         untold, keep = np.zeros(count), float(np.exp(-STEP / CORRELATION_TIME))
-        found, spread = np.empty((steps, dofs)), np.empty((steps, dofs))
+        result, spread = np.empty((steps, dofs)), np.empty((steps, dofs))
         for begins in range(0, steps, EVERY):
             part = slice(begins, min(begins + EVERY, steps))
             (local,) = jacobians(model, position[None], velocity[None], self.command[part][:1])
@@ -202,21 +202,21 @@ class _Readings:
             local = np.hstack([by_position @ whole, by_velocity @ whole, mobility])
             tangent.jacobian[part] = np.linalg.solve(damped, local)[own]
             for at in range(part.start, part.stop):
-                found[at] = position
+                result[at] = position
                 (push,) = accelerations(
                     model, position[None], velocity[None], self.command[at][None]
                 )
                 velocity = velocity + STEP * np.linalg.solve(damped, push + mobility @ untold)
                 position = position + STEP * velocity
                 untold = keep * untold
-            error = self.position[part] - found[part][:, self.dofs]
+            error = self.position[part] - result[part][:, self.dofs]
             run.filter(part, error[:, :, None], None)
             change, variance = run.moved()
             position = position + whole @ change[:count]
             velocity = velocity + whole @ change[count : 2 * count]
             untold = untold + change[2 * count :]
             spread[part] = np.sqrt(np.maximum(whole**2 @ variance[:count], 0.0))
-        return found, spread
+        return result, spread
 
     def usual(self, rest: Array) -> Array:
         """Return the RMS force that the motion which was read needs, N m or N, shape (dofs,).
@@ -227,5 +227,5 @@ class _Readings:
         still[:, self.dofs] = self.position
         rates[:, :, self.dofs] = self.velocity, self.acceleration
         force = supplied(self.model, still, rates[0], rates[1], np.zeros_like(self.command))
-        found = np.sqrt(np.mean(force**2, axis=0))
-        return np.asarray(np.maximum(found, 1e-3 * found.max()))
+        result = np.sqrt(np.mean(force**2, axis=0))
+        return np.asarray(np.maximum(result, 1e-3 * result.max()))

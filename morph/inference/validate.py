@@ -130,14 +130,14 @@ class Validation:
         effects = about.hypothesis.effects_at(about.point)
         # Motors are off their joints in a whole batch or in none of it: such effects cannot idle.
         apart = {at for at, each in enumerate(effects) if isinstance(each, MotorSideEffect)}
-        found = np.empty((len(sets), len(self.segments)))
+        result = np.empty((len(sets), len(self.segments)))
         for gone in {frozenset(apart - set(kept)) for kept in sets}:
             same = [at for at, kept in enumerate(sets) if apart - set(kept) == gone]
             stays = [at for at in range(len(effects)) if at not in gone]
             fewer, entries = about.only(stays)
             points = [[each.idle(sets[at])[entries] for each in rest] for at in same]
-            found[same] = self.losses(fewer, points, runs)
-        return found
+            result[same] = self.losses(fewer, points, runs)
+        return result
 
     def rollouts(
         self,
@@ -169,7 +169,7 @@ class Validation:
         begin = list(zip(segments.episode, segments.first, strict=True))
         position = np.stack([runs[e].about.position[first] for e, first in begin])
         velocity = np.stack([runs[e].about.velocity[first] for e, first in begin])
-        found, _ = rollout(
+        result, _ = rollout(
             variants,
             which.reshape(-1),
             np.tile(position, (count, 1)),
@@ -177,11 +177,11 @@ class Validation:
             command.reshape(which.size, *command.shape[2:]),
             states=recalled(hypothesis, segments, variants, which),
         )
-        found = found.reshape(*which.shape, *found.shape[1:])
+        result = result.reshape(*which.shape, *result.shape[1:])
         read = np.empty((count, *segments.reading.shape))
         for at, variant in enumerate(variants):
             candidate, inside = at // folds, which[at // folds] == at
-            moved = found[candidate, inside]
+            moved = result[candidate, inside]
             read[candidate, inside] = shown(variant.effects, segments, moved, inside)
             read[candidate, inside] = FAR_OFF if whole[at] is None else read[candidate, inside]
         return np.nan_to_num(read, nan=FAR_OFF, posinf=FAR_OFF, neginf=-FAR_OFF)

@@ -67,7 +67,7 @@ def conclude(nominal: Hypothesis, ranking: Ranking, parts: DiagnosisRuns) -> Dia
     robot, best, refit = nominal.robot, ranking.best.refit, ranking.none.refit
     remains = remaining(ranking.best, ranking.validation)
     residual = _residual(ranking, parts) if remains.probability > 0.5 else None
-    found = findings(ranking, remains)
+    results = findings(ranking, remains)
     models = {
         "nominal": (nominal, nominal.start),
         "refitted": (refit.hypothesis, refit.point),
@@ -78,8 +78,8 @@ def conclude(nominal: Hypothesis, ranking: Ranking, parts: DiagnosisRuns) -> Dia
         models[WITH_RESIDUAL] = (more, best.point)
     predicted, errors, worse = _scored(models, parts.scored)
     # The training runs speak for the findings and the held-out runs against them.
-    refuted = worse and bool(found)
-    found = tuple(map(_halved, found)) if refuted else found
+    refuted = worse and bool(results)
+    results = tuple(map(_halved, results)) if refuted else results
     unit = np.maximum(errors["nominal"], parts.scored.noise)
     before, after = (by_segment(parts.scored, predicted[m], unit) for m in ("nominal", "corrected"))
     beside, mjcf = corrected(*models["nominal" if worse else "corrected"])
@@ -89,8 +89,8 @@ def conclude(nominal: Hypothesis, ranking: Ranking, parts: DiagnosisRuns) -> Dia
     recordings = (*parts.split.train, *parts.split.held_out)
     return Diagnosis(
         robot=robot.name,
-        verdict=_verdict(found, remains, refuted=refuted),
-        findings=tuple(_begun(each, parts.changes) for each in found),
+        verdict=_verdict(results, remains, refuted=refuted),
+        findings=tuple(_begun(each, parts.changes) for each in results),
         changes=parts.changes,
         located=locate(
             refit.hypothesis,
@@ -99,7 +99,7 @@ def conclude(nominal: Hypothesis, ranking: Ranking, parts: DiagnosisRuns) -> Dia
             parts.scored,
             predicted["refitted"],
         ),
-        probabilities=_probabilities(ranking, found, remains, refuted=refuted),
+        probabilities=_probabilities(ranking, results, remains, refuted=refuted),
         unexplained=Unexplained(
             probability=remains.probability,
             share=remains.share,
@@ -199,25 +199,25 @@ def _halved(finding: Finding) -> Finding:
     return replace(finding, probability=0.5 * finding.probability, rivals=tuple(rivals))
 
 
-def _verdict(found: Sequence[Finding], remains: Remains, *, refuted: bool) -> str:
+def _verdict(results: Sequence[Finding], remains: Remains, *, refuted: bool) -> str:
     if remains.probability > 0.5 or refuted:
         return "unknown"
-    return "mismatch" if found else "consistent"
+    return "mismatch" if results else "consistent"
 
 
 def _probabilities(
-    ranking: Ranking, found: Sequence[Finding], remains: Remains, *, refuted: bool
+    ranking: Ranking, results: Sequence[Finding], remains: Remains, *, refuted: bool
 ) -> dict[str, float]:
     """Return the posterior of each effect, of `none` and of `unknown`."""
     unknown = max(remains.probability, MOST_UNKNOWN if refuted else 0.0)
     chances: dict[str, float] = {"none": 0.0, "unknown": unknown}
-    for finding in found:
+    for finding in results:
         chances[finding.effect.label] = finding.probability
-    for finding in found:
+    for finding in results:
         for rival in finding.rivals:
             label = f"{rival.effect}@{rival.where}"
             chances[label] = max(chances.get(label, 0.0), rival.probability)
-    if not found:
+    if not results:
         chances["none"] = min(NONE, 1.0 - remains.any_physics)
         missed = 1.0 - chances["none"] - unknown
         some = {label: missed * share for label, share in suspects(ranking).items()}

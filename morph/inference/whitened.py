@@ -77,7 +77,7 @@ def whitened_blocks(
         blocks: How many stretches there are.
     """
     samples, columns = len(tangent.jacobian), readings.shape[2]
-    run, found = FilterRun(tangent, disturbance, columns), []
+    run, result = FilterRun(tangent, disturbance, columns), []
     for block in range(blocks):
         gram, logarithm = np.zeros((columns, columns)), 0.0
         first, last = block * samples // blocks, (block + 1) * samples // blocks
@@ -85,8 +85,8 @@ def whitened_blocks(
             gram += rows.T @ rows
             logarithm += log_determinant
         count = int(tangent.valid[first:last].sum())
-        found.append(Whitened(gram=gram, logarithm=logarithm, readings=count))
-    return found
+        result.append(Whitened(gram=gram, logarithm=logarithm, readings=count))
+    return result
 
 
 def products(

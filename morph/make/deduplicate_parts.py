@@ -128,11 +128,11 @@ def _part(
 
 def _hands(drawn: Drawing, one: PieceGroup, other: PieceGroup) -> tuple[Hand, Hand]:
     """Return the hands of two twins: y points to the left."""
-    said = sided(piece.name for piece, _ in one.members)
-    said = said or sided(piece.link for piece, _ in one.members)
-    if said == "left":
+    statement = sided(piece.name for piece, _ in one.members)
+    statement = statement or sided(piece.link for piece, _ in one.members)
+    if statement == "left":
         return ("left", "right")
-    if said == "right":
+    if statement == "right":
         return ("right", "left")
     across = [
         np.mean([(drawn.world(piece.link) @ piece.pose)[1, 3] for piece, _ in group.members])

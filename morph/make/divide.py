@@ -37,13 +37,13 @@ def divide(robot: Robot, profile: Profile) -> Division:
     things, notes = buying.items(drawn)
     joints = hinges(drawn)
     bones = spared(drawn, skeletons(drawn, things), joints)
-    found = grouped(pieces(drawn, things, bones))
+    outcome = grouped(pieces(drawn, things, bones))
     names = UniqueNames()
-    results = [made(drawn, group, profile, names) for group in found]
+    results = [made(drawn, group, profile, names) for group in outcome]
     printed = [part for result in results for part in result.parts]
     missing = {
         piece.link
-        for group, result in zip(found, results, strict=True)
+        for group, result in zip(outcome, results, strict=True)
         if not result.parts
         for piece in group.pieces
     }

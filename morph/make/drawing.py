@@ -82,13 +82,13 @@ def drawing(robot: Robot) -> Drawing:
     for geom in range(model.ngeom):
         link = model.body(int(model.geom_bodyid[geom])).name
         if model.geom_group[geom] < SHOWN_GROUPS and link in shapes:
-            found = _drawn(model, geom, link, files)
-            shapes[link] += [found] if found is not None else []
+            result = _drawn(model, geom, link, files)
+            shapes[link] += [result] if result is not None else []
     return Drawing(
         robot=robot,
         model=model,
         data=data,
-        shapes={link: tuple(found) for link, found in shapes.items()},
+        shapes={link: tuple(result) for link, result in shapes.items()},
         unread=tuple(files.unread),
     )
 
@@ -111,10 +111,10 @@ def _drawn(model: Any, geom: int, link: str, files: _Files) -> LinkShape | None:
     else:
         word = kind.name.removeprefix("mjGEOM_").lower()
         size = MM * model.geom_size[geom]
-        found = solid(word, size)
-        if found is None:
+        result = solid(word, size)
+        if result is None:
             return None
-        mesh = found
+        mesh = result
     return LinkShape(name=name, link=link, kind=word, mesh=mesh, pose=pose, size=size, file=file)
 
 
@@ -139,18 +139,18 @@ class _Files:
         if asset is None or content is None:
             return _compiled(model, at), file
         try:
-            found = read_mesh(content, Path(file).suffix, file).merged
+            result = read_mesh(content, Path(file).suffix, file).merged
         except MeshError as error:
             self.unread.append(f"{file}: {error.what}; MuJoCo's copy of it was taken")
             return _compiled(model, at), file
         turn = np.empty(9)
         mujoco.mju_quat2Mat(turn, np.asarray(asset.refquat) / np.linalg.norm(asset.refquat))
-        stated = (found.vertices - np.asarray(asset.refpos)) @ turn.reshape(3, 3)
+        stated = (result.vertices - np.asarray(asset.refpos)) @ turn.reshape(3, 3)
         scale = np.asarray(asset.scale)
         mirrored = bool(np.prod(scale) < 0)
         return Mesh(
             vertices=MM * stated * scale,
-            faces=found.faces[:, ::-1].copy() if mirrored else found.faces,
+            faces=result.faces[:, ::-1].copy() if mirrored else result.faces,
         ), file
 
 

@@ -20,20 +20,20 @@ def fused(
     """Return what is drawn of each link that is one piece with another, in its own frame."""
     into = fusions(drawing, printed_links(drawing))
     made = {place.link: part.name for part in printed for place in part.placements}
-    found: list[Part] = []
+    results: list[Part] = []
     for link, root in into.items():
         shapes = [shape for shape in plastic(drawing, link, bought) if shape.kind != "mesh"]
         if not shapes or root not in made:
             continue
         place = Placement(link=link, pose=np.eye(4), world=drawing.world(link))
-        found.append(
+        results.append(
             Part(
                 name=names.one(safe(link)),
                 kind="fused",
                 mesh=joined(shape.placed for shape in shapes),
                 placements=(place,),
                 into=made[root],
-                number=f"F-{len(found) + 1:02d}",
+                number=f"F-{len(results) + 1:02d}",
             )
         )
-    return tuple(found)
+    return tuple(results)

@@ -41,27 +41,27 @@ class PieceGroup:
 
 def grouped(pieces: Iterable[Piece]) -> tuple[PieceGroup, ...]:
     """Return pieces in groups, in order; twins stand in their group's `twin`."""
-    found: list[PieceGroup] = []
+    results: list[PieceGroup] = []
     for piece in pieces:
         points = piece.points()
-        if not any(_joins(group, piece, points) for group in found):
-            found.append(PieceGroup(members=[(piece, np.eye(4))], points=points))
-    return tuple(found)
+        if not any(_joins(group, piece, points) for group in results):
+            results.append(PieceGroup(members=[(piece, np.eye(4))], points=points))
+    return tuple(results)
 
 
 def _joins(group: PieceGroup, piece: Piece, points: Array) -> bool:
     """Add a piece to a group or its twin if it is like it; return whether it was."""
     if isinstance(group.first.source, Mesh) != isinstance(piece.source, Mesh):
         return False
-    found = _motion(group, piece, points)
-    if found is None:
+    result = _motion(group, piece, points)
+    if result is None:
         return False
-    if np.linalg.det(found[:3, :3]) > 0:
-        group.members.append((piece, found))
+    if np.linalg.det(result[:3, :3]) > 0:
+        group.members.append((piece, result))
     elif group.twin is None or group.twin.mirror is None:
-        group.twin = PieceGroup(members=[(piece, np.eye(4))], mirror=found)
+        group.twin = PieceGroup(members=[(piece, np.eye(4))], mirror=result)
     else:
-        group.twin.members.append((piece, found @ np.linalg.inv(group.twin.mirror)))
+        group.twin.members.append((piece, result @ np.linalg.inv(group.twin.mirror)))
     return True
 
 
@@ -74,5 +74,5 @@ def _motion(group: PieceGroup, piece: Piece, points: Array) -> Array | None:
     # Volumes are the quickest thing to compare.
     if abs(one.volume - other.volume) > 1e-3 * max(abs(one.volume), 1.0):
         return None
-    found = motion(group.points, points)
-    return found if found is not None else laid(one, other)
+    result = motion(group.points, points)
+    return result if result is not None else laid(one, other)

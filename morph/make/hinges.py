@@ -20,7 +20,7 @@ def hinges(drawing: Drawing) -> tuple[Hinge, ...]:
     parents = {link.name: link.parent for link in robot.links}
     free = {joint.link for joint in robot.joints if joint.kind in ("ball", "free")}
     reached = reach(drawing)
-    found = []
+    results = []
     for joint in robot.joints:
         still = parents[joint.link]
         if joint.kind not in ("hinge", "slide") or still not in parents or joint.link in free:
@@ -29,7 +29,7 @@ def hinges(drawing: Drawing) -> tuple[Hinge, ...]:
         unit = 1.0 if joint.kind == "hinge" else MM
         whole = (-math.pi, math.pi) if joint.kind == "hinge" else (0.0, 0.0)
         low, high = joint.limits or reached.get(joint.name, whole)
-        found.append(
+        results.append(
             Hinge(
                 name=joint.name,
                 kind="hinge" if joint.kind == "hinge" else "slide",
@@ -41,4 +41,4 @@ def hinges(drawing: Drawing) -> tuple[Hinge, ...]:
                 moving=joint.link,
             )
         )
-    return tuple(found)
+    return tuple(results)

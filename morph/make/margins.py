@@ -124,8 +124,8 @@ def _ran(policy: Policy, task: Task, seed: int) -> dict[str, float]:
     flat = [
         each.reshape(-1, each.shape[-1]) for each in (moved.position, moved.velocity, moved.command)
     ]
-    found = np.abs(_efforts(model, *flat)).max(axis=0)
-    return {str(model.actuator(at).name): float(found[at]) for at in range(model.nu)}
+    result = np.abs(_efforts(model, *flat)).max(axis=0)
+    return {str(model.actuator(at).name): float(result[at]) for at in range(model.nu)}
 
 
 def _efforts(model: Any, position: Array, velocity: Array, command: Array) -> Array:
@@ -133,17 +133,17 @@ def _efforts(model: Any, position: Array, velocity: Array, command: Array) -> Ar
     import mujoco
 
     data = mujoco.MjData(model)
-    found = np.empty((len(position), model.nu))
+    result = np.empty((len(position), model.nu))
     gear = model.actuator_gear[:, 0]
     states = np.concatenate([position, velocity], axis=1)
     fine = np.asarray(np.isfinite(states).all(axis=1))
     for at in range(len(position)):
         if not fine[at]:
-            found[at] = 0.0
+            result[at] = 0.0
             continue
         data.qpos[:], data.qvel[:], data.ctrl[:] = position[at], velocity[at], command[at]
         mujoco.mj_fwdPosition(model, data)
         mujoco.mj_fwdVelocity(model, data)
         mujoco.mj_fwdActuation(model, data)
-        found[at] = data.actuator_force * gear
-    return found
+        result[at] = data.actuator_force * gear
+    return result

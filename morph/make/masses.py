@@ -57,7 +57,7 @@ def _mass(link: str, before: Weight, job: Job, shown: Mapping[str, float], whole
 
 def _of(link: str, parts: Sequence[Part], shown: Mapping[str, float]) -> Weight | None:
     """Return what parts weigh in a link's frame; None if one's weight is not known."""
-    found = []
+    results = []
     for part in parts:
         weight = part.weight
         if weight is None and part.kind == "fused":
@@ -67,8 +67,8 @@ def _of(link: str, parts: Sequence[Part], shown: Mapping[str, float]) -> Weight 
             return None
         if part.name in shown:
             weight = weight.scaled(shown[part.name])
-        found += [weight.moved(at.pose) for at in part.placements if at.link == link]
-    return together(found)
+        results += [weight.moved(at.pose) for at in part.placements if at.link == link]
+    return together(results)
 
 
 def _source(parts: Sequence[Part], job: Job) -> Source:

@@ -68,8 +68,8 @@ def seated(drawing: Drawing, drawn: LinkShape, joint: str, servo: ServoSize) -> 
     lean = math.degrees(math.acos(min(1.0, abs(float(axis @ z)))))
     off = anchor - pose[:3, 3]
     off_mm = float(np.linalg.norm(off - (off @ axis) * axis))
-    found = Seated(pose=pose, horn=pose, off_mm=off_mm, off_deg=lean)
-    if found.fits:
+    result = Seated(pose=pose, horn=pose, off_mm=off_mm, off_deg=lean)
+    if result.fits:
         pose[:3, 3] += off - (off @ z) * z
         horn = pose
     else:

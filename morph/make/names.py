@@ -49,8 +49,8 @@ class UniqueNames:
 
 def sided(names: Iterable[str]) -> str:
     """Return the side that all names say, `left` or `right`; empty if they do not agree."""
-    said = set()
+    labels = set()
     for name in names:
         words = set(safe(name).split("_"))
-        said.add("left" if words & {"left", "l"} else "right" if words & {"right", "r"} else "")
-    return said.pop() if len(said) == 1 else ""
+        labels.add("left" if words & {"left", "l"} else "right" if words & {"right", "r"} else "")
+    return labels.pop() if len(labels) == 1 else ""

@@ -42,7 +42,7 @@ class Item:
 def items(drawing: Drawing) -> tuple[tuple[Item, ...], tuple[str, ...]]:
     """Return everything that the card says is bought, and what had to be assumed."""
     card = drawing.robot.card
-    found: list[Item] = []
+    results: list[Item] = []
     notes: list[str] = []
     if card is None or card.print is None:
         return (), ()
@@ -51,8 +51,8 @@ def items(drawing: Drawing) -> tuple[tuple[Item, ...], tuple[str, ...]]:
         whole = not entry.shape and entry.link not in card.print.printed and others == 1
         item = _item(drawing, entry, whole and entry.count == 1)
         notes += _assumed(drawing, entry, item)
-        found += [item] * entry.count
-    return tuple(found), tuple(notes)
+        results += [item] * entry.count
+    return tuple(results), tuple(notes)
 
 
 def _item(drawing: Drawing, entry: Bought, whole: bool) -> Item:
@@ -96,10 +96,10 @@ def _assumed(drawing: Drawing, entry: Bought, item: Item) -> list[str]:
     return notes
 
 
-def axes(found: Sequence[Item]) -> tuple[Check, ...]:
+def axes(results: Sequence[Item]) -> tuple[Check, ...]:
     """Return a check of each servo: whether its axis is on that of the joint that it turns."""
     checks = []
-    for item in found:
+    for item in results:
         if item.seated is None or item.seated.fits:
             continue
         seat = item.seated
@@ -120,10 +120,10 @@ def axes(found: Sequence[Item]) -> tuple[Check, ...]:
     return tuple(checks)
 
 
-def parts(drawing: Drawing, found: Sequence[Item]) -> tuple[Part, ...]:
+def parts(drawing: Drawing, results: Sequence[Item]) -> tuple[Part, ...]:
     """Return what is bought as parts, equal ones as one; not yet named."""
     groups: list[tuple[Part, Item, list[Placement]]] = []
-    for item in found:
+    for item in results:
         made = _part(drawing, item)
         for like, first, placements in groups:
             if _same(first, item, like, made):

@@ -119,16 +119,16 @@ def _write_robot(folder: Path, robot: Robot, title: str, origins: tuple[Citation
     for form in FORMATS:
         convert(replace(robot, name=name), form, folder)
     write_whole(folder / "card.toml", card_text(_card(robot, name, title, origins)))
-    found = load(folder)
-    told = [joint.name for joint in found.joints] == [joint.name for joint in robot.joints]
+    result = load(folder)
+    given = [joint.name for joint in result.joints] == [joint.name for joint in robot.joints]
     # The card's own check holds masses to 1e-9; this one holds names.
-    if not told:
+    if not given:
         raise MakeError(
             f"what was written of {robot.name} has other joints than it",
             where=str(folder),
             fix="tell the authors which body it was",
         )
-    return found
+    return result
 
 
 def _card(robot: Robot, name: str, title: str, origins: tuple[Citation, ...]) -> Card:

@@ -74,11 +74,11 @@ def fusions(drawing: Drawing, printed: Sequence[str]) -> dict[str, str]:
     is drawn by meshes: these are parts of their own, which are screwed together.
     """
     robot, card = drawing.robot, drawing.robot.card
-    said = set(card.print.fused) if card is not None and card.print is not None else set()
+    names = set(card.print.fused) if card is not None and card.print is not None else set()
     moved = {joint.link for joint in robot.joints}
     into: dict[str, str] = {}
     for link in robot.links:
-        still = link.name in said or link.name not in moved
+        still = link.name in names or link.name not in moved
         meshes = any(shape.kind == "mesh" for shape in drawing.shapes[link.name])
         if still and link.name in printed and link.parent in printed and not meshes:
             into[link.name] = into.get(link.parent, link.parent)
@@ -95,11 +95,11 @@ def pieces(
     drawing: Drawing, bought: Sequence[Item], skeletons: Mapping[str, Skeleton]
 ) -> tuple[Piece, ...]:
     """Return everything to print, in the order of the tree."""
-    found = []
+    results = []
     for link in printed_links(drawing):
         shapes = plastic(drawing, link, bought)
         meshes = [shape for shape in shapes if shape.kind == "mesh"]
-        found += [
+        results += [
             Piece(
                 name=_name(shape),
                 link=link,
@@ -111,8 +111,8 @@ def pieces(
             for shape in meshes
         ]
         if link in skeletons:
-            found.append(Piece(name=link, link=link, source=skeletons[link], pose=np.eye(4)))
-    return tuple(found)
+            results.append(Piece(name=link, link=link, source=skeletons[link], pose=np.eye(4)))
+    return tuple(results)
 
 
 def _name(shape: LinkShape) -> str:

@@ -43,7 +43,7 @@ def passive(drawing: Drawing, driven: set[str]) -> tuple[Axis, ...]:
     """Return the hinges between two links that no servo turns, and the pins of closed chains."""
     robot, model, data = drawing.robot, drawing.model, drawing.data
     parents = {link.name: link.parent for link in robot.links}
-    found = [
+    results = [
         Axis(
             name=joint.name,
             still=parents[joint.link],
@@ -54,14 +54,14 @@ def passive(drawing: Drawing, driven: set[str]) -> tuple[Axis, ...]:
         for joint in robot.joints
         if joint.kind == "hinge" and parents[joint.link] in parents and joint.name not in driven
     ]
-    return (*found, *_pins(drawing))
+    return (*results, *_pins(drawing))
 
 
 def _pins(drawing: Drawing) -> list[Axis]:
     """Return the pins that close chains: about an axis parallel to that of the link's own hinge."""
     robot, model, data = drawing.robot, drawing.model, drawing.data
     hinges = {joint.link: joint for joint in robot.joints if joint.kind == "hinge"}
-    found = []
+    results = []
     for at in range(model.neq):
         if model.eq_type[at] != mujoco.mjtEq.mjEQ_CONNECT:
             continue
@@ -72,7 +72,7 @@ def _pins(drawing: Drawing) -> list[Axis]:
             continue
         body = model.body(first).id
         pin = data.xmat[body].reshape(3, 3) @ model.eq_data[at, :3] + data.xpos[body]
-        found.append(
+        results.append(
             Axis(
                 name=model.eq(at).name or f"{first} to {other}",
                 still=other,
@@ -81,7 +81,7 @@ def _pins(drawing: Drawing) -> list[Axis]:
                 direction=data.xaxis[model.joint(hinges[first].name).id].copy(),
             )
         )
-    return found
+    return results
 
 
 def pivots(drawing: Drawing, axes: Sequence[Axis], solids: Solids) -> dict[str, list[Pivot]]:
@@ -93,7 +93,7 @@ def pivots(drawing: Drawing, axes: Sequence[Axis], solids: Solids) -> dict[str, 
         solids: What is printed of each link, in the world with all joints at zero.
     """
     fixed = roots(drawing.robot)
-    found: dict[str, list[Pivot]] = {}
+    results: dict[str, list[Pivot]] = {}
     for axis in axes:
         still = _holder(fixed, axis.still, axis, solids)
         moving = _holder(fixed, axis.moving, axis, solids)
@@ -108,7 +108,7 @@ def pivots(drawing: Drawing, axes: Sequence[Axis], solids: Solids) -> dict[str, 
             to_link = np.linalg.inv(drawing.world(link))
             turned = to_link[:3, :3] @ axis.direction
             # The moving part is always on side 1: it is the axis that is turned about.
-            found.setdefault(link, []).append(
+            results.setdefault(link, []).append(
                 Pivot(
                     position=to_link[:3, :3] @ position + to_link[:3, 3],
                     axis=turned * side,
@@ -116,7 +116,7 @@ def pivots(drawing: Drawing, axes: Sequence[Axis], solids: Solids) -> dict[str, 
                     bearing=name,
                 )
             )
-    return found
+    return results
 
 
 def _holder(fixed: Mapping[str, str], link: str, axis: Axis, solids: Solids) -> str:

@@ -36,7 +36,7 @@ def matched_in(
     *,
     seconds: float = SECONDS,
     seed: int = 0,
-    told: Callable[[str], None] = lambda said: None,
+    progress: Callable[[str], None] = lambda statement: None,
 ) -> tuple[Matched, PackedPolicy]:
     """Match a policy to the robot of a package, and write both into it.
 
@@ -48,7 +48,7 @@ def matched_in(
         robot: The body that it was learned on.
         seconds: How long matching may take, s.
         seed: Chance begins from it.
-        told: Is told what is going on.
+        progress: Is told what is going on.
 
     Returns:
         What became of the policy, and what `package.json` says of it.
@@ -59,20 +59,20 @@ def matched_in(
     """
     policy = load_policy(source, robot)
     designed, printed = load(folder / DESIGNED), load(folder / ROBOT)
-    asked = task_for(task_of(source, robot), designed)
-    found = rematch(policy, asked, printed, seconds=seconds, seed=seed, told=told)
-    told("writing the policy, and replaying it in the printed robot")
+    requested = task_for(task_of(source, robot), designed)
+    result = rematch(policy, requested, printed, seconds=seconds, seed=seed, progress=progress)
+    progress("writing the policy, and replaying it in the printed robot")
     learned = read_json(source / FILES[1]).get("learned")
     write_policy(
         policy,
         folder / DESIGNED / POLICY,
         designed,
-        task=asked.name,
-        task_sha256=asked.sha256,
+        task=requested.name,
+        task_sha256=requested.sha256,
         learned=learned if isinstance(learned, dict) else None,
-        seconds=asked.horizon,
+        seconds=requested.horizon,
     )
-    return found, write_matched(folder / POLICY, found, printed)
+    return result, write_matched(folder / POLICY, result, printed)
 
 
 def matched_again(
@@ -81,7 +81,7 @@ def matched_again(
     *,
     seconds: float = SECONDS,
     seed: int = 0,
-    told: Callable[[str], None] = lambda said: None,
+    progress: Callable[[str], None] = lambda statement: None,
 ) -> tuple[Matched, PackedPolicy]:
     """Try a package's policy on a corrected robot, and match it again if it is lost there.
 
@@ -90,7 +90,7 @@ def matched_again(
         folder: A copy of it whose robot was corrected; its policy is replaced.
         seconds: How long matching may take, s; 0 to say only whether the policy holds.
         seed: Chance begins from it.
-        told: Is told what is going on.
+        progress: Is told what is going on.
 
     Raises:
         MorphError: A policy cannot be used, or a file cannot be written.
@@ -98,10 +98,12 @@ def matched_again(
     now = load_policy(source / POLICY, load(source / ROBOT))
     designed, printed = load(folder / DESIGNED), load(folder / ROBOT)
     learned = load_policy(folder / DESIGNED / POLICY, designed)
-    asked = task_of(folder / DESIGNED / POLICY, designed)
-    found = rematch(now, asked, printed, learned=learned, seconds=seconds, seed=seed, told=told)
-    told("writing the policy, and replaying it in the corrected robot")
-    return found, write_matched(folder / POLICY, found, printed)
+    requested = task_of(folder / DESIGNED / POLICY, designed)
+    result = rematch(
+        now, requested, printed, learned=learned, seconds=seconds, seed=seed, progress=progress
+    )
+    progress("writing the policy, and replaying it in the corrected robot")
+    return result, write_matched(folder / POLICY, result, printed)
 
 
 def policies_in(
@@ -118,9 +120,9 @@ def policies_in(
         MorphError: A policy cannot be used.
     """
     learned = load_policy(folder / DESIGNED / POLICY, designed)
-    asked = task_of(folder / DESIGNED / POLICY, designed)
+    requested = task_of(folder / DESIGNED / POLICY, designed)
     now = load_policy(folder / POLICY, printed)
-    return (learned, asked), (now, task_for(asked, printed))
+    return (learned, requested), (now, task_for(requested, printed))
 
 
 def write_matched(folder: Path, matched: Matched, robot: Robot) -> PackedPolicy:
@@ -135,22 +137,22 @@ def write_matched(folder: Path, matched: Matched, robot: Robot) -> PackedPolicy:
         PolicyError: Read back or exported, it commands otherwise than it did.
         OutputError: The folder cannot be written to.
     """
-    asked = replace(matched.task, robot=robot)
-    seen, times, told = _seen(asked, matched.policy)
+    requested = replace(matched.task, robot=robot)
+    seen, times, given = _seen(requested, matched.policy)
     write_policy(
         matched.policy,
         folder,
         robot,
-        task=asked.name,
-        task_sha256=asked.sha256,
+        task=requested.name,
+        task_sha256=requested.sha256,
         learned=matched.said(),
         observed=seen,
         times=times,
     )
     export_policy(folder, robot)
-    _check(folder, robot, asked, seen, times, told)
+    _check(folder, robot, requested, seen, times, given)
     return PackedPolicy(
-        task=asked.name,
+        task=requested.name,
         verdict=matched.verdict,
         what=matched.what,
         sha256=sha256(folder / FILES[0]),
@@ -165,16 +167,16 @@ def task_of(folder: Path, robot: Robot) -> Task:
         TaskError: The body cannot be asked to do it.
     """
     path = folder / FILES[1]
-    said = read_json(path).get("task")
-    name = said.get("name") if isinstance(said, dict) else None
-    if not isinstance(said, dict) or name not in TASKS:
+    document = read_json(path).get("task")
+    name = document.get("name") if isinstance(document, dict) else None
+    if not isinstance(document, dict) or name not in TASKS:
         raise MakeError(
             f"it does not say which task it is for: {str(name)[:60]!r}",
             where=str(path),
             fix=f"give a policy of `morph learn`, for one of {', '.join(TASKS)}",
         )
     usual = task(str(name), robot)
-    if said.get("sha256") in ("", usual.sha256):
+    if document.get("sha256") in ("", usual.sha256):
         return usual
     # Water last: what it does to a body's shapes is reckoned for seconds.
     for each in reversed(world_names()):
@@ -183,7 +185,7 @@ def task_of(folder: Path, robot: Robot) -> Task:
         except MorphError:
             # A body without shapes floats in no water.
             continue
-        if there.sha256 == said.get("sha256"):
+        if there.sha256 == document.get("sha256"):
             return there
     raise MakeError(
         f"it was learned for another {name} than this robot's: under effects of its own, with "
@@ -193,11 +195,11 @@ def task_of(folder: Path, robot: Robot) -> Task:
     )
 
 
-def _seen(asked: Task, policy: Policy) -> tuple[Array, Array, Array]:
+def _seen(wanted: Task, policy: Policy) -> tuple[Array, Array, Array]:
     """Return what a policy sees in a run without noise, when, and what it tells."""
-    simulator = asked.simulator()
-    moved = attempt(asked, policy, simulator, rows=1, rng=None)
-    observer = Observer(policy, asked.robot, simulator.model, 1, effects=simulator.effects)
+    simulator = wanted.simulator()
+    moved = attempt(wanted, policy, simulator, rows=1, rng=None)
+    observer = Observer(policy, wanted.robot, simulator.model, 1, effects=simulator.effects)
     # The last command is held on, and nothing is seen for it.
     steps = len(moved.time) - 1
     states = zip(moved.position[0, :steps], moved.velocity[0, :steps], strict=True)
@@ -205,16 +207,18 @@ def _seen(asked: Task, policy: Policy) -> tuple[Array, Array, Array]:
     return seen.reshape(steps, policy.size), moved.time[:steps], moved.command[0, :steps]
 
 
-def _check(folder: Path, robot: Robot, asked: Task, seen: Array, times: Array, told: Array) -> None:
+def _check(
+    folder: Path, robot: Robot, wanted: Task, seen: Array, times: Array, given: Array
+) -> None:
     """Refuse a policy that, read back or exported, does otherwise in the robot than it did."""
     import onnx
     from onnx.reference import ReferenceEvaluator
 
-    again = _seen(asked, load_policy(folder, robot))[2]
+    again = _seen(wanted, load_policy(folder, robot))[2]
     model = onnx.load(folder / EXPORTED)
     (exported,) = ReferenceEvaluator(model).run(None, {"observation": seen, "time": times})
     for what, commands in (("read back", again), ("exported", np.asarray(exported))):
-        worst = apart(commands, told)
+        worst = apart(commands, given)
         if not worst <= TOLERANCE:
             raise MakeError(
                 f"{what}, its commands in the printed robot differ by {worst:.2g}",

@@ -35,7 +35,7 @@ def printed_robot(robot: Robot, masses: Sequence[LinkMass], *, name: str = "") -
     """
     spec = bare_spec(robot)
     bodies = {body.name: body for body in spec.bodies[1:]}
-    told = []
+    given = []
     for each in masses:
         if each.link not in bodies:
             raise MakeError(
@@ -46,9 +46,9 @@ def printed_robot(robot: Robot, masses: Sequence[LinkMass], *, name: str = "") -
         if each.source == "description":
             continue
         _give(bodies[each.link], each.now, robot.name)
-        told.append(f"{each.link} {each.now.mass!r} {each.now.com.tolist()}")
-        told.append(repr(each.now.inertia.tolist()))
-    digest = sha256(robot.sha256 or sha256(robot.mjcf), *told)
+        given.append(f"{each.link} {each.now.mass!r} {each.now.com.tolist()}")
+        given.append(repr(each.now.inertia.tolist()))
+    digest = sha256(robot.sha256 or sha256(robot.mjcf), *given)
     return edited(robot, spec, name or robot.name, digest)
 
 

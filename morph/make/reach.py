@@ -56,7 +56,7 @@ def reach(drawing: Drawing) -> dict[str, tuple[float, float]]:
 
 def _above(model: Any, body: int) -> list[int]:
     """Return the hinges between a link and the tree's base."""
-    found = []
+    results = []
     while body:
         first, count = int(model.body_jntadr[body]), int(model.body_jntnum[body])
         hinges = [
@@ -64,22 +64,22 @@ def _above(model: Any, body: int) -> list[int]:
             for joint in range(first, first + count)
             if model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_HINGE
         ]
-        found += hinges
+        results += hinges
         body = int(model.body_parentid[body])
-    return found
+    return results
 
 
 def _corners(model: Any, driven: list[int]) -> list[Array]:
     """Return where the driven joints are sent: every way in which two neighbours can differ."""
     low, high = model.jnt_range[driven].T
-    found = []
+    results = []
     for pattern in itertools.product((0.0, 0.5, 1.0), repeat=min(2, len(driven))):
         share = np.resize(np.array(pattern), len(driven))
-        found.append(low + share * (high - low))
+        results.append(low + share * (high - low))
     rng = np.random.default_rng(0)
-    while len(found) < MOST_CORNERS // 2:
-        found.append(low + rng.integers(0, 2, len(driven)) * (high - low))
-    return found
+    while len(results) < MOST_CORNERS // 2:
+        results.append(low + rng.integers(0, 2, len(driven)) * (high - low))
+    return results
 
 
 def _closed(model: Any, data: Any, pins: list[int], dofs: Array) -> bool:

@@ -53,7 +53,7 @@ def read_packed(path: Path) -> Packed:
         MakeError: There is none, or it is damaged or too large.
     """
     try:
-        said = json.loads(read_regular(path, MOST_BYTES), parse_constant=_no_number)
+        document = json.loads(read_regular(path, MOST_BYTES), parse_constant=_no_number)
     except FileNotFoundError as error:
         raise MakeError(
             "there is no package",
@@ -64,10 +64,10 @@ def read_packed(path: Path) -> Packed:
         raise _bad(path, f"it cannot be read: {error.strerror or error}") from error
     except (ValueError, RecursionError) as error:
         raise _bad(path, f"it is no JSON: {error}") from error
-    if not isinstance(said, dict) or said.get("schema") != SCHEMA:
+    if not isinstance(document, dict) or document.get("schema") != SCHEMA:
         raise _bad(path, f"its schema is not {SCHEMA}")
     try:
-        return read_table(Packed, _said(said), Place(file=str(path), text=""))
+        return read_table(Packed, _said(document), Place(file=str(path), text=""))
     except RobotError as error:
         raise _bad(path, error.what) from error
 
@@ -92,12 +92,12 @@ def _mesh(folder: Path, part: PackedPart) -> Mesh | None:
     try:
         if not path.resolve().is_relative_to(folder.resolve()):
             raise _bad(folder / FILE, f"the file {part.file!r} is not in the package")
-        found = read_mesh(mesh_content(path), ".stl", str(path)).merged
+        result = read_mesh(mesh_content(path), ".stl", str(path)).merged
     except MeshError as error:
         raise MakeError(error.what, where=error.where, fix=error.fix) from error
     except OSError as error:
         raise _bad(path, f"it cannot be read: {error.strerror or error}") from error
-    turned = Mesh(vertices=found.vertices, faces=found.faces)
+    turned = Mesh(vertices=result.vertices, faces=result.faces)
     if part.printed is None:
         return turned
     # It lies as it is printed; its own frame is the turn undone.

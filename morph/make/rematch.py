@@ -75,15 +75,15 @@ class Matched:
         """What was measured, in a sentence or two."""
         before, now = self.unchanged, self.kept
         runs = len(now.printed.loss)
-        told = (
+        text = (
             f"{self.task.name}: loss {before.designed.mean:.3g} as designed, "
             f"{before.printed.mean:.3g} as printed with the policy unchanged "
             f"({_percent(before.growth)} of the task's span)"
         )
         if self.by != UNCHANGED:
-            told += f", {now.printed.mean:.3g} matched by {self.by} ({_percent(now.growth)})"
+            text += f", {now.printed.mean:.3g} matched by {self.by} ({_percent(now.growth)})"
         return (
-            f"{told}; {now.printed.share:.0%} of {runs} runs succeed, "
+            f"{text}; {now.printed.share:.0%} of {runs} runs succeed, "
             f"{before.designed.share:.0%} as designed; doing nothing costs {before.still.mean:.3g}"
         )
 
@@ -128,7 +128,7 @@ def rematch(
     seconds: float = SECONDS,
     seed: int = 0,
     matchers: Sequence[Matcher] = MATCHERS,
-    told: Callable[[str], None] = lambda said: None,
+    progress: Callable[[str], None] = lambda statement: None,
 ) -> Matched:
     """Return the policy that a printed body is to have.
 
@@ -146,7 +146,7 @@ def rematch(
         seconds: How long all of it may take, s; judging alone takes about a fifth of it.
         seed: Chance begins from it.
         matchers: The ways that are tried.
-        told: Is told what is going on.
+        progress: Is told what is going on.
 
     Raises:
         MakeError: The time is no number of seconds.
@@ -165,7 +165,7 @@ def rematch(
         printed=task_for(task, printed),
         seconds=seconds,
         seed=seed,
-        told=told,
+        told=progress,
     )
     with one_thread():
         return _found(case, matchers)
@@ -182,14 +182,14 @@ def _found(case: Case, matchers: Sequence[Matcher]) -> Matched:
     policy, by, kept = case.policy, UNCHANGED, unchanged
     record: list[MatchTrial] = []
     if not unchanged.close and case.left > 0.0:
-        asked = [each for each in matchers if each.suits(case)]
+        requested = [each for each in matchers if each.suits(case)]
         if unchanged.holds:
-            asked = [each for each in asked if not each.dear]
-        best, way = _best(case, unchanged, asked, record) if asked else (policy, by)
+            requested = [each for each in requested if not each.dear]
+        best, way = _best(case, unchanged, requested, record) if requested else (policy, by)
         if best is not policy:
-            found = _with(unchanged, case.judged(best))
-            if (found.steady, -found.growth) > (unchanged.steady, -unchanged.growth):
-                policy, by, kept = best, way, found
+            result = _with(unchanged, case.judged(best))
+            if (result.steady, -result.growth) > (unchanged.steady, -unchanged.growth):
+                policy, by, kept = best, way, result
     return Matched(
         policy=policy,
         task=case.printed,
@@ -216,12 +216,12 @@ def _best(
         begun, own, note = time.monotonic(), None, ""
         try:
             for policy in matcher.proposals(case):
-                found = case.chosen(policy)
-                if own is None or worth(found) < worth(own):
-                    own = found
-                if worth(found) < worth(score):
-                    best, way, score = policy, matcher.name, found
-                if case.left <= 0.0 or _done(matcher, _with(unchanged, found)):
+                result = case.chosen(policy)
+                if own is None or worth(result) < worth(own):
+                    own = result
+                if worth(result) < worth(score):
+                    best, way, score = policy, matcher.name, result
+                if case.left <= 0.0 or _done(matcher, _with(unchanged, result)):
                     break
         except MorphError as error:
             note = error.what
@@ -230,9 +230,9 @@ def _best(
     return best, way
 
 
-def _done(matcher: Matcher, found: Comparison) -> bool:
+def _done(matcher: Matcher, result: Comparison) -> bool:
     """Return whether a policy does so well that a way need not be asked for another."""
-    return found.sure if matcher.dear else found.close
+    return result.sure if matcher.dear else result.close
 
 
 def worth(score: Score) -> float:

@@ -13,11 +13,11 @@ def roots(robot: Robot) -> dict[str, str]:
     """Return for each link the first one of those that it is rigidly fixed to."""
     moved = {joint.link for joint in robot.joints}
     known = {link.name for link in robot.links}
-    found: dict[str, str] = {}
+    results: dict[str, str] = {}
     for link in robot.links:
         fixed = link.name not in moved and link.parent in known
-        found[link.name] = found.get(link.parent, link.parent) if fixed else link.name
-    return found
+        results[link.name] = results.get(link.parent, link.parent) if fixed else link.name
+    return results
 
 
 def between(drawing: Drawing, link: str, other: str) -> Array:

@@ -35,7 +35,7 @@ class ScaleReading:
 
 
 def readings(
-    package: Package, said: Iterable[str], *, anyway: bool = False
+    package: Package, lines: Iterable[str], *, anyway: bool = False
 ) -> tuple[ScaleReading, ...]:
     """Return readings of parts, once they have proved to make sense.
 
@@ -45,29 +45,29 @@ def readings(
 
     Args:
         package: The package whose parts were weighed.
-        said: The readings, as typed.
+        lines: The readings, as typed.
         anyway: Whether readings are taken that are off by more than `OFF`.
 
     Raises:
         MakeError: A part is unknown, no part of the robot's or weighed twice; a number is none;
             or a reading is far off what was predicted.
     """
-    found: dict[str, ScaleReading] = {}
-    for each in said:
+    results: dict[str, ScaleReading] = {}
+    for each in lines:
         name, stated, value = each.partition("=")
         if not stated:
             raise _refused(f"{each!r} says no mass", each, "write PART=GRAMS, such as P-01=12.3")
         part = _part(package, name.strip())
         reading = ScaleReading(part=part.name, kg=_kg(value.strip(), each))
-        if found.setdefault(part.name, reading) != reading:
+        if results.setdefault(part.name, reading) != reading:
             raise _refused(
                 f"{part.name!r} is weighed twice, with different masses",
                 each,
                 "give one reading of each part; several copies as PART=GRAMS/COUNT",
             )
     if not anyway:
-        _check_far(package, found.values())
-    return tuple(found.values())
+        _check_far(package, results.values())
+    return tuple(results.values())
 
 
 def taken(before: Mapping[str, float], new: Iterable[ScaleReading]) -> dict[str, float]:
@@ -103,7 +103,7 @@ def _part(package: Package, name: str) -> Part:
     )
 
 
-def _kg(value: str, said: str) -> float | None:
+def _kg(value: str, text: str) -> float | None:
     """Return what one copy weighs, kg; None if the reading is to be forgotten."""
     if value == FORGET:
         return None
@@ -115,17 +115,17 @@ def _kg(value: str, said: str) -> float | None:
     if not (0.0 < mass <= HEAVIEST and 1 <= copies <= MOST):
         raise _refused(
             f"{value[:60]!r} is no mass",
-            said,
+            text,
             f"write grams above 0 and up to {HEAVIEST:g}, such as 12.3, 49.2/4 for four copies "
             f"together, or `{FORGET}` to forget a reading",
         )
     return 1e-3 * mass / copies
 
 
-def _check_far(package: Package, found: Iterable[ScaleReading]) -> None:
+def _check_far(package: Package, results: Iterable[ScaleReading]) -> None:
     weights = {part.name: part.weight for part in package.job.parts}
     far = []
-    for each in found:
+    for each in results:
         predicted = weights[each.part]
         if each.kg is None or predicted is None or predicted.mass <= 0.0:
             continue

@@ -22,7 +22,7 @@ def seats(
         others: All meshes of the link; a servo sits in the one that comes nearest to it.
         bought: What is bought.
     """
-    found = []
+    results = []
     back = np.linalg.inv(shape.pose)
     for item in bought:
         if item.servo is None or item.seated is None or item.entry.link != shape.link:
@@ -30,7 +30,7 @@ def seats(
         if min(others, key=lambda each: _away(each, item)) is not shape:
             continue
         pose = back @ item.seated.pose
-        found.append(
+        results.append(
             Seat(
                 holds=item.servo.name,
                 position=pose[:3, 3],
@@ -40,7 +40,7 @@ def seats(
                 pocket=case(item.servo).moved(pose),
             )
         )
-    return tuple(found)
+    return tuple(results)
 
 
 def _away(shape: LinkShape, item: Item) -> float:

@@ -40,24 +40,24 @@ def skeletons(drawing: Drawing, bought: Sequence[Item]) -> dict[str, Skeleton]:
     _hold(drawing, bought, into, bones)
     driven = {item.entry.joint for item in bought if item.seated is not None}
     solids = {
-        link: [mesh.moved(drawing.world(link)) for mesh in found.solids]
-        for link, found in bones.items()
-        if found.solids or found.servos
+        link: [mesh.moved(drawing.world(link)) for mesh in result.solids]
+        for link, result in bones.items()
+        if result.solids or result.servos
     }
     joints = [axis for axis in passive(drawing, driven) if _grown(drawing, axis, bones)]
-    for link, found in pivots(drawing, joints, solids).items():
-        bones[link].pivots += found
+    for link, result in pivots(drawing, joints, solids).items():
+        bones[link].pivots += result
     return {
         link: Skeleton(
             name=link,
-            solids=tuple(found.solids),
-            servos=tuple(found.servos),
-            horns=tuple(found.horns),
-            pivots=tuple(found.pivots),
-            boxes=tuple(found.boxes),
+            solids=tuple(result.solids),
+            servos=tuple(result.servos),
+            horns=tuple(result.horns),
+            pivots=tuple(result.pivots),
+            boxes=tuple(result.boxes),
         )
-        for link, found in bones.items()
-        if found.solids or found.servos or found.horns or found.pivots
+        for link, result in bones.items()
+        if result.solids or result.servos or result.horns or result.pivots
     }
 
 
@@ -70,8 +70,8 @@ def _drawn(drawing: Drawing, bought: Sequence[Item], into: dict[str, str]) -> di
         if len(simple) < len(shapes) and not simple:
             continue
         root = into.get(link, link)
-        found = bones.setdefault(root, Bones())
-        found.solids += [
+        result = bones.setdefault(root, Bones())
+        result.solids += [
             shape.mesh.moved(between(drawing, link, root) @ shape.pose) for shape in simple
         ]
     return bones

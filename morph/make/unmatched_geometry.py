@@ -26,9 +26,9 @@ def lost(robot: Robot, drawn: Mapping[str, Sequence[object]]) -> tuple[Check, ..
         robot: The body, with what its importer found.
         drawn: What is drawn of each link.
     """
-    said = (_check(finding, drawn) for finding in robot.findings if _shape(finding))
+    lines = (_check(finding, drawn) for finding in robot.findings if _shape(finding))
     # Visual and collision shape may be one file, told twice.
-    return tuple(dict.fromkeys(said))
+    return tuple(dict.fromkeys(lines))
 
 
 def lost_links(robot: Robot) -> frozenset[str]:

@@ -80,49 +80,51 @@ class _Reader:
         return MakeError(what, where=self.where, fix="make the package anew with `morph print`")
 
     def matrix(self, values: Sequence[float], *shape: int) -> Array:
-        found = np.array(values, dtype=np.float64)
-        if found.size != np.prod(shape) or not np.isfinite(found).all():
+        result = np.array(values, dtype=np.float64)
+        if result.size != np.prod(shape) or not np.isfinite(result).all():
             raise self.wrong(
-                f"{found.size} numbers stand where {np.prod(shape)} finite ones belong"
+                f"{result.size} numbers stand where {np.prod(shape)} finite ones belong"
             )
-        return found.reshape(shape)
+        return result.reshape(shape)
 
     def turn(self, values: Sequence[float]) -> Array:
-        found = self.matrix(values, 3, 3)
+        result = self.matrix(values, 3, 3)
         # 1e-6 is far above the rounding of a product of turns, and far below a scale.
-        if np.abs(found @ found.T - np.eye(3)).max() > 1e-6:
+        if np.abs(result @ result.T - np.eye(3)).max() > 1e-6:
             raise self.wrong("a matrix that should turn also stretches")
-        return found
+        return result
 
     def pose(self, values: Sequence[float]) -> Array:
-        found = self.matrix(values, 4, 4)
-        self.turn(found[:3, :3].ravel().tolist())
-        return found
+        result = self.matrix(values, 4, 4)
+        self.turn(result[:3, :3].ravel().tolist())
+        return result
 
-    def weight(self, said: Spread) -> Weight:
-        xx, yy, zz, xy, xz, yz = self.matrix(said.inertia_kgm2, 6)
+    def weight(self, statement: Spread) -> Weight:
+        xx, yy, zz, xy, xz, yz = self.matrix(statement.inertia_kgm2, 6)
         inertia = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-        com = self.matrix(said.com_m, 3)
-        if not 0 <= said.mass_kg < np.inf or (inertia.any() and not is_physical(inertia)):
-            raise self.wrong(f"a mass of {said.mass_kg:g} kg has an inertia that no body has")
-        return Weight(mass=said.mass_kg, com=com, inertia=inertia)
+        com = self.matrix(statement.com_m, 3)
+        if not 0 <= statement.mass_kg < np.inf or (inertia.any() and not is_physical(inertia)):
+            raise self.wrong(f"a mass of {statement.mass_kg:g} kg has an inertia that no body has")
+        return Weight(mass=statement.mass_kg, com=com, inertia=inertia)
 
-    def part(self, said: PackedPart, mesh: Mesh | None) -> Part:
-        if said.kind not in ("printed", "bought", "fused") or said.hand not in (
+    def part(self, statement: PackedPart, mesh: Mesh | None) -> Part:
+        if statement.kind not in ("printed", "bought", "fused") or statement.hand not in (
             "",
             "left",
             "right",
         ):
-            raise self.wrong(f"the part {said.name!r} is {said.kind!r} and {said.hand!r}")
+            raise self.wrong(
+                f"the part {statement.name!r} is {statement.kind!r} and {statement.hand!r}"
+            )
         return Part(
-            name=said.name,
-            kind=cast(Any, said.kind),
+            name=statement.name,
+            kind=cast(Any, statement.kind),
             mesh=mesh,
             placements=tuple(
                 Placement(link=at.link, pose=self.pose(at.pose_mm), world=self.pose(at.world_mm))
-                for at in said.copies
+                for at in statement.copies
             ),
-            hand=cast(Any, said.hand),
+            hand=cast(Any, statement.hand),
             seats=tuple(
                 Seat(
                     holds=seat.holds,
@@ -130,29 +132,35 @@ class _Reader:
                     axis=self.matrix(seat.axis, 3),
                     bore_mm=seat.bore_mm,
                 )
-                for seat in said.holds
+                for seat in statement.holds
             ),
-            weight=None if said.weight is None else self.weight(said.weight),
-            into=said.into,
-            number=said.number,
-            piece_of=said.piece_of,
+            weight=None if statement.weight is None else self.weight(statement.weight),
+            into=statement.into,
+            number=statement.number,
+            piece_of=statement.piece_of,
         )
 
-    def orientation(self, said: PrintedCopy) -> Orientation:
+    def orientation(self, statement: PrintedCopy) -> Orientation:
         return Orientation(
-            turn=self.turn(said.turn),
-            support_mm3=said.support_mm3,
-            first_support_mm3=said.first_support_mm3,
-            height_mm=said.height_mm,
+            turn=self.turn(statement.turn),
+            support_mm3=statement.support_mm3,
+            first_support_mm3=statement.first_support_mm3,
+            height_mm=statement.height_mm,
         )
 
-    def sliced(self, said: PackedPart) -> Sliced:
-        printed = said.printed
-        if printed is None or said.weight is None or printed.source not in ("gcode", "estimate"):
-            raise self.wrong(f"the printed part {said.name!r} has no weight, or one from nowhere")
+    def sliced(self, statement: PackedPart) -> Sliced:
+        printed = statement.printed
+        if (
+            printed is None
+            or statement.weight is None
+            or printed.source not in ("gcode", "estimate")
+        ):
+            raise self.wrong(
+                f"the printed part {statement.name!r} has no weight, or one from nowhere"
+            )
         return Sliced(
             source=cast(Any, printed.source),
-            weight=self.weight(said.weight),
+            weight=self.weight(statement.weight),
             support_kg=printed.support_kg,
             seconds=printed.seconds,
             by_feature={each.name: each.mass_kg for each in printed.features},
@@ -160,35 +168,36 @@ class _Reader:
             slicer=printed.slicer,
         )
 
-    def plate(self, said: Any) -> Plate:
+    def plate(self, document: Any) -> Plate:
         laid = tuple(
-            Laid(part=each.part, copy=each.copy, pose=self.pose(each.pose_mm)) for each in said.laid
+            Laid(part=each.part, copy=each.copy, pose=self.pose(each.pose_mm))
+            for each in document.laid
         )
-        return Plate(name=said.name, laid=laid)
+        return Plate(name=document.name, laid=laid)
 
-    def link(self, said: PackedLink) -> LinkMass:
-        if said.source not in ("description", "estimate", "gcode", "scale"):
-            raise self.wrong(f"the mass of {said.link!r} comes from {said.source!r}")
+    def link(self, statement: PackedLink) -> LinkMass:
+        if statement.source not in ("description", "estimate", "gcode", "scale"):
+            raise self.wrong(f"the mass of {statement.link!r} comes from {statement.source!r}")
         return LinkMass(
-            link=said.link,
-            designed=self.weight(said.designed),
-            predicted=None if said.predicted is None else self.weight(said.predicted),
-            measured=None if said.measured is None else self.weight(said.measured),
-            source=cast(Any, said.source),
+            link=statement.link,
+            designed=self.weight(statement.designed),
+            predicted=None if statement.predicted is None else self.weight(statement.predicted),
+            measured=None if statement.measured is None else self.weight(statement.measured),
+            source=cast(Any, statement.source),
         )
 
-    def hinge(self, said: Any) -> Hinge:
+    def hinge(self, document: Any) -> Hinge:
         return Hinge(
-            name=said.name,
-            kind=said.kind,
-            position=self.matrix(said.position_mm, 3),
-            axis=self.matrix(said.axis, 3),
-            low=said.low,
-            high=said.high,
-            still=said.still,
-            moving=said.moving,
+            name=document.name,
+            kind=document.kind,
+            position=self.matrix(document.position_mm, 3),
+            axis=self.matrix(document.axis, 3),
+            low=document.low,
+            high=document.high,
+            still=document.still,
+            moving=document.moving,
         )
 
 
-def _check(said: Any) -> Check:
-    return Check(**vars(said))
+def _check(document: Any) -> Check:
+    return Check(**vars(document))

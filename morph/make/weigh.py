@@ -63,7 +63,7 @@ def write_weighed(
     *,
     seconds: float,
     seed: int = 0,
-    told: Callable[[str], None] = lambda said: None,
+    progress: Callable[[str], None] = lambda statement: None,
 ) -> Weighed:
     """Write a corrected copy of a package, but for its report.
 
@@ -77,22 +77,24 @@ def write_weighed(
         readings: What one copy weighs, kg, by the part's name: all readings there are.
         seconds: How long matching may take, s; 0 to say only whether the policy holds.
         seed: Chance begins from it.
-        told: Is told what is going on.
+        progress: Is told what is going on.
 
     Raises:
         MorphError: The package cannot be used or written.
     """
-    told("correcting the robot")
+    progress("correcting the robot")
     content = read_packed(source / FILE)
     designed = _designed(source, package)
     after = weighed(package, designed, readings)
-    same, found = _alike(package.links, after.links), None
+    same, result = _alike(package.links, after.links), None
     _copy(source, folder, but=() if same else (ROBOT,))
     printed = load(folder / ROBOT) if same else write_printed(folder / ROBOT, designed, after)
     after = replace(after, made_sha256=printed.sha256)
     if package.policy is not None and not (same and package.policy.verdict != "lost"):
-        found, said = matched_again(source, folder, seconds=seconds, seed=seed, told=told)
-        after = replace(after, policy=said)
+        result, statement = matched_again(
+            source, folder, seconds=seconds, seed=seed, progress=progress
+        )
+        after = replace(after, policy=statement)
     every = (*content.parts, *content.gauges)
     files = {each.name: each.file for each in every if each.file}
     files |= {each.name: each.file for each in content.plates}
@@ -103,7 +105,7 @@ def write_weighed(
         before_kg=package.now_kg,
         designed=designed,
         printed=printed,
-        matched=found,
+        matched=result,
     )
 
 
@@ -111,11 +113,11 @@ def _designed(source: Path, package: Package) -> Robot:
     """Return the robot as designed, of whose links the package speaks."""
     robot = load(source / DESIGNED)
     names = [link.name for link in robot.links]
-    told = [each.link for each in package.links]
-    if names != told:
+    given = [each.link for each in package.links]
+    if names != given:
         raise MakeError(
             f"the links of {DESIGNED} are {', '.join(names)[:200]}, and the package speaks of "
-            f"{', '.join(told)[:200]}",
+            f"{', '.join(given)[:200]}",
             where=str(source),
             fix="make the package anew with `morph print`",
         )

@@ -46,15 +46,15 @@ def with_chains(recording: Recording, robot: Robot) -> Recording:
     places = [int(model.joint(name).qposadr[0]) for name in read]
     dofs = [int(model.joint(name).dofadr[0]) for name in unread]
     closure = _Closure(model, held)
-    told = closure.told(dofs)
-    if not told:
+    given = closure.told(dofs)
+    if not given:
         return recording
     posture = np.array(model.qpos0)
-    found, steps = np.empty((len(first), len(told))), FIRST
+    result, steps = np.empty((len(first), len(given))), FIRST
     at = np.stack([track.at(first) for track in tracks], axis=1)
     for sample, values in enumerate(at):
         posture[places] = values
-        gap = closure.close(posture, told, steps)
+        gap = closure.close(posture, given, steps)
         if not gap < OPEN:
             raise RecordingError(
                 f"a closed chain stays {1e3 * gap:.2g} mm open at {first[sample]:.3f} s by the "
@@ -63,11 +63,11 @@ def with_chains(recording: Recording, robot: Robot) -> Recording:
                 fix="check the zeros and signs of these joints against the description",
             )
         steps = STEPS
-        found[sample] = posture[[int(model.jnt_qposadr[model.dof_jntid[dof]]) for dof in told]]
-    names = [model.joint(int(model.dof_jntid[dof])).name for dof in told]
+        result[sample] = posture[[int(model.jnt_qposadr[model.dof_jntid[dof]]) for dof in given]]
+    names = [model.joint(int(model.dof_jntid[dof])).name for dof in given]
     channels = {
         f"{name}.position": Channel(time=first, value=values, guess=0.0)
-        for name, values in zip(names, found.T, strict=True)
+        for name, values in zip(names, result.T, strict=True)
     }
     note = Note(
         what=f"positions of {', '.join(names)} follow from where closed chains close",

@@ -56,8 +56,8 @@ def told_zero(recording: Recording, robot: Robot) -> Recording:
 
     That is what `morph simulate` does where nothing is said; it is noted.
     """
-    told = recording.channels
-    names = [each.name for each in robot.actuators if f"{each.name}.command" not in told]
+    given = recording.channels
+    names = [each.name for each in robot.actuators if f"{each.name}.command" not in given]
     if not names:
         return recording
     span: Array = np.array([recording.start, recording.end])
@@ -66,7 +66,7 @@ def told_zero(recording: Recording, robot: Robot) -> Recording:
         what=f"no command was recorded of {', '.join(names)}: the simulation is told 0",
         where=f"recording {recording.name}",
     )
-    channels = {**told, **{f"{name}.command": zero for name in names}}
+    channels = {**given, **{f"{name}.command": zero for name in names}}
     return replace(recording, channels=channels, notes=(*recording.notes, note))
 
 

@@ -125,5 +125,5 @@ def _read(episodes: Sequence[Episode], robot: Robot, kinds: Sequence[str]) -> li
     """Return the channels of joints of some kinds whose positions are no guesses in any run."""
     names = episodes[0].measurement.channels
     guessed = np.any([each.guess > 0.0 for each in episodes], axis=0)
-    told = [f"{joint.name}.position" for joint in robot.joints if joint.kind in kinds]
-    return [name for name in told if not guessed[names.index(name)]]
+    given = [f"{joint.name}.position" for joint in robot.joints if joint.kind in kinds]
+    return [name for name in given if not guessed[names.index(name)]]

@@ -69,35 +69,35 @@ def notes(
     noted: dict[str, list[str]] = {}
     for note in (note for each in recordings for note in each.notes):
         noted.setdefault(note.what, []).append(note.where)
-    said = [f"{', '.join(dict.fromkeys(where))}: {what}" for what, where in noted.items()]
-    said += [
+    lines = [f"{', '.join(dict.fromkeys(where))}: {what}" for what, where in noted.items()]
+    lines += [
         f"Joint {joint} does not move in any run that was fitted beyond its noise: it is held, or "
         "its encoder is stuck, and then forces at the other joints are wrong."
         for joint in still
     ]
     if any(name.endswith(".velocity") for each in recordings for name in each.channels):
-        said.append("Velocities were recorded; a diagnosis reads positions alone.")
+        lines.append("Velocities were recorded; a diagnosis reads positions alone.")
     for recording in recordings:
         if not any(episode.recording is recording for episode in episodes):
-            said.append(
+            lines.append(
                 f"{recording.name}: left out; an episode takes {SHORTEST:g} s, and a piece between "
                 f"gaps {SHORTEST_PIECE:g} s"
             )
         positions = {n: c for n, c in recording.channels.items() if n.endswith(".position")}
         for name, channel in positions.items():
             if count := int(spikes(channel).sum()):
-                said.append(
+                lines.append(
                     f"{recording.name}: {count} of {len(channel.time)} readings of {name} jump out "
                     "of its motion and back; they are left out"
                 )
         holes = {
             gap for channel in positions.values() for gap in gaps(channel.time - recording.start)
         }
-        said += [
+        lines += [
             f"{recording.name}: no reading for {end - begin:.3g} s after {begin:.3g} s"
             for begin, end in sorted(holes)
         ]
-    return (*said, *(f"{e.name}: {what}" for e in episodes for what in fills(e)))
+    return (*lines, *(f"{e.name}: {what}" for e in episodes for what in fills(e)))
 
 
 def provenance(robot: Robot, recordings: Sequence[Recording]) -> dict[str, Any]:

@@ -143,22 +143,22 @@ class Diagnosis:
 
     def summary(self) -> tuple[str, ...]:
         """Return the answer in words, a sentence each."""
-        found = {finding.effect.label for finding in self.findings}
-        changed = tuple(said for change in self.changes for said in change.said(found))
+        results = {finding.effect.label for finding in self.findings}
+        changed = tuple(lines for change in self.changes for lines in change.said(results))
         if self.verdict == "consistent":
             return (*changed, EXPLAINED, *self.overstated)
-        said = [finding.said for finding in self.findings]
-        if not said:
-            said = [OUT_OF_TIME if self.stopped_short else UNNAMED]
-            said += (f"Perhaps {x.replace('@', ' at ')}." for x in self.probabilities if "@" in x)
+        lines = [finding.said for finding in self.findings]
+        if not lines:
+            lines = [OUT_OF_TIME if self.stopped_short else UNNAMED]
+            lines += (f"Perhaps {x.replace('@', ' at ')}." for x in self.probabilities if "@" in x)
         elif self.unexplained.probability > 0.5:
-            said.append(
+            lines.append(
                 f"A force of {round(100.0 * self.unexplained.share, 1):g} % of the inertial force "
                 "remains, and no effect that was tried explains it."
             )
         if "rejected" in self.held_out_rmse:
-            said.append(REJECTED)
-        return (*changed, *said, *self.overstated)
+            lines.append(REJECTED)
+        return (*changed, *lines, *self.overstated)
 
     def as_json(self) -> JSON:
         """Return the content of `diagnosis.json`."""

@@ -115,11 +115,11 @@ class Ensemble:
         Raises:
             DiagnosisError: A run is not of this body, or its period is no multiple of the step.
         """
-        told = self.told
+        given = self.told
         for run in runs:
             last = tuple(each.until(len(run.command)) for each in self.course(run))
-            told = tuple(a + b for a, b in zip(told, last, strict=True)) if told else last
-        return replace(self, told=told)
+            given = tuple(a + b for a, b in zip(given, last, strict=True)) if given else last
+        return replace(self, told=given)
 
     @cached_property
     def weighed(self) -> WeighedModels | None:
@@ -178,9 +178,11 @@ class Ensemble:
             value: What it comes to under one model.
             least: Models less probable than this are not asked.
         """
-        asked = np.flatnonzero(self.probability >= min(least, self.probability.max()))
-        share = self.probability[asked] / self.probability[asked].sum()
-        return float(sum(p * value(self.candidates[k]) for p, k in zip(share, asked, strict=True)))
+        requested = np.flatnonzero(self.probability >= min(least, self.probability.max()))
+        share = self.probability[requested] / self.probability[requested].sum()
+        return float(
+            sum(p * value(self.candidates[k]) for p, k in zip(share, requested, strict=True))
+        )
 
     def predict(self, position: Array, velocity: Array, command: Array) -> Mixture:
         """Return what the models predict, in one batch.

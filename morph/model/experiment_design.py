@@ -49,7 +49,7 @@ def information(corrected: Corrected, candidates: Sequence[CandidateRun]) -> lis
         candidates: The runs.
     """
     periods = Periods(corrected.hypothesis, corrected.period, corrected.integrator)
-    found = []
+    results = []
     for each in candidates:
         states = _expected(periods, corrected, each)
         run = Run(
@@ -68,8 +68,8 @@ def information(corrected: Corrected, candidates: Sequence[CandidateRun]) -> lis
         belief = Iterate(point=corrected.point, weight=corrected.weight, states=(states,))
         slopes = problem.slopes(belief, corrected.settings)
         parts = problem.reduced(slopes, corrected.settings)
-        found.append(problem.told(slopes, parts, corrected.settings)[0].H)
-    return found
+        results.append(problem.told(slopes, parts, corrected.settings)[0].H)
+    return results
 
 
 def chosen(
@@ -104,16 +104,16 @@ def chosen(
     added = information(corrected, candidates)
     precision = corrected.posterior.H
     left = list(range(len(candidates)))
-    found: list[ProposedRun] = []
+    results: list[ProposedRun] = []
     for number in range(count):
         wanted = [at for at in left if candidates[at].explores == (number % 2 == 0)] or left
         L = np.asarray(np.linalg.cholesky(precision), dtype=np.float64)
         gains = {at: _gain(L, added[at]) for at in wanted}
         best = max(wanted, key=lambda at: gains[at])
-        found.append(ProposedRun(index=best, gain=gains[best]))
+        results.append(ProposedRun(index=best, gain=gains[best]))
         precision = precision + added[best]
         left.remove(best)
-    return found
+    return results
 
 
 def _gain(factor: Array, added: Array) -> float:

@@ -161,15 +161,15 @@ class Change:
         """Whether the law acts in the runs of which all else is said."""
         return not (self.ceases if self.since else self.begins)
 
-    def said(self, found: Collection[str]) -> tuple[str, str]:
+    def said(self, results: Collection[str]) -> tuple[str, str]:
         """Return the change in words, and of which runs all else is said.
 
         Args:
-            found: Labels of the laws that were found in these runs.
+            results: Labels of the laws that were found in these runs.
         """
         runs = "since" if self.since else "until"
         rest = f"The robot changed then: what follows is of the runs {runs} then."
-        if self.since and not self.ceases and self.after.label not in found:
+        if self.since and not self.ceases and self.after.label not in results:
             rest += " A twin stands for this law in what follows."
         return self.statement, rest
 

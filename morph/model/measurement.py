@@ -109,7 +109,7 @@ class Measurement:
         Raises:
             RecordingError: A channel is missing.
         """
-        found = [without_spikes(recording.channel(name)) for name in self.recorded]
+        results = [without_spikes(recording.channel(name)) for name in self.recorded]
         for names in self.quaternions:
             parts = [recording.channel(name) for name in names]
             whole = np.stack([part.at(parts[0].time) for part in parts], axis=1)
@@ -118,8 +118,8 @@ class Measurement:
             whole[1:] *= sign[:, None]
             turns = [Channel(time=parts[0].time, value=values) for values in whole.T]
             kept = ~np.any([spikes(turn) for turn in turns], axis=0)
-            found += [Channel(time=turn.time[kept], value=turn.value[kept]) for turn in turns]
-        return found
+            results += [Channel(time=turn.time[kept], value=turn.value[kept]) for turn in turns]
+        return results
 
     def clocks(self, recording: Recording) -> list[Array]:
         """Return the different clocks of these channels, spikes and all, s."""
@@ -136,20 +136,20 @@ class Measurement:
         if not self.coordinates.balls:
             return tracked
         scalars = len(self.recorded)
-        found = np.empty((*tracked.shape[:-1], self.coordinates.dofs), dtype=tracked.dtype)
-        found[..., self.coordinates.dof] = tracked[..., :scalars]
+        result = np.empty((*tracked.shape[:-1], self.coordinates.dofs), dtype=tracked.dtype)
+        result[..., self.coordinates.dof] = tracked[..., :scalars]
         for ball, (_, turn) in enumerate(self.coordinates.balls):
-            found[..., turn : turn + 3] = tracked[..., scalars + 4 * ball, None]
-        return found
+            result[..., turn : turn + 3] = tracked[..., scalars + 4 * ball, None]
+        return result
 
     def spread(self, tracked: Array) -> Array:
         """Return values of the tracks by degree of freedom, rotations zero, (..., nv)."""
         scalars = len(self.recorded)
         if not self.coordinates.balls:
             return tracked
-        found = np.zeros((*tracked.shape[:-1], self.coordinates.dofs))
-        found[..., self.coordinates.dof] = tracked[..., :scalars]
-        return found
+        result = np.zeros((*tracked.shape[:-1], self.coordinates.dofs))
+        result[..., self.coordinates.dof] = tracked[..., :scalars]
+        return result
 
     def attitude(self, tracked: Array) -> Array:
         """Return orientations by the values of the tracks, shape (..., balls, 4)."""
@@ -158,13 +158,13 @@ class Measurement:
 
     def noise(self, tracked: Array) -> Array:
         """Return the standard deviation of each channel by those of the tracks."""
-        found = self.spread(tracked)
+        result = self.spread(tracked)
         for ball, (_, turn) in enumerate(self.coordinates.balls):
             first = len(self.recorded) + 4 * ball
             # A rotation vector is twice a quaternion's imaginary part.
             squared = np.mean(tracked[first : first + 4] ** 2)
-            found[turn : turn + 3] = 2.0 * np.sqrt(squared)
-        return found
+            result[turn : turn + 3] = 2.0 * np.sqrt(squared)
+        return result
 
     def motion(self, value: Array, slope: Array, bend: Array) -> tuple[Array, Array, Array]:
         """Return positions, velocities and accelerations by the tracks' values and derivatives.
@@ -190,9 +190,9 @@ class Measurement:
         """
         if not self.coordinates.balls:
             return position
-        found = np.zeros((*position.shape[:-1], self.coordinates.dofs))
-        found[..., self.coordinates.dof] = position[..., self.coordinates.straight]
-        return found
+        result = np.zeros((*position.shape[:-1], self.coordinates.dofs))
+        result[..., self.coordinates.dof] = position[..., self.coordinates.straight]
+        return result
 
     def read(self, position: Array, attitude: Array) -> Array:
         """Return what all channels read of positions, shape (..., channels).
@@ -201,11 +201,11 @@ class Measurement:
             position: Shape (..., nq).
             attitude: Measured orientations, unit quaternions, shape (..., balls, 4).
         """
-        found = self.scalars(position)
+        result = self.scalars(position)
         for ball, (at, turn) in enumerate(self.coordinates.balls):
             quaternion = position[..., at : at + 4]
-            found[..., turn : turn + 3] = deviation(quaternion, attitude[..., ball, :])
-        return found
+            result[..., turn : turn + 3] = deviation(quaternion, attitude[..., ball, :])
+        return result
 
     def placed(self, reading: Array, attitude: Array) -> Array:
         """Return positions by what all channels read of them, shape (..., nq).
@@ -216,12 +216,12 @@ class Measurement:
         """
         if not self.coordinates.balls:
             return reading
-        found = np.empty((*reading.shape[:-1], self.coordinates.positions))
-        found[..., self.coordinates.straight] = reading[..., self.coordinates.dof]
+        result = np.empty((*reading.shape[:-1], self.coordinates.positions))
+        result[..., self.coordinates.straight] = reading[..., self.coordinates.dof]
         for ball, (at, turn) in enumerate(self.coordinates.balls):
             by = turned(reading[..., turn : turn + 3])
-            found[..., at : at + 4] = product(by, attitude[..., ball, :])
-        return found
+            result[..., at : at + 4] = product(by, attitude[..., ball, :])
+        return result
 
 
 def deviation(quaternion: Array, measured: Array) -> Array:

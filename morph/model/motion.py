@@ -92,27 +92,27 @@ def needed(
         hypothesis, variant, time, measurement, pose, velocity, acceleration, command, links,
         stiffness=suspects,
     )  # fmt: skip
-    found = Needed(episode=episode, time=time, motion=motion, missing=missing)
-    smooth_drive = found.smooth(motion.drive)
+    result = Needed(episode=episode, time=time, motion=motion, missing=missing)
+    smooth_drive = result.smooth(motion.drive)
     missing = missing - (smooth_drive - motion.drive).sum(axis=1)
     for effect in stepped:
         strengths = np.array([getattr(effect, name) for name in effect.strengths])
-        missing = missing - found.smooth(effect.regressor(motion) @ strengths)
-    smooth_rate = found.smooth(motion.drive_rate)
+        missing = missing - result.smooth(effect.regressor(motion) @ strengths)
+    smooth_rate = result.smooth(motion.drive_rate)
     motion = replace(motion, drive=smooth_drive, drive_rate=smooth_rate)
-    return _within(replace(found, missing=missing, motion=motion))
+    return _within(replace(result, missing=missing, motion=motion))
 
 
-def _within(found: Needed) -> Needed:
+def _within(result: Needed) -> Needed:
     """Return what lies away from the ends, where smoothing makes up accelerations.
 
     The filter's padding is felt for about 1.2 periods of its cutoff.
     """
-    edge = 1.2 / found.episode.cutoff
-    inside = (found.time >= found.time[0] + edge) & (found.time <= found.time[-1] - edge)
+    edge = 1.2 / result.episode.cutoff
+    inside = (result.time >= result.time[0] + edge) & (result.time <= result.time[-1] - edge)
     if inside.sum() < FEWEST:
-        return found
-    whole = found.motion
+        return result
+    whole = result.motion
     motion = replace(
         whole,
         position=whole.position[inside],
@@ -127,7 +127,7 @@ def _within(found: Needed) -> Needed:
         time=whole.time[inside],
         command=whole.command[inside],
     )
-    return replace(found, time=found.time[inside], motion=motion, missing=found.missing[inside])
+    return replace(result, time=result.time[inside], motion=motion, missing=result.missing[inside])
 
 
 def _forces(

@@ -117,7 +117,7 @@ def knobs(robot: Robot, vary: Mapping[str, float] | None = None) -> tuple[Knob, 
         DiagnosisError: A name in `vary` fits nothing, or a fraction is not in [0, 50].
     """
     vary = dict(vary or {})
-    found = [knob for knob in _candidates(robot, vary) if knob.fraction > 0.0]
+    results = [knob for knob in _candidates(robot, vary) if knob.fraction > 0.0]
     known = (
         set(TRUST)
         | {k.name for k in _candidates(robot, {})}
@@ -136,7 +136,7 @@ def knobs(robot: Robot, vary: Mapping[str, float] | None = None) -> tuple[Knob, 
                 where=f"robot {robot.name}",
                 fix="give 0.1 for ten percent",
             )
-    return tuple(that_matter(robot, found))
+    return tuple(that_matter(robot, results))
 
 
 def _candidates(robot: Robot, vary: Mapping[str, float]) -> list[Knob]:
@@ -157,8 +157,8 @@ def _candidates(robot: Robot, vary: Mapping[str, float]) -> list[Knob]:
 
 
 def _knob(kind: str, part: str, what: str, vary: Mapping[str, float]) -> Knob:
-    said = (vary[name] for name in (f"{what}:{part}", part, kind) if name in vary)
-    fraction = next(said, None)
+    lines = (vary[name] for name in (f"{what}:{part}", part, kind) if name in vary)
+    fraction = next(lines, None)
     return Knob(
         kind=kind, part=part, what=what,
         fraction=TRUST[kind] if fraction is None else fraction,
@@ -166,7 +166,7 @@ def _knob(kind: str, part: str, what: str, vary: Mapping[str, float]) -> Knob:
     )  # fmt: skip
 
 
-def that_matter(robot: Robot, found: list[Knob]) -> list[Knob]:
+def that_matter(robot: Robot, results: list[Knob]) -> list[Knob]:
     """Leave out figures that change neither inertia, gravity nor drive: a cart's own turning."""
     rng = np.random.default_rng(0)
     nominal = spec_of(robot).compile()
@@ -189,7 +189,7 @@ def that_matter(robot: Robot, found: list[Knob]) -> list[Knob]:
 
     reference = forces(nominal)
     kept = []
-    for knob in found:
+    for knob in results:
         spec = spec_of(robot)
         knob.edit(spec, 0.1)
         if np.abs(forces(spec.compile()) - reference).max() > 1e-9 * np.abs(reference).max():

@@ -49,17 +49,17 @@ def pieces(recording: Recording, robot: Robot, step: float) -> list[Episode]:
     for last, first in missing:
         ends.append(last)
         begins.append(max(first, begins[-1]))
-    found = [
+    results = [
         (begin, until)
         for begin, until in zip(begins, [*ends, end], strict=True)
         if until - begin >= (SHORTEST_PIECE if missing else SHORTEST)
     ]
     if not missing:
-        return [episode(recording, robot, step)] if found else []
-    laid = (episode(between(recording, *each), robot, step) for each in found)
+        return [episode(recording, robot, step)] if results else []
+    laid = (episode(between(recording, *each), robot, step) for each in results)
     return [
         replace(piece, recording=recording, begin=piece.begin + begin - start, whole=False)
-        for piece, (begin, _) in zip(laid, found, strict=True)
+        for piece, (begin, _) in zip(laid, results, strict=True)
     ]
 
 
@@ -70,8 +70,8 @@ def all_pieces(recordings: Sequence[Recording], robot: Robot, step: float) -> li
         DiagnosisError: None is.
         RecordingError: A joint's position or an actuator's command is missing.
     """
-    found = [piece for recording in recordings for piece in pieces(recording, robot, step)]
-    if not found:
+    results = [piece for recording in recordings for piece in pieces(recording, robot, step)]
+    if not results:
         raise DiagnosisError(
             f"none is long enough: one without gaps takes {SHORTEST:g} s, a piece between gaps "
             f"{SHORTEST_PIECE:g} s; friction shows only over as much",
@@ -79,7 +79,7 @@ def all_pieces(recordings: Sequence[Recording], robot: Robot, step: float) -> li
             fix="record for longer, without gaps of more than 0.2 s in a log; without --held-out a "
             "quarter is set aside, and of one recording that leaves two pieces",
         )
-    return found
+    return results
 
 
 def part(whole: Episode, begin: float, end: float) -> Episode:

@@ -34,16 +34,16 @@ def recalled(
         Of each effect an array, shape (..., rows times segments).
     """
     slots = [at for at, each in enumerate(variants[0].effects) if _remembers(each)]
-    found: dict[int, Array] = {}
+    results: dict[int, Array] = {}
     for number, variant in enumerate(variants if slots else ()):
         for index, episode in enumerate(segments.episodes):
             row, segment = np.nonzero((which == number) & (segments.episode == index))
             motion = _motion(hypothesis, variant, episode)
             for slot in slots:
                 state = variant.effects[slot].recalled(motion)[..., segments.first[segment]]
-                whole = found.setdefault(slot, np.zeros((*state.shape[:-1], which.size)))
+                whole = results.setdefault(slot, np.zeros((*state.shape[:-1], which.size)))
                 whole[..., row * which.shape[1] + segment] = state
-    return found
+    return results
 
 
 def _remembers(effect: Effect) -> bool:

@@ -63,7 +63,7 @@ def traces(segments: Segments, predicted: Mapping[str, Array]) -> tuple[Trace, .
         segments: Held-out rollouts.
         predicted: What each model predicts, (segments, readings, channels).
     """
-    measurement, found = segments.measurement, []
+    measurement, result = segments.measurement, []
     for number, episode in enumerate(segments.episodes):
         rows = np.flatnonzero(segments.episode == number)
         if not len(rows):
@@ -79,7 +79,7 @@ def traces(segments: Segments, predicted: Mapping[str, Array]) -> tuple[Trace, .
                 return np.concatenate(parts)
 
             offset = segments.before + segments.part + segments.first[:, None]
-            found.append(
+            result.append(
                 Trace(
                     episode=episode.name,
                     channel=measurement.channels[column],
@@ -89,4 +89,4 @@ def traces(segments: Segments, predicted: Mapping[str, Array]) -> tuple[Trace, .
                     models={name: joined(values) for name, values in predicted.items()},
                 )
             )
-    return tuple(found)
+    return tuple(result)

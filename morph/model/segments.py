@@ -92,15 +92,15 @@ class Segments:
             entry: Its index.
             later: How much later, s, shape (segments,).
         """
-        found = np.zeros(len(self))
+        result = np.zeros(len(self))
         for row in np.flatnonzero(later):
             whole = self.episodes[int(self.episode[row])]
             begin = float(self.first[row]) * self.step
             if entry >= self.measurement.coordinates.positions:
                 begin -= 0.5 * self.step
             now, then = np.interp([begin, begin + later[row]], whole.time, whole.state[:, entry])
-            found[row] = then - now
-        return found
+            result[row] = then - now
+        return result
 
     def change(self, start: Array, origin: Array) -> Array:
         """Return what leads from some starts to others, shape (segments, 2 nv)."""

@@ -125,12 +125,12 @@ def blocks(model: Any) -> tuple[Block, ...]:
             joints.append([range(at, at + (3 if kind == mujoco.mjtJoint.mjJNT_BALL else 1))])
     if sum(map(len, joints)) <= WHOLE:
         joints = [[kind for joint in joints for kind in joint]]
-    found = []
+    results = []
     for joint in joints:
         dof = [index for kind in joint for index in kind]
         kinds = tuple(tuple(dof.index(index) for index in kind) for kind in joint)
-        found.append(Block(dof=np.array(dof), kinds=kinds))
-    return tuple(found)
+        results.append(Block(dof=np.array(dof), kinds=kinds))
+    return tuple(results)
 
 
 def courses(
@@ -152,8 +152,8 @@ def courses(
         For each block the likelihood up to each sample, (models, settings, periods).
     """
     nv = seen.change.shape[2]
-    told = np.median(np.mean((seen.change / seen.period) ** 2, axis=1), axis=0)
-    found = []
+    given = np.median(np.mean((seen.change / seen.period) ** 2, axis=1), axis=0)
+    results = []
     for block in blocks(model):
         here = np.concatenate([block.dof, block.dof + nv])
         there = np.setdiff1d(np.arange(2 * nv), here)
@@ -161,9 +161,9 @@ def courses(
         typical = np.empty(len(block.dof))
         for kind in block.kinds:
             of_kind = list(kind)
-            typical[of_kind] = max(np.sqrt(told[block.dof[of_kind]].mean()), STILL)
+            typical[of_kind] = max(np.sqrt(given[block.dof[of_kind]].mean()), STILL)
         carry = seen.carry[:, :, here]
-        found.append(
+        results.append(
             likelihood(
                 seen.miss[:, :, here],
                 carry[..., here],
@@ -175,7 +175,7 @@ def courses(
                 period=seen.period,
             )
         )
-    return tuple(found)
+    return tuple(results)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -67,16 +67,16 @@ def with_tracked_links(recording: Recording, robot: Robot) -> Recording:
     if len(time) < FEWEST or known is None:
         return recording
     posture = _Posture(model, [model.joint(name).dofadr[0] for name in unread], poses)
-    position, told = posture.followed(time, known, recording.name)
-    found = [name for name, there in zip(unread, told, strict=True) if there]
-    if not found:
+    position, given = posture.followed(time, known, recording.name)
+    results = [name for name, there in zip(unread, given, strict=True) if there]
+    if not results:
         return recording
     more = {
         f"{name}.position": Channel(time=time, value=position[:, model.joint(name).qposadr[0]])
-        for name in found
+        for name in results
     }
     note = Note(
-        what=f"the position of {', '.join(found)} is that of the tracked links",
+        what=f"the position of {', '.join(results)} is that of the tracked links",
         where=f"recording {recording.name}",
     )
     return replace(recording, channels={**channels, **more}, notes=(*recording.notes, note))
@@ -88,7 +88,7 @@ def _read(channels: Mapping[str, Channel], joint: str) -> bool:
 
 def _known(model: mujoco.MjModel, robot: Robot, recording: Recording, time: Array) -> Array | None:
     """Return postures, (samples, nq), with what was read; None where a free link was not."""
-    found = np.tile(model.qpos0, (len(time), 1))
+    result = np.tile(model.qpos0, (len(time), 1))
     for joint in robot.joints:
         at = model.joint(joint.name).qposadr[0]
         names = [f"{joint.name}.position"]
@@ -99,8 +99,8 @@ def _known(model: mujoco.MjModel, robot: Robot, recording: Recording, time: Arra
                 return None
         for place, name in enumerate(names):
             if name in recording.channels:
-                found[:, at + place] = recording.channels[name].at(time)
-    return found
+                result[:, at + place] = recording.channels[name].at(time)
+    return result
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -117,7 +117,7 @@ class _Pose:
     @classmethod
     def all_of(cls, channels: Mapping[str, Channel], link: str) -> list[_Pose]:
         """Return what was recorded of a link."""
-        found = []
+        results = []
         for quantity, axes in (("position", XYZ), ("orientation", WXYZ)):
             some = [channels.get(f"{link}.{quantity}.{axis}") for axis in axes]
             parts = [part for part in some if part is not None]
@@ -133,8 +133,8 @@ class _Pose:
             std = float(np.sqrt(np.mean([noise(time, each) ** 2 for each in value.T])))
             # A rotation vector is twice a quaternion's imaginary part.
             std = max(QUIET, 2.0 * std if quantity == "orientation" else std)
-            found.append(cls(link=link, time=time, value=value, noise=std))
-        return found
+            results.append(cls(link=link, time=time, value=value, noise=std))
+        return results
 
     @property
     def turns(self) -> bool:
@@ -170,16 +170,16 @@ class _Posture:
         poses = [pose.at(time) for pose in self._poses]
         begin, unique = self._first(known[0], [pose[0] for pose in poses])
         last, left = begin, np.zeros(len(poses))
-        found, curvatures = known.copy(), np.empty((len(time), len(begin)))
+        result, curvatures = known.copy(), np.empty((len(time), len(begin)))
         for at in range(len(time)):
             begin, last = 2.0 * begin - last, begin
             now = [pose[at] for pose in poses]
             begin, error, curvatures[at] = self._best(known[at], begin, now, NEXT)
-            found[at] = self._data.qpos
+            result[at] = self._data.qpos
             left += np.sum(error**2, axis=1) / len(time)
         self._check(poses, np.sqrt(left) * [pose.noise for pose in self._poses], name)
         least = np.quantile(curvatures, 0.01, axis=0)
-        return found, unique & (least > TOLD * curvatures.max())
+        return result, unique & (least > TOLD * curvatures.max())
 
     def _first(self, known: Array, poses: Sequence[Array]) -> tuple[Array, Mask]:
         """Return the best first posture, and which joints all that are as good agree on."""

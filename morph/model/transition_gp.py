@@ -88,14 +88,14 @@ class Mapped:
         """Return its variance, jumps included and noise not, shape (rows, n)."""
         n = len(self.signal)
         near = _alike(self.look(state, command, self.simulate(state, command)), self.inputs)
-        found = np.empty((len(state), n))
+        result = np.empty((len(state), n))
         for at in range(n):
             across = np.zeros((len(state), len(self.inputs), n))
             across[..., at] = near * self.signal[at] ** 2
             flat = across.reshape(len(state), -1)
             known = np.linalg.solve(self.factor, flat.T)
-            found[:, at] = self.signal[at] ** 2 - (known**2).sum(axis=0)
-        return np.maximum(found, 0.0) + self.jump**2
+            result[:, at] = self.signal[at] ** 2 - (known**2).sum(axis=0)
+        return np.maximum(result, 0.0) + self.jump**2
 
     def foresee(
         self, start: Array, command: Array, rng: np.random.Generator, *, draws: int = 64
@@ -113,17 +113,17 @@ class Mapped:
         law = self._drawn(draws, rng)
         runs, count = command.shape[:2]
         now = start + self.noise * rng.normal(size=(draws, runs, start.shape[1]))
-        found = np.empty((draws, runs, count + 1, start.shape[1]))
-        found[:, :, 0] = now
+        result = np.empty((draws, runs, count + 1, start.shape[1]))
+        result[:, :, 0] = now
         for at in range(count):
-            told = np.broadcast_to(command[:, at], (draws, *command[:, at].shape))
+            given = np.broadcast_to(command[:, at], (draws, *command[:, at].shape))
             flat = now.reshape(draws * runs, -1)
-            predicted = self.simulate(flat, told.reshape(draws * runs, -1))
-            z = self.look(flat, told.reshape(draws * runs, -1), predicted)
+            predicted = self.simulate(flat, given.reshape(draws * runs, -1))
+            z = self.look(flat, given.reshape(draws * runs, -1), predicted)
             more = law(z.reshape(draws, runs, -1))
             now = predicted.reshape(now.shape) + more + self.jump * rng.normal(size=now.shape)
-            found[:, :, at + 1] = now
-        return found
+            result[:, :, at + 1] = now
+        return result
 
     def _drawn(self, draws: int, rng: np.random.Generator) -> Callable[[Array], Array]:
         """Return functions drawn from the posterior, from (draws, rows, d) to (draws, rows, n).
@@ -262,10 +262,10 @@ def _settled(unit: Array, group: Integers, missed: Array, spread: Array, noise: 
         return value + 0.5 * float((((logs - middle) / width) ** 2).sum())
 
     bounds = list(zip(middle - 4.0 * width, middle + 4.0 * width, strict=True))
-    found = minimize(
+    result = minimize(
         unlikeliness, middle, method="L-BFGS-B", bounds=bounds, options={"maxiter": STEPS}
     )
-    return np.asarray(found.x)
+    return np.asarray(result.x)
 
 
 def _factor(z: Array, signal: Array, jump: Array, spread: Array) -> Array:

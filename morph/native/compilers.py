@@ -14,15 +14,15 @@ from pathlib import Path
 
 def compilers() -> tuple[tuple[str, ...], ...]:
     """Return commands that compile C: `$CC`, those on the path, and ziglang if it is installed."""
-    found = []
+    results = []
     # A quotation that is not closed names no compiler; the others are still there.
     with contextlib.suppress(ValueError):
         if named := shlex.split(os.environ.get("CC", "")):
-            found.append(tuple(named))
-    found += [(name,) for name in ("cc", "gcc", "clang") if shutil.which(name)]
+            results.append(tuple(named))
+    results += [(name,) for name in ("cc", "gcc", "clang") if shutil.which(name)]
     if importlib.util.find_spec("ziglang") is not None:
-        found.append((sys.executable, "-m", "ziglang", "cc"))
-    return tuple(found)
+        results.append((sys.executable, "-m", "ziglang", "cc"))
+    return tuple(results)
 
 
 def processor() -> str:

@@ -40,6 +40,6 @@ def jacobian_of(
 
 def cross_matrix(x: Array) -> Array:
     """Return what multiplies by x from the left as the cross product does, shape (..., 3, 3)."""
-    found = np.zeros((*np.shape(x), 3))
-    found[..., 2, 1], found[..., 0, 2], found[..., 1, 0] = np.moveaxis(np.asarray(x), -1, 0)
-    return found - np.swapaxes(found, -1, -2)
+    result = np.zeros((*np.shape(x), 3))
+    result[..., 2, 1], result[..., 0, 2], result[..., 1, 0] = np.moveaxis(np.asarray(x), -1, 0)
+    return result - np.swapaxes(result, -1, -2)

@@ -80,7 +80,7 @@ def body_motions(
     chains = [_chain(model, index) for index in indices]
     seen = kinematics(model, indices, position, velocity)
     axes, rates = seen.axes, seen.rates
-    found = {}
+    results = {}
     for at, (name, index) in enumerate(zip(bodies, indices, strict=True)):
         turned, origin = seen.turned[:, at], seen.origin[:, at]
         arm = origin - seen.about[:, at]
@@ -90,8 +90,8 @@ def body_motions(
         speed = times(jacobian[:, 0], velocity)
         spins = axes[:, :, :3] * chains[at][:, None]
         rate[:, 0] += np.swapaxes(np.cross(spins, speed[:, None]), 1, 2)
-        found[name] = _seen(model, index, jacobian, rate, turned, origin, velocity, slope)
-    return found
+        results[name] = _seen(model, index, jacobian, rate, turned, origin, velocity, slope)
+    return results
 
 
 def _chain(model: mujoco.MjModel, body: int) -> Array:

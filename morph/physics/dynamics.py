@@ -47,10 +47,10 @@ def accelerations(model: mujoco.MjModel, position: Array, velocity: Array, comma
     Raises:
         KernelError: There is no C compiler, or it fails.
     """
-    found = np.empty(np.shape(velocity))
+    result = np.empty(np.shape(velocity))
     with _unconstrained(model) as free:
-        _call("forward", free, len(found), *_packed(position, velocity, command), found)
-    return found
+        _call("forward", free, len(result), *_packed(position, velocity, command), result)
+    return result
 
 
 def supplied(
@@ -70,11 +70,11 @@ def supplied(
     Raises:
         KernelError: There is no C compiler, or it fails.
     """
-    found = np.empty(np.shape(velocity))
+    result = np.empty(np.shape(velocity))
     motion = _packed(position, velocity, acceleration, command)
     with _unconstrained(model) as free:
-        _call("supplied", free, len(found), *motion, found)
-    return found
+        _call("supplied", free, len(result), *motion, result)
+    return result
 
 
 def jacobians(model: mujoco.MjModel, position: Array, velocity: Array, command: Array) -> Array:
@@ -93,11 +93,11 @@ def jacobians(model: mujoco.MjModel, position: Array, velocity: Array, command: 
         KernelError: There is no C compiler, or it fails.
     """
     samples, dofs = np.shape(velocity)
-    found = np.empty((samples, dofs, 3 * dofs))
+    result = np.empty((samples, dofs, 3 * dofs))
     motion = _packed(position, velocity, command)
     with _unconstrained(model) as free:
-        _call("jacobians", free, samples, ctypes.c_double(NUDGE), *motion, found)
-    return found
+        _call("jacobians", free, samples, ctypes.c_double(NUDGE), *motion, result)
+    return result
 
 
 def closed(model: mujoco.MjModel, position: Array) -> Array:
@@ -110,10 +110,10 @@ def closed(model: mujoco.MjModel, position: Array) -> Array:
     Raises:
         KernelError: There is no C compiler, or it fails.
     """
-    found = np.array(position, dtype=np.float64, order="C")
+    result = np.array(position, dtype=np.float64, order="C")
     with _unconstrained(model) as free:
-        _call("closed", free, len(found), ctypes.c_int(STEPS), found)
-    return found
+        _call("closed", free, len(result), ctypes.c_int(STEPS), result)
+    return result
 
 
 def transmissions(model: mujoco.MjModel, position: Array) -> tuple[Array, Array]:
@@ -168,7 +168,7 @@ def kinematics(
         KernelError: There is no C compiler, or it fails.
     """
     samples, dofs = np.shape(velocity)
-    found = Kinematics(
+    result = Kinematics(
         axes=np.empty((samples, dofs, 6)),
         rates=np.empty((samples, dofs, 6)),
         turned=np.empty((samples, len(bodies), 3, 3)),
@@ -177,9 +177,9 @@ def kinematics(
     )
     ids = np.array(bodies, dtype=np.int32)
     motion = _packed(position, velocity)
-    outputs = (found.axes, found.rates, found.turned, found.origin, found.about)
+    outputs = (result.axes, result.rates, result.turned, result.origin, result.about)
     _call("kinematics", model, samples, ctypes.c_int(len(ids)), ids, *motion, *outputs)
-    return found
+    return result
 
 
 @contextmanager

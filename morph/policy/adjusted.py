@@ -124,7 +124,7 @@ class Adjusted(Policy):
         """Return what is added to commands of the source, shape (..., actions)."""
         now = features(observation[..., self.newest], *self.seen)
         z = np.concatenate([now, command], axis=-1)
-        found = np.minimum(np.maximum(z, -self.reach), self.reach) @ self.law.T + self.bias
+        result = np.minimum(np.maximum(z, -self.reach), self.reach) @ self.law.T + self.bias
         middle, parts = self.scaled
         for at, (centre, half) in enumerate(parts):
             # As in `Radial`: the square of a difference as a product of matrices.
@@ -133,8 +133,8 @@ class Adjusted(Policy):
             power -= half
             power -= 0.5 * np.square(x).sum(axis=-1, keepdims=True)
             np.minimum(power, 0.0, out=power)
-            found[..., at] += np.exp(power, out=power) @ self.weight[at]
-        return np.asarray(found)
+            result[..., at] += np.exp(power, out=power) @ self.weight[at]
+        return np.asarray(result)
 
     def typical(self, time: Array, rng: np.random.Generator) -> Array:
         """Return observations that its source may meet."""
@@ -158,9 +158,9 @@ class Adjusted(Policy):
         observation: tuple[Observation, ...],
     ) -> Adjusted:
         """Return the adjusted policy that these numbers make."""
-        said = {name.partition(".")[0] for name in weights.keys() - set(NAMES)}
+        names = {name.partition(".")[0] for name in weights.keys() - set(NAMES)}
         known = {kind.kind: kind for kind in SOURCES}
-        kinds = sorted(said & known.keys())
+        kinds = sorted(names & known.keys())
         whose = f"{kinds[0]}." if kinds else "track."
         its = {name: value for name, value in weights.items() if name.startswith(whose)}
         named({n: weights[n] for n in weights.keys() - its.keys()}, NAMES, cls.kind)

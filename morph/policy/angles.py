@@ -20,8 +20,8 @@ def turning(robot: Robot, observation: tuple[Observation, ...]) -> Array:
     turns by its position, and is better seen as it is.
     """
     free = {f"{j.name}.position" for j in robot.joints if j.kind == "hinge" and j.limits is None}
-    found = [each.channel in free for each in observation for _ in range(each.history)]
-    return np.array(found, dtype=float)
+    results = [each.channel in free for each in observation for _ in range(each.history)]
+    return np.array(results, dtype=float)
 
 
 def marked(policy: Policy, angles: object) -> Array:
@@ -63,12 +63,12 @@ def features(observation: Array, plain: Integers, angles: Integers) -> Array:
     seen = np.minimum(np.maximum(observation, -LARGEST), LARGEST)
     if not len(angles):
         return np.asarray(seen)
-    found = np.empty((*seen.shape[:-1], len(plain) + 2 * len(angles)))
-    found[..., : len(plain)] = seen[..., plain]
+    result = np.empty((*seen.shape[:-1], len(plain) + 2 * len(angles)))
+    result[..., : len(plain)] = seen[..., plain]
     turned = seen[..., angles]
-    np.sin(turned, out=found[..., len(plain) :: 2])
-    np.cos(turned, out=found[..., len(plain) + 1 :: 2])
-    return found
+    np.sin(turned, out=result[..., len(plain) :: 2])
+    np.cos(turned, out=result[..., len(plain) + 1 :: 2])
+    return result
 
 
 def wrapped(difference: Array, angles: Integers) -> Array:

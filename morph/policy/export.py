@@ -41,11 +41,11 @@ def export_policy(folder: str | Path, robot: Robot) -> Path:
         OutputError: The folder cannot be written to.
     """
     policy = load_policy(folder, robot)
-    said = read_json(Path(folder) / "policy.json")
-    return export_onnx(policy, Path(folder) / EXPORTED, robot, said=said)
+    document = read_json(Path(folder) / "policy.json")
+    return export_onnx(policy, Path(folder) / EXPORTED, robot, document=document)
 
 
-def export_onnx(policy: Policy, path: Path, robot: Robot, *, said: JSON | None = None) -> Path:
+def export_onnx(policy: Policy, path: Path, robot: Robot, *, document: JSON | None = None) -> Path:
     """Return the file that a policy was exported to.
 
     Its inputs are `observation`, shape (rows, observations), offset, scaled, delayed and with
@@ -56,16 +56,16 @@ def export_onnx(policy: Policy, path: Path, robot: Robot, *, said: JSON | None =
         policy: What to export.
         path: The file to write.
         robot: The body that it commands.
-        said: What its `policy.json` says; None to say it anew.
+        document: What its `policy.json` says; None to say it anew.
 
     Raises:
         PolicyError: It does not command this robot, or the model acts otherwise.
         OutputError: The file cannot be written.
     """
     check_body(policy, robot, where=str(path))
-    if said is None:
-        said = said_of(policy, robot, task="", task_sha256="", learned=None)
-    model = onnx_of(policy, json.dumps(said, indent=1))
+    if document is None:
+        document = said_of(policy, robot, task="", task_sha256="", learned=None)
+    model = onnx_of(policy, json.dumps(document, indent=1))
     _check(model, policy, where=str(path))
     write_whole(path, model.SerializeToString(deterministic=True))
     return path
@@ -87,7 +87,7 @@ def onnx_of(policy: Policy, metadata: str = "") -> Any:
     graph = Graph()
     action = law(graph, policy)
     texts = {METADATA: metadata} if metadata else {}
-    return graph.model(action, seen=policy.size, told=len(policy.action), metadata=texts)
+    return graph.model(action, seen=policy.size, command=len(policy.action), metadata=texts)
 
 
 def _check(model: Any, policy: Policy, *, where: str) -> None:
@@ -153,13 +153,13 @@ def _track(graph: Graph, policy: Track) -> str:
     away = graph.node("Unsqueeze", graph.node("Sub", away, whole), np.array([2]))
     more = graph.node("MatMul", graph.node("Gather", policy.gain, knot), away)
     more = graph.node("Squeeze", more, np.array([2]))
-    told = graph.node("Add", more, graph.node("Gather", policy.command, knot))
-    return _bounded(graph, told, policy.limited)
+    command = graph.node("Add", more, graph.node("Gather", policy.command, knot))
+    return _bounded(graph, command, policy.limited)
 
 
 def _adjusted(graph: Graph, policy: Adjusted) -> str:
-    told = LAWS[type(policy.source)](graph, policy.source)
-    z = graph.node("Concat", _features(graph, policy), told, axis=1)
+    command = LAWS[type(policy.source)](graph, policy.source)
+    z = graph.node("Concat", _features(graph, policy), command, axis=1)
     added = _affine(graph, graph.within(z, -policy.reach, policy.reach), policy.law, policy.bias)
     middle, parts = policy.scaled
     rest = []
@@ -168,7 +168,7 @@ def _adjusted(graph: Graph, policy: Adjusted) -> str:
         near = _near(graph, graph.within(away, -LARGEST, LARGEST), centre, half)
         rest.append(graph.node("MatMul", near, policy.weight[at][:, None]))
     added = graph.node("Add", added, graph.node("Concat", *rest, axis=1))
-    return _bounded(graph, graph.node("Add", told, added), policy.limited)
+    return _bounded(graph, graph.node("Add", command, added), policy.limited)
 
 
 LAWS: dict[type[Policy], Callable[[Graph, Any], str]] = {

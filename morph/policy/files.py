@@ -30,7 +30,7 @@ def read_json(path: Path) -> JSON:
     """
     content = _read(path)
     try:
-        said = json.loads(content)
+        document = json.loads(content)
     # Brackets in their thousands exceed Python's own depth.
     except (ValueError, RecursionError) as error:
         raise PolicyError(
@@ -38,7 +38,7 @@ def read_json(path: Path) -> JSON:
             where=str(path),
             fix="give a policy of morph's own",
         ) from error
-    return whole_of(said, str(path))
+    return whole_of(document, str(path))
 
 
 def read_tensors(path: Path) -> dict[str, Array]:

@@ -46,13 +46,13 @@ class Graph:
         """Return the name of x between its least and its greatest."""
         return self.node("Min", self.node("Max", x, low), high)
 
-    def model(self, action: str, *, seen: int, told: int, metadata: dict[str, str]) -> Any:
+    def model(self, action: str, *, seen: int, command: int, metadata: dict[str, str]) -> Any:
         """Return the whole as an `onnx.ModelProto`, checked by ONNX itself.
 
         Args:
             action: The name of what is commanded.
             seen: How many numbers are seen.
-            told: How many are commanded.
+            command: How many are commanded.
             metadata: Texts by name that go with it.
         """
         import onnx
@@ -62,7 +62,7 @@ class Graph:
         shapes: dict[str, list[str | int | None]] = {
             "observation": ["rows", seen],
             "time": ["rows"],
-            "action": ["rows", told],
+            "action": ["rows", command],
         }
         ends = {
             name: helper.make_tensor_value_info(name, double, shape)

@@ -68,10 +68,10 @@ class Network(Feedback):
 
     def weights(self) -> Mapping[str, Array]:
         """Return `layer.0.weight`, `layer.0.bias` and so on, and what every feedback has."""
-        found: dict[str, Array] = {}
+        results: dict[str, Array] = {}
         for at, (weight, bias) in enumerate(self.layers):
-            found |= {f"layer.{at}.weight": weight, f"layer.{at}.bias": bias}
-        return {**found, **self.shared()}
+            results |= {f"layer.{at}.weight": weight, f"layer.{at}.bias": bias}
+        return {**results, **self.shared()}
 
     @classmethod
     def of(

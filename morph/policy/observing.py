@@ -103,13 +103,13 @@ def check_channels(policy: Policy, robot: Robot, *, where: str) -> None:
 
 def addresses(robot: Robot, model: Any) -> dict[str, int]:
     """Return where each channel of `units` stands in (qpos, qvel), one after the other."""
-    found: dict[str, int] = {}
+    results: dict[str, int] = {}
     for joint in robot.joints:
         here = model.joint(joint.name)
         starts = (int(here.qposadr[0]), model.nq + int(here.dofadr[0]))
         for rate, start in enumerate(starts):
-            found |= {name: start + at for at, (name, _) in enumerate(_of(joint, rate))}
-    return found
+            results |= {name: start + at for at, (name, _) in enumerate(_of(joint, rate))}
+    return results
 
 
 class Observer:

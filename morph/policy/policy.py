@@ -65,9 +65,9 @@ class Observation:
         }
         wrong = [name for name, holds in right.items() if not holds]
         if wrong:
-            found = ", ".join(f"{name} = {getattr(self, name):g}" for name in wrong)
+            text = ", ".join(f"{name} = {getattr(self, name):g}" for name in wrong)
             raise PolicyError(
-                f"{found} is out of range",
+                f"{text} is out of range",
                 where=f"observation {most_of(self.channel)}",
                 fix=f"give an offset, a scale other than 0, a history of 1 to {MOST_HISTORY} "
                 f"samples and a delay of 0 to {LONGEST_DELAY:g} s",
@@ -131,9 +131,9 @@ class Policy(ABC):
         if type(other) is not type(self):
             return NotImplemented
         mine, its = self.weights(), other.weights()
-        said = ("action", "period", "observation")
+        lines = ("action", "period", "observation")
         return (
-            all(getattr(self, name) == getattr(other, name) for name in said)
+            all(getattr(self, name) == getattr(other, name) for name in lines)
             and mine.keys() == its.keys()
             and all(np.array_equal(mine[name], its[name]) for name in mine)
         )

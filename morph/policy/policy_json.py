@@ -54,20 +54,20 @@ def hash_of(robot: Robot) -> str:
     return robot.sha256 or sha256(robot.mjcf)
 
 
-def kind_of(said: JSON, where: str) -> type[Policy]:
+def kind_of(document: JSON, where: str) -> type[Policy]:
     """Return the kind of policy that a file speaks of.
 
     Raises:
         PolicyError: The schema or the kind is unknown.
     """
-    if said.get("schema") != SCHEMA:
+    if document.get("schema") != SCHEMA:
         raise PolicyError(
-            f"its schema is {most_of(said.get('schema'))}",
+            f"its schema is {most_of(document.get('schema'))}",
             where=where,
             fix=f"give a policy of schema {SCHEMA}",
         )
     kinds = {kind.kind: kind for kind in KINDS}
-    kind = text_of(said, "kind", where)
+    kind = text_of(document, "kind", where)
     if kind not in kinds:
         raise PolicyError(
             f"its kind is {most_of(kind)}", where=where, fix=f"use one of {', '.join(kinds)}"
@@ -75,13 +75,13 @@ def kind_of(said: JSON, where: str) -> type[Policy]:
     return kinds[kind]
 
 
-def check_robot(said: JSON, robot: Robot, where: str) -> None:
+def check_robot(document: JSON, robot: Robot, where: str) -> None:
     """Check that a file speaks of a policy for this very robot, held as we hold commands.
 
     Raises:
         PolicyError: It was made for another, or holds its commands otherwise.
     """
-    body = table_of(said, "robot", where)
+    body = table_of(document, "robot", where)
     hashed = hash_of(robot)
     if text_of(body, "sha256", where) != hashed:
         raise PolicyError(
@@ -90,13 +90,13 @@ def check_robot(said: JSON, robot: Robot, where: str) -> None:
             where=where,
             fix="give the robot it was made for, or make it again for this one",
         )
-    if text_of(said, "hold", where) != "zero-order":
+    if text_of(document, "hold", where) != "zero-order":
         raise PolicyError(
-            f"hold is {most_of(said['hold'])}", where=where, fix='write "hold": "zero-order"'
+            f"hold is {most_of(document['hold'])}", where=where, fix='write "hold": "zero-order"'
         )
 
 
-def actions_said(said: JSON, where: str) -> tuple[Action, ...]:
+def actions_said(document: JSON, where: str) -> tuple[Action, ...]:
     """Return the actions that a file speaks of."""
     return tuple(
         Action(
@@ -105,11 +105,11 @@ def actions_said(said: JSON, where: str) -> tuple[Action, ...]:
             low=number_of(each, "low", where),
             high=number_of(each, "high", where),
         )
-        for each in tables_of(said, "action", MOST_PARTS, where)
+        for each in tables_of(document, "action", MOST_PARTS, where)
     )
 
 
-def observations_said(said: JSON, where: str) -> tuple[Observation, ...]:
+def observations_said(document: JSON, where: str) -> tuple[Observation, ...]:
     """Return the observations that a file speaks of."""
     return tuple(
         Observation(
@@ -120,12 +120,12 @@ def observations_said(said: JSON, where: str) -> tuple[Observation, ...]:
             history=_count(each, "history", where),
             delay_s=number_of(each, "delay_s", where),
         )
-        for each in tables_of(said, "observation", MOST_PARTS, where)
+        for each in tables_of(document, "observation", MOST_PARTS, where)
     )
 
 
-def _count(said: JSON, key: str, where: str) -> int:
-    number = number_of(said, key, where)
+def _count(document: JSON, key: str, where: str) -> int:
+    number = number_of(document, key, where)
     if not number.is_integer():
         raise PolicyError(
             f"{key} is {number:g}, not a whole number", where=where, fix=f'write "{key}": 1'
@@ -139,11 +139,11 @@ def check_body(policy: Policy, robot: Robot, *, where: str) -> None:
     Raises:
         PolicyError: An actuator or a channel is not the robot's, or not in that unit.
     """
-    found = [(each.actuator, each.unit) for each in policy.action]
+    results = [(each.actuator, each.unit) for each in policy.action]
     wanted = [(each.actuator, each.unit) for each in actions_of(robot)]
-    if found != wanted:
+    if results != wanted:
         raise PolicyError(
-            f"it commands {most_of(_listed(found))}, "
+            f"it commands {most_of(_listed(results))}, "
             f"and the actuators of {robot.name} are {_listed(wanted)}",
             where=where,
             fix="give the robot it was made for",

@@ -80,11 +80,11 @@ class Radial(Feedback):
         plain, angles = self.seen
         near = self.centre[rng.integers(len(self.centre), size=len(time))]
         near = near + self.width * rng.normal(size=near.shape)
-        found = np.empty((len(time), self.size))
-        found[:, plain] = near[:, : len(plain)]
+        result = np.empty((len(time), self.size))
+        result[:, plain] = near[:, : len(plain)]
         sine, cosine = near[:, len(plain) :: 2], near[:, len(plain) + 1 :: 2]
-        found[:, angles] = np.arctan2(sine, cosine)
-        return found
+        result[:, angles] = np.arctan2(sine, cosine)
+        return result
 
     def weights(self) -> Mapping[str, Array]:
         """Return centres, widths, weights, and what every policy with feedback has."""

@@ -63,8 +63,8 @@ def write_policy(
             where=str(folder),
             fix="name a new or an empty folder",
         )
-    said = said_of(policy, robot, task=task, task_sha256=task_sha256, learned=learned)
-    text = _text(said, folder)
+    statement = said_of(policy, robot, task=task, task_sha256=task_sha256, learned=learned)
+    text = _text(statement, folder)
     replay = to_replay(policy, seconds=seconds, observed=observed, times=times)
     _forget_export(folder)
     # `policy.json` comes last: it makes the folder a policy.
@@ -73,9 +73,9 @@ def write_policy(
     return folder
 
 
-def _text(said: JSON, folder: Path) -> str:
+def _text(document: JSON, folder: Path) -> str:
     try:
-        return json.dumps(said, indent=1, allow_nan=False) + "\n"
+        return json.dumps(document, indent=1, allow_nan=False) + "\n"
     except (TypeError, ValueError) as error:
         raise PolicyError(
             f"how it was learned cannot be written as JSON: {error}",
@@ -104,17 +104,17 @@ def load_policy(path: str | Path, robot: Robot) -> Policy:
             belongs to another body; or its numbers do not give the actions stored with them.
     """
     folder = Path(path)
-    said = read_json(folder / "policy.json")
+    document = read_json(folder / "policy.json")
     where = str(folder / "policy.json")
-    kind = kind_of(said, where)
-    check_robot(said, robot, where)
+    kind = kind_of(document, where)
+    check_robot(document, robot, where)
     tensors = read_tensors(folder / "weights.safetensors")
     weights = {name: value for name, value in tensors.items() if not name.startswith("replay.")}
     policy = kind.of(
         weights,
-        action=actions_said(said, where),
-        observation=observations_said(said, where),
-        period=number_of(said, "control_period_s", where),
+        action=actions_said(document, where),
+        observation=observations_said(document, where),
+        period=number_of(document, "control_period_s", where),
     )
     check_body(policy, robot, where=where)
     check_replay(policy, tensors, where=str(folder / "weights.safetensors"))

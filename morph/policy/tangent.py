@@ -38,11 +38,11 @@ def tangent(
     """
     state = _state(model, position)
     where = addresses(robot, model)
-    found = np.zeros((2 * model.nv, sum(each.history for each in observation)))
+    result = np.zeros((2 * model.nv, sum(each.history for each in observation)))
     at = 0
     for each in observation:
         unit_of(robot, each.channel)
-        found[:, at] = each.scale * state[:, where[each.channel]]
+        result[:, at] = each.scale * state[:, where[each.channel]]
         at += each.history
     unseen = sorted(where.keys() - {each.channel for each in observation})
     if unseen:
@@ -51,24 +51,24 @@ def tangent(
             where=f"a law about a state of {robot.name}",
             fix="observe the whole state, observations_of(robot)",
         )
-    return found
+    return result
 
 
 def _state(model: Any, position: Array) -> Array:
     """Return d(difference) / d(qpos, qvel) at a position, shape (2 nv, nq + nv)."""
-    found = np.zeros((2 * model.nv, model.nq + model.nv))
-    found[model.nv :, model.nq :] = np.eye(model.nv)
+    result = np.zeros((2 * model.nv, model.nq + model.nv))
+    result[model.nv :, model.nq :] = np.eye(model.nv)
     for joint in range(model.njnt):
         q, v, kind = int(model.jnt_qposadr[joint]), int(model.jnt_dofadr[joint]), model.jnt_type
         free = kind[joint] == mujoco.mjtJoint.mjJNT_FREE
         if free or kind[joint] == mujoco.mjtJoint.mjJNT_BALL:
             if free:
-                found[v : v + 3, q : q + 3] = np.eye(3)
+                result[v : v + 3, q : q + 3] = np.eye(3)
                 q, v = q + 3, v + 3
             w, x, y, z = position[q : q + 4]
-            found[v : v + 3, q : q + 4] = 2.0 * np.array(
+            result[v : v + 3, q : q + 4] = 2.0 * np.array(
                 [[-x, w, z, -y], [-y, -z, w, x], [-z, y, -x, w]]
             )
         else:
-            found[v, q] = 1.0
-    return found
+            result[v, q] = 1.0
+    return result

@@ -41,8 +41,8 @@ def kept(value: object, name: str, shape: tuple[int | None, ...], *, where: str)
         ) from error
     wanted = tuple("n" if length is None else length for length in shape)
     fits = array.ndim == len(shape) and all(
-        found == length or (length is None and found)
-        for found, length in zip(array.shape, shape, strict=True)
+        result == length or (length is None and result)
+        for result, length in zip(array.shape, shape, strict=True)
     )
     if not fits:
         raise PolicyError(

@@ -81,11 +81,11 @@ class Track(Policy):
         if (knot == first).all():
             # One clock for all: a product of matrices.
             away = wrapped(seen - self.nominal[first], self._turning)
-            told = away @ self.gain[first].T + self.command[first]
+            command = away @ self.gain[first].T + self.command[first]
         else:
             away = wrapped(seen - self.nominal[knot], self._turning)
-            told = (self.gain[knot] @ away[..., None])[..., 0] + self.command[knot]
-        return self.limited(told)
+            command = (self.gain[knot] @ away[..., None])[..., 0] + self.command[knot]
+        return self.limited(command)
 
     def typical(self, time: Array, rng: np.random.Generator) -> Array:
         """Return observations near what should be seen."""

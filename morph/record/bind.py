@@ -123,8 +123,8 @@ def _channels(
     notes: tuple[Note, ...] = ()
     for table, share in zip(tables, shares, strict=True):
         if share:
-            found, more = _on_one_clock(table, share, binding)
-            channels, notes = {**channels, **found}, notes + table.notes + more
+            result, more = _on_one_clock(table, share, binding)
+            channels, notes = {**channels, **result}, notes + table.notes + more
     return {name: channels[name] for name in _in_order(channels, columns)}, notes
 
 

@@ -74,8 +74,8 @@ def _channels(table: Table) -> tuple[dict[str, Channel], tuple[Note, ...]]:
                     where=str(path),
                     fix=f"give it a clock of its own, {name}{CLOCK}",
                 )
-        cleaned, found = channels_of(time, values, table)
-        channels, notes = {**channels, **cleaned}, notes + found
+        cleaned, result = channels_of(time, values, table)
+        channels, notes = {**channels, **cleaned}, notes + result
     return {name: channels[name] for name in names}, notes
 
 

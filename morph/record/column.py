@@ -154,14 +154,14 @@ def _factor(entry: Entry, channel: ChannelName | None, form: str) -> float:
         raise entry.error(
             "the column has no unit", "", f'add unit = "{allowed[0]}", or the one it is written in'
         )
-    found = unit(symbol, where=entry.where("unit"))
-    if allowed and found.dimension not in allowed:
+    result = unit(symbol, where=entry.where("unit"))
+    if allowed and result.dimension not in allowed:
         raise entry.error(
             f"the unit {symbol!r} does not fit: this channel is in {' or '.join(allowed)}",
             "unit",
             "correct the unit or the channel's name",
         )
-    return found.factor
+    return result.factor
 
 
 def _frame(entry: Entry, channel: ChannelName | None, whole: bool) -> str:

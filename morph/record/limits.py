@@ -56,8 +56,8 @@ def most_unpacked(size: int) -> int:
     Raises:
         RecordingError: The environment variable is no number of GiB.
     """
-    asked = _asked()
-    return min(MOST_BYTES, FREE_BYTES + MOST_RATIO * size) if asked is None else asked
+    requested = _asked()
+    return min(MOST_BYTES, FREE_BYTES + MOST_RATIO * size) if requested is None else requested
 
 
 def most_text() -> int:

@@ -41,8 +41,8 @@ def read_topics(tables: tuple[Table, ...]) -> tuple[dict[str, Channel], tuple[No
         if names and table.clock is not None:
             element = 0 if _is_array(table) else None
             values = {name: table.column(column, element) for name, column in names.items()}
-            found, more = channels_of(table.clock, values, table)
-            channels, notes = {**channels, **found}, notes + more
+            result, more = channels_of(table.clock, values, table)
+            channels, notes = {**channels, **result}, notes + more
     if not channels:
         raise RecordingError(
             f"the messages on {listed(unbound)} do not say what their numbers are",

@@ -147,15 +147,15 @@ def standing(task: Task) -> Task:
 def lowest(model: Any, data: Any) -> float:
     """Return the height of the lowest corner of a box about any shape of a body, m."""
     corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
-    found = np.inf
+    result = np.inf
     for geom in range(model.ngeom):
         if model.geom_bodyid[geom] == 0 or not model.geom_contype[geom]:
             continue
         box = model.geom_aabb[geom]
         local = box[:3] + corners * box[3:]
         rotation = data.geom_xmat[geom].reshape(3, 3)
-        found = min(found, float((data.geom_xpos[geom] + local @ rotation.T)[:, 2].min()))
-    return found if np.isfinite(found) else 0.0
+        result = min(result, float((data.geom_xpos[geom] + local @ rotation.T)[:, 2].min()))
+    return result if np.isfinite(result) else 0.0
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -196,15 +196,15 @@ def sought(
         for _ in range(generations):
             number += 1
             rng = np.random.default_rng((seed, number))
-            asked = np.clip(search.ask(population, rng), 0.0, 1.0)
+            requested = np.clip(search.ask(population, rng), 0.0, 1.0)
             if number == 1:
-                asked[0] = point[free]
+                requested[0] = point[free]
             chance = int(rng.integers(2**31))
             tried = np.tile(point, (population, 1))
-            tried[:, free] = asked
+            tried[:, free] = requested
             # All begin alike: they are compared by what they are.
             far = np.array([design.far(each, rng=np.random.default_rng(chance)) for each in tried])
-            search.tell(asked, -far)
+            search.tell(requested, -far)
             best = max(best, float(far.max()))
             curve.append(best)
         point[free] = np.clip(search.mean, 0.0, 1.0)

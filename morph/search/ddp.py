@@ -61,13 +61,13 @@ class Plan(Search):
                 fix="give at least 16 rows, 1 of each other, and a margin from 0 to below 1",
             )
 
-    def found(
+    def solve(
         self,
         problem: Problem,
         *,
         seed: int,
         trials: int | None = None,
-        told: Told = ignore,
+        progress: Told = ignore,
         state: State | None = None,
     ) -> Learned:
         """Return the best plan as a policy; the arguments are those of `Search.run`."""
@@ -77,7 +77,7 @@ class Plan(Search):
             # Its few tries are not worth going on from: what was killed begins anew.
             led = late(task, simulator, None, seed=seed)
             for trial in led.trials:
-                told(trial, {})
+                progress(trial, {})
             return led
         ground = grounded(task, simulator, margin=self.margin, rng=np.random.default_rng(seed))
         best, first = (None, 1) if state is None else _restored(state)
@@ -88,7 +88,7 @@ class Plan(Search):
                 break
             # Each round has chance of its own, so that one that goes on finds what it would have.
             rng = np.random.default_rng([seed, number])
-            found = planned(
+            result = planned(
                 ground,
                 rows=self.rows * 2 ** min(number - 1, 3),
                 keep=self.keep,
@@ -96,7 +96,7 @@ class Plan(Search):
                 runs=self.runs,
                 rng=rng,
             )
-            best = found if best is None or found.score < best.score else best
+            best = result if best is None or result.score < best.score else best
             record.append(
                 Trial(
                     number=number,
@@ -105,7 +105,7 @@ class Plan(Search):
                     seconds=time.monotonic() - began,
                 )
             )
-            told(record[-1], _kept(best, number))
+            progress(record[-1], _kept(best, number))
         if best is None:
             raise SearchError(
                 "it was given no round to search in",

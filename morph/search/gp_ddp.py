@@ -67,13 +67,13 @@ class LearnedPlans(Search):
                 fix="give a share above 0 and at most 1, and a time above 0 s",
             )
 
-    def found(
+    def solve(
         self,
         problem: Problem,
         *,
         seed: int,
         trials: int | None = None,
-        told: Told = ignore,
+        progress: Told = ignore,
         state: State | None = None,
     ) -> Learned:
         """Return the policy that promises most after so many trials on the target.
@@ -99,7 +99,7 @@ class LearnedPlans(Search):
             shown = target.trial(share * self._random(problem, bounds, rng), rng)
             note = f"random commands within {share:g} of their bounds"
             memory = memory.after(shown, None, time.perf_counter() - begun, note)
-            told(memory.lines[-1], memory.state())
+            progress(memory.lines[-1], memory.state())
         while len(memory.experience) - memory.begun < most:
             rng = np.random.default_rng((seed, 1, len(memory.experience)))
             memory, best = self._best(problem, model, bounds, memory, rng, anew=True)
@@ -108,7 +108,7 @@ class LearnedPlans(Search):
             shown = target.trial(best.plans.track(0, task), rng)
             note = f"foreseen: loss {best.loss:.3g}, success {best.success:.2f}"
             memory = memory.after(shown, best.plans, time.perf_counter() - begun, note)
-            told(memory.lines[-1], memory.state())
+            progress(memory.lines[-1], memory.state())
         rng = np.random.default_rng((seed, 2))
         _, best = self._best(problem, model, bounds, memory, rng, anew=False)
         return self._learned(problem, memory, best)

@@ -27,13 +27,13 @@ class Lqr(Search):
 
     name: ClassVar[str] = "lqr"
 
-    def found(
+    def solve(
         self,
         problem: Problem,
         *,
         seed: int,
         trials: int | None = None,
-        told: Told = ignore,
+        progress: Told = ignore,
         state: State | None = None,
     ) -> Learned:
         """Return the regulator as a policy; it takes one round, and has nothing to go on from."""
@@ -47,7 +47,7 @@ class Lqr(Search):
             policy,
             seed=seed,
             began=began,
-            told=told,
+            progress=progress,
             what="the regulator",
             hint="the run may begin too far from rest, or the noise be too loud",
         )

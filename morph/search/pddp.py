@@ -73,8 +73,8 @@ class Pddp(BeliefSearch):
         commands = list(seeds(plant, process, bounds, self.samples, self.starts, rng))
         if memory.numbers is not None:
             commands.append(memory.numbers.reshape(view.task.samples - 1, -1))
-        found = [self._descended(plant, command, bounds) for command in commands]
-        best = min(found, key=lambda each: float(each.cost[0]))
+        results = [self._descended(plant, command, bounds) for command in commands]
+        best = min(results, key=lambda each: float(each.cost[0]))
         return Improved(
             policy=_policy(view, best),
             numbers=best.command[0].ravel(),

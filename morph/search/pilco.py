@@ -50,8 +50,8 @@ class Pilco(BeliefSearch):
 
         def cost(numbers: Array) -> tuple[float, Array]:
             law = RadialLaw(scale.numbers(numbers))
-            found = imagine(plant, law, view.costs, m, S, periods)
-            return float(found.loss), found.gradient * scale.slope
+            result = imagine(plant, law, view.costs, m, S, periods)
+            return float(result.loss), result.gradient * scale.slope
 
         begun = [scale.packed(memory.numbers)] if memory.numbers is not None else []
         while len(begun) < self.starts:
@@ -59,9 +59,9 @@ class Pilco(BeliefSearch):
         tried = [_descended(cost, start, scale, self.short) for start in begun]
         best = min(tried, key=lambda run: run[0])
         value, numbers = _descended(cost, best[1], scale, self.steps)
-        found = scale.numbers(numbers)
+        result = scale.numbers(numbers)
         return Improved(
-            policy=radial_of(view, found), numbers=scale.unpacked(numbers), expected=value
+            policy=radial_of(view, result), numbers=scale.unpacked(numbers), expected=value
         )
 
 

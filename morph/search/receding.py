@@ -60,13 +60,13 @@ class Receding(Search):
                 fix="give at least 16 rows, and 1 of each other",
             )
 
-    def found(
+    def solve(
         self,
         problem: Problem,
         *,
         seed: int,
         trials: int | None = None,
-        told: Told = ignore,
+        progress: Told = ignore,
         state: State | None = None,
     ) -> Learned:
         """Return the trace of one run as a policy; it takes one round, with nothing to resume."""
@@ -87,7 +87,7 @@ class Receding(Search):
             policy,
             seed=seed,
             began=began,
-            told=told,
+            progress=progress,
             what="the trace of its run",
             hint="the search ddp chooses among several plans",
         )

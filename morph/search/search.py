@@ -118,7 +118,7 @@ class Search(ABC):
         *,
         seed: int,
         trials: int | None = None,
-        told: Told = ignore,
+        progress: Told = ignore,
         state: State | None = None,
     ) -> Learned:
         """Return the best policy found; a search that failed says so and why.
@@ -127,23 +127,23 @@ class Search(ABC):
             problem: The task, and where to search.
             seed: Chance begins from it; the same seed gives the same policy.
             trials: Most trials on the target, generations or rounds; None for the search's own.
-            told: Is called after each.
-            state: What `told` was last given, to go on from there.
+            progress: Is called after each.
+            state: What `progress` was last given, to go on from there.
 
         Raises:
             SearchError: The search cannot be made on this task, or not from this data.
         """
         with one_thread():
-            return self.found(problem, seed=seed, trials=trials, told=told, state=state)
+            return self.solve(problem, seed=seed, trials=trials, progress=progress, state=state)
 
     @abstractmethod
-    def found(
+    def solve(
         self,
         problem: Problem,
         *,
         seed: int,
         trials: int | None = None,
-        told: Told = ignore,
+        progress: Told = ignore,
         state: State | None = None,
     ) -> Learned:
         """Return what `run` is to give back; numerical libraries keep to one thread meanwhile."""

@@ -116,8 +116,8 @@ class Simulated(Target):
         """Return what tells the body: a policy that sees what is shown, or commands as told."""
         period = self.task.period
         if not isinstance(policy, Policy):
-            told = np.asarray(policy, dtype=float)
-            return lambda q, v, time: told[None, min(round(time / period), len(told) - 1)]
+            command = np.asarray(policy, dtype=float)
+            return lambda q, v, time: command[None, min(round(time / period), len(command) - 1)]
         check_period(policy, self.task)
         observer = Observer(policy, self.task.robot, self.simulator.model, 1)
         return lambda q, v, time: policy.act(

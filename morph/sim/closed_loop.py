@@ -85,9 +85,9 @@ def closed_loop(
         for at in range(samples - 1):
             now = at * each
             if now % steps == 0:
-                told = _told(act, q, v, now * simulator.step, simulator)
-                given = arrives(told, now, steps)
-            us[at] = told
+                command = _told(act, q, v, now * simulator.step, simulator)
+                given = arrives(command, now, steps)
+            us[at] = command
             advance(given[..., now % steps :][..., :each] if given.shape[-1] > 1 else given)
             qs[at + 1], vs[at + 1] = q, v
     us[-1] = us[-2]
@@ -130,12 +130,12 @@ def _received(simulator: Simulator, rows: int, steps: int) -> Callable[[Array, i
     (rows, nu, steps), or (rows, nu, 1) if nothing changes commands on their way.
     """
     if not any(type(effect).command is not Effect.command for effect in simulator.effects):
-        return lambda told, first, count: told[..., None]
+        return lambda command, first, count: command[..., None]
     history = np.empty((rows, simulator.model.nu, steps))
 
-    def filtered(told: Array, first: int, count: int) -> Array:
+    def filtered(command: Array, first: int, count: int) -> Array:
         # Delays and lags look back: all that was told so far goes through them again.
-        history[..., first : first + count] = told[..., None]
+        history[..., first : first + count] = command[..., None]
         given = np.empty((rows, simulator.model.nu, count))
         for actuator in simulator.robot.actuators:
             index = simulator.model.actuator(actuator.name).id

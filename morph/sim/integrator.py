@@ -51,9 +51,9 @@ def _stiff(model: mujoco.MjModel) -> bool:
 
 def _feels_a_fluid(model: mujoco.MjModel) -> bool:
     """Return whether a fluid does anything: an effect at its neutral value writes zeros."""
-    told = model.body_user[wet_bodies(model)]
+    command = model.body_user[wet_bodies(model)]
     acting = (ADDED, DISPLACED, LINEAR, QUADRATIC, SHED)
-    return any(bool(told[:, where].any()) for where in acting)
+    return any(bool(command[:, where].any()) for where in acting)
 
 
 def _may_touch(model: mujoco.MjModel) -> bool:

@@ -39,8 +39,8 @@ def observed(
         here = model.joint(joint.name)
         q, v = int(here.qposadr[0]), int(here.dofadr[0])
         if joint.kind in {"hinge", "slide"}:
-            found = {"position": position[:, q], "velocity": velocity[:, v]}
-            channels |= _named(joint.name, found, times)
+            results = {"position": position[:, q], "velocity": velocity[:, v]}
+            channels |= _named(joint.name, results, times)
         elif joint.kind == "free":
             channels |= _named(joint.link, dict(_floating(position, velocity, q, v)), times)
         else:
@@ -48,8 +48,8 @@ def observed(
     return channels | _sensors(robot, model, times, position, velocity)
 
 
-def _named(part: str, found: dict[str, Array], times: Array) -> dict[str, Channel]:
-    return {f"{part}.{name}": Channel(time=times, value=value) for name, value in found.items()}
+def _named(part: str, results: dict[str, Array], times: Array) -> dict[str, Channel]:
+    return {f"{part}.{name}": Channel(time=times, value=value) for name, value in results.items()}
 
 
 def _floating(position: Array, velocity: Array, q: int, v: int) -> Iterator[tuple[str, Array]]:
@@ -106,10 +106,10 @@ def _readings(model: Any, times: Array, position: Array, velocity: Array) -> Arr
     data = mujoco.MjData(model)
     acceleration = np.diff(velocity, axis=0) / np.diff(times)[:, None]
     acceleration = np.concatenate([acceleration, acceleration[-1:]])
-    found = np.empty((len(times), model.nsensordata))
+    result = np.empty((len(times), model.nsensordata))
     with flowing(model):
         for at in range(len(times)):
             data.qpos, data.qvel, data.qacc = position[at], velocity[at], acceleration[at]
             mujoco.mj_inverse(model, data)
-            found[at] = data.sensordata
-    return found
+            result[at] = data.sensordata
+    return result

@@ -61,8 +61,8 @@ def _step(model: Any, q: Array, v: Array, command: Array) -> bool:
     """Fill the states that follow the first, (steps + 1, n) each; return whether all are stable."""
     data = mujoco.MjData(model)
     data.qpos[:], data.qvel[:] = q[0], v[0]
-    for step, told in enumerate(command):
-        data.ctrl[:] = told
+    for step, commanded in enumerate(command):
+        data.ctrl[:] = commanded
         mujoco.mj_step(model, data)
         if any(data.warning[kind.value].number for kind in BAD):
             q[step + 1 :], v[step + 1 :] = q[step], v[step]

@@ -119,12 +119,12 @@ class Rows:
         gear = self._of("actuator_gear")[:, at, 0]
         if joint is None:
             gear = np.full_like(gear, strength(self._model, at))
-        told, length, rate = self.control(actuator), gear * position, gear * velocity
+        command, length, rate = self.control(actuator), gear * position, gear * velocity
         if self._model.actuator_ctrllimited[at]:
-            told = np.clip(told, *self._of("actuator_ctrlrange")[:, at].T)
-        force = gain[:, 0] * told
+            command = np.clip(command, *self._of("actuator_ctrlrange")[:, at].T)
+        force = gain[:, 0] * command
         if kinds[0] == AFFINE:
-            force = force + (gain[:, 1] * length + gain[:, 2] * rate) * told
+            force = force + (gain[:, 1] * length + gain[:, 2] * rate) * command
         if kinds[1] == LINEAR:
             force = force + bias[:, 0] + bias[:, 1] * length + bias[:, 2] * rate
         if self._model.actuator_forcelimited[at]:

@@ -199,11 +199,11 @@ class Simulator:
         times: Array = np.asarray(self.step * np.arange(steps + 1), dtype=float)
         position, velocity = started(self.robot, model, start, speed)
         control = np.zeros((1, steps, model.nu))
-        told: dict[str, Array] = {}
+        known: dict[str, Array] = {}
         for actuator, what in (command or {}).items():
             index = model.actuator(self.robot.actuator(actuator).name).id
-            told[actuator] = self._told(actuator, what, times[:-1])
-            control[0, :, index] = received(self.effects, actuator, told[actuator], self.step)
+            known[actuator] = self._told(actuator, what, times[:-1])
+            control[0, :, index] = received(self.effects, actuator, known[actuator], self.step)
         q, v = rollout(
             [self._variant],
             np.zeros(1, dtype=int),
@@ -212,7 +212,7 @@ class Simulator:
             control,
             strict=True,
         )
-        return Trajectory(time=times, position=q[0], velocity=v[0], command=told)
+        return Trajectory(time=times, position=q[0], velocity=v[0], command=known)
 
     def recorded(self, moved: Trajectory, name: str = "simulated") -> Recording:
         """Return a motion as a recording, seen through the effects' sensors.

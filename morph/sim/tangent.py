@@ -125,10 +125,10 @@ def apart(model: Any, position: Array, origin: Array, *, wrapped: bool = False) 
 
 def turning(model: Any) -> Mask:
     """Return which degrees of freedom are hinges without limits, shape (nv,)."""
-    found = np.zeros(model.nv, dtype=bool)
+    result = np.zeros(model.nv, dtype=bool)
     free = (model.jnt_type == HINGE) & (model.jnt_limited == 0)
-    found[model.jnt_dofadr[free]] = True
-    return found
+    result[model.jnt_dofadr[free]] = True
+    return result
 
 
 def product(left: Array, right: Array) -> Array:

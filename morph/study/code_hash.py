@@ -137,8 +137,8 @@ def _closure(module: str, roots: Roots, ignore: tuple[str, ...]) -> tuple[tuple[
         if parent:
             # Importing a module runs its parent packages, but not their lazy imports by name.
             waiting.append((parent, False))
-        found = _imports(name, file, roots)
-        waiting += [(each, True) for each, string in found if whole or not string]
+        result = _imports(name, file, roots)
+        waiting += [(each, True) for each, string in result if whole or not string]
     named, folders = {file: name for name, file in seen.items()}, dict[Path, str]()
     for name, file in seen.items():
         folders.setdefault(file.parent, name.rpartition(".")[0])

@@ -87,11 +87,11 @@ class Arm:
     def along(self, points: Array) -> Array:
         """Return postures that follow points, each found from the last, shape (points, joints)."""
         posture, _ = self.posture(points[0])
-        found = np.empty((len(points), len(posture)))
+        result = np.empty((len(points), len(posture)))
         for at, point in enumerate(points):
             posture, _ = self._descend(point, posture)
-            found[at] = posture
-        return found
+            result[at] = posture
+        return result
 
     def _descend(self, point: Array, posture: Array) -> tuple[Array, float]:
         jacobian = np.zeros((3, self._model.nv))

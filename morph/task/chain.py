@@ -76,7 +76,7 @@ def posture(robot: Robot, task: str, *, upright: bool) -> dict[str, float]:
     """
     model: Any = spec_of(robot).compile()
     data = mujoco.MjData(model)
-    found: dict[str, float] = {}
+    results: dict[str, float] = {}
     for joint in hinges_of(robot, task):
         here = model.joint(joint.name)
         mujoco.mj_kinematics(model, data)
@@ -96,14 +96,14 @@ def posture(robot: Robot, task: str, *, upright: bool) -> dict[str, float]:
         reached = [each for each in wanted if _within(joint, each)]
         if not reached:
             raise _out_of_reach(joint, wanted[0], robot, task)
-        found[joint.name] = data.qpos[here.qposadr[0]] = reached[0]
-    if not found:
+        results[joint.name] = data.qpos[here.qposadr[0]] = reached[0]
+    if not results:
         raise TaskError(
             "gravity swings none of its hinges",
             where=f"task {task} of {robot.name}",
             fix="give a body with a hinge whose axis is horizontal",
         )
-    return found
+    return results
 
 
 def _tidy(angle: float) -> float:
@@ -139,7 +139,7 @@ def ways(robot: Robot, angles: dict[str, float]) -> dict[str, tuple[tuple[str, .
     for name, angle in angles.items():
         data.qpos[model.joint(name).qposadr[0]] = angle
     mujoco.mj_kinematics(model, data)
-    found = {}
+    results = {}
     for hinge in angles:
         body = int(model.joint(hinge).bodyid[0])
         way: list[str] = []
@@ -150,8 +150,8 @@ def ways(robot: Robot, angles: dict[str, float]) -> dict[str, tuple[tuple[str, .
             body = int(model.body_parentid[body])
         axes = [data.xaxis[model.joint(name).id] for name in way]
         signs = tuple(1.0 if float(axis @ axes[0]) >= 0.0 else -1.0 for axis in axes)
-        found[hinge] = (tuple(way), signs)
-    return found
+        results[hinge] = (tuple(way), signs)
+    return results
 
 
 def end_of(robot: Robot) -> tuple[str, tuple[float, float, float]]:

@@ -62,16 +62,16 @@ def crouch(robot: Robot, bends: dict[str, float], *, task: str = "walk") -> dict
         lean = (data.subtree_com[trunk] - middle)[:2]
         return np.concatenate([(data.xmat[feet] - flat).ravel(), 5.0 * lean, 1e-4 * angles])
 
-    found = least_squares(off, np.zeros(len(free)))
-    if np.abs(off(found.x)[: -len(free)]).max() > 5.0 * TOLERANCE:
+    result = least_squares(off, np.zeros(len(free)))
+    if np.abs(off(result.x)[: -len(free)]).max() > 5.0 * TOLERANCE:
         raise TaskError(
-            f"bent so, it leaves {np.abs(off(found.x)).max():.3g} of flat soles under its weight",
+            f"bent so, it leaves {np.abs(off(result.x)).max():.3g} of flat soles under its weight",
             where=f"task {task} of {robot.name}",
             fix="bend both legs alike, and less",
         )
     posture = dict(bends) | {
         str(model.joint(joint).name): round(float(angle), 4) + 0.0
-        for joint, angle in zip(free, found.x, strict=True)
+        for joint, angle in zip(free, result.x, strict=True)
     }
     sunk = float(data.xpos[feet, 2].mean() - low)
     height = float(data.qpos[int(model.jnt_qposadr[model.body_jntadr[trunk]]) + 2]) - sunk
@@ -80,14 +80,14 @@ def crouch(robot: Robot, bends: dict[str, float], *, task: str = "walk") -> dict
 
 def _legs(model: Any, feet: list[int], trunk: int) -> list[int]:
     """Return the hinges between the trunk and the feet, by MuJoCo's numbers."""
-    found: list[int] = []
+    results: list[int] = []
     for foot in feet:
         link = foot
         while link not in (0, trunk):
             first = int(model.body_jntadr[link])
-            found += range(first, first + int(model.body_jntnum[link]))
+            results += range(first, first + int(model.body_jntnum[link]))
             link = int(model.body_parentid[link])
-    return found
+    return results
 
 
 def _along(model: Any, data: Any, joint: int, bends: dict[str, float]) -> bool:

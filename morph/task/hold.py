@@ -41,7 +41,7 @@ def hold(robot: Robot, posture: Mapping[str, float] | None = None) -> Task:
         raise TaskError(
             "it is not held to the world", where=where, fix="take the task stand, or give an arm"
         )
-    asked = Arm(robot).rest() | dict(posture or {})
+    requested = Arm(robot).rest() | dict(posture or {})
     joints = robot.driven
     if not joints:
         raise TaskError(
@@ -49,14 +49,14 @@ def hold(robot: Robot, posture: Mapping[str, float] | None = None) -> Task:
         )
     for joint in (robot.joint(each) for each in joints):
         low, high = joint.limits or (-float("inf"), float("inf"))
-        if not low <= asked[joint.name] <= high:
+        if not low <= requested[joint.name] <= high:
             raise TaskError(
-                f"joint {joint.name!r} is to stay at {asked[joint.name]:.3g} {joint.unit}, "
+                f"joint {joint.name!r} is to stay at {requested[joint.name]:.3g} {joint.unit}, "
                 f"and its range is {low:.3g} to {high:.3g}",
                 where=where,
                 fix="give a posture within the ranges",
             )
-    target = tuple(asked[each] for each in joints)
+    target = tuple(requested[each] for each in joints)
     place = JointPositions(joints=joints)
     still = (0.0,) * len(joints)
     return Task(
@@ -82,7 +82,7 @@ def hold(robot: Robot, posture: Mapping[str, float] | None = None) -> Task:
                 last=HORIZON - SETTLE,
             ),
         ),
-        start=Start(position=asked),
+        start=Start(position=requested),
         horizon=HORIZON,
         period=PERIOD,
         step=0.001,

@@ -63,16 +63,21 @@ def reach(
         )
     end = Point(link=arm.link, offset=arm.offset)
     speeds = JointSpeeds(joints=arm.joints)
-    asked = (float(point[0]), float(point[1]), float(point[2]))
+    requested = (float(point[0]), float(point[1]), float(point[2]))
     return Task(
         name=name,
         robot=robot,
         terms=(
             Term(
-                name="end", quantity=end, target=asked, width=0.1, weight=PERIOD, norm="saturating"
+                name="end",
+                quantity=end,
+                target=requested,
+                width=0.1,
+                weight=PERIOD,
+                norm="saturating",
             ),
             # At first a tenth of a metre is all; in the end it is the last millimetre.
-            Term(name="end, finely", quantity=end, target=asked, width=within, last_only=True),
+            Term(name="end, finely", quantity=end, target=requested, width=within, last_only=True),
             Term(
                 name="speed",
                 quantity=speeds,
@@ -81,7 +86,7 @@ def reach(
                 weight=PERIOD,
             ),
         ),
-        goals=(Goal(name="end", quantity=end, target=asked, within=within, last=LAST),),
+        goals=(Goal(name="end", quantity=end, target=requested, within=within, last=LAST),),
         start=Start(),
         horizon=3.0,
         period=PERIOD,

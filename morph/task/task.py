@@ -104,12 +104,12 @@ class Task:
 
     def _check_sizes(self) -> None:
         parts: tuple[Term | Goal, ...] = (*self.terms, *self.goals)
-        for asked in parts:
-            size = asked.quantity.size(self.robot)
-            if size != len(asked.target):
+        for requested in parts:
+            size = requested.quantity.size(self.robot)
+            if size != len(requested.target):
                 self._refuse(
-                    f"{asked.name!r} has {len(asked.target)} targets, "
-                    f"and {asked.quantity.name} has {size} numbers",
+                    f"{requested.name!r} has {len(requested.target)} targets, "
+                    f"and {requested.quantity.name} has {size} numbers",
                     "give one target for each number",
                 )
 
@@ -124,8 +124,8 @@ class Task:
     @property
     def sha256(self) -> str:
         """Hash of all that defines it but the body, which has a hash of its own."""
-        said = {key: repr(value) for key, value in vars(self).items() if key != "robot"}
-        return sha256(json.dumps(said, sort_keys=True))
+        message = {key: repr(value) for key, value in vars(self).items() if key != "robot"}
+        return sha256(json.dumps(message, sort_keys=True))
 
     def simulator(self, effects: tuple[Effect, ...] = ()) -> Simulator:
         """Return the body in the world of the task, under further effects if given."""
@@ -181,9 +181,9 @@ class Task:
 
 
 def _said(part: Term | Goal) -> dict[str, object]:
-    said = {
+    message = {
         key: None if value == math.inf else value
         for key, value in vars(part).items()
         if key != "quantity"
     }
-    return {**said, "quantity": {"kind": part.quantity.name, **asdict(part.quantity)}}
+    return {**message, "quantity": {"kind": part.quantity.name, **asdict(part.quantity)}}

@@ -109,5 +109,5 @@ class Goal:
         error = self.quantity.error(moved, self.target)
         fine = error >= 0.0 if self.beyond else np.abs(error) <= self.within
         # A sample that falls on the edge belongs to it, whatever rounding says.
-        asked = moved.time >= moved.time[-1] - self.last - 1e-9
-        return np.asarray(fine[..., asked, :].all(axis=(-2, -1)))
+        requested = moved.time >= moved.time[-1] - self.last - 1e-9
+        return np.asarray(fine[..., requested, :].all(axis=(-2, -1)))

@@ -39,14 +39,14 @@ def torso(robot: Robot, task: str) -> str:
     Raises:
         TaskError: No link does: the body is held to the world.
     """
-    found = torso_of(robot)
-    if found is None:
+    result = torso_of(robot)
+    if result is None:
         raise TaskError(
             "no link of it moves freely: it is held to the world",
             where=f"task {task} of {robot.name}",
             fix="give a body that can go somewhere, such as quadruped_printed",
         )
-    return found
+    return result
 
 
 def stance(robot: Robot) -> dict[str, float]:
@@ -98,10 +98,10 @@ def stance(robot: Robot) -> dict[str, float]:
     # A step off the straight leg, at which the gradient of its height is zero.
     begin = model.qpos0.copy()
     begin[driven] += np.clip(0.0, limits[:, 0] + BENT, limits[:, 1] - BENT)
-    found = least_squares(off, begin).x
+    result = least_squares(off, begin).x
     # To a tenth of a milliradian, which reads better and stands as well.
     return {
-        joint.name: round(float(found[model.joint(joint.name).qposadr[0]]), 4) + 0.0
+        joint.name: round(float(result[model.joint(joint.name).qposadr[0]]), 4) + 0.0
         for joint in robot.joints
         if joint.kind in {"hinge", "slide"}
     }

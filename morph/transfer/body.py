@@ -120,8 +120,8 @@ class Body:
             return whole
         # What is seen explains other numbers of the task in part; these are left out.
         seen = whole @ np.linalg.pinv(self.sight)
-        told = np.abs(seen @ self.sight - whole).max(axis=1) < 1e-6 * np.abs(whole).max(axis=1)
-        return np.asarray(seen[told])
+        command = np.abs(seen @ self.sight - whole).max(axis=1) < 1e-6 * np.abs(whole).max(axis=1)
+        return np.asarray(seen[command])
 
     def _seen(self, q: Array) -> Array:
         moved = self._moved(q[:, None], np.zeros((len(q), 1, self.plant.model.nv)))
@@ -220,8 +220,8 @@ def body(task: Task, *, carriers: tuple[str, ...] = (), still: Rest | None = Non
         SearchError: It can rest nowhere.
     """
     plant = Plant(task.simulator(), task.period)
-    found = rest(task, plant, np.random.default_rng(0)) if still is None else still
-    return Body(task=task, plant=plant, still=found, upright=upright(task, carriers=carriers))
+    result = rest(task, plant, np.random.default_rng(0)) if still is None else still
+    return Body(task=task, plant=plant, still=result, upright=upright(task, carriers=carriers))
 
 
 def linear_law(gain: Array, shift: Array | float = 0.0) -> Law:

@@ -29,8 +29,8 @@ def through(body_map: BodyMap, gain: Array, shift: Array) -> Law:
     """
 
     def law(state: Array, time: Array) -> Array:
-        told = body_map.state(state) @ gain.T + shift
-        return body_map.action(state, told)
+        command = body_map.state(state) @ gain.T + shift
+        return body_map.action(state, command)
 
     return law
 
@@ -39,8 +39,8 @@ def flipped(body_map: BodyMap, gain: Array, shift: Array) -> Law:
     """Return the law through the map with every sign of the state turned round."""
 
     def law(state: Array, time: Array) -> Array:
-        told = body_map.state(-state) @ gain.T + shift
-        return body_map.action(state, told)
+        command = body_map.state(-state) @ gain.T + shift
+        return body_map.action(state, command)
 
     return law
 
@@ -65,8 +65,8 @@ def shuffled(
         which = np.concatenate([order, half + order])
 
         def law(state: Array, time: Array, which: Integers = which) -> Array:
-            told = body_map.state(state[:, which]) @ gain.T + shift
-            return body_map.action(state, told)
+            command = body_map.state(state[:, which]) @ gain.T + shift
+            return body_map.action(state, command)
 
         laws.append(law)
     return tuple(laws)
@@ -125,9 +125,9 @@ def control_scores(
         seed: Of the runs, and of the shuffles.
     """
     rng = np.random.default_rng([seed, 11])
-    found = {"flipped": body.score(flipped(body_map, gain, shift), rows=rows, seed=seed)}
+    results = {"flipped": body.score(flipped(body_map, gain, shift), rows=rows, seed=seed)}
     laws = shuffled(body_map, gain, shift, body.size, rng)
     if laws:
         scores = [body.score(each, rows=rows, seed=seed) for each in laws]
-        found["shuffled"] = float(np.mean(scores))
-    return found
+        results["shuffled"] = float(np.mean(scores))
+    return results

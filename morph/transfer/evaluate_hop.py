@@ -67,8 +67,8 @@ def crossed(
     gain: Array,
     shift: Array,
     target: Body,
-    asked: Asked,
-    said: Callable[[str], None] = lambda words: None,
+    options: Asked,
+    say: Callable[[str], None] = lambda words: None,
 ) -> Kept:
     """Return a hop: the source's law carried to the target, and all that it is held against.
 
@@ -80,47 +80,47 @@ def crossed(
         gain: Of the law u = gain x + shift about rest, shape (k_s, n_s).
         shift: Shape (k_s,).
         target: The body it is carried to.
-        asked: How.
-        said: Is told what is being done.
+        options: How.
+        say: Is told what is being done.
 
     Raises:
         AlignError: No map can be learned.
         MorphError: The target cannot be held by any law.
     """
-    said("learning the map")
-    seed = asked.seed + SEEDS * number
-    found, believed = carried(source, gain, target, asked.samples, seed)
-    seen = shown(target, asked.samples, seed)
-    said("judging")
-    measured = _measured(found, target, gain, shift, seen, asked)
-    measured |= _spoilt(source, target, seed, asked)
-    guard, notes = _guard(found, target, seen, np.random.default_rng([seed, 1]))
-    curves = _curves(number, source, gain, shift, target, asked, said)
-    if asked.scratch:
-        said("learning from scratch")
-        alone_long = scratch(target, rows=asked.trials, seed=asked.seed, rounds=asked.scratch)
+    say("learning the map")
+    seed = options.seed + SEEDS * number
+    result, believed = carried(source, gain, target, options.samples, seed)
+    seen = shown(target, options.samples, seed)
+    say("judging")
+    measured = _measured(result, target, gain, shift, seen, options)
+    measured |= _spoilt(source, target, seed, options)
+    guard, notes = _guard(result, target, seen, np.random.default_rng([seed, 1]))
+    curves = _curves(number, source, gain, shift, target, options, say)
+    if options.scratch:
+        say("learning from scratch")
+        alone_long = scratch(target, rows=options.trials, seed=options.seed, rounds=options.scratch)
         curves = (*curves, alone_long)
         measured[alone_long.name] = float(alone_long.scores[0, -1])
     crossing = Crossing(
         source=source.task.robot.name,
         target=target.task.robot.name,
         map=map_name(number),
-        kind=found.map.kind,
+        kind=result.map.kind,
         parts=parts(
-            found.map, names_of(source), names_of(target), _usual(source, asked), _spreads(seen)
+            result.map, names_of(source), names_of(target), _usual(source, options), _spreads(seen)
         ),
-        quality=_quality(found, source, target, asked),
+        quality=_quality(result, source, target, options),
         guard=guard,
-        samples=found.samples,
+        samples=result.samples,
         measured=measured,
         curves=curves,
         notes=notes,
     )
     return Kept(
         crossing=crossing,
-        map=found.map,
-        gain=found.gain,
-        shift=found.shift,
+        map=result.map,
+        gain=result.gain,
+        shift=result.shift,
         step=believed.step,
     )
 
@@ -133,11 +133,11 @@ def carried(
     The policy is the one that is made anew, or the source's own through the map where that is
     foreseen to do better.
     """
-    found, believed = carry(source, target, count, seed=seed)
-    through = through_map(found.map, gain, target)
-    choices = {"anew": found.gain, "through": through}
+    result, believed = carry(source, target, count, seed=seed)
+    through = through_map(result.map, gain, target)
+    choices = {"anew": result.gain, "through": through}
     _, best = chosen(choices, believed, target, np.random.default_rng([seed, 6]))
-    return replace(found, gain=best), believed
+    return replace(result, gain=best), believed
 
 
 def shown(target: Body, count: int, seed: int) -> Transitions:
@@ -146,40 +146,42 @@ def shown(target: Body, count: int, seed: int) -> Transitions:
 
 
 def _measured(
-    found: Hopped, target: Body, gain: Array, shift: Array, seen: Transitions, asked: Asked
+    result: Hopped, target: Body, gain: Array, shift: Array, seen: Transitions, options: Asked
 ) -> dict[str, float]:
     """Return the task's score of each policy and control, over the same runs."""
-    how = {"rows": asked.trials, "seed": asked.seed}
+    how = {"rows": options.trials, "seed": options.seed}
     measured = {
-        "zero_shot": target.score(through(found.map, gain, shift), **how),
-        "final": target.score(linear_law(found.gain, found.shift), **how),
-        "hold_still": target.score(still_law(len(found.gain)), **how),
+        "zero_shot": target.score(through(result.map, gain, shift), **how),
+        "final": target.score(linear_law(result.gain, result.shift), **how),
+        "hold_still": target.score(still_law(len(result.gain)), **how),
         "no_source": target.score(linear_law(alone(target, seen)), **how),
     }
-    measured |= control_scores(target, found.map, gain, shift, rows=asked.trials, seed=asked.seed)
+    measured |= control_scores(
+        target, result.map, gain, shift, rows=options.trials, seed=options.seed
+    )
     own = target.score(linear_law(holding(target)), **how)
     # Who knows the true body could also take the best law that was found without knowing it.
     measured["oracle"] = max(own, measured["final"], measured["zero_shot"])
     return measured
 
 
-def _spoilt(source: Body, target: Body, seed: int, asked: Asked) -> dict[str, float]:
+def _spoilt(source: Body, target: Body, seed: int, options: Asked) -> dict[str, float]:
     """Return the task's score of policies made anew from the same transitions by wrong maps."""
     scores = {}
     for name, spoil in SPOILT:
         if name == "shuffled_anew" and target.size < 4:
             continue
-        found, _ = carry(source, target, asked.samples, seed=seed, spoil=spoil)
-        law = linear_law(found.gain, found.shift)
-        scores[name] = target.score(law, rows=asked.trials, seed=asked.seed)
+        result, _ = carry(source, target, options.samples, seed=seed, spoil=spoil)
+        law = linear_law(result.gain, result.shift)
+        scores[name] = target.score(law, rows=options.trials, seed=options.seed)
     return scores
 
 
-def _quality(found: Hopped, source: Body, target: Body, asked: Asked) -> dict[str, float]:
+def _quality(result: Hopped, source: Body, target: Body, options: Asked) -> dict[str, float]:
     """Return how good the map is on transitions that nobody learned from."""
-    rng = np.random.default_rng([asked.seed, 5])
+    rng = np.random.default_rng([options.seed, 5])
     here, there = tried(source, JUDGED, rng), tried(target, JUDGED, rng)
-    return dict(quality(found.map, here, there, stepping(source)).numbers())
+    return dict(quality(result.map, here, there, stepping(source)).numbers())
 
 
 def stepping(body: Body) -> Step:
@@ -191,15 +193,15 @@ def stepping(body: Body) -> Step:
 
 
 def _guard(
-    found: Hopped, target: Body, seen: Transitions, rng: np.random.Generator
+    result: Hopped, target: Body, seen: Transitions, rng: np.random.Generator
 ) -> tuple[GuardRecord, tuple[str, ...]]:
-    if found.guard is not None:
-        verdict = found.guard
+    if result.guard is not None:
+        verdict = result.guard
         return GuardRecord(verdict=verdict.verdict, probability=1.0 - verdict.probability), ()
     if target.sight is not None:
         return GuardRecord(verdict="unsure", probability=None), (UNJUDGED,)
     try:
-        return guarded(target, seen, linear_law(found.gain, found.shift), rng), ()
+        return guarded(target, seen, linear_law(result.gain, result.shift), rng), ()
     except AlignError as error:
         return GuardRecord(verdict="unsure", probability=None), (
             f"the guard cannot tell: {error.what}",
@@ -212,20 +214,20 @@ def _curves(
     gain: Array,
     shift: Array,
     target: Body,
-    asked: Asked,
-    said: Callable[[str], None],
+    options: Asked,
+    say: Callable[[str], None],
 ) -> tuple[Curve, ...]:
     """Return how good each way is by how many transitions it is given."""
-    if not asked.repeats:
+    if not options.repeats:
         return ()
-    counts = sorted({max(FEWEST, round(share * asked.samples)) for share in COUNTS})
+    counts = sorted({max(FEWEST, round(share * options.samples)) for share in COUNTS})
     rows: dict[str, list[list[float]]] = {}
-    for repeat in range(asked.repeats):
+    for repeat in range(options.repeats):
         points: dict[str, list[float]] = {}
         for count in counts:
-            said(f"learning curve, {count} transitions, {repeat + 1} of {asked.repeats}")
-            seed = asked.seed + SEEDS * number + 1 + repeat
-            scores = _point(source, gain, shift, target, count, seed, asked)
+            say(f"learning curve, {count} transitions, {repeat + 1} of {options.repeats}")
+            seed = options.seed + SEEDS * number + 1 + repeat
+            scores = _point(source, gain, shift, target, count, seed, options)
             for name, score in scores.items():
                 points.setdefault(name, []).append(score)
         for name, line in points.items():
@@ -243,21 +245,21 @@ def _point(
     target: Body,
     count: int,
     seed: int,
-    asked: Asked,
+    options: Asked,
 ) -> dict[str, float]:
     """Return the score of each way from the same transitions; that of a way that fails is still."""
-    how = {"rows": max(1, asked.trials // 2), "seed": seed}
+    how = {"rows": max(1, options.trials // 2), "seed": seed}
     none = target.score(still_law(len(target.bounds[0])), **how)
     scores = dict.fromkeys(("transfer", "no_source", "shuffled", "flipped"), none)
     seen = shown(target, count, seed)
     scores["no_source"] = target.score(linear_law(alone(target, seen)), **how)
     try:
-        found, _ = carried(source, gain, target, count, seed)
+        result, _ = carried(source, gain, target, count, seed)
     except (AlignError, MorphError):
         return scores
-    scores["transfer"] = target.score(linear_law(found.gain, found.shift), **how)
-    scores["flipped"] = target.score(flipped(found.map, gain, shift), **how)
-    mixed = shuffled(found.map, gain, shift, target.size, np.random.default_rng([seed, 3]))
+    scores["transfer"] = target.score(linear_law(result.gain, result.shift), **how)
+    scores["flipped"] = target.score(flipped(result.map, gain, shift), **how)
+    mixed = shuffled(result.map, gain, shift, target.size, np.random.default_rng([seed, 3]))
     if mixed:
         scores["shuffled"] = target.score(mixed[0], **how)
     else:
@@ -273,9 +275,9 @@ def alone(body: Body, seen: Transitions) -> Array:
     return cautious(learned(seen, None, body), body)
 
 
-def _usual(body: Body, asked: Asked) -> Spreads:
+def _usual(body: Body, options: Asked) -> Spreads:
     """Return how far the numbers of a body whose simulation is at hand usually are from rest."""
-    return _spreads(tried(body, JUDGED, np.random.default_rng([asked.seed, 4])))
+    return _spreads(tried(body, JUDGED, np.random.default_rng([options.seed, 4])))
 
 
 def _spreads(seen: Transitions) -> Spreads:

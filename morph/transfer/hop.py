@@ -93,10 +93,10 @@ def hop(
         "map_only": through,
         "plain": plain(believed.step, target),
     }
-    _, found = chosen(choices, believed, target, np.random.default_rng(seed))
+    _, result = chosen(choices, believed, target, np.random.default_rng(seed))
     scores = {}
     if rows:
-        scores["zero_shot"] = target.score(linear_law(found), rows=rows, seed=seed)
+        scores["zero_shot"] = target.score(linear_law(result), rows=rows, seed=seed)
         scores["map_only"] = target.score(linear_law(through), rows=rows, seed=seed)
     return Hopped(
         source=source.task.robot.name,
@@ -105,8 +105,8 @@ def hop(
         quality=quality_of(seen_as, source, seen),
         guard=None,
         samples=len(seen.state),
-        gain=found,
-        shift=np.zeros(len(found)),
+        gain=result,
+        shift=np.zeros(len(result)),
         scores=scores,
     )
 
@@ -114,5 +114,5 @@ def hop(
 def through_map(seen_as: BodyMap, gain: Array, target: Body) -> Array:
     """Return the source's feedback seen through a map, about the target's rest."""
     y = np.concatenate([np.zeros((1, target.size)), np.eye(target.size)])
-    told = seen_as.action(y, seen_as.state(y) @ gain.T)
-    return np.asarray((told[1:] - told[0]).T)
+    command = seen_as.action(y, seen_as.state(y) @ gain.T)
+    return np.asarray((command[1:] - command[0]).T)

@@ -64,11 +64,11 @@ class HopsKept:
 
     def __init__(self, out: Path, key: Mapping[str, str]) -> None:
         self.out = out
-        state, said = out / STATE, {"schema": SCHEMA, **key}
+        state, statement = out / STATE, {"schema": SCHEMA, **key}
         if state.is_file():
-            _check(state, said)
+            _check(state, statement)
         else:
-            write_whole(state, json.dumps(said, indent=1) + "\n")
+            write_whole(state, json.dumps(statement, indent=1) + "\n")
 
     def write(self, number: int, done: Kept) -> None:
         """Keep a hop; its `hop.json` makes it a finished one."""
@@ -76,22 +76,22 @@ class HopsKept:
         np.savez(held, gain=done.gain, shift=done.shift, step=done.step)
         write_map(self.out / done.crossing.map, done.map)
         write_whole(folder / LAW, held.getvalue())
-        told = _told(done.crossing)
-        told["map_sha256"] = sha256(self.out / done.crossing.map)
-        told["law_sha256"] = sha256(held.getvalue())
-        write_whole(folder / TOLD, json.dumps(told) + "\n")
+        command = _told(done.crossing)
+        command["map_sha256"] = sha256(self.out / done.crossing.map)
+        command["law_sha256"] = sha256(held.getvalue())
+        write_whole(folder / TOLD, json.dumps(command) + "\n")
 
     def read(self, number: int) -> Kept | None:
         """Return a finished hop, or None if it is yet to be made, or was spoilt."""
         folder = self._folder(number)
         try:
-            said = json.loads(read_regular(folder / TOLD, MOST_BYTES))
-            crossing = _crossing(said)
+            document = json.loads(read_regular(folder / TOLD, MOST_BYTES))
+            crossing = _crossing(document)
             mine = crossing.map == map_name(number)
-            if not mine or sha256(self.out / crossing.map) != said["map_sha256"]:
+            if not mine or sha256(self.out / crossing.map) != document["map_sha256"]:
                 return None
             data = read_regular(folder / LAW, MOST_BYTES)
-            if sha256(data) != said["law_sha256"]:
+            if sha256(data) != document["law_sha256"]:
                 return None
             # What is lacking of it fails here, where the hop can still be made anew.
             crossing.said()
@@ -130,10 +130,10 @@ def write_map(path: Path, body_map: BodyMap) -> None:
     write_whole(path, held.getvalue())
 
 
-def _check(state: Path, said: Mapping[str, str]) -> None:
+def _check(state: Path, message: Mapping[str, str]) -> None:
     try:
         before = json.loads(read_regular(state, MOST_BYTES))
-        other = [name for name, value in said.items() if before[name] != value]
+        other = [name for name, value in message.items() if before[name] != value]
     except (ValueError, KeyError, TypeError, OSError, RecursionError) as error:
         raise OutputError(
             f"it is no state of a transfer: {error}", where=str(state), fix="name a new folder"
@@ -163,28 +163,28 @@ def _told(crossing: Crossing) -> JSON:
     }
 
 
-def _crossing(said: Any) -> Crossing:
+def _crossing(document: Any) -> Crossing:
     arrows = {
         name: tuple(
             Arrow(begin=str(a["from"]), end=str(a["to"]), weight=float(a["weight"]))
-            for a in said["parts"][name]
+            for a in document["parts"][name]
         )
         for name in ("states", "commands")
     }
     return Crossing(
-        **{name: str(said[name]) for name in ("source", "target", "map", "kind")},
-        samples=int(said["samples"]),
-        quality={str(name): float(value) for name, value in said["quality"].items()},
-        measured={str(name): float(value) for name, value in said["measured"].items()},
-        guard=GuardRecord(**said["guard"]),
-        parts=Parts(**arrows, lost=tuple(map(str, said["parts"]["lost"]))),
-        notes=tuple(map(str, said["notes"])),
+        **{name: str(document[name]) for name in ("source", "target", "map", "kind")},
+        samples=int(document["samples"]),
+        quality={str(name): float(value) for name, value in document["quality"].items()},
+        measured={str(name): float(value) for name, value in document["measured"].items()},
+        guard=GuardRecord(**document["guard"]),
+        parts=Parts(**arrows, lost=tuple(map(str, document["parts"]["lost"]))),
+        notes=tuple(map(str, document["notes"])),
         curves=tuple(
             Curve(
                 name=str(each["name"]),
                 samples=tuple(map(int, each["samples"])),
                 scores=np.array(each["scores"], dtype=float),
             )
-            for each in said["curves"]
+            for each in document["curves"]
         ),
     )

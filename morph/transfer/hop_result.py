@@ -108,11 +108,11 @@ class Crossing:
     @property
     def scores(self) -> dict[str, float | None]:
         """The scores that the record has, as shares; None for what was not measured."""
-        found: dict[str, float | None] = {}
+        results: dict[str, float | None] = {}
         for name in UNMEASURED:
             share = float(self.relative(self.measured.get(name, np.nan)))
-            found[name] = share if np.isfinite(share) else None
-        return found
+            results[name] = share if np.isfinite(share) else None
+        return results
 
     @property
     def good(self) -> bool:

@@ -138,12 +138,12 @@ def iterations(printed: PrintedBody, *, count: int, rng: np.random.Generator) ->
     Raises:
         TransferError: None of many changes left a body that can rest.
     """
-    found: list[Array] = []
+    results: list[Array] = []
     now = np.zeros(len(printed.numbers))
     for _ in range(count):
         now = _next(printed, now, rng)
-        found.append(now)
-    return tuple(found)
+        results.append(now)
+    return tuple(results)
 
 
 def _next(printed: PrintedBody, now: Array, rng: np.random.Generator) -> Array:
@@ -180,7 +180,7 @@ def nearby(
     half = 0.5 * np.minimum(high - low, 2.0 * np.pi)
     start = replace(made.task.start, push=None)
     begins = made.state(*start.sample(made.task.robot, made.plant.model, count, rng))
-    told = np.clip(share * half * rng.standard_normal((count, len(half))), low, high)
+    command = np.clip(share * half * rng.standard_normal((count, len(half))), low, high)
     noise = made.task.noise * rng.standard_normal((2, count, made.size))
     near = np.repeat(NEAR, made.size // 2)
     state, after = np.empty((2, count, made.size))
@@ -189,11 +189,11 @@ def nearby(
         if (np.abs(x) > near).any():
             x, seen = begins[row], begins[row] + noise[0, row]
         state[row] = seen
-        x = made.step(x[None], told[row][None])[0]
+        x = made.step(x[None], command[row][None])[0]
         seen = x + noise[1, row]
         after[row] = seen
     return Transitions(
-        state=state, command=told, after=after, turns=np.zeros(made.size, dtype=bool)
+        state=state, command=command, after=after, turns=np.zeros(made.size, dtype=bool)
     )
 
 

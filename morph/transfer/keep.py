@@ -44,12 +44,12 @@ class Keep:
 
     def __init__(self, out: Path, task: Task, key: Mapping[str, str]) -> None:
         self.out, self.task = out, task
-        said = {"robot": task.robot.sha256 or task.robot.name, "task": task.sha256, **key}
+        message = {"robot": task.robot.sha256 or task.robot.name, "task": task.sha256, **key}
         state = out / STATE
         if state.is_file():
-            _check(state, said)
+            _check(state, message)
         else:
-            write_whole(state, json.dumps({"schema": "morph.loop/1", **said}, indent=1) + "\n")
+            write_whole(state, json.dumps({"schema": "morph.loop/1", **message}, indent=1) + "\n")
 
     def _folder(self, number: int) -> Path:
         return self.out / TRIALS / f"{number:02d}"
@@ -96,10 +96,10 @@ class Keep:
             ) from error
 
 
-def _check(state: Path, said: Mapping[str, str]) -> None:
+def _check(state: Path, message: Mapping[str, str]) -> None:
     try:
         before = json.loads(read_regular(state, MOST_BYTES))
-        other = [name for name, value in said.items() if before[name] != value]
+        other = [name for name, value in message.items() if before[name] != value]
     except (ValueError, KeyError, TypeError, OSError, RecursionError) as error:
         raise OutputError(
             f"it is no state of a loop: {error}",

@@ -79,11 +79,11 @@ class LinearBelief:
 
         def told(point: Array) -> _Told:
             off = point - self.mean
-            found = _told(*self.model(point), parts, noise)
+            result = _told(*self.model(point), parts, noise)
             return _Told(
-                cost=found.cost + 0.5 * float(off @ precision @ off),
-                curve=found.curve + precision,
-                pull=found.pull - precision @ off,
+                cost=result.cost + 0.5 * float(off @ precision @ off),
+                curve=result.curve + precision,
+                pull=result.pull - precision @ off,
             )
 
         point, best, trust = self.mean, told(self.mean), 1.0
@@ -203,15 +203,15 @@ def anew(transitions: Transitions, period: float, *, noise: float) -> Array:
     def model(point: Array) -> tuple[Array, Array]:
         return point.reshape(begun.shape), each
 
-    found = []
+    results = []
     for spread in UNKNOWN:
         free = np.full_like(begun, period * spread)
         free[:half] *= period
         known = LinearBelief(
             model=model, mean=begun.ravel(), covariance=np.diag(np.square(free.ravel()))
         )
-        found.append(known.seen(transitions, noise=noise))
-    return max(found, key=lambda one: one.evidence).linear
+        results.append(known.seen(transitions, noise=noise))
+    return max(results, key=lambda one: one.evidence).linear
 
 
 def regressed(transitions: Transitions) -> Array:

@@ -98,8 +98,8 @@ class TransferLoop:
         target: Target,
         *,
         keep: Keep | None = None,
-        told: Told = lambda _: None,
-        said: Callable[[str], None] = lambda _: None,
+        progress: Told = lambda _: None,
+        say: Callable[[str], None] = lambda _: None,
     ) -> Transferred:
         """Return the best policy for a target, found in a few trials on it.
 
@@ -108,8 +108,8 @@ class TransferLoop:
             policy: The source's policy.
             target: What to make trials on.
             keep: Where trials are kept, so that a killed loop goes on at the trial it was in.
-            told: Is called after each round.
-            said: Is told what is going on.
+            progress: Is called after each round.
+            say: Is told what is going on.
 
         Raises:
             TransferError: The target stopped answering, or refuses the policy.
@@ -118,7 +118,7 @@ class TransferLoop:
         rounds: list[LoopRound] = []
         upcoming, origin = policy, "source"
         for number in range(self.trials):
-            said(f"trial {number + 1}: {origin}")
+            say(f"trial {number + 1}: {origin}")
             tried = self._tried(upcoming, origin, target, number, keep)
             tries = [*(each.tried for each in rounds), tried]
             began = time.perf_counter()
@@ -126,7 +126,7 @@ class TransferLoop:
             more = number + 1 < self.trials
             try:
                 advice = advise(
-                    task, tries, before=before, seed=self.seed + number, more=more, said=said
+                    task, tries, before=before, seed=self.seed + number, more=more, statement=say
                 )
             except (DiagnosisError, EffectError, SimulationFailed) as error:
                 # The trial was made, and what it showed must not be lost.
@@ -135,7 +135,7 @@ class TransferLoop:
                 return concluded(rounds, hindered=error.what)
             seconds = time.perf_counter() - began
             rounds.append(LoopRound(tried=tried, advice=advice, seconds=seconds))
-            told(rounds[-1])
+            progress(rounds[-1])
             if not worth_trying(advice, tries):
                 break
             upcoming, origin = advice.policy, advice.origin

@@ -63,7 +63,7 @@ def advise(
     before: TaskModel | None = None,
     seed: int,
     more: bool = True,
-    said: Said = lambda _: None,
+    statement: Said = lambda _: None,
 ) -> NextAction:
     """Return the policy that promises most on a target.
 
@@ -81,32 +81,32 @@ def advise(
         before: The model by which the last policy was made; None for the source's own.
         seed: Of the search and of the chance in judging.
         more: Whether another trial can be made; otherwise the best of those made is advised.
-        said: Is told what is going on.
+        statement: Is told what is going on.
 
     Raises:
         DiagnosisError: The body floats, or a trial does not fit the task.
     """
     last = tried[-1]
     model = before or TaskModel(task=task, effects=())
-    said("asking whether the model is good enough")
+    statement("asking whether the model is good enough")
     verdict = gated(model, last.experience.run, task, seed=seed)
-    said("repairing the model")
-    repair = repaired(task, [each.experience.run for each in tried], told=said)
+    statement("repairing the model")
+    repair = repaired(task, [each.experience.run for each in tried], progress=statement)
     models = (repair.model, *repair.drawn(DRAWS, np.random.default_rng([seed, 1])))
     known = foresee([each.policy for each in tried], models, seed=seed)
     best = int(np.argmin([each.score for each in known]))
     if not more or (verdict.verdict == "good" and last.experience.success):
         return _advice(verdict, repair, tried[best].policy, tried[best].origin, known[best])
     if verdict.verdict == "good":
-        said("adjusting the policy")
-        found, origin = adjusted_policy(model, last, seed=seed), "adjusted"
+        statement("adjusting the policy")
+        result, origin = adjusted_policy(model, last, seed=seed), "adjusted"
     else:
-        said("searching a policy in the repaired model")
-        found, origin = searched(models, tried[best].policy, seed=seed), "searched again"
-    if found is not None:
-        (promised,) = foresee([found], models, seed=seed)
+        statement("searching a policy in the repaired model")
+        result, origin = searched(models, tried[best].policy, seed=seed), "searched again"
+    if result is not None:
+        (promised,) = foresee([result], models, seed=seed)
         if promised.score < (1.0 - WORTH) * known[best].score:
-            advice = _advice(verdict, repair, found, origin, known[best], promised)
+            advice = _advice(verdict, repair, result, origin, known[best], promised)
             return replace(advice, searched=True)
     advice = _advice(verdict, repair, tried[best].policy, tried[best].origin, known[best])
     return replace(advice, searched=True)

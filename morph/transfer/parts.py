@@ -106,25 +106,25 @@ def _each(taken: Array | None) -> bool:
 
 
 def parts(
-    found: BodyMap, source: BodyNames, target: BodyNames, spread_s: Spreads, spread_t: Spreads
+    result: BodyMap, source: BodyNames, target: BodyNames, spread_s: Spreads, spread_t: Spreads
 ) -> Parts:
     """Return the arrows of a map near rest, the strongest of each number first.
 
     Args:
-        found: The map.
+        result: The map.
         source: What its numbers are called.
         target: The same of the target.
         spread_s: How far the source's numbers usually are from rest.
         spread_t: The same of the target.
     """
     rest = np.zeros((1, len(target.state)))
-    seen = _slope(found.state, spread_t.state) / _whole(spread_s.state)[:, None]
-    told = (
-        _slope(lambda u: found.action(np.repeat(rest, len(u), axis=0), u), spread_s.command)
+    seen = _slope(result.state, spread_t.state) / _whole(spread_s.state)[:, None]
+    command = (
+        _slope(lambda u: result.action(np.repeat(rest, len(u), axis=0), u), spread_s.command)
         / (_whole(spread_t.command)[:, None])
     )
     states = _arrows(seen[: source.shown], target.state, source.state[: source.shown])
-    commands = _arrows(told, source.command, target.command)
+    commands = _arrows(command, source.command, target.command)
     used = {arrow.begin for arrow in states}
     return Parts(
         states=states,
@@ -144,13 +144,13 @@ def _slope(of: Callable[[Array], Array], spread: Array) -> Array:
 
 
 def _arrows(slope: Array, begins: Sequence[str], ends: Sequence[str]) -> tuple[Arrow, ...]:
-    found: list[Arrow] = []
+    results: list[Arrow] = []
     for row, end in zip(slope, ends, strict=True):
         size = float(np.abs(row).sum())
         share = row / size if size > 1e-9 else np.zeros_like(row)
-        found += [
+        results += [
             Arrow(begin=begins[at], end=end, weight=float(share[at]))
             for at in np.argsort(-np.abs(share), kind="stable")
             if abs(share[at]) >= LEAST
         ]
-    return tuple(found)
+    return tuple(results)

@@ -70,8 +70,8 @@ def law_of(body: Body, policy: Policy) -> Law:
     def law(state: Array, time: Array) -> Array:
         q, v = body.place(state if back is None else state @ back)
         seen = Observer(policy, body.task.robot, body.plant.model, len(state)).see(q, v)
-        told = policy.act(seen, time) - body.still.command
-        return told if split is None else told @ split
+        command = policy.act(seen, time) - body.still.command
+        return command if split is None else command @ split
 
     return law
 

@@ -50,8 +50,8 @@ def foresee(
             simulator = model.simulator
             for which, policy in enumerate(policies):
                 rng = np.random.default_rng([seed, at])
-                found = evaluate(model.task, policy, simulator, rng=rng, rows=rows)
-                losses[which, at], shares[which, at] = found.mean, found.share
+                result = evaluate(model.task, policy, simulator, rng=rng, rows=rows)
+                losses[which, at], shares[which, at] = result.mean, result.share
     return tuple(
         PredictedReturn(loss=float(loss), success=float(share))
         for loss, share in zip(losses.mean(axis=1), shares.mean(axis=1), strict=True)

@@ -124,7 +124,7 @@ def differences_said(differences: Sequence[Difference]) -> list[JSON]:
 
 
 def _trial(run: Experience, done: LoopRound | None) -> JSON:
-    said: JSON = {
+    document: JSON = {
         "origin": "recorded" if done is None else done.tried.origin,
         "loss": run.loss,
         "success": run.success,
@@ -132,17 +132,17 @@ def _trial(run: Experience, done: LoopRound | None) -> JSON:
     }
     if done is not None:
         advice = done.advice
-        said["compute_s"] = done.seconds
-        said["gate"] = None if advice is None else gate_said(advice.verdict)
-        said["next"] = None if advice is None else {
+        document["compute_s"] = done.seconds
+        document["gate"] = None if advice is None else gate_said(advice.verdict)
+        document["next"] = None if advice is None else {
             "origin": advice.origin,
             "loss": advice.foreseen.loss,
             "success": advice.foreseen.success,
         }  # fmt: skip
-        said["differences"] = (
+        document["differences"] = (
             [] if advice is None else differences_said(advice.repair.explained.differences)
         )
-    return said
+    return document
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -198,14 +198,14 @@ class Record:
         return text_of(self.said())
 
 
-def text_of(said: JSON) -> str:
+def text_of(document: JSON) -> str:
     """Return a record as text; a number that is not finite is null.
 
     Raises:
         OutputError: It holds what JSON cannot.
     """
     try:
-        return json.dumps(_finite(said), allow_nan=False, indent=1) + "\n"
+        return json.dumps(_finite(document), allow_nan=False, indent=1) + "\n"
     except (TypeError, ValueError) as error:
         raise OutputError(
             f"the record holds what JSON cannot: {error}",

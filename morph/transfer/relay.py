@@ -168,12 +168,12 @@ def as_believed(body: Body, step: Array) -> Body:
     n = body.size
     sight = np.eye(n) if body.sight is None else body.sight
     together = np.eye(step.shape[1] - n) if body.together is None else body.together
-    found = replace(body, sight=sight, together=together)
+    result = replace(body, sight=sight, together=together)
     law = np.linalg.pinv(sight) @ step[:, :n] @ sight
-    told = np.linalg.pinv(sight) @ step[:, n:] @ np.linalg.pinv(together)
+    command = np.linalg.pinv(sight) @ step[:, n:] @ np.linalg.pinv(together)
     # Where a cached property keeps its value: the truth is then never asked for.
-    found.__dict__["linear"] = (law, told)
-    return found
+    result.__dict__["linear"] = (law, command)
+    return result
 
 
 def alike(source: Body, target: Body) -> bool:

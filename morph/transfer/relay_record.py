@@ -77,11 +77,11 @@ def hashes(inputs: Iterable[tuple[str, str]]) -> dict[str, str]:
     Args:
         inputs: Names and hashes in order; what is given twice stands there once.
     """
-    found: dict[str, str] = {}
+    results: dict[str, str] = {}
     for name, value in inputs:
         numbered, at = name, 1
-        while found.get(numbered, value) != value:
+        while results.get(numbered, value) != value:
             at += 1
             numbered = f"{name} {at}"
-        found[numbered] = value
-    return found
+        results[numbered] = value
+    return results

@@ -67,12 +67,12 @@ class Repair:
         """
         if self.learned is not None:
             return ()
-        found = self.explained.inferred
+        result = self.explained.inferred
         points = _within(
-            rng.multivariate_normal(found.point, found.covariance, size=count, method="eigh"),
-            found.hypothesis.low,
-            found.hypothesis.high,
-            len(found.hypothesis.knobs),
+            rng.multivariate_normal(result.point, result.covariance, size=count, method="eigh"),
+            result.hypothesis.low,
+            result.hypothesis.high,
+            len(result.hypothesis.knobs),
         )
         return tuple(self._at(point) for point in points)
 
@@ -95,7 +95,7 @@ def repaired(
     runs: Sequence[Run],
     *,
     candidates: Sequence[Effect] | None = None,
-    told: Callable[[str], None] = lambda said: None,
+    progress: Callable[[str], None] = lambda statement: None,
 ) -> Repair:
     """Return the source's simulation as runs on the target say it should be.
 
@@ -103,7 +103,7 @@ def repaired(
         task: The source's task: its body as described, its effects as known.
         runs: What the target showed, the latest last.
         candidates: Effects to look for; default the whole library.
-        told: Is told what is going on.
+        progress: Is told what is going on.
 
     Raises:
         DiagnosisError: The body floats, or runs do not fit its clock.
@@ -111,7 +111,7 @@ def repaired(
     simulator = task.simulator()
     noise = noise_of(task, simulator)
     with one_thread():
-        found = explain(
+        result = explain(
             task.robot,
             tuple(runs)[-MOST_RUNS:],
             noise,
@@ -119,22 +119,22 @@ def repaired(
             integrator=simulator.integrator,
             effects=task.effects,
             candidates=candidates,
-            told=told,
+            progress=progress,
         )
-        learned = None if found.unsaid <= MUCH else _learned(found, runs, noise)
-    known = found if learned is None else learned
+        learned = None if result.unsaid <= MUCH else _learned(result, runs, noise)
+    known = result if learned is None else learned
     model = _model(task, known.robot, known.effects)
-    return Repair(model=model, explained=found, task=task, learned=learned)
+    return Repair(model=model, explained=result, task=task, learned=learned)
 
 
-def _learned(found: Explained, runs: Sequence[Run], noise: Array) -> Corrected | None:
+def _learned(result: Explained, runs: Sequence[Run], noise: Array) -> Corrected | None:
     """Return what was found with a force beside it that no name explains; None if it fails."""
-    at = found.inferred.transit
+    at = result.inferred.transit
     hypothesis = Hypothesis(
-        robot=found.robot,
+        robot=result.robot,
         step=at.hypothesis.step,
-        knobs=unknowns(found.robot),
-        effects=found.effects,
+        knobs=unknowns(result.robot),
+        effects=result.effects,
     )
     latest = tuple(runs)[-MOST_RUNS:]
     try:

@@ -21,20 +21,20 @@ def task_for(task: Task, robot: Robot) -> Task:
         return task
     if task.name in TASKS:
         try:
-            usual, found = TASKS[task.name](task.robot), TASKS[task.name](robot)
+            usual, result = TASKS[task.name](task.robot), TASKS[task.name](robot)
             if _settled(usual, task).sha256 == task.sha256:
-                return _settled(found, task)
+                return _settled(result, task)
         except TaskError:
             # The body as it was found cannot be asked so: its old lengths must do.
             pass
     return replace(task, robot=robot)
 
 
-def _settled(found: Task, task: Task) -> Task:
+def _settled(result: Task, task: Task) -> Task:
     """Return a task with what of another does not depend on the body's size."""
     return replace(
-        found,
-        start=replace(found.start, spread=task.start.spread, moving=task.start.moving),
+        result,
+        start=replace(result.start, spread=task.start.spread, moving=task.start.moving),
         horizon=task.horizon,
         period=task.period,
         step=task.step,

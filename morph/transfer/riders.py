@@ -53,8 +53,8 @@ def rider(name: str) -> Body:
             where="a humanoid on a skateboard",
             fix=f"give one of {', '.join(RIDERS)}",
         )
-    found = RIDERS[name]
-    return riding(load(found.robot), found.feet, found.board)
+    result = RIDERS[name]
+    return riding(load(result.robot), result.feet, result.board)
 
 
 def riding(robot: Robot, feet: tuple[str, str], board: Board) -> Body:

@@ -104,7 +104,7 @@ def _soles(
     """
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
-    found, away = {}, np.zeros(3)
+    result, away = {}, np.zeros(3)
     root = data.xpos[1]
     for foot in feet:
         body = model.body(foot).id
@@ -118,17 +118,17 @@ def _soles(
         frame = data.xmat[body].reshape(3, 3).T
         place = frame @ (centre - data.xpos[body])
         away += centre - data.xpos[body]
-        found[foot] = (half, place, frame, np.append(centre[:2], least[2]) - root)
+        result[foot] = (half, place, frame, np.append(centre[:2], least[2]) - root)
     across = int(np.argmin(np.abs(away[:2])))
     along = np.zeros(3)
     along[1 - across] = np.sign(away[1 - across])
     side = np.cross([0.0, 0.0, 1.0], along)
-    return found, np.stack([along, side, [0.0, 0.0, 1.0]])
+    return result, np.stack([along, side, [0.0, 0.0, 1.0]])
 
 
 def _points(model: Any, data: Any, body: int) -> Array:
     """Return the corners of all shapes of a link, m, in the world."""
-    found = []
+    results = []
     for geom in np.flatnonzero(model.geom_bodyid == body):
         mesh = int(model.geom_dataid[geom])
         if mesh >= 0:
@@ -138,8 +138,8 @@ def _points(model: Any, data: Any, body: int) -> Array:
             signs = np.array(np.meshgrid(*[[-1.0, 1.0]] * 3)).reshape(3, -1).T
             corners = model.geom_aabb[geom, :3] + signs * model.geom_aabb[geom, 3:]
         turn = data.geom_xmat[geom].reshape(3, 3)
-        found.append(corners @ turn.T + data.geom_xpos[geom])
-    return np.concatenate(found)
+        results.append(corners @ turn.T + data.geom_xpos[geom])
+    return np.concatenate(results)
 
 
 def _bare(

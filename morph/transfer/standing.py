@@ -160,16 +160,16 @@ def settled(task: Task) -> Rest:
         if each.kind == "position"
     ]
     which, where = (list(each) for each in zip(*servos, strict=True))
-    wanted, told = q[where], np.zeros(plant.model.nu)
-    told[which] = wanted
+    wanted, command = q[where], np.zeros(plant.model.nu)
+    command[which] = wanted
     periods = round(LONGEST / task.period)
     for at in range(periods):
-        after, v = (each[0] for each in plant.advance(q[None], BRAKE * v[None], told[None]))
+        after, v = (each[0] for each in plant.advance(q[None], BRAKE * v[None], command[None]))
         still = np.abs(after[where] - q[where]).max() < CALM * task.period
         q = after
         if at < periods // 2:
-            told[which] += CORRECTS * (wanted - q[where])
-            told = np.clip(told, plant.low, plant.high)
+            command[which] += CORRECTS * (wanted - q[where])
+            command = np.clip(command, plant.low, plant.high)
         elif not np.isfinite(q).all() or (still and np.abs(v).max() < CALM):
             break
     if not np.isfinite(q).all() or np.abs(v).max() > 10.0 * CALM:
@@ -179,4 +179,4 @@ def settled(task: Task) -> Rest:
             where=f"task {task.name} of {task.robot.name}",
             fix="give a body that stands by itself as it is described",
         )
-    return Rest(position=q, velocity=np.zeros(plant.model.nv), command=told)
+    return Rest(position=q, velocity=np.zeros(plant.model.nv), command=command)

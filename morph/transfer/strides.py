@@ -77,7 +77,7 @@ def feet(moved: Moved, task: Task) -> Array:
 
 
 def tried(
-    task: Task, told: Told, count: int, rng: np.random.Generator, *, noise: float = 0.001
+    task: Task, progress: Told, count: int, rng: np.random.Generator, *, noise: float = 0.001
 ) -> Response:
     """Return what set points do to the feet, from so many transitions of random ones.
 
@@ -87,7 +87,7 @@ def tried(
 
     Args:
         task: The body, standing where its start has it.
-        told: From set points to commands.
+        progress: From set points to commands.
         count: How many transitions of HOLD s.
         rng: The chance of starts, set points and noise.
         noise: Of every angle and every number of the feet, rad or m.
@@ -102,7 +102,7 @@ def tried(
     points = TREMBLE * rng.standard_normal((EACH, rows, commands))
 
     def act(position: Array, velocity: Array, time: float) -> Array:
-        return told(position, velocity, points[min(int(time / HOLD + 1e-6), EACH - 1)])
+        return progress(position, velocity, points[min(int(time / HOLD + 1e-6), EACH - 1)])
 
     loop = closed_loop(simulator, act, q, v, period=task.period, seconds=EACH * HOLD)
     moved = Moved(
@@ -121,7 +121,7 @@ def tried(
     angle = angle + noise * rng.standard_normal(angle.shape)
     known, after = (each[:, 1:].reshape(-1, each.shape[-1])[:count] for each in (angle, z))
     moved_by = np.diff(angle, axis=1).reshape(-1, commands)[:count]
-    asked = np.swapaxes(points, 0, 1).reshape(-1, commands)[:count]
+    requested = np.swapaxes(points, 0, 1).reshape(-1, commands)[:count]
     if not np.isfinite(after).all() or len(known) <= commands:
         raise TransferError(
             f"{len(known)} transitions of {commands} joints do not tell what each does",
@@ -131,7 +131,7 @@ def tried(
     x, centre = known - known.mean(axis=0), after.mean(axis=0)
     square = x.T @ x + len(x) * noise**2 * np.eye(commands)
     slope = np.linalg.solve(square, x.T @ (after - centre)).T
-    gain = slope * np.sign((asked * moved_by).sum(axis=0))
+    gain = slope * np.sign((requested * moved_by).sum(axis=0))
     return Response(gain=gain, rest=centre, samples=count)
 
 
@@ -174,10 +174,10 @@ def _solved(
     # A radian of pitch counts as much as a place that is one leg away.
     unit = np.array([1.0, 1.0, 1.0, target.leg]) / target.leg
     weight = np.tile(np.array(counted) * unit, len(target.rest) // NUMBERS)
-    gain, asked = weight[:, None] * target.gain, weight[:, None] * wanted
+    gain, requested = weight[:, None] * target.gain, weight[:, None] * wanted
     square = gain.T @ gain
     ridge = RIDGE * float(np.linalg.eigvalsh(square)[-1])
-    return np.asarray(np.linalg.solve(square + ridge * np.eye(len(square)), gain.T @ asked))
+    return np.asarray(np.linalg.solve(square + ridge * np.eye(len(square)), gain.T @ requested))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

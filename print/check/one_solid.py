@@ -38,6 +38,6 @@ def one_solid(subject: Subject) -> Check:
 
 
 def _sizes(solids: list[Mesh]) -> str:
-    told = [" x ".join(f"{side:.3g}" for side in solid.extent) for solid in solids[:NAMED]]
-    more = len(solids) - len(told)
-    return ", ".join(told) + " mm" + (f" and {more} more" if more else "")
+    given = [" x ".join(f"{side:.3g}" for side in solid.extent) for solid in solids[:NAMED]]
+    more = len(solids) - len(given)
+    return ", ".join(given) + " mm" + (f" and {more} more" if more else "")

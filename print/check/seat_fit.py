@@ -70,9 +70,9 @@ def _pocket(mesh: Mesh, pocket: Mesh) -> str:
         return f"cannot be looked at: {error.what}"
     if filled > FILLED_MM3:
         return f"is filled by {filled:.3g} mm3 of plastic, {FILLED_MM3:g} mm3 is allowed"
-    found = samples(pocket, 200)
+    result = samples(pocket, 200)
     # From a little inside: a pocket that was cut out of the part has its walls where they are.
-    beside = _met(mesh, found.points - SKIN_MM * found.normals, found.normals, NEAR_MM)
+    beside = _met(mesh, result.points - SKIN_MM * result.normals, result.normals, NEAR_MM)
     if float(np.isfinite(beside).mean()) < HELD:
         return f"has nothing around it that holds, within {NEAR_MM:g} mm"
     return ""
@@ -101,9 +101,9 @@ def _bore(mesh: Mesh, seat: Seat) -> str:
 
 def _met(mesh: Mesh, starts: Array, directions: Array, reach: float) -> Array:
     """Return how far rays go before they meet a mesh, mm; infinite if they do not within reach."""
-    solid, found = mesh.manifold, np.full(len(starts), np.inf)
+    solid, result = mesh.manifold, np.full(len(starts), np.inf)
     for at, (start, direction) in enumerate(zip(starts, directions, strict=True)):
         hits = solid.ray_cast(start, start + reach * direction)
         if hits:
-            found[at] = hits[0].distance * reach
-    return found
+            result[at] = hits[0].distance * reach
+    return result

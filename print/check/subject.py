@@ -91,12 +91,12 @@ class Subject:
         way = np.full_like(starts, TILT)
         way[rows, axis] = np.sign(surface.normals[rows, axis])
         ends = starts + (self.mesh.extent.max() + 1.0) * way
-        found = np.zeros(len(starts))
+        result = np.zeros(len(starts))
         for at, (start, end) in enumerate(zip(starts, ends, strict=True)):
             hits = solid.ray_cast(start, end)
             if hits:
-                found[at] = np.sign(np.array([hit.normal for hit in hits]) @ way[at]).sum()
-        return found
+                result[at] = np.sign(np.array([hit.normal for hit in hits]) @ way[at]).sum()
+        return result
 
     @cached_property
     def pieces(self) -> tuple[Mesh, ...]:
@@ -105,13 +105,13 @@ class Subject:
         if len(shells) == 1:
             return (self.mesh,)
         # Straight from the surface: what is thinner than a rounding error is a shell too.
-        found = [shell.to_mesh64() for shell in shells if not shell.is_empty()]
+        results = [shell.to_mesh64() for shell in shells if not shell.is_empty()]
         meshes = [
             Mesh(
                 vertices=np.array(each.vert_properties[:, :3], dtype=np.float64),
                 faces=np.array(each.tri_verts, dtype=np.int64),
             )
-            for each in found
+            for each in results
         ]
         return tuple(sorted(meshes, key=lambda each: -abs(each.volume)))
 

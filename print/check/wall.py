@@ -33,10 +33,10 @@ def wall(subject: Subject) -> Check:
     if max(lost, thin) <= TOLD:
         what = f"walls hold two lines ({two:g} mm)"
         return subject.says("wall", "passed", what, limit=two)
-    found = thickness[thickness < two]
-    typical, area = float(np.median(found)), subject.surface.area * len(found)
+    result = thickness[thickness < two]
+    typical, area = float(np.median(result)), subject.surface.area * len(result)
     if lost > SHARE:
-        typical = float(np.median(found[found < least]))
+        typical = float(np.median(result[result < least]))
         what = (
             f"{100 * lost:.0f} % of its surface is on walls of {typical:.2g} mm (median), and two "
             f"lines at their narrowest need {least:.2g} mm"

@@ -99,7 +99,7 @@ class Scaling(Mapper):
 
     name: ClassVar[str] = "scaling"
 
-    def found(self, given: MapData, rng: np.random.Generator) -> BodyMap:
+    def estimate(self, given: MapData, rng: np.random.Generator) -> BodyMap:
         """Return it."""
         return times(float(given.source.state.std() / given.target.state.std()))
 

@@ -22,7 +22,7 @@ SOURCE_SAMPLES = 200
 """Least transitions of the source: its simulation is at hand, and they cost nothing."""
 
 
-def run_align(asked: Align) -> int:
+def run_align(options: Align) -> int:
     """Learn a map as asked and return the exit status.
 
     Raises:
@@ -35,87 +35,91 @@ def run_align(asked: Align) -> int:
 
     # Whatever the command line got wrong is told before any work is done.
     began = time.monotonic()
-    _check_numbers(asked)
-    check_map(asked.map)
-    out = _out(asked)
+    _check_numbers(options)
+    check_map(options.map)
+    out = _out(options)
     with nullcontext() if out is None else lock_run_folder(out):
         # What held it before may have left an alignment.
-        _out(asked)
-        with beating(asked.quiet) as told:
-            source, target = _sides(asked, told)
-            found = learned(asked, source, target, told, began=began, command=command(asked))
+        _out(options)
+        with beating(options.quiet) as progress:
+            source, target = _sides(options, progress)
+            result = learned(
+                options, source, target, progress, began=began, command=command(options)
+            )
         if out is not None:
-            _write(found, out, fresh=asked.fresh)
-    _say(asked, found)
-    return UNSAFE if found.guard.verdict == "unsafe" else DONE
+            _write(result, out, fresh=options.fresh)
+    _say(options, result)
+    return UNSAFE if result.guard.verdict == "unsafe" else DONE
 
 
-def _check_numbers(asked: Align) -> None:
+def _check_numbers(options: Align) -> None:
     from morph.app.cli.align_given import FEWEST, MOST
 
-    if asked.samples < FEWEST:
+    if options.samples < FEWEST:
         raise TransferError(
-            f"{asked.samples} transitions tell nothing of a body",
+            f"{options.samples} transitions tell nothing of a body",
             where="--samples",
             fix=f"give {FEWEST} or more",
         )
-    if asked.samples > MOST:
+    if options.samples > MOST:
         raise TransferError(
-            f"{asked.samples} transitions would take longer than anyone waits",
+            f"{options.samples} transitions would take longer than anyone waits",
             where="--samples",
             fix=f"give {MOST} or fewer; some hundreds tell all that there is",
         )
-    if asked.seed < 0:
-        raise TransferError(f"{asked.seed} is no seed", where="--seed", fix="give 0 or more")
-    files = [each for each in (asked.source, asked.target) if each is not None]
-    if len(asked.bodies) + len(files) != 2:
+    if options.seed < 0:
+        raise TransferError(f"{options.seed} is no seed", where="--seed", fix="give 0 or more")
+    files = [each for each in (options.source, options.target) if each is not None]
+    if len(options.bodies) + len(files) != 2:
         raise TransferError(
-            f"{len(asked.bodies)} bodies and {len(files)} files are named",
+            f"{len(options.bodies)} bodies and {len(files)} files are named",
             where="morph align",
             fix="name two bodies, or one and a file of what the other did, or two files",
         )
 
 
-def _out(asked: Align) -> Path | None:
+def _out(options: Align) -> Path | None:
     """Return the folder to write to, once it may be written to; None if there is none."""
-    if asked.out is None:
+    if options.out is None:
         return None
     from morph.app.cli.outputs import ALIGN, check_out
     from morph.errors import OutputError
 
-    out = check_out(asked.out, ALIGN)
-    if (out / ALIGN.results[0]).is_file() and not asked.fresh:
+    out = check_out(options.out, ALIGN)
+    if (out / ALIGN.results[0]).is_file() and not options.fresh:
         raise OutputError(
             "the folder holds an alignment already",
-            where=asked.out,
+            where=options.out,
             fix="name a new folder, or replace it by --fresh",
         )
     return out
 
 
-def _sides(asked: Align, told: Stages) -> tuple[Side, Side]:
+def _sides(options: Align, progress: Stages) -> tuple[Side, Side]:
     """Return what both bodies did, made or read."""
     import numpy as np
 
     from morph.app.cli.align_given import made, read
     from morph.app.cli.transfer_bodies import body_of, check_task
 
-    bodies, sides = list(asked.bodies), []
+    bodies, sides = list(options.bodies), []
     if bodies:
-        check_task(asked.task)
-    for at, (file, option) in enumerate(((asked.source, "--source"), (asked.target, "--target"))):
+        check_task(options.task)
+    for at, (file, option) in enumerate(
+        ((options.source, "--source"), (options.target, "--target"))
+    ):
         if file is not None:
             sides.append(read(file, option))
             continue
         name = bodies.pop(0)
-        told.now(f"transitions of {name}")
-        count = max(SOURCE_SAMPLES, asked.samples) if at == 0 else asked.samples
-        rng = np.random.default_rng([asked.seed, at])
-        sides.append(made(body_of(name, asked.task), count, rng))
+        progress.now(f"transitions of {name}")
+        count = max(SOURCE_SAMPLES, options.samples) if at == 0 else options.samples
+        rng = np.random.default_rng([options.seed, at])
+        sides.append(made(body_of(name, options.task), count, rng))
     return sides[0], sides[1]
 
 
-def _write(found: Aligned, out: Path, *, fresh: bool) -> None:
+def _write(result: Aligned, out: Path, *, fresh: bool) -> None:
     from morph.app.cli.outputs import ALIGN, claim, clear
     from morph.app.report.align.files import write_align
 
@@ -123,31 +127,32 @@ def _write(found: Aligned, out: Path, *, fresh: bool) -> None:
         clear(out, ALIGN, progress=True)
     claim(out, ALIGN, results=True)
     try:
-        write_align(found, out)
+        write_align(result, out)
     except BaseException:
         clear(out, ALIGN, progress=True)
         raise
 
 
-def _say(asked: Align, found: Aligned) -> None:
+def _say(options: Align, result: Aligned) -> None:
     from morph.app.cli.align_said import lines
     from morph.app.cli.console import say
 
-    if asked.json:
-        sys.stdout.write(found.text())
+    if options.json:
+        sys.stdout.write(result.text())
         return
-    say(lines(asked, found))
+    say(lines(options, result))
 
 
-def command(asked: Align) -> str:
+def command(options: Align) -> str:
     """Return the command that gives this result again, wherever it is to be written."""
     import shlex
 
-    parts = ["morph", "align", *asked.bodies]
-    told: dict[str, object] = {
-        "--source": asked.source, "--target": asked.target, "--pairs": asked.pairs,
-        "--map": asked.map, "--task": asked.task, "--samples": asked.samples, "--seed": asked.seed,
+    parts = ["morph", "align", *options.bodies]
+    known: dict[str, object] = {
+        "--source": options.source, "--target": options.target, "--pairs": options.pairs,
+        "--map": options.map, "--task": options.task, "--samples": options.samples,
+        "--seed": options.seed,
     }  # fmt: skip
-    for option, value in told.items():
+    for option, value in known.items():
         parts += [] if value is None else [option, str(value)]
-    return shlex.join([*parts, *(() if asked.out is None else ("--out", "DIR"))])
+    return shlex.join([*parts, *(() if options.out is None else ("--out", "DIR"))])

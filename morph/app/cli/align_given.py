@@ -145,8 +145,8 @@ def _arrays(path: Path, option: str) -> dict[str, Any]:
     try:
         return load_npz(path, MOST_BYTES)
     except (OSError, ValueError) as error:
-        told = getattr(error, "strerror", None) or str(error)
-        raise _refused(path, option, f"it cannot be read: {told}") from error
+        given = getattr(error, "strerror", None) or str(error)
+        raise _refused(path, option, f"it cannot be read: {given}") from error
 
 
 def _numbers(path: Path, option: str, name: str, value: Any) -> Any:

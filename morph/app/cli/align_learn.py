@@ -47,7 +47,7 @@ class TaskMapper(Mapper):
     target: Body
     """The target."""
 
-    def found(self, given: MapData, rng: np.random.Generator) -> BodyMap:
+    def estimate(self, given: MapData, rng: np.random.Generator) -> BodyMap:
         """Return the map with which `morph transfer` would carry a policy."""
         return lift(self.source, self.target, given.target)
 
@@ -68,7 +68,7 @@ def check_map(name: str | None) -> None:
 
 
 def learned(
-    asked: Align, source: Side, target: Side, told: Stages, *, began: float, command: str
+    options: Align, source: Side, target: Side, progress: Stages, *, began: float, command: str
 ) -> Aligned:
     """Return the map between two bodies, and what is thought of it.
 
@@ -77,26 +77,26 @@ def learned(
         AlignError: No map can be learned from what they did.
     """
     check_shared(source, target)
-    known = _given(source, target, None if asked.pairs is None else pairs(asked.pairs))
-    mapper = _mapper(asked.map, known, source, target)
-    told.now(f"learning the map {mapper.name}")
-    rng = np.random.default_rng([asked.seed, 2])
-    found = mapper.fit(known, rng)
-    told.now("judging the map")
-    guard, why = _guard(source, target, found, rng)
+    known = _given(source, target, None if options.pairs is None else pairs(options.pairs))
+    mapper = _mapper(options.map, known, source, target)
+    progress.now(f"learning the map {mapper.name}")
+    rng = np.random.default_rng([options.seed, 2])
+    result = mapper.fit(known, rng)
+    progress.now("judging the map")
+    guard, why = _guard(source, target, result, rng)
     inputs = hashes([(side.names.body, side.sha256) for side in (source, target)])
     return Aligned(
         source=source.names,
         target=target.names,
         mapper=mapper.name,
-        map=found,
-        parts=parts(found, source.names, target.names, source.spreads, target.spreads),
-        quality=quality_of(found, source, target),
+        map=result,
+        parts=parts(result, source.names, target.names, source.spreads, target.spreads),
+        quality=quality_of(result, source, target),
         guard=guard,
         why=why,
         samples=(len(source.seen.state), len(target.seen.state)),
         held_out=len(target.held.state),
-        seed=asked.seed,
+        seed=options.seed,
         seconds=time.monotonic() - began,
         command=command,
         inputs=inputs,
@@ -187,34 +187,34 @@ def _looking(mapper: Mapper, source: Side, target: Side) -> Mapper:
 
 
 def _guard(
-    source: Side, target: Side, found: BodyMap, rng: np.random.Generator
+    source: Side, target: Side, result: BodyMap, rng: np.random.Generator
 ) -> tuple[GuardRecord, str]:
     """Return the verdict on the source's policy seen through the map, and why there is none."""
     if source.body is None or target.body is None:
         return UNKNOWN, "a body that was only recorded has no task to judge a policy by"
     body = source.body
     gain = holding(body)
-    law = through(found, gain, np.zeros(len(gain)))
+    law = through(result, gain, np.zeros(len(gain)))
     try:
         return guarded(target.body, target.seen, law, rng), ""
     except AlignError as error:
         return UNKNOWN, f"it cannot tell: {error.what}"
 
 
-def quality_of(found: BodyMap, source: Side, target: Side) -> Mapping[str, float]:
+def quality_of(result: BodyMap, source: Side, target: Side) -> Mapping[str, float]:
     """Return how good a map is on what it was not learned from, 0 where it errs by nothing."""
-    judged = quality(found, source.held, target.held, step_of(source))
+    judged = quality(result, source.held, target.held, step_of(source))
     return judged.numbers()
 
 
 def _notes(source: Side, target: Side, known: MapData) -> tuple[str, ...]:
-    told = []
+    lines = []
     for side, option in ((source, "source"), (target, "target")):
         if side.body is None:
-            told.append(f"what the {option} did was read; its last fifth was held out")
+            lines.append(f"what the {option} did was read; its last fifth was held out")
     if source.body is None:
-        told.append("the source has no simulator: the affine law of its transitions stands for it")
-    if told and known.pairs is None:
+        lines.append("the source has no simulator: the affine law of its transitions stands for it")
+    if lines and known.pairs is None:
         # Of a linear law x' = A x + B u the negative of both x and u moves alike.
-        told.append("all signs together may be turned round: no pairs tell them")
-    return tuple(told)
+        lines.append("all signs together may be turned round: no pairs tell them")
+    return tuple(lines)

@@ -14,23 +14,23 @@ BAR = 10
 """Letters of an arrow whose share is one."""
 
 
-def lines(asked: Align, found: Aligned) -> Iterator[tuple[str, str]]:
+def lines(options: Align, result: Aligned) -> Iterator[tuple[str, str]]:
     """Yield each line of the answer and its style."""
     columns = width()
-    yield harmless(headline(found)), "bold"
-    for sentence in summary(found):
+    yield harmless(headline(result)), "bold"
+    for sentence in summary(result):
         for line in paragraph(f"  {harmless(sentence)}", 4, columns):
-            yield line, "yellow" if found.guard.verdict == "unsafe" else ""
-    yield from arrows(found.parts, found.source.body, found.target.body, columns)
+            yield line, "yellow" if result.guard.verdict == "unsafe" else ""
+    yield from arrows(result.parts, result.source.body, result.target.body, columns)
     yield "how good the map is:", "bold"
-    rows = [(harmless(name), value) for name, value in quality_rows(found.quality)]
+    rows = [(harmless(name), value) for name, value in quality_rows(result.quality)]
     for line in table(("what", "figure"), rows, columns=columns, right=("figure",))[1:]:
         yield f"  {line}", ""
-    for note in found.notes:
+    for note in result.notes:
         for line in paragraph(f"  {harmless(note)}", 4, columns):
             yield line, "yellow"
-    if asked.out is not None:
-        wrote = f"wrote align.json, report.html and the map into {asked.out}"
+    if options.out is not None:
+        wrote = f"wrote align.json, report.html and the map into {options.out}"
         for line in paragraph(harmless(wrote), 4, columns):
             yield line, ""
 

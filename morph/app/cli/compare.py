@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from morph.record.recording import Recording
 
 
-def run_compare(asked: Compare) -> int:
+def run_compare(options: Compare) -> int:
     """Compare as asked and return the exit status.
 
     Raises:
@@ -36,50 +36,50 @@ def run_compare(asked: Compare) -> int:
     from morph.record.load import load as load_recordings
 
     # Whatever the command line got wrong is told before any work is done.
-    horizon = horizon_of(asked.horizon)
-    for option, path in (("--html", asked.html), ("--state", asked.state)):
+    horizon = horizon_of(options.horizon)
+    for option, path in (("--html", options.html), ("--state", options.state)):
         if path is not None:
             check_page(path, option)
-    with stages(asked.quiet) as told:
-        told.now("loading")
-        robot = load_robot(asked.robot)
+    with stages(options.quiet) as progress:
+        progress.now("loading")
+        robot = load_robot(options.robot)
         recordings = [
             each
-            for path in asked.recordings
-            for each in load_recordings(path, robot=robot, root=asked.root)
+            for path in options.recordings
+            for each in load_recordings(path, robot=robot, root=options.root)
         ]
         recordings = list(distinct(recordings))
-        around = () if asked.world is None else world(asked.world, robot).effects
-        told.now("simulating")
-        found = compare(robot, recordings, effects=around, horizon=horizon)
-        if asked.state is not None or asked.html is not None:
-            saved = _saved(asked, robot, recordings, found)
-        if asked.state is not None:
-            write_whole(asked.state, saved.text().encode())
-        if asked.html is not None:
-            _write_page(asked, saved, told.now)
-    if asked.json:
-        sys.stdout.write(json.dumps(found.as_json(), indent=2) + "\n")
+        around = () if options.world is None else world(options.world, robot).effects
+        progress.now("simulating")
+        result = compare(robot, recordings, effects=around, horizon=horizon)
+        if options.state is not None or options.html is not None:
+            saved = _saved(options, robot, recordings, result)
+        if options.state is not None:
+            write_whole(options.state, saved.text().encode())
+        if options.html is not None:
+            _write_page(options, saved, progress.now)
+    if options.json:
+        sys.stdout.write(json.dumps(result.as_json(), indent=2) + "\n")
     else:
         driven = [by_effort(each, robot) for each in recordings]
         whole = all(told_zero(each, robot) is each for each in driven)
-        sys.stdout.write(in_words(found) + "\n" + _further(asked, whole=whole) + "\n")
+        sys.stdout.write(in_words(result) + "\n" + _further(options, whole=whole) + "\n")
     return 0
 
 
-def in_words(found: RolloutComparison) -> str:
+def in_words(result: RolloutComparison) -> str:
     """Return what was found, a line for each channel, the farthest off first."""
-    span = "whole recordings" if found.horizon is None else f"rollouts of {found.horizon:g} s"
-    parting = sum(each.parts for each in found.channels)
-    several = len(found.recordings) != 1
+    span = "whole recordings" if result.horizon is None else f"rollouts of {result.horizon:g} s"
+    parting = sum(each.parts for each in result.channels)
+    several = len(result.recordings) != 1
     lines = [
-        f"{found.robot} as described, beside {len(found.recordings)} "
-        f"recording{'s' * several} of {found.seconds:.3g} s "
-        f"({found.rollouts} {span} from recorded states):",
-        f"  {parting} of {len(found.channels)} channels part by more than noise",
+        f"{result.robot} as described, beside {len(result.recordings)} "
+        f"recording{'s' * several} of {result.seconds:.3g} s "
+        f"({result.rollouts} {span} from recorded states):",
+        f"  {parting} of {len(result.channels)} channels part by more than noise",
     ]
-    lines += [f"  {_line(each)}" for each in found.channels]
-    return "\n".join([*lines, *(f"  note: {note}" for note in found.notes)])
+    lines += [f"  {_line(each)}" for each in result.channels]
+    return "\n".join([*lines, *(f"  note: {note}" for note in result.notes)])
 
 
 def _line(each: ChannelError) -> str:
@@ -97,42 +97,42 @@ def _line(each: ChannelError) -> str:
     )
 
 
-def _further(asked: Compare, *, whole: bool) -> str:
+def _further(options: Compare, *, whole: bool) -> str:
     """Return the commands that show and, if all were commanded, that name what parts."""
-    given = [str(path) for path in asked.recordings]
-    root = [] if asked.root is None else ["--root", str(asked.root)]
-    around = [] if asked.world is None else ["--world", asked.world]
-    shown = ["morph", "view", asked.robot]
+    given = [str(path) for path in options.recordings]
+    root = [] if options.root is None else ["--root", str(options.root)]
+    around = [] if options.world is None else ["--world", options.world]
+    shown = ["morph", "view", options.robot]
     for path in given:
         shown += ["--recording", path]
-    if asked.state is not None:
-        shown = ["morph", "view", "--state", str(asked.state)]
+    if options.state is not None:
+        shown = ["morph", "view", "--state", str(options.state)]
     else:
         shown += [*root, *around, "--first", "mismatch"]
-    named = ["morph", "diagnose", asked.robot, *given, *root, "--out", "DIR"]
+    named = ["morph", "diagnose", options.robot, *given, *root, "--out", "DIR"]
     further = shlex.join(named) if whole else "record every command, then morph diagnose"
     return f"to see it: {shlex.join(shown)}\nto name what is missing: {further}"
 
 
 def _saved(
-    asked: Compare, robot: Robot, recordings: Sequence[Recording], found: RolloutComparison
+    options: Compare, robot: Robot, recordings: Sequence[Recording], result: RolloutComparison
 ) -> Saved:
     """Return the view of the moment at which they part most."""
     from morph.app.viewer.mismatch.poses import span
     from morph.app.viewer.mismatch.windows import windows
     from morph.app.viewer.state import BodyRequest, Saved, Sources
 
-    worst = found.channels[0].worst
+    worst = result.channels[0].worst
     start, end = span(next(r for r in recordings if r.name == worst.recording), robot)
     parts = windows(end - start)
     window = max(at for at, (begin, _) in enumerate(parts) if begin <= worst.start)
-    chosen = {"recording": worst.recording, "window": window, "horizon_s": found.horizon}
+    chosen = {"recording": worst.recording, "window": window, "horizon_s": result.horizon}
     return Saved(
         given=Sources(
-            bodies=(BodyRequest(asked=asked.robot, sha256=robot.sha256),),
-            recordings=tuple(str(path) for path in asked.recordings),
-            root=None if asked.root is None else str(asked.root),
-            world=asked.world,
+            bodies=(BodyRequest(asked=options.robot, sha256=robot.sha256),),
+            recordings=tuple(str(path) for path in options.recordings),
+            root=None if options.root is None else str(options.root),
+            world=options.world,
         ),
         view="mismatch",
         views={"mismatch": chosen},
@@ -141,7 +141,7 @@ def _saved(
     )
 
 
-def _write_page(asked: Compare, saved: Saved, now: Callable[[str], None]) -> None:
+def _write_page(options: Compare, saved: Saved, now: Callable[[str], None]) -> None:
     """Write the page of that view, which opens without a network."""
     from morph.app.cli import view_given
     from morph.app.cli.view import write_page
@@ -150,14 +150,14 @@ def _write_page(asked: Compare, saved: Saved, now: Callable[[str], None]) -> Non
     from morph.app.viewer.views.views import makers
 
     view = ViewCommand(
-        robots=(asked.robot,),
-        recording=tuple(str(path) for path in asked.recordings),
-        root=asked.root,
-        world=asked.world,
+        robots=(options.robot,),
+        recording=tuple(str(path) for path in options.recordings),
+        root=options.root,
+        world=options.world,
         first="mismatch",
     )
     given, notes = view_given.given(view, saved, now)
-    found, first = makers(given, saved.view)
+    result, first = makers(given, saved.view)
     command = view_given.command(view)
     opening = Opening(given=given, saved=saved, notes=tuple(notes), command=command)
-    write_page(Path(asked.html or ""), found[first](), opening, now)
+    write_page(Path(options.html or ""), result[first](), opening, now)

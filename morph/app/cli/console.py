@@ -28,9 +28,9 @@ def width() -> int | None:
 
     A pipe or a file has no width: there a name is never cut, so that it can be searched for.
     """
-    told = os.environ.get("COLUMNS", "")
-    if told.isdecimal() and 0 < int(told) < 100_000:
-        return max(NARROWEST, int(told))
+    given = os.environ.get("COLUMNS", "")
+    if given.isdecimal() and 0 < int(given) < 100_000:
+        return max(NARROWEST, int(given))
     if not sys.stdout.isatty():
         return None
     try:

@@ -22,7 +22,7 @@ SCHEMA = "morph.conversion/1"
 """Name and version of what `--json` prints."""
 
 
-def run_convert(asked: Convert) -> int:
+def run_convert(options: Convert) -> int:
     """Write the description and return the exit status.
 
     Raises:
@@ -31,19 +31,19 @@ def run_convert(asked: Convert) -> int:
     from morph.body.convert import check_folder, convert
     from morph.body.load import load
 
-    if not asked.out.strip():
+    if not options.out.strip():
         # As a path it would be the folder where one stands.
         raise OutputError("no folder is named", where="--out", fix="name a new or an empty folder")
-    out = Path(asked.out)
+    out = Path(options.out)
     check_folder(out)
-    robot = load(asked.robot, base=asked.base, folder=asked.folder)
+    robot = load(options.robot, base=options.base, folder=options.folder)
     cuts: tuple[Cut, ...] = ()
-    if asked.pieces:
+    if options.pieces:
         from morph.body.collide import with_pieces
 
-        robot, cuts = with_pieces(robot, told=_cutting)
-    written = convert(robot, asked.to, out)
-    if asked.json:
+        robot, cuts = with_pieces(robot, progress=_cutting)
+    written = convert(robot, options.to, out)
+    if options.json:
         content = {
             "schema": SCHEMA,
             "files": [str(path) for path in written.files],
@@ -54,7 +54,7 @@ def run_convert(asked: Convert) -> int:
     else:
         columns = width()
         lines = [
-            piece for line in _words(asked, robot, written, cuts) for piece in _fit(line, columns)
+            piece for line in _words(options, robot, written, cuts) for piece in _fit(line, columns)
         ]
         say((line, "") for line in lines)
     return 0
@@ -69,13 +69,13 @@ def _cutting(mesh: str) -> None:
     sys.stderr.flush()
 
 
-def _words(asked: Convert, robot: Robot, written: Conversion, cuts: tuple[Cut, ...]) -> list[str]:
+def _words(options: Convert, robot: Robot, written: Conversion, cuts: tuple[Cut, ...]) -> list[str]:
     meshes = len(written.files) - 2
     beside = f", {meshes} mesh{'es' if meshes > 1 else ''}" if meshes else ""
     lines = [f"wrote {written.files[0]}{beside} and {written.files[-1].name}"]
     repaired = sum(finding.severity == "repaired" for finding in robot.findings)
     if repaired:
-        asking = f"morph inspect {shlex.quote(asked.robot)}"
+        asking = f"morph inspect {shlex.quote(options.robot)}"
         many = f"{repaired} repairs are" if repaired > 1 else "1 repair is"
         lines.append(f"{many} in it, which {asking} lists")
     for cut in cuts:
@@ -84,5 +84,8 @@ def _words(asked: Convert, robot: Robot, written: Conversion, cuts: tuple[Cut, .
             filled += f", {cut.pieces_ratio:.3g} as {cut.pieces} pieces"
         lines.append(f"{cut.mesh} of {cut.link} fills {filled}")
     if written.left_out:
-        lines += [f"{asked.to.upper()} does not hold:", *(f"  {left}" for left in written.left_out)]
+        lines += [
+            f"{options.to.upper()} does not hold:",
+            *(f"  {left}" for left in written.left_out),
+        ]
     return lines

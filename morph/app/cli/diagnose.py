@@ -24,7 +24,7 @@ MOST_NOTES = 5
 """Notes on recordings that are printed."""
 
 
-def run_diagnose(asked: Diagnose) -> int:
+def run_diagnose(options: Diagnose) -> int:
     """Diagnose as asked and return the exit status.
 
     Raises:
@@ -34,44 +34,46 @@ def run_diagnose(asked: Diagnose) -> int:
     from morph.run_folder import lock_run_folder
 
     # Whatever the command line got wrong is told before any work is done.
-    check_out(asked.out)
-    horizon, vary = horizon_of(asked.horizon), fractions(asked.vary)
-    with lock_run_folder(asked.out, beside=True):
-        found = _diagnosed(asked, horizon, vary)
-        write_diagnosis(found, asked.out)
-    if asked.json:
-        sys.stdout.write(diagnosis_text(found))
+    check_out(options.out)
+    horizon, vary = horizon_of(options.horizon), fractions(options.vary)
+    with lock_run_folder(options.out, beside=True):
+        result = _diagnosed(options, horizon, vary)
+        write_diagnosis(result, options.out)
+    if options.json:
+        sys.stdout.write(diagnosis_text(result))
     else:
-        sys.stdout.write("\n".join([in_words(found, asked.out), *_planned(asked, found)]) + "\n")
-    return 3 if found.stopped_short else 0
+        sys.stdout.write(
+            "\n".join([in_words(result, options.out), *_planned(options, result)]) + "\n"
+        )
+    return 3 if result.stopped_short else 0
 
 
-def _diagnosed(asked: Diagnose, horizon: float | None, vary: dict[str, float]) -> Diagnosis:
+def _diagnosed(options: Diagnose, horizon: float | None, vary: dict[str, float]) -> Diagnosis:
     from morph.physics.worlds import on_floor
 
-    robot = load_robot(asked.robot)
-    if asked.world is not None:
-        robot = on_floor(robot, asked.world)
-    fitted, aside = _recordings(asked, robot)
+    robot = load_robot(options.robot)
+    if options.world is not None:
+        robot = on_floor(robot, options.world)
+    fitted, aside = _recordings(options, robot)
     from morph.inference.diagnose import diagnose
 
-    found = diagnose(
+    result = diagnose(
         robot,
         fitted,
         held_out=aside,
         horizon=horizon,
         vary=vary,
-        budget=asked.budget,
-        seed=asked.seed,
-        progress=None if asked.quiet else _Progress(),
+        budget=options.budget,
+        seed=options.seed,
+        progress=None if options.quiet else _Progress(),
     )
-    return replace(found, provenance={**found.provenance, "command": _command(asked)})
+    return replace(result, provenance={**result.provenance, "command": _command(options)})
 
 
-def in_words(found: Diagnosis, out: Path) -> str:
+def in_words(result: Diagnosis, out: Path) -> str:
     """Return the finding in words, the errors on runs never seen, and the report's path."""
-    lines = [f"{found.robot}: {found.verdict}", *(f"  {s}" for s in found.summary())]
-    for finding in found.findings:
+    lines = [f"{result.robot}: {result.verdict}", *(f"  {s}" for s in result.summary())]
+    for finding in result.findings:
         fitted = ", ".join(
             f"{name} = {e.value:.3g} [{e.low90:.3g}, {e.high90:.3g}] {e.unit}{words.limited(e)}"
             for name, e in finding.parameters.items()
@@ -83,29 +85,29 @@ def in_words(found: Diagnosis, out: Path) -> str:
                 f"    rival {first.effect}@{first.where} ({first.probability:.2f}); "
                 f"to tell them apart: {finding.separate_by}"
             )
-    lines += [f"  remains: {sentence}" for sentence in words.remains(found)]
-    span = "whole episodes" if found.horizon is None else f"{found.horizon:g} s rollouts"
-    lines.append(f"  error on runs it never saw ({', '.join(found.held_out)}; {span}):")
-    for channel, nominal in found.held_out_rmse["nominal"].items():
-        refitted = found.held_out_rmse["refitted"][channel]
-        corrected = found.held_out_rmse["corrected"][channel]
+    lines += [f"  remains: {sentence}" for sentence in words.remains(result)]
+    span = "whole episodes" if result.horizon is None else f"{result.horizon:g} s rollouts"
+    lines.append(f"  error on runs it never saw ({', '.join(result.held_out)}; {span}):")
+    for channel, nominal in result.held_out_rmse["nominal"].items():
+        refitted = result.held_out_rmse["refitted"][channel]
+        corrected = result.held_out_rmse["corrected"][channel]
         lines.append(
             f"    {channel}: {nominal:.3g} as described, {refitted:.3g} refitted, "
             f"{corrected:.3g} corrected"
         )
-    lines += [f"  note: {note}" for note in found.notes[:MOST_NOTES]]
-    if len(found.notes) > MOST_NOTES:
-        lines.append(f"  note: {len(found.notes) - MOST_NOTES} more in the report")
-    if found.stopped_short:
+    lines += [f"  note: {note}" for note in result.notes[:MOST_NOTES]]
+    if len(result.notes) > MOST_NOTES:
+        lines.append(f"  note: {len(result.notes) - MOST_NOTES} more in the report")
+    if result.stopped_short:
         lines.append("  The budget ended first: this is the best answer so far.")
-    lines.append(f"  report: {out / 'report.html'} ({found.seconds:.0f} s)")
+    lines.append(f"  report: {out / 'report.html'} ({result.seconds:.0f} s)")
     return "\n".join(lines)
 
 
-def _planned(asked: Diagnose, found: Diagnosis) -> list[str]:
+def _planned(options: Diagnose, result: Diagnosis) -> list[str]:
     """Return the command that plans how to tell the first finding from its likeliest rival."""
     passing = {kind.name for kind in EFFECTS if kind.of_a_run}
-    for finding in found.findings:
+    for finding in result.findings:
         effect = finding.effect
         rivals = [each for each in finding.rivals if each.effect not in passing]
         if not rivals or effect.of_a_run:
@@ -114,36 +116,36 @@ def _planned(asked: Diagnose, found: Diagnosis) -> list[str]:
             f"{known.name}={getattr(effect, known.name):.4g}" for known in effect.free()
         )
         pair = [f"{effect.label}:{size}", f"{rivals[0].effect}@{rivals[0].where}"]
-        words = ["morph", "excite", asked.robot, "--separate", *pair, "--out", "DIR"]
+        words = ["morph", "excite", options.robot, "--separate", *pair, "--out", "DIR"]
         return [f"  to plan how to tell them apart: {shlex.join(words)}"]
     return []
 
 
 def _recordings(
-    asked: Diagnose, robot: Robot
+    options: Diagnose, robot: Robot
 ) -> tuple[tuple[Recording, ...], tuple[Recording, ...]]:
     given = [
         recording
-        for path in asked.recordings
-        for recording in load_recordings(path, robot=robot, root=asked.root)
+        for path in options.recordings
+        for recording in load_recordings(path, robot=robot, root=options.root)
     ]
     aside: list[Recording] = []
-    for name in asked.held_out:
+    for name in options.held_out:
         named = [recording for recording in given if recording.name == name]
         if named:
             aside += named
         elif Path(name).exists():
-            aside += load_recordings(Path(name), robot=robot, root=asked.root)
+            aside += load_recordings(Path(name), robot=robot, root=options.root)
         else:
             raise _no_episode("--held-out", name, given)
-    for name in asked.only:
+    for name in options.only:
         if name not in {recording.name for recording in given}:
             raise _no_episode("--only", name, given)
     out = {id(recording) for recording in aside}
     fitted = tuple(
         recording
         for recording in given
-        if id(recording) not in out and (not asked.only or recording.name in asked.only)
+        if id(recording) not in out and (not options.only or recording.name in options.only)
     )
     return fitted, tuple(aside)
 
@@ -184,34 +186,34 @@ def fractions(pairs: Sequence[str]) -> dict[str, float]:
     Raises:
         DiagnosisError: One is no such text.
     """
-    found = {}
+    results = {}
     for pair in pairs:
         name, equals, value = pair.rpartition("=")
         try:
-            found[name] = float(value)
+            results[name] = float(value)
         except ValueError:
             equals = ""
         if not equals or not name:
             raise DiagnosisError(
                 f"{pair!r} is no NAME=FRACTION", where="--vary", fix="write for example mass=0.3"
             )
-    return found
+    return results
 
 
-def _command(asked: Diagnose) -> str:
+def _command(options: Diagnose) -> str:
     """Return the command that gives this result again, wherever it is to be written."""
-    parts = ["morph", "diagnose", asked.robot, *map(str, asked.recordings), "--out", "DIR"]
+    parts = ["morph", "diagnose", options.robot, *map(str, options.recordings), "--out", "DIR"]
     for option, values in (
-        ("--held-out", asked.held_out),
-        ("--only", asked.only),
-        ("--vary", asked.vary),
+        ("--held-out", options.held_out),
+        ("--only", options.only),
+        ("--vary", options.vary),
     ):
         parts += [option, *values] if values else []
-    parts += ["--world", asked.world] if asked.world is not None else []
-    parts += ["--horizon", asked.horizon] if asked.horizon != "1.0" else []
-    parts += ["--root", str(asked.root)] if asked.root is not None else []
-    parts += ["--budget", f"{asked.budget:g}"] if asked.budget is not None else []
-    return shlex.join([*parts, "--seed", str(asked.seed)])
+    parts += ["--world", options.world] if options.world is not None else []
+    parts += ["--horizon", options.horizon] if options.horizon != "1.0" else []
+    parts += ["--root", str(options.root)] if options.root is not None else []
+    parts += ["--budget", f"{options.budget:g}"] if options.budget is not None else []
+    return shlex.join([*parts, "--seed", str(options.seed)])
 
 
 class _Progress:

@@ -56,10 +56,10 @@ def driven(
         observer = Observer(policy, robot, model, 1, effects=simulator.effects)
 
         def act(q: Array, v: Array, time: float) -> Array:
-            told = np.array(policy.act(observer.see(q, v), np.full(1, time)))
+            given = np.array(policy.act(observer.see(q, v), np.full(1, time)))
             for at, value in fixed.items():
-                told[:, at] = value
-            return told
+                given[:, at] = value
+            return given
 
         return closed_loop(
             simulator,

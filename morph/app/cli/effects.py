@@ -38,7 +38,7 @@ def asked_effects(
         EffectError: An effect, its place or a parameter is not known, a value is out of
             bounds, the file cannot be used, or one effect is asked for twice.
     """
-    found = {effect.label: effect for effect in world}
+    results = {effect.label: effect for effect in world}
     if file is not None:
         from morph.physics.store import load_effects
 
@@ -46,10 +46,10 @@ def asked_effects(
         for effect in loaded:
             _check_place(effect, robot, where=f"{file}, {effect.label}")
         _check_once(loaded, str(file))
-        found |= {effect.label: effect for effect in loaded}
-    single = [parsed(text, robot, found) for text in texts]
+        results |= {effect.label: effect for effect in loaded}
+    single = [parsed(text, robot, results) for text in texts]
     _check_once(single, "--effect")
-    return tuple({**found, **{effect.label: effect for effect in single}}.values())
+    return tuple({**results, **{effect.label: effect for effect in single}}.values())
 
 
 def _check_once(effects: Sequence[Effect], where: str) -> None:
@@ -117,8 +117,8 @@ def shown(effect: Effect) -> str:
             for known, value in values.items()
             if value != (known.default if known.neutral is None else known.neutral)
         }
-    told = [f"{known.name} = {value:g}{_unit(known)}" for known, value in values.items()]
-    return effect.label + (f" ({', '.join(told)})" if told else "")
+    lines = [f"{known.name} = {value:g}{_unit(known)}" for known, value in values.items()]
+    return effect.label + (f" ({', '.join(lines)})" if lines else "")
 
 
 def _taken_apart(text: str) -> tuple[str, str, str]:

@@ -19,7 +19,7 @@ MOST_LISTED = 20
 """Pairs of laws that are not told apart that are listed; more are counted."""
 
 
-def run_excite(asked: Excite) -> int:
+def run_excite(options: Excite) -> int:
     """Plan an experiment as asked and return the exit status.
 
     Raises:
@@ -33,39 +33,39 @@ def run_excite(asked: Excite) -> int:
     from morph.experiment_design.separation import SCHEMA
 
     # Whatever the command line got wrong is told before any work is done.
-    vary = fractions(asked.vary)
-    if (asked.separate is None) != asked.for_everything:
+    vary = fractions(options.vary)
+    if (options.separate is None) != options.for_everything:
         raise DiagnosisError(
             "it is not said what the experiment is to show"
-            if asked.separate is None
+            if options.separate is None
             else "two laws and every law are asked for at once",
             where="morph excite",
             fix="give either --separate with two laws, or --for-everything",
         )
-    check_folder(asked.out, MARKER, SCHEMA, "an experiment")
-    with stages(asked.quiet) as told:
-        told.now("loading")
-        robot = load(asked.robot)
-        laws = [parsed(text, robot, option="--separate") for text in asked.separate or ()]
+    check_folder(options.out, MARKER, SCHEMA, "an experiment")
+    with stages(options.quiet) as progress:
+        progress.now("loading")
+        robot = load(options.robot)
+        laws = [parsed(text, robot, option="--separate") for text in options.separate or ()]
         # Late: it loads all that a diagnosis needs.
         from morph.experiment_design.plan import plan
 
-        found = plan(
+        result = plan(
             robot,
             laws,
-            seconds=asked.seconds,
-            rate=asked.rate,
-            noise=asked.noise,
+            seconds=options.seconds,
+            rate=options.rate,
+            noise=options.noise,
             vary=vary,
-            seed=asked.seed,
-            progress=told.now,
+            seed=options.seed,
+            progress=progress.now,
         )
-    text = _write(found, asked.out)
-    sys.stdout.write(text if asked.json else in_words(found, asked) + "\n")
+    text = _write(result, options.out)
+    sys.stdout.write(text if options.json else in_words(result, options) + "\n")
     return 0
 
 
-def _write(found: ExperimentPlan, out: Path) -> str:
+def _write(result: ExperimentPlan, out: Path) -> str:
     """Write a plan into a folder, replaced whole or not at all, and return its record's text."""
     from morph.app.report.files import check_folder
     from morph.atomic_directory import atomic_directory
@@ -73,44 +73,44 @@ def _write(found: ExperimentPlan, out: Path) -> str:
     from morph.files import write_whole
     from morph.record.write import write
 
-    files = [f"run_{number + 1}.csv" for number in range(len(found.runs))]
-    text = json.dumps(found.as_json(files), indent=2, allow_nan=False) + "\n"
+    files = [f"run_{number + 1}.csv" for number in range(len(result.runs))]
+    text = json.dumps(result.as_json(files), indent=2, allow_nan=False) + "\n"
 
     def check(folder: Path) -> None:
         check_folder(folder, MARKER, SCHEMA, "an experiment")
 
     with atomic_directory(out, check, (*files, MARKER)) as folder:
-        for file, run in zip(files, found.runs, strict=True):
+        for file, run in zip(files, result.runs, strict=True):
             write(run.commands, folder / file)
         write_whole(folder / MARKER, text)
     return text
 
 
-def in_words(found: ExperimentPlan, asked: Excite) -> str:
+def in_words(result: ExperimentPlan, options: Excite) -> str:
     """Return what to run, what it tells apart and what it does not, and the next commands."""
-    lines = [f"{found.robot.name}: {len(found.runs)} of {found.tried} motions"]
-    for number, run in enumerate(found.runs):
+    lines = [f"{result.robot.name}: {len(result.runs)} of {result.tried} motions"]
+    for number, run in enumerate(result.runs):
         share = 100.0 * run.excitation.amplitude
         lines.append(
             f"  run_{number + 1}.csv: {run.excitation.kind}, {run.seconds:.3g} s, {share:.2g} % of "
             "the actuators' limits"
         )
-    told = [each for each in found.separations if each.enough]
-    left = [each for each in found.separations if not each.enough]
-    if asked.for_everything:
-        lines.append(f"  {len(told)} of {len(found.separations)} pairs of laws are told apart")
+    rows = [each for each in result.separations if each.enough]
+    left = [each for each in result.separations if not each.enough]
+    if options.for_everything:
+        lines.append(f"  {len(rows)} of {len(result.separations)} pairs of laws are told apart")
         lines += [f"  not told apart: {_line(each)}" for each in left[:MOST_LISTED]]
         lines += [f"  and {len(left) - MOST_LISTED} more in {MARKER}"] * (len(left) > MOST_LISTED)
     else:
-        lines += [f"  {_line(each)}" for each in found.separations]
+        lines += [f"  {_line(each)}" for each in result.separations]
         lines += ["  no motion that was tried tells them apart surely"] * bool(left)
-    first = asked.out / "run_1.csv"
-    simulate = ["morph", "simulate", asked.robot, "--commands", str(first)]
-    simulate += ["--seconds", f"{found.runs[0].seconds:g}"]
+    first = options.out / "run_1.csv"
+    simulate = ["morph", "simulate", options.robot, "--commands", str(first)]
+    simulate += ["--seconds", f"{result.runs[0].seconds:g}"]
     further = [
         f"to see it: {shlex.join([*simulate, '--view'])}",
         "to name what acts, record the robot under it: "
-        + shlex.join(["morph", "diagnose", asked.robot, "RECORDING", "--out", "DIR"]),
+        + shlex.join(["morph", "diagnose", options.robot, "RECORDING", "--out", "DIR"]),
     ]
     return "\n".join([*lines, *further])
 

@@ -28,9 +28,11 @@ def going_on(out: Path, before: Before) -> Iterator[None]:
     except SPOILT as error:
         if before.state is None:
             raise
-        said = error.what if isinstance(error, StateError) else f"{type(error).__name__}: {error}"
+        statement = (
+            error.what if isinstance(error, StateError) else f"{type(error).__name__}: {error}"
+        )
         raise OutputError(
-            f"the search cannot go on from what is in it: {' '.join(said.split())}",
+            f"the search cannot go on from what is in it: {' '.join(statement.split())}",
             where=str(out / STATE),
             fix="begin anew by --fresh, or name a new folder",
         ) from error

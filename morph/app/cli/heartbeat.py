@@ -26,11 +26,11 @@ def beating(quiet: bool, *, every: float = EVERY, again: float = AGAIN) -> Itera
         every: For how long nothing is told before it is told what is done, s.
         again: The same for a stage that was told already, s.
     """
-    with stages(quiet) as told:
+    with stages(quiet) as progress:
         if quiet or sys.stderr.isatty():
-            yield told
+            yield progress
             return
-        beat = _Beat(told, every, again)
+        beat = _Beat(progress, every, again)
         beat.start()
         try:
             yield Stages(now=beat.now, line=beat.line)
@@ -41,19 +41,19 @@ def beating(quiet: bool, *, every: float = EVERY, again: float = AGAIN) -> Itera
 class _Beat(threading.Thread):
     """Tells what is being done when nothing was told for long."""
 
-    def __init__(self, told: Stages, every: float, again: float) -> None:
+    def __init__(self, progress: Stages, every: float, again: float) -> None:
         super().__init__(daemon=True)
-        self._told, self._every, self._again = told, every, again
+        self._told, self._every, self._again = progress, every, again
         self._over = threading.Event()
         self._began = self._last = time.monotonic()
         self._stage = ""
 
-    def now(self, said: str) -> None:
-        self._stage = said
+    def now(self, text: str) -> None:
+        self._stage = text
 
-    def line(self, said: str) -> None:
+    def line(self, text: str) -> None:
         self._last = time.monotonic()
-        self._told.line(said)
+        self._told.line(text)
 
     def run(self) -> None:
         before = ""

@@ -47,62 +47,62 @@ Lines = list[tuple[str, str]]
 """Lines with the style of each."""
 
 
-def run_inspect(asked: Inspect) -> int:
+def run_inspect(options: Inspect) -> int:
     """Print what was found and return the exit status."""
     from morph.body.inspect import inspect_robot
 
-    found = inspect_robot(asked.robot, base=asked.base, folder=asked.folder)
-    if asked.json:
-        sys.stdout.write(json.dumps(found.as_json(), indent=2, allow_nan=False) + "\n")
+    result = inspect_robot(options.robot, base=options.base, folder=options.folder)
+    if options.json:
+        sys.stdout.write(json.dumps(result.as_json(), indent=2, allow_nan=False) + "\n")
     else:
-        _show(found)
-    bad = found.verdict == "refused" or (asked.strict and found.verdict != "ok")
+        _show(result)
+    bad = result.verdict == "refused" or (options.strict and result.verdict != "ok")
     return UNUSABLE if bad else OK
 
 
-def _show(found: Inspection) -> None:
+def _show(result: Inspection) -> None:
     columns = width()
     lines: Lines = []
-    if found.robot is not None:
-        for line in _head(found, found.robot):
+    if result.robot is not None:
+        for line in _head(result, result.robot):
             lines += _plain(paragraph(line, 2, columns))
         for part in (_links, _joints, _others, _chains):
-            head, *rows = part(found.robot, columns) or [""]
+            head, *rows = part(result.robot, columns) or [""]
             lines += [(head, "bold"), *_plain(rows), ("", "")] if head else []
-        if sensors := _sensors(found.robot, columns):
+        if sensors := _sensors(result.robot, columns):
             lines += _plain([*sensors, ""])
-    for group in _grouped(found.findings):
+    for group in _grouped(result.findings):
         lines += _group(group, columns)
-    say([*lines, *_plain(paragraph(_closing(found), 2, columns))])
+    say([*lines, *_plain(paragraph(_closing(result), 2, columns))])
 
 
-def _closing(found: Inspection) -> str:
+def _closing(result: Inspection) -> str:
     counts = [
         f"{number} {severity}"
         for severity in ORDER
-        if (number := sum(each.severity == severity for each in found.findings))
+        if (number := sum(each.severity == severity for each in result.findings))
     ]
-    told = f" ({', '.join(counts)})" if counts else ""
-    return f"{_name(found.name)}: {found.verdict}, {MEANS[found.verdict]}{told}"
+    given = f" ({', '.join(counts)})" if counts else ""
+    return f"{_name(result.name)}: {result.verdict}, {MEANS[result.verdict]}{given}"
 
 
 def _plain(lines: Iterable[str]) -> Lines:
     return [(line, "") for line in lines]
 
 
-def _head(found: Inspection, robot: Robot) -> list[str]:
-    x, y, z = (_rounded(value) for value in found.com or ())
+def _head(result: Inspection, robot: Robot) -> list[str]:
+    x, y, z = (_rounded(value) for value in result.com or ())
     counted = (
         _many(len(robot.links), "link", "links"),
         _many(len(robot.joints), "joint", "joints"),
-        _many(found.dof, "degree of freedom", "degrees of freedom"),
+        _many(result.dof, "degree of freedom", "degrees of freedom"),
     )
-    lines = [f"{_name(found.name)}: {robot.mass:.6g} kg, " + ", ".join(counted)]
+    lines = [f"{_name(result.name)}: {robot.mass:.6g} kg, " + ", ".join(counted)]
     if robot.loops:
         lines[0] += f" before {_many(len(robot.loops), 'closed chain', 'closed chains')}"
     if robot.source is not None:
         lines.append(f"  read from {harmless(str(robot.source))}")
-    lines.append(f"  centre of mass at home ({x}, {y}, {z}) m, reach {found.reach:.3g} m")
+    lines.append(f"  centre of mass at home ({x}, {y}, {z}) m, reach {result.reach:.3g} m")
     sources = {link.inertia_from for link in robot.links if link.mass}
     if len(sources) == 1:
         lines.append(f"  inertias {SOURCES[sources.pop()]}")
@@ -201,8 +201,8 @@ def _chains(robot: Robot, columns: int | None) -> list[str]:
 
 def _sensors(robot: Robot, columns: int | None) -> list[str]:
     kinds = [sensor.kind for sensor in robot.sensors]
-    told = ", ".join(f"{kinds.count(kind)} {kind}" for kind in dict.fromkeys(kinds))
-    return paragraph(f"sensors: {told}", 2, columns) if kinds else []
+    text = ", ".join(f"{kinds.count(kind)} {kind}" for kind in dict.fromkeys(kinds))
+    return paragraph(f"sensors: {text}", 2, columns) if kinds else []
 
 
 def _tally(shapes: tuple[str, ...], role: str) -> str:

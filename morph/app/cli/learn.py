@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 DONE, STOPPED_SHORT, INTERRUPTED = 0, 3, 130
 
 
-def run_learn(asked: Learn) -> int:
+def run_learn(options: Learn) -> int:
     """Search as asked and return the exit status.
 
     Raises:
@@ -33,97 +33,97 @@ def run_learn(asked: Learn) -> int:
     from morph.run_folder import lock_run_folder
 
     # Whatever the command line got wrong is told before any work is done.
-    _check_numbers(asked)
-    out = check_out(asked.out, LEARN)
+    _check_numbers(options)
+    out = check_out(options.out, LEARN)
     # Both names are checked before a robot is read, which takes longer.
-    _check_names(asked)
-    task = _task(asked)
-    search = _search(asked, task)
+    _check_names(options)
+    task = _task(options)
+    search = _search(options, task)
     with lock_run_folder(out):
         # What held it before may have left something else there.
-        check_out(asked.out, LEARN)
-        return _run(asked, task, search, out)
+        check_out(options.out, LEARN)
+        return _run(options, task, search, out)
 
 
-def _run(asked: Learn, task: Task, search: Search, out: Path) -> int:
+def _run(options: Learn, task: Task, search: Search, out: Path) -> int:
     """Search in a folder that nobody else works in, and return the exit status."""
     from morph.app.cli.outputs import LEARN, claim, clear
     from morph.app.cli.search_checkpoint import Before, Checkpoint
 
-    checkpoint = Checkpoint(out, _key(asked, task, search))
-    before = Before() if asked.fresh else checkpoint.before()
-    status = None if asked.fresh else _already(asked, out)
+    checkpoint = Checkpoint(out, _key(options, task, search))
+    before = Before() if options.fresh else checkpoint.before()
+    status = None if options.fresh else _already(options, out)
     if status is not None:
         return status
     try:
-        learned, took = _searched(asked, task, search, checkpoint, before)
-        if asked.fresh:
+        learned, took = _searched(options, task, search, checkpoint, before)
+        if options.fresh:
             # Had the search told nothing, what is there would still be the earlier one's.
             clear(out, LEARN, progress=True)
         claim(out, LEARN, results=True)
         checkpoint.write()
-        outcome = _written(asked, task, search, learned, checkpoint.trials, took)
+        outcome = _written(options, task, search, learned, checkpoint.trials, took)
     except KeyboardInterrupt:
         return _interrupted(out, checkpoint)
-    _say(asked, outcome)
+    _say(options, outcome)
     return DONE if outcome.succeeded else STOPPED_SHORT
 
 
-def _check_numbers(asked: Learn) -> None:
-    if asked.trials is not None and asked.trials < 1:
+def _check_numbers(options: Learn) -> None:
+    if options.trials is not None and options.trials < 1:
         raise SearchError(
-            f"a search of {asked.trials} trials learns nothing",
+            f"a search of {options.trials} trials learns nothing",
             where="--trials",
             fix="give at least 1, or leave it out",
         )
-    if asked.seed < 0:
-        raise SearchError(f"{asked.seed} is no seed", where="--seed", fix="give 0 or more")
+    if options.seed < 0:
+        raise SearchError(f"{options.seed} is no seed", where="--seed", fix="give 0 or more")
 
 
-def _task(asked: Learn) -> Task:
+def _task(options: Learn) -> Task:
     """Return the task in the world and under the effects that are asked for."""
     from morph.app.cli.effects import asked_effects
     from morph.body.load import load
     from morph.physics.worlds import world
     from morph.task.tasks import task
 
-    robot = load(asked.robot, base=asked.base, folder=asked.folder)
-    found = task(asked.task, robot)
-    around = found.effects if asked.world is None else world(asked.world, robot).effects
-    file = None if asked.effects is None else Path(asked.effects)
-    effects = asked_effects(robot, asked.effect, file=file, world=around)
-    return replace(found, world=asked.world or found.world, effects=effects)
+    robot = load(options.robot, base=options.base, folder=options.folder)
+    result = task(options.task, robot)
+    around = result.effects if options.world is None else world(options.world, robot).effects
+    file = None if options.effects is None else Path(options.effects)
+    effects = asked_effects(robot, options.effect, file=file, world=around)
+    return replace(result, world=options.world or result.world, effects=effects)
 
 
-def _check_names(asked: Learn) -> None:
+def _check_names(options: Learn) -> None:
     """Refuse a task or a search that there is not."""
     from morph.search.searches import search
     from morph.task.tasks import check_name
 
-    check_name(asked.task)
-    if asked.search is not None:
-        search(asked.search)
+    check_name(options.task)
+    if options.search is not None:
+        search(options.search)
 
 
-def _search(asked: Learn, task: Task) -> Search:
+def _search(options: Learn, task: Task) -> Search:
     """Return the search that is asked for, or the one that suits the task of this body."""
     from morph.search.searches import default, search
 
-    return search(asked.search or default(asked.task, task.robot))()
+    return search(options.search or default(options.task, task.robot))()
 
 
-def _key(asked: Learn, task: Task, search: Search) -> dict[str, str]:
+def _key(options: Learn, task: Task, search: Search) -> dict[str, str]:
     from morph.app.report.learn.outcome import robot_hash
 
     return {
         "task": task.sha256,
         "body": robot_hash(task),
         "search": repr(search),
-        "seed": str(asked.seed),
+        "seed": str(options.seed),
     }
 
 
-def _already(asked: Learn, out: Path) -> int | None:
+def _already(options: Learn, out: Path) -> int | None:
     """Return the status of a finished search, told once more; None if there is more to do."""
     from morph.app.cli.console import harmless
     from morph.app.cli.search_checkpoint import record_of
@@ -131,11 +131,14 @@ def _already(asked: Learn, out: Path) -> int | None:
     before = record_of(out)
     if before is None:
         return None
-    text, said = before
-    same, succeeded = said.get("asked_trials") == asked.trials, bool(said.get("succeeded"))
+    text, statement = before
+    same, succeeded = (
+        statement.get("asked_trials") == options.trials,
+        bool(statement.get("succeeded")),
+    )
     if not same:
         return None
-    if asked.json:
+    if options.json:
         sys.stdout.write(text)
     else:
         did = "succeeded" if succeeded else "did not succeed"
@@ -147,7 +150,7 @@ def _already(asked: Learn, out: Path) -> int | None:
 
 
 def _searched(
-    asked: Learn, task: Task, search: Search, checkpoint: Checkpoint, before: Before
+    options: Learn, task: Task, search: Search, checkpoint: Checkpoint, before: Before
 ) -> tuple[Learned, float]:
     """Return what the search found, and how long it took, the time before an interrupt too."""
     from morph.app.cli.going_on import going_on
@@ -160,7 +163,7 @@ def _searched(
     problem = Problem(task=task, simulator=None if search.from_trials else simulator, target=target)
     spent = before.trials[-1].seconds if before.trials else 0.0
     began = time.perf_counter() - spent
-    with progress(asked.quiet, f"{task.name} of {task.robot.name} by {search.name}") as show:
+    with progress(options.quiet, f"{task.name} of {task.robot.name} by {search.name}") as show:
 
         def told(trial: Trial, state: State) -> None:
             # By this clock, which has run on since before the interrupt.
@@ -170,7 +173,7 @@ def _searched(
 
         with going_on(checkpoint.out, before):
             learned = search.run(
-                problem, seed=asked.seed, trials=asked.trials, told=told, state=before.state
+                problem, seed=options.seed, trials=options.trials, progress=told, state=before.state
             )
     known = {trial.number for trial in checkpoint.trials}
     checkpoint.trials += [trial for trial in learned.trials if trial.number not in known]
@@ -178,7 +181,7 @@ def _searched(
 
 
 def _written(
-    asked: Learn,
+    options: Learn,
     task: Task,
     search: Search,
     learned: Learned,
@@ -194,17 +197,17 @@ def _written(
         task=task,
         search=search,
         policy=learned.policy,
-        judged=judge(task, learned.policy, task.simulator(), asked.seed),
+        judged=judge(task, learned.policy, task.simulator(), options.seed),
         trials=ordered,
         claimed=learned.succeeded,
         why_not=learned.why,
-        seed=asked.seed,
-        asked=asked.trials,
+        seed=options.seed,
+        asked=options.trials,
         experience=max((trial.experience for trial in ordered), default=0.0),
         seconds=took,
-        command=_command(asked, search),
+        command=_command(options, search),
     )
-    return write_learned(outcome, Path(asked.out), see=_see(asked, task))
+    return write_learned(outcome, Path(options.out), see=_see(options, task))
 
 
 def _interrupted(out: Path, checkpoint: Checkpoint) -> int:
@@ -220,12 +223,12 @@ def _interrupted(out: Path, checkpoint: Checkpoint) -> int:
     return INTERRUPTED
 
 
-def _say(asked: Learn, outcome: LearnOutcome) -> None:
+def _say(options: Learn, outcome: LearnOutcome) -> None:
     from morph.app.cli.console import harmless, paragraph, say, width
     from morph.app.report.learn.outcome import record_text
     from morph.app.report.learn.words import headline, summary
 
-    if asked.json:
+    if options.json:
         sys.stdout.write(record_text(outcome))
         return
     columns = width()
@@ -234,8 +237,8 @@ def _say(asked: Learn, outcome: LearnOutcome) -> None:
         lines.append((f"  it did not succeed: {outcome.why}", "yellow"))
     lines += [(f"  {sentence}", "") for sentence in summary(outcome)]
     lines += [(f"  {note}", "yellow") for note in outcome.notes]
-    lines.append((f"wrote {asked.out}/policy, and {asked.out}/report.html on it", ""))
-    lines.append((f"see it by: {_see(asked, outcome.task)}", ""))
+    lines.append((f"wrote {options.out}/policy, and {options.out}/report.html on it", ""))
+    lines.append((f"see it by: {_see(options, outcome.task)}", ""))
     say(
         (piece, style)
         for text, style in lines
@@ -252,39 +255,39 @@ def _options(pairs: Mapping[str, object]) -> list[str]:
     return parts
 
 
-def _shared(asked: Learn) -> dict[str, object]:
+def _shared(options: Learn) -> dict[str, object]:
     return {
-        "--effects": asked.effects,
-        "--effect": asked.effect,
-        "--base": asked.base,
-        "--folder": asked.folder,
+        "--effects": options.effects,
+        "--effect": options.effect,
+        "--base": options.base,
+        "--folder": options.folder,
     }
 
 
-def _command(asked: Learn, search: Search) -> str:
+def _command(options: Learn, search: Search) -> str:
     """Return the command that gives this result again, wherever it is to be written."""
-    told = {
-        "--robot": asked.robot,
+    known = {
+        "--robot": options.robot,
         "--search": search.name,
-        "--trials": asked.trials,
-        "--seed": asked.seed,
-        "--world": asked.world,
-        **_shared(asked),
+        "--trials": options.trials,
+        "--seed": options.seed,
+        "--world": options.world,
+        **_shared(options),
         "--out": "DIR",
     }
-    return shlex.join(["morph", "learn", asked.task, *_options(told)])
+    return shlex.join(["morph", "learn", options.task, *_options(known)])
 
 
-def _see(asked: Learn, task: Task) -> str:
+def _see(options: Learn, task: Task) -> str:
     """Return the command that shows the policy at work."""
-    told = {
-        "--policy": f"{asked.out}/policy",
+    known = {
+        "--policy": f"{options.out}/policy",
         "--world": task.world,
-        **_shared(asked),
+        **_shared(options),
         "--start": tuple(f"{name}={value:.6g}" for name, value in task.start.position.items()),
         "--speed": tuple(f"{name}={value:.6g}" for name, value in task.start.speed.items()),
         "--seconds": f"{task.horizon:g}",
         "--step": f"{task.step:g}",
         "--integrator": task.integrator,
     }
-    return shlex.join(["morph", "simulate", asked.robot, *_options(told), "--view"])
+    return shlex.join(["morph", "simulate", options.robot, *_options(known), "--view"])

@@ -13,7 +13,7 @@ from morph.app.cli.arguments import List
 from morph.app.cli.console import harmless, say, table, width
 
 
-def run_list(asked: List) -> int:
+def run_list(options: List) -> int:
     """Print what was asked for and return the exit status."""
     listed = {
         "robots": _robots,
@@ -23,10 +23,10 @@ def run_list(asked: List) -> int:
         "printers": _printers,
         "materials": _materials,
     }
-    rows = listed[asked.what]()
-    if asked.json:
-        schema = f"morph.list.{asked.what}/1"
-        sys.stdout.write(json.dumps({"schema": schema, asked.what: rows}, indent=2) + "\n")
+    rows = listed[options.what]()
+    if options.json:
+        schema = f"morph.list.{options.what}/1"
+        sys.stdout.write(json.dumps({"schema": schema, options.what: rows}, indent=2) + "\n")
         return 0
     cells = [[harmless(_cell(value)) for value in row.values()] for row in rows]
     head, *body = table(list(rows[0]), cells, columns=width())
@@ -131,18 +131,18 @@ def _described(place: str) -> tuple[str, bool]:
     if spec is None or spec.origin is None:
         return "", False
     tree = ast.parse(Path(spec.origin).read_text(encoding="utf-8"))
-    (found,) = (each for each in tree.body if isinstance(each, ast.ClassDef) and each.name == name)
-    told = [
+    (result,) = (each for each in tree.body if isinstance(each, ast.ClassDef) and each.name == name)
+    lines = [
         part.value.value
-        for part in found.body
+        for part in result.body
         if isinstance(part, ast.Assign | ast.AnnAssign)
         and isinstance(part.value, ast.Constant)
         and "from_trials" in {name.id for name in ast.walk(part) if isinstance(name, ast.Name)}
     ]
-    if told:
-        return _first_line(ast.get_docstring(found)), bool(told[-1])
+    if lines:
+        return _first_line(ast.get_docstring(result)), bool(lines[-1])
     # What a class does not say itself, the class that it inherits from says.
-    names = {base.id for base in found.bases if isinstance(base, ast.Name)}
+    names = {base.id for base in result.bases if isinstance(base, ast.Name)}
     origins = {
         alias.name: f"{part.module}:{alias.name}"
         for part in tree.body
@@ -151,7 +151,7 @@ def _described(place: str) -> tuple[str, bool]:
         if alias.name in names
     }
     inherited = any(_described(origin)[1] for origin in origins.values() if "morph" in origin)
-    return _first_line(ast.get_docstring(found)), inherited
+    return _first_line(ast.get_docstring(result)), inherited
 
 
 def _first_line(words: str | None) -> str:

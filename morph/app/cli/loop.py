@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 DONE, STOPPED_SHORT, INTERRUPTED = 0, 3, 130
 
 
-def run_loop(asked: Loop) -> int:
+def run_loop(options: Loop) -> int:
     """Carry a policy as asked and return the exit status.
 
     Raises:
@@ -35,28 +35,28 @@ def run_loop(asked: Loop) -> int:
     from morph.run_folder import lock_run_folder
 
     # Whatever the command line got wrong is told before any work is done.
-    _check_numbers(asked)
-    kind = check_choice(asked)
-    out = check_out(asked.out, LOOP)
-    check_fresh(asked, out)
-    task = _task(asked)
+    _check_numbers(options)
+    kind = check_choice(options)
+    out = check_out(options.out, LOOP)
+    check_fresh(options, out)
+    task = _task(options)
     if kind == "recorded":
         from morph.app.cli.loop_recorded import run_recorded
 
-        return run_recorded(asked, task, out)
+        return run_recorded(options, task, out)
     _check_body(task)
-    given = _given(asked, task)
+    given = _given(options, task)
     aim: TargetOptions | None = None
     if kind == "told":
-        aim = told_aim(asked, task)
+        aim = told_aim(options, task)
     elif kind == "live":
-        aim = live_aim(asked, task, out / RECORDED)
+        aim = live_aim(options, task, out / RECORDED)
     with lock_run_folder(out):
-        return _run(asked, task, given, aim, out)
+        return _run(options, task, given, aim, out)
 
 
 def _run(
-    asked: Loop, task: Task, given: Policy | None, aim: TargetOptions | None, out: Path
+    options: Loop, task: Task, given: Policy | None, aim: TargetOptions | None, out: Path
 ) -> int:
     """Carry a policy in a folder that nobody else works in, and return the exit status."""
     from morph.app.cli.heartbeat import beating
@@ -64,49 +64,51 @@ def _run(
     from morph.app.cli.loop_said import already
     from morph.app.cli.outputs import LOOP, claim, clear
 
-    if asked.fresh:
+    if options.fresh:
         clear(out, LOOP, progress=True)
     claim(out, LOOP, results=False)
-    keep = keep_of(out, task, key_of(asked, task, given, aim))
-    status = already(asked, out, task)
+    keep = keep_of(out, task, key_of(options, task, given, aim))
+    status = already(options, out, task)
     if status is not None:
         return status
     try:
-        with beating(asked.quiet) as told:
-            outcome = _carried(asked, task, given, aim, keep, told)
+        with beating(options.quiet) as progress:
+            outcome = _carried(options, task, given, aim, keep, progress)
     except BaseException as error:
         return _ended(error, out)
-    return _said(asked, outcome)
+    return _said(options, outcome)
 
 
-def _check_numbers(asked: Loop) -> None:
-    if asked.trials < 1:
+def _check_numbers(options: Loop) -> None:
+    if options.trials < 1:
         raise TransferError(
-            f"a loop of {asked.trials} trials shows nothing", where="--trials", fix="give 1 or more"
+            f"a loop of {options.trials} trials shows nothing",
+            where="--trials",
+            fix="give 1 or more",
         )
-    if asked.seed < 0:
-        raise TransferError(f"{asked.seed} is no seed", where="--seed", fix="give 0 or more")
+    if options.seed < 0:
+        raise TransferError(f"{options.seed} is no seed", where="--seed", fix="give 0 or more")
 
 
-def _task(asked: Loop) -> Task:
+def _task(options: Loop) -> Task:
     """Return the source's task in the world that is asked for."""
     from morph.body.load import load
     from morph.task.tasks import check_name, task
 
-    check_name(asked.task)
-    robot = load(asked.robot, base=asked.base, folder=asked.folder)
-    found = task(asked.task, robot)
-    if asked.world is not None:
+    check_name(options.task)
+    robot = load(options.robot, base=options.base, folder=options.folder)
+    result = task(options.task, robot)
+    if options.world is not None:
         from morph.physics.worlds import world
 
-        found = replace(found, world=asked.world, effects=world(asked.world, robot).effects)
-    if not asked.limit:
-        return found
+        result = replace(result, world=options.world, effects=world(options.world, robot).effects)
+    if not options.limit:
+        return result
     from morph.app.cli.target_options import limits
     from morph.transfer.live.within import within
 
     # What is searched and foreseen knows the limits of what will be tried.
-    return within(found, limits(asked.limit))
+    return within(result, limits(options.limit))
 
 
 def _check_body(task: Task) -> None:
@@ -121,25 +123,25 @@ def _check_body(task: Task) -> None:
         )
 
 
-def _given(asked: Loop, task: Task) -> Policy | None:
+def _given(options: Loop, task: Task) -> Policy | None:
     """Return the policy that is named, once it fits the body and the task."""
-    if asked.policy is None:
+    if options.policy is None:
         return None
     from morph.policy.store import load_policy
     from morph.search.evaluate import check_period
 
-    policy = load_policy(asked.policy, task.robot)
+    policy = load_policy(options.policy, task.robot)
     check_period(policy, task)
     return policy
 
 
 def _carried(
-    asked: Loop,
+    options: Loop,
     task: Task,
     given: Policy | None,
     aim: TargetOptions | None,
     keep: Keep,
-    told: Stages,
+    progress: Stages,
 ) -> LoopOutcome:
     """Return what came of all trials, written."""
     from morph.app.cli.loop_source import source
@@ -150,8 +152,8 @@ def _carried(
     from morph.transfer.loop import TransferLoop as Trials
     from morph.transfer.loop import concluded
 
-    policy, notes = source(asked, task, given, told)
-    aim = sealed_aim(asked, task, policy) if aim is None else aim
+    policy, notes = source(options, task, given, progress)
+    aim = sealed_aim(options, task, policy) if aim is None else aim
     live = live_of(aim)
     rounds: list[LoopRound] = []
     noticed: list[str] = []
@@ -159,15 +161,15 @@ def _carried(
     def ended(done: LoopRound) -> None:
         rounds.append(done)
         for line in round_said(len(rounds), done, task.robot):
-            told.line(line)
+            progress.line(line)
         for note in conduct_notes(live, len(rounds)):
-            told.line(f"  {note}")
+            progress.line(f"  {note}")
             noticed.append(note)
 
     stopped = ""
     try:
-        done: Transferred = Trials(trials=asked.trials, seed=asked.seed).run(
-            task, policy, aim.target, keep=keep, told=ended, said=told.now
+        done: Transferred = Trials(trials=options.trials, seed=options.seed).run(
+            task, policy, aim.target, keep=keep, progress=ended, say=progress.now
         )
     except MorphError as error:
         if not rounds or (isinstance(error, TrialStopped) and error.pressed):
@@ -177,9 +179,9 @@ def _carried(
     finally:
         if live is not None:
             live.close()
-    told.now("judging")
-    outcome = _judged(asked, task, policy, aim, done, stopped, (*notes, *noticed))
-    told.now("writing the report")
+    progress.now("judging")
+    outcome = _judged(options, task, policy, aim, done, stopped, (*notes, *noticed))
+    progress.now("writing the report")
     # Results of fewer trials would be taken for these.
     clear(keep.out, LOOP, progress=False)
     claim(keep.out, LOOP, results=True)
@@ -187,7 +189,7 @@ def _carried(
 
 
 def _judged(
-    asked: Loop,
+    options: Loop,
     task: Task,
     policy: Policy,
     aim: TargetOptions,
@@ -205,7 +207,7 @@ def _judged(
     advice = done.rounds[-1].advice
     there, concealed = aim.simulated, aim.concealed
     home = evaluate(
-        task, policy, task.simulator(), rng=np.random.default_rng([asked.seed, JUDGING])
+        task, policy, task.simulator(), rng=np.random.default_rng([options.seed, JUDGING])
     )
     return LoopOutcome(
         task=task,
@@ -213,14 +215,14 @@ def _judged(
         runs=tuple(each.tried.experience for each in done.rounds),
         transferred=done,
         repair=None if advice is None else advice.repair,
-        judged=None if there is None else judged(there, policy, done.policy, seed=asked.seed),
+        judged=None if there is None else judged(there, policy, done.policy, seed=options.seed),
         own=home.mean,
         concealed=None if concealed is None else concealed.values,
-        sealed=asked.sealed,
-        searched=asked.trials > 1,
+        sealed=options.sealed,
+        searched=options.trials > 1,
         stopped=stopped,
-        seed=asked.seed,
-        command=command(asked),
+        seed=options.seed,
+        command=command(options),
         notes=notes,
     )
 
@@ -253,8 +255,8 @@ def _ended(error: BaseException, out: Path) -> int:
     return INTERRUPTED
 
 
-def _said(asked: Loop, outcome: LoopOutcome) -> int:
+def _said(options: Loop, outcome: LoopOutcome) -> int:
     from morph.app.cli.loop_said import say_outcome
 
-    say_outcome(asked, outcome)
+    say_outcome(options, outcome)
     return DONE if outcome.succeeded else STOPPED_SHORT

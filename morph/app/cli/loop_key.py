@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def key_of(
-    asked: Loop, task: Task, given: Policy | None, aim: TargetOptions | None
+    options: Loop, task: Task, given: Policy | None, aim: TargetOptions | None
 ) -> dict[str, str]:
     """Return what must be the same for a loop to go on."""
     from morph.files import sha256
@@ -30,16 +30,16 @@ def key_of(
     else:
         policy = sha256(*(value.tobytes() for _, value in sorted(given.weights().items())))
     # What a seal conceals is drawn later; its seed says as much.
-    target, limit = (f"sealed {asked.sealed}", "") if aim is None else (aim.key, aim.limit)
-    return {"target": target, "limit": limit, "policy": policy, "seed": str(asked.seed)}
+    target, limit = (f"sealed {options.sealed}", "") if aim is None else (aim.key, aim.limit)
+    return {"target": target, "limit": limit, "policy": policy, "seed": str(options.seed)}
 
 
-def key_of_recordings(asked: Loop, recordings: Sequence[Recording]) -> dict[str, str]:
+def key_of_recordings(options: Loop, recordings: Sequence[Recording]) -> dict[str, str]:
     """Return what must be the same for recordings to be diagnosed again in a folder."""
     from morph.files import sha256
 
     shown = sha256(*(each.sha256.encode() for each in recordings))
-    return {"target": f"recorded {shown}", "limit": "", "policy": "", "seed": str(asked.seed)}
+    return {"target": f"recorded {shown}", "limit": "", "policy": "", "seed": str(options.seed)}
 
 
 def keep_of(out: Path, task: Task, key: Mapping[str, str]) -> Keep:
@@ -58,19 +58,19 @@ def keep_of(out: Path, task: Task, key: Mapping[str, str]) -> Keep:
         ) from error
 
 
-def check_fresh(asked: Loop, out: Path) -> None:
+def check_fresh(options: Loop, out: Path) -> None:
     """Refuse to begin anew where that would remove what the loop is given.
 
     Raises:
         OutputError: The policy lies in the folder, or a description or effects of an earlier loop.
     """
-    if not asked.fresh:
+    if not options.fresh:
         return
     here = out.resolve()
     results = {here / name for name in LOOP.results}
-    lost = [("--robot", asked.robot), ("--effects", asked.effects)]
+    lost = [("--robot", options.robot), ("--effects", options.effects)]
     given = [name for name, path in lost if path is not None and Path(path).resolve() in results]
-    if asked.policy is not None and Path(asked.policy).resolve().is_relative_to(here):
+    if options.policy is not None and Path(options.policy).resolve().is_relative_to(here):
         given.append("--policy")
     if given:
         raise OutputError(

@@ -27,25 +27,25 @@ from morph.transfer.live.recorded import Recorded
 from morph.transfer.repair import MOST_RUNS, noise_of, repaired
 
 
-def run_recorded(asked: Loop, task: Task, out: Path) -> int:
+def run_recorded(options: Loop, task: Task, out: Path) -> int:
     """Diagnose recordings of a target and return the exit status, 0.
 
     Raises:
         MorphError: A recording cannot be used or the result cannot be written.
     """
-    recordings = [each for path in asked.recorded for each in load(path, robot=task.robot)]
+    recordings = [each for path in options.recorded for each in load(path, robot=task.robot)]
     recorded = Recorded(task=task, recordings=tuple(recordings))
     runs = recorded.runs()
     with lock_run_folder(out):
-        if asked.fresh:
+        if options.fresh:
             clear(out, LOOP, progress=True)
         claim(out, LOOP, results=False)
         # A loop's trials, its policy and its record are not to be overwritten by recordings.
-        keep_of(out, task, key_of_recordings(asked, recordings))
+        keep_of(out, task, key_of_recordings(options, recordings))
         try:
-            with beating(asked.quiet) as told:
-                outcome = _diagnosed(asked, task, runs, recorded.repeated(), told)
-                told.now("writing the report")
+            with beating(options.quiet) as progress:
+                outcome = _diagnosed(options, task, runs, recorded.repeated(), progress)
+                progress.now("writing the report")
                 clear(out, LOOP, progress=False)
                 claim(out, LOOP, results=True)
                 outcome = write_loop(outcome, out)
@@ -53,33 +53,33 @@ def run_recorded(asked: Loop, task: Task, out: Path) -> int:
             if not (out / LOOP.results[0]).is_file():
                 clear(out, LOOP, progress=True)
             raise
-    say_outcome(asked, outcome)
+    say_outcome(options, outcome)
     return 0
 
 
 def _diagnosed(
-    asked: Loop,
+    options: Loop,
     task: Task,
     runs: tuple[Experience, ...],
     noticed: tuple[str, ...],
-    told: Stages,
+    progress: Stages,
 ) -> LoopOutcome:
     notes = list(noticed)
     if len(runs) > MOST_RUNS:
         notes.append(f"the model is repaired by the last {MOST_RUNS} of {len(runs)} recordings")
     seen = [run.run for run in runs]
-    told.now("is the model good enough")
-    verdict = gate(task, seen[-MOST_RUNS:], asked.seed)
-    told.line(verdict.text)
+    progress.now("is the model good enough")
+    verdict = gate(task, seen[-MOST_RUNS:], options.seed)
+    progress.line(verdict.text)
     return LoopOutcome(
         task=task,
         target=f"{task.robot.name}, recorded",
         runs=runs,
         transferred=None,
-        repair=repaired(task, seen, told=told.now),
+        repair=repaired(task, seen, progress=progress.now),
         asked=verdict,
-        seed=asked.seed,
-        command=command(asked),
+        seed=options.seed,
+        command=command(options),
         notes=tuple(notes),
     )
 

@@ -29,7 +29,7 @@ def finished(out: Path) -> int:
     return len(list(out.glob("trials/*/experience.npz")))
 
 
-def already(asked: Loop, out: Path, task: Task) -> int | None:
+def already(options: Loop, out: Path, task: Task) -> int | None:
     """Return the status of a finished loop, told once more; None if there is more to do.
 
     A record that is spoilt, or whose policy is gone, is none: the trials are there, and all else
@@ -37,13 +37,13 @@ def already(asked: Loop, out: Path, task: Task) -> int | None:
     """
     from morph.app.cli.console import harmless
 
-    found = _finished(out, task)
-    if found is None:
+    result = _finished(out, task)
+    if result is None:
         return None
-    text, succeeded, tried = found
-    if not succeeded and tried < asked.trials:
+    text, succeeded, tried = result
+    if not succeeded and tried < options.trials:
         return None
-    if asked.json:
+    if options.json:
         sys.stdout.write(text)
     else:
         did = "succeeded" if succeeded else "did not succeed"
@@ -61,10 +61,10 @@ def _finished(out: Path, task: Task) -> tuple[str, bool, int] | None:
 
     try:
         text = read_regular(out / "transfer.json", MOST_BYTES).decode()
-        said = json.loads(text)
-        (hop,) = said["hops"]
+        document = json.loads(text)
+        (hop,) = document["hops"]
         succeeded, trials = hop["succeeded"], hop["trials"]
-        whole = said["schema"] == SCHEMA and said["task"]["sha256"] == task.sha256
+        whole = document["schema"] == SCHEMA and document["task"]["sha256"] == task.sha256
         fits = isinstance(succeeded, bool) and len(trials) == finished(out) > 0
         if not (whole and fits and (out / "report.html").is_file()):
             return None
@@ -74,17 +74,17 @@ def _finished(out: Path, task: Task) -> tuple[str, bool, int] | None:
     return text, succeeded, len(trials)
 
 
-def say_outcome(asked: Loop, outcome: LoopOutcome) -> None:
+def say_outcome(options: Loop, outcome: LoopOutcome) -> None:
     """Say what was found at the terminal, in words or as JSON."""
     from morph.app.cli.console import harmless, paragraph, say, width
 
-    if asked.json:
+    if options.json:
         sys.stdout.write(outcome.record().text())
         return
     columns = width()
     say(
         (piece, style)
-        for text, style, as_is in _lines(asked, outcome, columns)
+        for text, style, as_is in _lines(options, outcome, columns)
         for piece in (
             [harmless(text)]
             if as_is
@@ -94,7 +94,7 @@ def say_outcome(asked: Loop, outcome: LoopOutcome) -> None:
 
 
 def _lines(
-    asked: Loop, outcome: LoopOutcome, columns: int | None
+    options: Loop, outcome: LoopOutcome, columns: int | None
 ) -> Iterator[tuple[str, str, bool]]:
     """Yield each text, its style, and whether it is laid out already."""
     from morph.app.cli.console import table
@@ -122,13 +122,13 @@ def _lines(
         yield opened, "bold", False
         for row in sealed:
             between = f" ({row['interval']})" if row["interval"] else ""
-            found = f", found as {row['found']}{between}" if row["found"] else ""
-            yield f"  {row['truth']}{found}: {row['verdict']}", "", False
+            result = f", found as {row['found']}{between}" if row["found"] else ""
+            yield f"  {row['truth']}{result}: {row['verdict']}", "", False
     for note in outcome.notes:
         yield f"  {note}", "yellow", False
     made = "policy, " if outcome.policy is not None else ""
     model = ", corrected.xml with corrected.toml" if outcome.repair is not None else ""
-    yield f"wrote {made}report.html{model} and transfer.json into {asked.out}", "", False
+    yield f"wrote {made}report.html{model} and transfer.json into {options.out}", "", False
 
 
 def _rows(outcome: LoopOutcome) -> Iterator[tuple[str, ...]]:
@@ -139,28 +139,28 @@ def _rows(outcome: LoopOutcome) -> Iterator[tuple[str, ...]]:
         yield (str(row["number"]), *(str(cell) for cell in cells))
 
 
-def command(asked: Loop) -> str:
+def command(options: Loop) -> str:
     """Return the command that gives this result again, wherever it is to be written."""
-    told: dict[str, object] = {
-        "--robot": asked.robot,
-        "--policy": asked.policy,
-        "--change": asked.change,
-        "--effect": asked.effect,
-        "--effects": asked.effects,
-        "--sealed": asked.sealed,
-        "--live": asked.live,
-        "--limit": asked.limit,
-        "--stop-file": asked.stop_file,
-        "--trials": None if asked.recorded else asked.trials,
-        "--seed": asked.seed,
-        "--world": asked.world,
-        "--base": asked.base,
-        "--folder": asked.folder,
+    known: dict[str, object] = {
+        "--robot": options.robot,
+        "--policy": options.policy,
+        "--change": options.change,
+        "--effect": options.effect,
+        "--effects": options.effects,
+        "--sealed": options.sealed,
+        "--live": options.live,
+        "--limit": options.limit,
+        "--stop-file": options.stop_file,
+        "--trials": None if options.recorded else options.trials,
+        "--seed": options.seed,
+        "--world": options.world,
+        "--base": options.base,
+        "--folder": options.folder,
     }
     parts: list[str] = []
-    for option, value in told.items():
+    for option, value in known.items():
         for each in value if isinstance(value, tuple) else (value,):
             parts += [] if each is None else [option, str(each)]
-    if asked.recorded:
-        parts += ["--recorded", *map(str, asked.recorded)]
-    return shlex.join(["morph", "loop", asked.task, *parts, "--out", "DIR"])
+    if options.recorded:
+        parts += ["--recorded", *map(str, options.recorded)]
+    return shlex.join(["morph", "loop", options.task, *parts, "--out", "DIR"])

@@ -15,7 +15,7 @@ from morph.task.task import Task
 
 
 def source(
-    asked: Loop, task: Task, given: Policy | None, told: Stages
+    options: Loop, task: Task, given: Policy | None, progress: Stages
 ) -> tuple[Policy, tuple[str, ...]]:
     """Return the source's policy, and what is to be known of it.
 
@@ -27,24 +27,24 @@ def source(
     """
     if given is not None:
         return given, ()
-    folder = Path(asked.out) / Path(SOURCE[0]).parent
+    folder = Path(options.out) / Path(SOURCE[0]).parent
     name = default(task.name, task.robot)
     learned = f"the source's policy was learned first, by {name}"
     if (folder / "policy.json").is_file():
         return load_policy(folder, task.robot), (learned,)
-    told.line(f"no policy was given: learning {task.name} of {task.robot.name} by {name}")
+    progress.line(f"no policy was given: learning {task.name} of {task.robot.name} by {name}")
     simulator = task.simulator()
-    found = search(name)().run(
+    result = search(name)().run(
         Problem(task=task, simulator=simulator),
-        seed=asked.seed,
-        told=lambda trial, state: told.now(f"learning, round {trial.number}"),
+        seed=options.seed,
+        progress=lambda trial, state: progress.now(f"learning, round {trial.number}"),
     )
     write_policy(
-        found.policy, folder, task.robot, task=task.name, task_sha256=task.sha256,
+        result.policy, folder, task.robot, task=task.name, task_sha256=task.sha256,
         seconds=task.horizon,
     )  # fmt: skip
     # Read back: going on must begin from the very same numbers.
     policy = load_policy(folder, task.robot)
-    if found.succeeded:
+    if result.succeeded:
         return policy, (learned,)
-    return policy, (learned, f"it did not succeed on the source: {found.why}")
+    return policy, (learned, f"it did not succeed on the source: {result.why}")

@@ -156,79 +156,79 @@ def _open_streams() -> None:
 
 def _asked(given: Sequence[str]) -> Command:
     try:
-        asked: Command = tyro.cli(
+        options: Command = tyro.cli(
             Asked,
             prog="morph",
             description=SUMMARY,
             args=given,
             config=(tyro.conf.OmitSubcommandPrefixes, tyro.conf.OmitArgPrefixes),
         )
-        return asked
+        return options
     finally:
         # Help ends the program; where nobody reads it, that must be seen before.
         sys.stdout.flush()
 
 
-def _run(asked: Command) -> int:
-    if isinstance(asked, List):
+def _run(options: Command) -> int:
+    if isinstance(options, List):
         from morph.app.cli.list import run_list
 
-        return run_list(asked)
-    if isinstance(asked, Compare):
+        return run_list(options)
+    if isinstance(options, Compare):
         from morph.app.cli.compare import run_compare
 
-        return run_compare(asked)
-    if isinstance(asked, Excite):
+        return run_compare(options)
+    if isinstance(options, Excite):
         from morph.app.cli.excite import run_excite
 
-        return run_excite(asked)
-    if isinstance(asked, Inspect):
+        return run_excite(options)
+    if isinstance(options, Inspect):
         from morph.app.cli.inspect import run_inspect
 
-        return run_inspect(asked)
-    if isinstance(asked, Convert):
+        return run_inspect(options)
+    if isinstance(options, Convert):
         from morph.app.cli.convert import run_convert
 
-        return run_convert(asked)
-    if isinstance(asked, Simulate):
+        return run_convert(options)
+    if isinstance(options, Simulate):
         from morph.app.cli.simulate import run_simulate
 
-        return run_simulate(asked)
-    if isinstance(asked, Learn):
+        return run_simulate(options)
+    if isinstance(options, Learn):
         from morph.app.cli.learn import run_learn
 
-        return run_learn(asked)
-    if isinstance(asked, Loop):
+        return run_learn(options)
+    if isinstance(options, Loop):
         from morph.app.cli.loop import run_loop
 
-        return run_loop(asked)
-    if isinstance(asked, Align):
+        return run_loop(options)
+    if isinstance(options, Align):
         from morph.app.cli.align import run_align
 
-        return run_align(asked)
-    if isinstance(asked, Transfer):
+        return run_align(options)
+    if isinstance(options, Transfer):
         from morph.app.cli.transfer import run_transfer
 
-        return run_transfer(asked)
-    if isinstance(asked, Weigh):
+        return run_transfer(options)
+    if isinstance(options, Weigh):
         from morph.app.cli.weigh import run_weigh
 
-        return run_weigh(asked)
-    if isinstance(asked, Print):
+        return run_weigh(options)
+    if isinstance(options, Print):
         from morph.app.cli.print import run_print
 
-        return run_print(asked)
-    if isinstance(asked, ViewCommand):
+        return run_print(options)
+    if isinstance(options, ViewCommand):
         from morph.app.cli.view import run_view
 
-        return run_view(asked)
-    if isinstance(asked, Study):
+        return run_view(options)
+    if isinstance(options, Study):
         from morph.app.cli.study import run_study
 
-        return run_study(asked)
+        return run_study(options)
     from morph.app.cli.diagnose import run_diagnose
 
-    return run_diagnose(asked)
+    return run_diagnose(options)
 
 
 def entry() -> None:

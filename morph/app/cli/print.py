@@ -38,7 +38,7 @@ VERDICTS = {
 """What became of a policy, in words."""
 
 
-def run_print(asked: Print) -> int:
+def run_print(options: Print) -> int:
     """Make the package and return the exit status.
 
     Raises:
@@ -49,39 +49,39 @@ def run_print(asked: Print) -> int:
     from morph.run_folder import lock_run_folder
     from print.errors import PrintError
 
-    if not asked.out.strip():
+    if not options.out.strip():
         # As a path it would be the folder where one stands.
         raise OutputError("no folder is named", where="--out", fix="name a new or an empty folder")
-    out = Path(asked.out)
+    out = Path(options.out)
     check_out(out)
     try:
-        profile, slicer = _profile(asked), _slicer(asked)
-        _check_times(asked)
-        with lock_run_folder(out, beside=True), stages(asked.quiet) as told:
-            robot = _robot(asked)
-            _check_policy(asked, robot)
-            package = _package(asked, robot, profile, slicer, told.now)
+        profile, slicer = _profile(options), _slicer(options)
+        _check_times(options)
+        with lock_run_folder(out, beside=True), stages(options.quiet) as progress:
+            robot = _robot(options)
+            _check_policy(options, robot)
+            package = _package(options, robot, profile, slicer, progress.now)
             with package_folder(out) as folder:
-                package = _write(asked, folder, robot, package, slicer, told.now)
+                package = _write(options, folder, robot, package, slicer, progress.now)
     except PrintError as error:
         raise MakeError(error.what, where=error.where, fix=error.fix) from error
-    if asked.json:
+    if options.json:
         sys.stdout.write((out / FILE).read_text(encoding="utf-8"))
     else:
         columns = width()
         say(
             (line, style)
-            for said, style in _words(out, package)
-            for line in paragraph(harmless(said), 4, columns)
+            for statement, style in _words(out, package)
+            for line in paragraph(harmless(statement), 4, columns)
         )
     lost = package.policy is not None and package.policy.verdict == "lost"
     refused = any(check.verdict == "refused" for check in package.job.checks)
     return STOPPED_SHORT if refused or lost or not package.job.sliced else DONE
 
 
-def _check_times(asked: Print) -> None:
+def _check_times(options: Print) -> None:
     for name in ("seconds", "timeout"):
-        value = getattr(asked, name)
+        value = getattr(options, name)
         if not 0 <= value < math.inf or (name == "timeout" and value == 0):
             raise MakeError(
                 f"{value:g} is no time that can be waited",
@@ -90,51 +90,51 @@ def _check_times(asked: Print) -> None:
             )
 
 
-def _check_policy(asked: Print, robot: Robot) -> None:
+def _check_policy(options: Print, robot: Robot) -> None:
     """Refuse a policy that cannot be used now, not after all the parts were sliced."""
-    if asked.policy is None:
+    if options.policy is None:
         return
     from morph.make.policies import task_of
     from morph.policy.store import load_policy
 
-    load_policy(Path(asked.policy), robot)
-    task_of(Path(asked.policy), robot)
+    load_policy(Path(options.policy), robot)
+    task_of(Path(options.policy), robot)
 
 
-def _profile(asked: Print) -> Profile:
+def _profile(options: Print) -> Profile:
     from print.printer import Profile, material, printer
 
     return Profile(
-        printer=printer(asked.printer),
-        material=material(asked.material),
-        layer_mm=asked.layer,
-        walls=asked.walls,
-        infill=asked.infill,
-        clearance_mm=asked.play,
+        printer=printer(options.printer),
+        material=material(options.material),
+        layer_mm=options.layer,
+        walls=options.walls,
+        infill=options.infill,
+        clearance_mm=options.play,
     )
 
 
-def _slicer(asked: Print) -> Slicer | None:
+def _slicer(options: Print) -> Slicer | None:
     from print.slicer import find_slicer
 
-    found = None if asked.slicer == "none" else find_slicer()
-    if found is None and asked.slicer == "needed":
+    result = None if options.slicer == "none" else find_slicer()
+    if result is None and options.slicer == "needed":
         raise MakeError(
             "there is no PrusaSlicer",
             where="--slicer",
             fix="install it (on Debian: apt-get install prusa-slicer), or say --slicer auto",
         )
-    return found
+    return result
 
 
-def _robot(asked: Print) -> Robot:
+def _robot(options: Print) -> Robot:
     from morph.body.load import load
 
-    return load(asked.robot, base=asked.base, folder=asked.folder)
+    return load(options.robot, base=options.base, folder=options.folder)
 
 
 def _package(
-    asked: Print,
+    options: Print,
     robot: Robot,
     profile: Profile,
     slicer: Slicer | None,
@@ -154,7 +154,7 @@ def _package(
         profile,
         slicer=slicer,
         tell=tell,
-        timeout_s=asked.timeout,
+        timeout_s=options.timeout,
     )
     job = replace(job, checks=(*division.checks, *job.checks))
     return Package(
@@ -166,12 +166,12 @@ def _package(
         hinges=division.hinges,
         complete=division.complete,
         notes=division.notes,
-        command=_command(asked),
+        command=_command(options),
     )
 
 
 def _write(
-    asked: Print,
+    options: Print,
     folder: Path,
     robot: Robot,
     package: Package,
@@ -187,22 +187,22 @@ def _write(
     made = write_robots(folder, robot, package)
     package = replace(package, made_sha256=made.sha256)
     learned, matched = None, None
-    if asked.policy is not None:
+    if options.policy is not None:
         from morph.make.policies import matched_in, task_of
         from morph.policy.store import load_policy
 
-        source = Path(asked.policy)
-        matched, said = matched_in(
-            folder, source, robot, seconds=asked.seconds, seed=asked.seed, told=tell
+        source = Path(options.policy)
+        matched, statement = matched_in(
+            folder, source, robot, seconds=options.seconds, seed=options.seed, progress=tell
         )
-        package = replace(package, policy=said)
+        package = replace(package, policy=statement)
         learned = (load_policy(source, robot), task_of(source, robot))
     tell("seeing what the motors need")
-    needed = margins(robot, made, learned=learned, matched=matched, seed=asked.seed)
+    needed = margins(robot, made, learned=learned, matched=matched, seed=options.seed)
     tell("writing plates and parts")
     files = write_parts(folder, package.job, _metadata(package))
-    if slicer is not None and asked.gcode:
-        package, more = _sliced(asked, folder, package, slicer, tell)
+    if slicer is not None and options.gcode:
+        package, more = _sliced(options, folder, package, slicer, tell)
         files |= more
     write_pages(folder, package, needed)
     write_content(folder, package, files)
@@ -210,19 +210,19 @@ def _write(
 
 
 def _sliced(
-    asked: Print, folder: Path, package: Package, slicer: Slicer, tell: Callable[[str], None]
+    options: Print, folder: Path, package: Package, slicer: Slicer, tell: Callable[[str], None]
 ) -> tuple[Package, dict[str, str]]:
     """Write the G-code of every plate; what the slicer warned of becomes a note."""
     from morph.files import write_whole
     from print.plate_code import codes
 
-    found = codes(package.job, slicer, tell=tell, timeout_s=asked.timeout)
-    files = {f"{name}.gcode": f"plates/{name}.gcode" for name in found}
-    for name, code in found.items():
+    result = codes(package.job, slicer, tell=tell, timeout_s=options.timeout)
+    files = {f"{name}.gcode": f"plates/{name}.gcode" for name in result}
+    for name, code in result.items():
         write_whole(folder / files[f"{name}.gcode"], code.gcode)
     warned = tuple(
         f"{slicer.name} warns of {name}: {warning}"
-        for name, code in found.items()
+        for name, code in result.items()
         for warning in code.warnings
     )
     return replace(package, notes=(*package.notes, *warned)), files
@@ -232,20 +232,20 @@ def _metadata(package: Package) -> dict[str, str]:
     """Return what each 3MF says of itself; names of our own need a namespace."""
     import morph
 
-    said = {"Title": package.title, "Application": f"morph {morph.__version__}"}
+    message = {"Title": package.title, "Application": f"morph {morph.__version__}"}
     if package.policy is not None:
-        said["policy_sha256"] = package.policy.sha256
-    return {**said, "robot_sha256": package.made_sha256}
+        message["policy_sha256"] = package.policy.sha256
+    return {**message, "robot_sha256": package.made_sha256}
 
 
-def _command(asked: Print) -> str:
-    said = ["morph", "print", asked.robot, "--printer", asked.printer]
-    said += ["--material", asked.material, "--out", asked.out]
+def _command(options: Print) -> str:
+    lines = ["morph", "print", options.robot, "--printer", options.printer]
+    lines += ["--material", options.material, "--out", options.out]
     for name in CHOSEN:
-        value = getattr(asked, name)
+        value = getattr(options, name)
         if value is not None and value != getattr(Print, name, None):
-            said += [f"--{name}", str(value)]
-    return shlex.join(said if asked.gcode else [*said, "--no-gcode"])
+            lines += [f"--{name}", str(value)]
+    return shlex.join(lines if options.gcode else [*lines, "--no-gcode"])
 
 
 def _words(out: Path, package: Package) -> list[tuple[str, str]]:
@@ -257,7 +257,7 @@ def _words(out: Path, package: Package) -> list[tuple[str, str]]:
     sorts = "" if copies == len(printed) else f" of {_counted(len(printed), 'sort')}"
     refused = len({check.part for check in job.checks if check.verdict == "refused"})
     but = f"; {_counted(refused, 'thing')} refused" if refused else ""
-    said = [
+    lines = [
         (
             f"{package.title}: {_counted(copies, 'part')}{sorts} on {_counted(plates, 'plate')}, "
             f"{job.grams:.0f} g and {_hours(job.seconds)} ({source}){but}"
@@ -268,16 +268,16 @@ def _words(out: Path, package: Package) -> list[tuple[str, str]]:
         (_weighs(package), ""),
     ]
     if package.policy is not None:
-        said.append((f"the policy {VERDICTS[package.policy.verdict]}: {package.policy.what}", ""))
+        lines.append((f"the policy {VERDICTS[package.policy.verdict]}: {package.policy.what}", ""))
     for check in job.checks:
         if check.verdict == "refused":
-            said.append((f"refused: {check.part}: {check.what}; {check.fix}", "red"))
+            lines.append((f"refused: {check.part}: {check.what}; {check.fix}", "red"))
     noted = sum(check.verdict == "noted" for check in job.checks)
     if noted:
-        said.append((f"{_counted(noted, 'thing')} to look at, in report.html", ""))
-    said += [(note, "") for note in (*package.notes, *job.notes)]
-    said.append((f"wrote {out}", ""))
-    return said
+        lines.append((f"{_counted(noted, 'thing')} to look at, in report.html", ""))
+    lines += [(note, "") for note in (*package.notes, *job.notes)]
+    lines.append((f"wrote {out}", ""))
+    return lines
 
 
 def _weighs(package: Package) -> str:

@@ -50,11 +50,11 @@ class Concealed:
     @property
     def values(self) -> dict[str, float]:
         """Each factor, and each parameter of an effect, by the name that a finding would have."""
-        said = dict(self.factors)
+        statement = dict(self.factors)
         for effect in self.effects:
             for known in effect.parameters():
-                said[f"{effect.label}:{known.name}"] = float(getattr(effect, known.name))
-        return said
+                statement[f"{effect.label}:{known.name}"] = float(getattr(effect, known.name))
+        return statement
 
     def target(self, task: Task) -> Simulated:
         """Return the simulation that stands for the target of a task.
@@ -72,21 +72,21 @@ def changes(texts: Sequence[str]) -> dict[str, float]:
     Raises:
         TransferError: One is no such pair, its factor is none, or it is given twice.
     """
-    found: dict[str, float] = {}
+    results: dict[str, float] = {}
     for text in texts:
         name, _, value = text.rpartition("=")
         try:
             factor = float(value)
         except ValueError:
             factor = np.nan
-        if not name or not 0.0 < factor < np.inf or name in found:
+        if not name or not 0.0 < factor < np.inf or name in results:
             raise TransferError(
-                f"{name} is given twice" if name in found else f"{text!r} is no FIGURE=FACTOR",
+                f"{name} is given twice" if name in results else f"{text!r} is no FIGURE=FACTOR",
                 where="--change",
                 fix="write each figure once, for example length:pole=2",
             )
-        found[name.strip()] = factor
-    return found
+        results[name.strip()] = factor
+    return results
 
 
 def drawn(task: Task, policy: Policy, seed: int) -> Concealed:
@@ -106,18 +106,18 @@ def drawn(task: Task, policy: Policy, seed: int) -> Concealed:
     figures = [knob.name for knob in knobs]
     missing = [each for each in places(task.robot, knobs) if each.kind in KINDS]
     scales = _Scales(attempt(task, policy, task.simulator(), rows=1, rng=None), _shaken(task))
-    found = Concealed()
+    result = Concealed()
     for _ in range(int(rng.integers(1, 3))):
         if missing and rng.random() < 0.5:
             effect = missing.pop(int(rng.integers(len(missing))))
             # Two of one place would say much the same.
             missing = [each for each in missing if each.where != effect.where]
-            found = replace(found, effects=(*found.effects, _typical(effect, scales, rng)))
+            result = replace(result, effects=(*result.effects, _typical(effect, scales, rng)))
         else:
             name = figures.pop(int(rng.integers(len(figures))))
             size = rng.uniform(np.log(LEAST), np.log(MOST)) * rng.choice([-1, 1])
-            found = replace(found, factors={**found.factors, name: _rounded(np.exp(size))})
-    return found
+            result = replace(result, factors={**result.factors, name: _rounded(np.exp(size))})
+    return result
 
 
 def _shaken(task: Task) -> Moved:

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 DONE, STOPPED_SHORT = 0, 3
 
 
-def run_simulate(asked: Simulate) -> int:
+def run_simulate(options: Simulate) -> int:
     """Simulate as asked and return the exit status.
 
     Raises:
@@ -34,49 +34,49 @@ def run_simulate(asked: Simulate) -> int:
             cannot be written.
     """
     # Whatever the command line got wrong is told before any work is done.
-    out, video = _outputs(asked)
-    start, speed = _pairs("--start", asked.start), _pairs("--speed", asked.speed)
+    out, video = _outputs(options)
+    start, speed = _pairs("--start", options.start), _pairs("--speed", options.speed)
     from morph.app.cli.effects import asked_effects
     from morph.body.load import load
     from morph.sim.simulator import Simulator
 
-    robot = load(asked.robot, base=asked.base, folder=asked.folder)
-    file = None if asked.effects is None else Path(asked.effects)
-    world = _world(asked, robot)
+    robot = load(options.robot, base=options.base, folder=options.folder)
+    file = None if options.effects is None else Path(options.effects)
+    world = _world(options, robot)
     around = () if world is None else world.effects
-    effects = asked_effects(robot, asked.effect, file=file, world=around)
-    constant, policy = _pairs("--command", asked.command), _policy(asked, robot)
-    timed = _timed(asked, robot)
-    simulator = Simulator(robot, effects, step=asked.step, integrator=asked.integrator)
+    effects = asked_effects(robot, options.effect, file=file, world=around)
+    constant, policy = _pairs("--command", options.command), _policy(options, robot)
+    timed = _timed(options, robot)
+    simulator = Simulator(robot, effects, step=options.step, integrator=options.integrator)
     began = time.perf_counter()
-    with _progress(asked, "simulating") as told:
-        moved, why = _moved(simulator, asked.seconds, start, speed, constant, timed, policy)
+    with _progress(options, "simulating") as progress:
+        moved, why = _moved(simulator, options.seconds, start, speed, constant, timed, policy)
         took = time.perf_counter() - began
-        told(1.0)
-    done = _done(asked, simulator, world, moved, why, took)
+        progress(1.0)
+    done = _done(options, simulator, world, moved, why, took)
     # The film first: it takes longest, and an interrupt then leaves nothing at all.
     if video is not None:
         from morph.app.picture.video import film
 
-        with _progress(asked, "filming") as told:
-            film(robot, effects, moved.time, moved.position, video, told=told)
+        with _progress(options, "filming") as progress:
+            film(robot, effects, moved.time, moved.position, video, progress=progress)
     if out is not None:
         from morph.record.write import write
 
         write(done.recording, out)
-    _say(asked, done)
-    if asked.view:
+    _say(options, done)
+    if options.view:
         from morph.app.picture.page import view
 
         view(robot, effects, moved.time, moved.position)
     return DONE if why is None else STOPPED_SHORT
 
 
-def _say(asked: Simulate, done: Done) -> None:
+def _say(options: Simulate, done: Done) -> None:
     from morph.app.cli.console import say, width
     from morph.app.cli.summary import as_json, in_words
 
-    if asked.json:
+    if options.json:
         sys.stdout.write(json.dumps(as_json(done), indent=2, allow_nan=False) + "\n")
     else:
         say(in_words(done, width()))
@@ -84,7 +84,7 @@ def _say(asked: Simulate, done: Done) -> None:
 
 
 def _done(
-    asked: Simulate,
+    options: Simulate,
     simulator: Simulator,
     world: World | None,
     moved: Trajectory,
@@ -95,8 +95,8 @@ def _done(
     from morph.record.noise import noisy
     from morph.sim.initial_penetration import buried
 
-    name = Path(asked.out).name.partition(".")[0] if asked.out else simulator.robot.name
-    recording = noisy(simulator.recorded(moved, name or "simulated"), asked.noise)
+    name = Path(options.out).name.partition(".")[0] if options.out else simulator.robot.name
+    recording = noisy(simulator.recorded(moved, name or "simulated"), options.noise)
     if not recording.channels:
         raise SimulationFailed(
             "it has neither a joint that turns or slides nor a body that floats",
@@ -112,27 +112,27 @@ def _done(
         recording=recording,
         step=simulator.step,
         integrator=simulator.integrator,
-        asked=asked.seconds,
+        asked=options.seconds,
         seconds=float(moved.time[-1]),
         took=took,
-        policy=asked.policy,
+        policy=options.policy,
         files={
             kind: path
-            for kind, path in (("recording", asked.out), ("video", asked.video))
+            for kind, path in (("recording", options.out), ("video", options.video))
             if path is not None
         },
         why=None if why is None else why.what,
     )
 
 
-def _world(asked: Simulate, robot: Robot) -> World | None:
+def _world(options: Simulate, robot: Robot) -> World | None:
     """Return the world that is asked for; the first time in water its tensors take seconds."""
-    if asked.world is None:
+    if options.world is None:
         return None
     from morph.physics.worlds import world
 
-    with _progress(asked, f"preparing {asked.world}"):
-        return world(asked.world, robot)
+    with _progress(options, f"preparing {options.world}"):
+        return world(options.world, robot)
 
 
 def _moved(
@@ -160,11 +160,11 @@ def _moved(
     return as_far_as_stable(simulator, seconds=seconds, start=start, speed=speed, command=command)
 
 
-def _timed(asked: Simulate, robot: Robot) -> dict[str, Command]:
+def _timed(options: Simulate, robot: Robot) -> dict[str, Command]:
     """Return the commands of a recording, by actuator, on a clock that starts with it."""
-    if asked.commands is None:
+    if options.commands is None:
         return {}
-    if asked.policy is not None:
+    if options.policy is not None:
         raise SimulationFailed(
             "a policy and the commands of a recording both say what actuators are told",
             where="--commands",
@@ -174,32 +174,32 @@ def _timed(asked: Simulate, robot: Robot) -> dict[str, Command]:
 
     from morph.record.load import load
 
-    recording, *more = load(asked.commands, robot=robot)
-    found: dict[str, Command] = {
+    recording, *more = load(options.commands, robot=robot)
+    results: dict[str, Command] = {
         name.removesuffix(".command"): replace(each, time=each.time - recording.start)
         for name, each in recording.channels.items()
         if name.endswith(".command")
     }
-    if more or not found:
+    if more or not results:
         raise SimulationFailed(
             f"it holds {1 + len(more)} recordings" if more else "it holds no command",
-            where=f"--commands {asked.commands}",
+            where=f"--commands {options.commands}",
             fix="give the file of one recording with a column ACTUATOR.command",
         )
-    return found
+    return results
 
 
-def _policy(asked: Simulate, robot: Robot) -> Policy | None:
-    if asked.policy is None:
+def _policy(options: Simulate, robot: Robot) -> Policy | None:
+    if options.policy is None:
         return None
     from morph.policy.store import load_policy
 
-    return load_policy(Path(asked.policy), robot)
+    return load_policy(Path(options.policy), robot)
 
 
 def _pairs(option: str, texts: Sequence[str]) -> dict[str, float]:
     """Return the numbers of an option `NAME=VALUE` by their names."""
-    found: dict[str, float] = {}
+    results: dict[str, float] = {}
     for text in texts:
         name, _, value = text.rpartition("=")
         try:
@@ -212,15 +212,15 @@ def _pairs(option: str, texts: Sequence[str]) -> dict[str, float]:
                 where=option,
                 fix=f"write for example {option} hinge=0.5",
             )
-        if name in found:
+        if name in results:
             raise SimulationFailed(
                 f"{name} is given twice", where=option, fix=f"give {name} one value"
             )
-        found[name] = number
-    return found
+        results[name] = number
+    return results
 
 
-def _outputs(asked: Simulate) -> tuple[Path | None, Path | None]:
+def _outputs(options: Simulate) -> tuple[Path | None, Path | None]:
     """Return where the recording and the film go.
 
     Raises:
@@ -231,8 +231,8 @@ def _outputs(asked: Simulate) -> tuple[Path | None, Path | None]:
 
     checked: list[Path | None] = []
     for option, name, endings in (
-        ("--out", asked.out, ENDINGS),
-        ("--video", asked.video, tuple(FILMS)),
+        ("--out", options.out, ENDINGS),
+        ("--video", options.video, tuple(FILMS)),
     ):
         if name is not None:
             _check(option, name, endings)
@@ -263,9 +263,9 @@ def _check(option: str, name: str, endings: Sequence[str]) -> None:
 
 
 @contextmanager
-def _progress(asked: Simulate, what: str) -> Iterator[Callable[[float], None]]:
+def _progress(options: Simulate, what: str) -> Iterator[Callable[[float], None]]:
     """Lend what is told the share done; a terminal shows it, on the error stream."""
-    if asked.quiet or not sys.stderr.isatty():
+    if options.quiet or not sys.stderr.isatty():
         yield lambda share: None
         return
     from rich.console import Console

@@ -25,10 +25,10 @@ def stages(quiet: bool) -> Iterator[Stages]:
         quiet: Whether nothing is shown.
     """
     if quiet:
-        yield Stages(now=lambda said: None, line=lambda said: None)
+        yield Stages(now=lambda statement: None, line=lambda statement: None)
         return
     if not sys.stderr.isatty():
-        yield Stages(now=lambda said: None, line=_line)
+        yield Stages(now=lambda statement: None, line=_line)
         return
     from rich.console import Console
     from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
@@ -37,17 +37,19 @@ def stages(quiet: bool) -> Iterator[Stages]:
     with Progress(*columns, console=Console(stderr=True), transient=True) as shown:
         task = shown.add_task("beginning", total=None)
         yield Stages(
-            now=lambda said: shown.update(task, description=_harmless(said)),
-            line=lambda said: shown.console.print(_harmless(said), highlight=False, markup=False),
+            now=lambda statement: shown.update(task, description=_harmless(statement)),
+            line=lambda statement: shown.console.print(
+                _harmless(statement), highlight=False, markup=False
+            ),
         )
 
 
-def _line(said: str) -> None:
-    sys.stderr.write(_harmless(said) + "\n")
+def _line(text: str) -> None:
+    sys.stderr.write(_harmless(text) + "\n")
     sys.stderr.flush()
 
 
-def _harmless(said: str) -> str:
+def _harmless(text: str) -> str:
     from morph.app.cli.console import harmless
 
-    return harmless(said)
+    return harmless(text)

@@ -28,31 +28,34 @@ SHOWN = 20
 """Cells that are listed one by one; JSON has all."""
 
 
-def run_study(asked: Study) -> int:
+def run_study(arguments: Study) -> int:
     """Run a study's cells, write its rows, and return the exit status.
 
     Raises:
         StudyError: The file, the folder or the engine cannot be used.
         OutputError: A result cannot be written.
     """
-    study = load_study(asked.file)
+    study = load_study(arguments.file)
     options = EngineOptions(
-        engine=asked.engine, workers=asked.workers, scheduler=asked.scheduler, job=_job(asked.job)
+        engine=arguments.engine,
+        workers=arguments.workers,
+        scheduler=arguments.scheduler,
+        job=_job(arguments.job),
     )
-    out = _out(asked, study.name)
+    out = _out(arguments, study.name)
     sys.path[:0] = [str(folder) for folder in study.path]
     # Before the cells are made: there may be many.
     check_function(study.function)
     try:
-        with live(quiet=asked.quiet) as watch:
+        with live(quiet=arguments.quiet) as watch:
             results = run(
                 study.cells,
                 folder=out,
                 name=study.name,
                 options=options,
-                resume=asked.resume,
-                fresh=asked.fresh,
-                stale=asked.stale,
+                resume=arguments.resume,
+                fresh=arguments.fresh,
+                stale=arguments.stale,
                 watch=watch,
             )
     except KeyboardInterrupt:
@@ -60,23 +63,23 @@ def run_study(asked: Study) -> int:
         sys.stderr.write(f"interrupted; {saved} results are saved in {out}: go on with --resume\n")
         return INTERRUPTED
     as_before = True
-    if asked.against:
-        as_before = _compare(out, asked.against, asked)
-    elif asked.json:
+    if arguments.against:
+        as_before = _compare(out, arguments.against, arguments)
+    elif arguments.json:
         sys.stdout.write(read_regular(out / ROWS, MAX_BYTES).decode())
     else:
         _say_results(results, out)
     return DONE if as_before and all(each.status in FINAL for each in results) else STOPPED_SHORT
 
 
-def _out(asked: Study, name: str) -> Path:
+def _out(options: Study, name: str) -> Path:
     """Return the folder of the results; what it is compared with is looked at before any work."""
-    if asked.out == "":
+    if options.out == "":
         raise StudyError("--out is empty", where="--out", fix="name a folder")
-    out = Path(asked.out) if asked.out else Path("out") / name
-    if asked.against:
-        identities(asked.against)
-        if out.resolve() == asked.against.resolve():
+    out = Path(options.out) if options.out else Path("out") / name
+    if options.against:
+        identities(options.against)
+        if out.resolve() == options.against.resolve():
             raise StudyError(
                 f"{out} would be compared with itself",
                 where="--against",
@@ -108,10 +111,10 @@ def _say_results(results: Sequence[Result], out: Path) -> None:
     say((harmless(line), "") for line in lines)
 
 
-def _compare(out: Path, against: Path, asked: Study) -> bool:
+def _compare(out: Path, against: Path, options: Study) -> bool:
     """Say how the rows differ from another run's, and return whether they are equal."""
-    comparison = compare(out, against, without=frozenset(asked.ignore))
-    if asked.json:
+    comparison = compare(out, against, without=frozenset(options.ignore))
+    if options.json:
         sys.stdout.write(json.dumps(encode_row(comparison), indent=1) + "\n")
     else:
         _say_comparison(comparison)

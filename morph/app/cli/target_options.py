@@ -42,20 +42,20 @@ class TargetOptions:
         return self.target if isinstance(self.target, Simulated) else None
 
 
-def check_choice(asked: Loop) -> str:
-    """Return which target is asked for: `told`, `sealed`, `live` or `recorded`.
+def check_choice(options: Loop) -> str:
+    """Return which target is asked for: `known`, `sealed`, `live` or `recorded`.
 
     Raises:
         TransferError: None is, or more than one, or an option of another is given.
     """
-    told = bool(asked.change or asked.effect or asked.effects is not None)
+    known = bool(options.change or options.effect or options.effects is not None)
     chosen = [
         name
         for name, given in (
-            ("told", told),
-            ("sealed", asked.sealed is not None),
-            ("live", asked.live is not None),
-            ("recorded", bool(asked.recorded)),
+            ("told", known),
+            ("sealed", options.sealed is not None),
+            ("live", options.live is not None),
+            ("recorded", bool(options.recorded)),
         )
         if given
     ]
@@ -65,18 +65,18 @@ def check_choice(asked: Loop) -> str:
             where="morph loop",
             fix="give one of: --change with --effect or --effects; --sealed; --live; --recorded",
         )
-    if asked.live is None and (asked.limit or asked.stop_file is not None):
+    if options.live is None and (options.limit or options.stop_file is not None):
         raise TransferError(
             "limits and a stop file are of live targets",
-            where="--limit" if asked.limit else "--stop-file",
+            where="--limit" if options.limit else "--stop-file",
             fix="leave it out, or name a live target by --live",
         )
-    if asked.sealed is not None and asked.sealed < 0:
-        raise TransferError(f"{asked.sealed} is no seed", where="--sealed", fix="give 0 or more")
+    if options.sealed is not None and options.sealed < 0:
+        raise TransferError(f"{options.sealed} is no seed", where="--sealed", fix="give 0 or more")
     return chosen[0]
 
 
-def told_aim(asked: Loop, task: Task) -> TargetOptions:
+def told_aim(options: Loop, task: Task) -> TargetOptions:
     """Return the target that differs as the command line says.
 
     Raises:
@@ -84,30 +84,30 @@ def told_aim(asked: Loop, task: Task) -> TargetOptions:
     """
     from morph.app.cli.effects import asked_effects
 
-    file = None if asked.effects is None else Path(asked.effects)
-    effects = asked_effects(task.robot, asked.effect, file=file)
-    concealed = Concealed(factors=changes(asked.change), effects=effects)
-    said = [f"{name} x {value:g}" for name, value in concealed.factors.items()]
-    said += [effect.label for effect in effects]
+    file = None if options.effects is None else Path(options.effects)
+    effects = asked_effects(task.robot, options.effect, file=file)
+    concealed = Concealed(factors=changes(options.change), effects=effects)
+    lines = [f"{name} x {value:g}" for name, value in concealed.factors.items()]
+    lines += [effect.label for effect in effects]
     return TargetOptions(
-        name=f"{task.robot.name} with {', '.join(said)}",
+        name=f"{task.robot.name} with {', '.join(lines)}",
         target=concealed.target(task),
         concealed=concealed,
         key=repr(concealed),
     )
 
 
-def sealed_aim(asked: Loop, task: Task, policy: Policy) -> TargetOptions:
+def sealed_aim(options: Loop, task: Task, policy: Policy) -> TargetOptions:
     """Return the target whose differences a seed conceals."""
-    concealed = drawn(task, policy, asked.sealed or 0)
+    concealed = drawn(task, policy, options.sealed or 0)
     return TargetOptions(
-        name=f"{task.robot.name}, sealed {asked.sealed}",
+        name=f"{task.robot.name}, sealed {options.sealed}",
         target=concealed.target(task),
         concealed=concealed,
     )
 
 
-def live_aim(asked: Loop, task: Task, keep: Path) -> TargetOptions:
+def live_aim(options: Loop, task: Task, keep: Path) -> TargetOptions:
     """Return the live target, which is started when the first trial begins.
 
     Raises:
@@ -118,7 +118,7 @@ def live_aim(asked: Loop, task: Task, keep: Path) -> TargetOptions:
     from morph.transfer.live.stop import Stop
 
     try:
-        argv = shlex.split(asked.live or "")
+        argv = shlex.split(options.live or "")
     except ValueError as error:
         raise TransferError(
             f"the command cannot be taken apart: {error}",
@@ -129,15 +129,15 @@ def live_aim(asked: Loop, task: Task, keep: Path) -> TargetOptions:
         raise TransferError(
             "no command is given", where="--live", fix="name the program that speaks for the target"
         )
-    stop = Stop(None if asked.stop_file is None else Path(asked.stop_file))
+    stop = Stop(None if options.stop_file is None else Path(options.stop_file))
     process = Process(argv)
-    live = Live(task, process, limits=limits(asked.limit), stop=stop, keep=keep)
+    live = Live(task, process, limits=limits(options.limit), stop=stop, keep=keep)
     return TargetOptions(
         name=f"{task.robot.name} by {process.name.removeprefix('target ')}",
         target=live,
         # One interpreter runs many programs, and a program has arguments.
         key=f"live {shlex.join(argv)}",
-        limit=" ".join(sorted(asked.limit)),
+        limit=" ".join(sorted(options.limit)),
     )
 
 
@@ -193,9 +193,9 @@ def conduct_notes(live: Live | None, trial: int) -> tuple[str, ...]:
     conduct = None if live is None else live.conduct
     if conduct is None:
         return ()
-    said = list(conduct.notes)
+    lines = list(conduct.notes)
     if conduct.clipped:
-        said.append(f"{conduct.clipped} commands were held back by limits")
+        lines.append(f"{conduct.clipped} commands were held back by limits")
     if conduct.overruns:
-        said.append(f"in {conduct.overruns} control periods the command before was held: too slow")
-    return tuple(f"trial {trial}: {each}" for each in said)
+        lines.append(f"in {conduct.overruns} control periods the command before was held: too slow")
+    return tuple(f"trial {trial}: {each}" for each in lines)

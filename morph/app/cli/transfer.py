@@ -30,7 +30,7 @@ MOST_NOISE = 0.1
 """Most noise of a reading, in its unit."""
 
 
-def run_transfer(asked: Transfer) -> int:
+def run_transfer(options: Transfer) -> int:
     """Carry a policy along a chain as asked and return the exit status.
 
     Raises:
@@ -45,64 +45,64 @@ def run_transfer(asked: Transfer) -> int:
 
     # Whatever the command line got wrong is told before any work is done.
     began = time.monotonic()
-    check_over(asked)
-    _check_numbers(asked)
-    check_task(asked.task)
-    out = check_out(asked.out, TRANSFER)
-    _check_fresh(asked, out)
-    if asked.over:
-        asked, bodies = chosen_way(asked)
+    check_over(options)
+    _check_numbers(options)
+    check_task(options.task)
+    out = check_out(options.out, TRANSFER)
+    _check_fresh(options, out)
+    if options.over:
+        options, bodies = chosen_way(options)
     else:
-        bodies = [body_of(name, asked.task) for name in asked.chain]
-    bodies = [seen_with(each, asked.noise) for each in bodies]
+        bodies = [body_of(name, options.task) for name in options.chain]
+    bodies = [seen_with(each, options.noise) for each in bodies]
     check_periods(bodies)
-    start = given(asked.policy, bodies[0])
+    start = given(options.policy, bodies[0])
     with lock_run_folder(out):
-        return _run(asked, bodies, start, out, began)
+        return _run(options, bodies, start, out, began)
 
 
-def _check_numbers(asked: Transfer) -> None:
-    hops = len(asked.chain) - 1
+def _check_numbers(options: Transfer) -> None:
+    hops = len(options.chain) - 1
     wrong = [
-        (hops < 1, "--chain", f"{len(asked.chain)} bodies make no hop", "name two or more"),
+        (hops < 1, "--chain", f"{len(options.chain)} bodies make no hop", "name two or more"),
         (
-            len(asked.samples) not in {1, max(hops, 1)},
+            len(options.samples) not in {1, max(hops, 1)},
             "--samples",
-            f"{len(asked.samples)} numbers are given for {hops} hops",
+            f"{len(options.samples)} numbers are given for {hops} hops",
             "give one for all hops, or one for each",
         ),
         (
-            min(asked.samples, default=0) < FEWEST,
+            min(options.samples, default=0) < FEWEST,
             "--samples",
-            f"{min(asked.samples, default=0)} transitions tell nothing of a body",
+            f"{min(options.samples, default=0)} transitions tell nothing of a body",
             f"give {FEWEST} or more",
         ),
         (
-            max(asked.samples, default=0) > MOST,
+            max(options.samples, default=0) > MOST,
             "--samples",
-            f"{max(asked.samples, default=0)} transitions would take longer than anyone waits",
+            f"{max(options.samples, default=0)} transitions would take longer than anyone waits",
             f"give {MOST} or fewer; some hundreds tell all that there is",
         ),
         (
-            not 0.0 <= asked.noise <= MOST_NOISE,
+            not 0.0 <= options.noise <= MOST_NOISE,
             "--noise",
-            f"{asked.noise:g} is no noise that a body could be seen through",
+            f"{options.noise:g} is no noise that a body could be seen through",
             f"give 0 to {MOST_NOISE:g}",
         ),
-        (asked.trials < 1, "--trials", f"{asked.trials} runs judge nothing", "give 1 or more"),
-        (asked.repeats < 0, "--repeats", f"{asked.repeats} is no count", "give 0 or more"),
-        (asked.scratch < 0, "--scratch", f"{asked.scratch} is no count", "give 0 or more"),
-        (asked.seed < 0, "--seed", f"{asked.seed} is no seed", "give 0 or more"),
+        (options.trials < 1, "--trials", f"{options.trials} runs judge nothing", "give 1 or more"),
+        (options.repeats < 0, "--repeats", f"{options.repeats} is no count", "give 0 or more"),
+        (options.scratch < 0, "--scratch", f"{options.scratch} is no count", "give 0 or more"),
+        (options.seed < 0, "--seed", f"{options.seed} is no seed", "give 0 or more"),
     ]
     for holds, where, what, fix in wrong:
         if holds:
             raise TransferError(what, where=where, fix=fix)
 
 
-def _check_fresh(asked: Transfer, out: Path) -> None:
+def _check_fresh(options: Transfer, out: Path) -> None:
     """Refuse to begin anew where that would remove the policy that is given."""
-    inside = Path(asked.policy).resolve().is_relative_to(out.resolve())
-    if asked.fresh and inside and asked.policy != "learned":
+    inside = Path(options.policy).resolve().is_relative_to(out.resolve())
+    if options.fresh and inside and options.policy != "learned":
         raise OutputError(
             "--fresh would remove what --from names, as it lies in this folder",
             where=str(out),
@@ -126,7 +126,9 @@ def check_periods(bodies: Sequence[Body]) -> None:
             )
 
 
-def _run(asked: Transfer, bodies: list[Body], start: SourcePolicy, out: Path, began: float) -> int:
+def _run(
+    options: Transfer, bodies: list[Body], start: SourcePolicy, out: Path, began: float
+) -> int:
     """Carry the policy in a folder that nobody else works in, and return the exit status."""
     from morph.app.cli.heartbeat import beating
     from morph.app.cli.outputs import TRANSFER, claim, clear
@@ -134,30 +136,30 @@ def _run(asked: Transfer, bodies: list[Body], start: SourcePolicy, out: Path, be
     from morph.app.report.transfer.words import done
     from morph.transfer.hop_checkpoint import HopsKept
 
-    if asked.fresh:
+    if options.fresh:
         clear(out, TRANSFER, progress=True)
     claim(out, TRANSFER, results=False)
-    kept = HopsKept(out, key_of(asked, bodies, start))
+    kept = HopsKept(out, key_of(options, bodies, start))
     hops: list[Kept] = []
     try:
-        with beating(asked.quiet) as told:
-            stopped = _hops(asked, bodies, start, kept, hops, told)
-            told.now("writing the report")
+        with beating(options.quiet) as progress:
+            stopped = _hops(options, bodies, start, kept, hops, progress)
+            progress.now("writing the report")
             claim(out, TRANSFER, results=True)
-            record = _written(asked, bodies, start, hops, stopped, out, began)
+            record = _written(options, bodies, start, hops, stopped, out, began)
     except BaseException as error:
         return _ended(error, out, len(hops))
-    say_outcome(asked, record)
+    say_outcome(options, record)
     return DONE if done(record) and not stopped else STOPPED_SHORT
 
 
 def _hops(
-    asked: Transfer,
+    options: Transfer,
     bodies: list[Body],
     start: SourcePolicy,
     kept: HopsKept,
     hops: list[Kept],
-    told: Stages,
+    progress: Stages,
 ) -> str:
     """Make or read every hop; return why it stopped short, or nothing.
 
@@ -170,22 +172,22 @@ def _hops(
     from morph.transfer.relay import as_believed
 
     gain, shift, source = start.gain, start.shift, bodies[0]
-    counts = asked.samples if len(asked.samples) > 1 else asked.samples * (len(bodies) - 1)
+    counts = options.samples if len(options.samples) > 1 else options.samples * (len(bodies) - 1)
     for at, count in enumerate(counts):
         number = at + 1
         done = kept.read(number)
         if done is None or not _fits(done, bodies[number]):
             how = Asked(
                 samples=count,
-                trials=asked.trials,
-                repeats=asked.repeats,
-                scratch=asked.scratch,
-                seed=asked.seed,
+                trials=options.trials,
+                repeats=options.repeats,
+                scratch=options.scratch,
+                seed=options.seed,
             )
-            label = f"hop {number} of {len(counts)}, to {asked.chain[number]}: "
+            label = f"hop {number} of {len(counts)}, to {options.chain[number]}: "
 
             def said(words: str, label: str = label) -> None:
-                told.now(label + words)
+                progress.now(label + words)
 
             try:
                 done = crossed(number, source, gain, shift, bodies[number], how, said)
@@ -198,7 +200,7 @@ def _hops(
         gain, shift = done.gain, done.shift
         # Only the first body's simulator is ours: the others are what their transitions told.
         source = as_believed(bodies[number], done.step)
-        told.line(hop_said(number, done.crossing))
+        progress.line(hop_said(number, done.crossing))
     return ""
 
 
@@ -209,7 +211,7 @@ def _fits(done: Kept, body: Body) -> bool:
 
 
 def _written(
-    asked: Transfer,
+    options: Transfer,
     bodies: list[Body],
     start: SourcePolicy,
     hops: list[Kept],
@@ -223,34 +225,34 @@ def _written(
     from morph.transfer.relay_record import RelayRecord, hashes
 
     inputs = [(each.task.robot.name, hash_of(each.task.robot)) for each in bodies]
-    notes = (*notes_of(asked.chain), *((stopped,) if stopped else ()))
+    notes = (*notes_of(options.chain), *((stopped,) if stopped else ()))
     record = RelayRecord(
         task=bodies[0].task,
         hops=tuple(each.crossing for each in hops),
         policy=True,
-        seed=asked.seed,
+        seed=options.seed,
         seconds=time.monotonic() - began,
-        command=command(asked),
+        command=command(options),
         inputs=hashes([("policy", start.sha256), *inputs]),
         notes=notes,
     )
-    return write_transfer(record, bodies[len(hops)], hops[-1], asked.trials, out)
+    return write_transfer(record, bodies[len(hops)], hops[-1], options.trials, out)
 
 
-def key_of(asked: Transfer, bodies: Sequence[Body], start: SourcePolicy) -> dict[str, str]:
+def key_of(options: Transfer, bodies: Sequence[Body], start: SourcePolicy) -> dict[str, str]:
     """Return what must be the same for a transfer to go on."""
     from morph.app.cli.transfer_bodies import hash_of
 
     return {
         "chain": " ".join(hash_of(each.task.robot) for each in bodies),
-        "task": asked.task,
+        "task": options.task,
         "policy": start.sha256,
-        "noise": repr(asked.noise),
-        "samples": " ".join(map(str, asked.samples)),
-        "trials": str(asked.trials),
-        "repeats": str(asked.repeats),
-        "scratch": str(asked.scratch),
-        "seed": str(asked.seed),
+        "noise": repr(options.noise),
+        "samples": " ".join(map(str, options.samples)),
+        "trials": str(options.trials),
+        "repeats": str(options.repeats),
+        "scratch": str(options.scratch),
+        "seed": str(options.seed),
     }
 
 

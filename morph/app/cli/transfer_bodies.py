@@ -136,10 +136,10 @@ def given(policy: str, first: Body) -> SourcePolicy:
             cannot be learned.
     """
     if policy != LEARNED:
-        found = load_policy(policy, first.task.robot)
-        check_period(found, first, policy)
-        gain, shift = gain_of(first, found)
-        numbers = (np.asarray(value).tobytes() for _, value in sorted(found.weights().items()))
+        result = load_policy(policy, first.task.robot)
+        check_period(result, first, policy)
+        gain, shift = gain_of(first, result)
+        numbers = (np.asarray(value).tobytes() for _, value in sorted(result.weights().items()))
         return SourcePolicy(gain=gain, shift=shift, sha256=sha256(*numbers))
     gain = holding(first)
     return SourcePolicy(

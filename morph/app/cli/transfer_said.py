@@ -17,15 +17,17 @@ HEAD = ("hop", "transitions", "through map", "made anew", "no source", "guard")
 """Of the table of hops."""
 
 
-def say_outcome(asked: Transfer, record: RelayRecord) -> None:
+def say_outcome(options: Transfer, record: RelayRecord) -> None:
     """Say what was found at the terminal, in words or as JSON."""
-    if asked.json:
+    if options.json:
         sys.stdout.write(record.text())
         return
-    say(_lines(asked, record, width()))
+    say(_lines(options, record, width()))
 
 
-def _lines(asked: Transfer, record: RelayRecord, columns: int | None) -> Iterator[tuple[str, str]]:
+def _lines(
+    options: Transfer, record: RelayRecord, columns: int | None
+) -> Iterator[tuple[str, str]]:
     yield harmless(headline(record)), "bold"
     for sentence in summary(record):
         for line in paragraph(f"  {harmless(sentence)}", 4, columns):
@@ -36,29 +38,29 @@ def _lines(asked: Transfer, record: RelayRecord, columns: int | None) -> Iterato
         yield line, ""
     for hop in record.hops:
         yield from arrows(hop.parts, hop.source, hop.target, columns)
-        if told := saved(hop):
-            for line in paragraph(f"  {harmless(told)}", 4, columns):
+        if given := saved(hop):
+            for line in paragraph(f"  {harmless(given)}", 4, columns):
                 yield line, ""
     for note in record.notes:
         for line in paragraph(f"  {harmless(note)}", 4, columns):
             yield line, "yellow"
-    wrote = f"wrote policy, maps, report.html and transfer.json into {asked.out}"
+    wrote = f"wrote policy, maps, report.html and transfer.json into {options.out}"
     for line in paragraph(harmless(wrote), 4, columns):
         yield line, ""
 
 
-def command(asked: Transfer) -> str:
+def command(options: Transfer) -> str:
     """Return the command that gives this result again, wherever it is to be written."""
-    parts = ["morph", "transfer", "--from", asked.policy, "--chain", *asked.chain]
-    told: dict[str, object] = {
-        "--task": asked.task,
-        "--noise": f"{asked.noise:g}",
-        "--samples": " ".join(map(str, asked.samples)),
-        "--trials": asked.trials,
-        "--repeats": asked.repeats,
-        "--scratch": asked.scratch,
-        "--seed": asked.seed,
+    parts = ["morph", "transfer", "--from", options.policy, "--chain", *options.chain]
+    known: dict[str, object] = {
+        "--task": options.task,
+        "--noise": f"{options.noise:g}",
+        "--samples": " ".join(map(str, options.samples)),
+        "--trials": options.trials,
+        "--repeats": options.repeats,
+        "--scratch": options.scratch,
+        "--seed": options.seed,
     }
-    for option, value in told.items():
+    for option, value in known.items():
         parts += [option, *str(value).split()]
     return shlex.join([*parts, "--out", "DIR"])

@@ -17,7 +17,7 @@ MOST_OVER = 12
 """Most bodies that a way may be chosen from: every pair of them is looked at."""
 
 
-def check_over(asked: Transfer) -> None:
+def check_over(options: Transfer) -> None:
     """Refuse a choice of ways that cannot be made.
 
     Raises:
@@ -25,26 +25,26 @@ def check_over(asked: Transfer) -> None:
     """
     for holds, what, fix in (
         (
-            len(asked.chain) != 2,
-            f"--chain names {len(asked.chain)} bodies, and the way between is to be chosen",
+            len(options.chain) != 2,
+            f"--chain names {len(options.chain)} bodies, and the way between is to be chosen",
             "name the two ends alone",
         ),
         (
-            len(asked.samples) != 1,
+            len(options.samples) != 1,
             "--samples gives a number for each hop of a way that is not chosen yet",
             "give one number for all hops",
         ),
         (
-            len(asked.over) > MOST_OVER,
-            f"{len(asked.over)} bodies are too many to choose from",
+            len(options.over) > MOST_OVER,
+            f"{len(options.over)} bodies are too many to choose from",
             f"name at most {MOST_OVER}",
         ),
     ):
-        if asked.over and holds:
+        if options.over and holds:
             raise TransferError(what, where="--over", fix=fix)
 
 
-def chosen_way(asked: Transfer) -> tuple[Transfer, list[Body]]:
+def chosen_way(options: Transfer) -> tuple[Transfer, list[Body]]:
     """Return what was asked with its chain chosen, and the bodies of the chain.
 
     Raises:
@@ -53,12 +53,12 @@ def chosen_way(asked: Transfer) -> tuple[Transfer, list[Body]]:
     from morph.app.cli.transfer_bodies import body_of
     from morph.transfer.path import path
 
-    first, last = asked.chain
-    names = (first, *asked.over, last)
-    bodies = [body_of(name, asked.task) for name in names]
-    way = path(bodies, most=len(bodies) - 1, seed=asked.seed)
+    first, last = options.chain
+    names = (first, *options.over, last)
+    bodies = [body_of(name, options.task) for name in names]
+    way = path(bodies, most=len(bodies) - 1, seed=options.seed)
     places = [next(at for at, body in enumerate(bodies) if body is each) for each in way]
     chain = tuple(names[at] for at in places)
-    if not asked.quiet:
+    if not options.quiet:
         sys.stderr.write(f"the way that promises most: {harmless(' > '.join(chain))}\n")
-    return replace(asked, chain=chain, over=()), list(way)
+    return replace(options, chain=chain, over=()), list(way)

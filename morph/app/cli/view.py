@@ -29,53 +29,57 @@ Makers = Sequence[Callable[[], "Shown"]]
 """What makes each view for a person, in the order of the tabs."""
 
 
-def run_view(asked: ViewCommand) -> int:
+def run_view(options: ViewCommand) -> int:
     """Show what is asked for until interrupted, or write the page, and return the exit status.
 
     Raises:
         MorphError: An input cannot be used, or the page cannot be served or written.
     """
-    view_given.check(asked)
-    saved = view_given.read(asked)
+    view_given.check(options)
+    saved = view_given.read(options)
     from morph.app.viewer.opening import Opening
     from morph.app.viewer.views.views import makers
 
-    with stages(asked.quiet) as told:
-        given, notes = view_given.given(asked, saved, told.now)
-        told.now("looking at what was given")
-        found, first = makers(given, asked.first or (saved.view if saved else None))
-        notes += _unfit(asked, saved, found)
+    with stages(options.quiet) as progress:
+        given, notes = view_given.given(options, saved, progress.now)
+        progress.now("looking at what was given")
+        result, first = makers(given, options.first or (saved.view if saved else None))
+        notes += _unfit(options, saved, result)
         for note in notes:
-            told.line(note)
+            progress.line(note)
         opening = Opening(
-            given=given, saved=saved, notes=tuple(notes), command=view_given.command(asked)
+            given=given, saved=saved, notes=tuple(notes), command=view_given.command(options)
         )
-        if asked.html is not None:
-            shown, path = found[first](), Path(asked.html)
-            size = write_page(path, shown, opening, told.now)
-            if asked.json:
+        if options.html is not None:
+            shown, path = result[first](), Path(options.html)
+            size = write_page(path, shown, opening, progress.now)
+            if options.json:
                 _say(view=shown.name, views=[shown.name], html=str(path), bytes=size)
-            elif not asked.quiet:
+            elif not options.quiet:
                 sys.stderr.write(f"{path} is written: {size / 1e6:.1f} MB\n")
             return DONE
-    _serve(asked, found, first, opening)
+    _serve(options, result, first, opening)
     return DONE
 
 
-def _unfit(asked: ViewCommand, saved: Saved | None, found: Makers) -> list[str]:
+def _unfit(options: ViewCommand, saved: Saved | None, result: Makers) -> list[str]:
     """Return what of a saved view does not fit because the options say otherwise.
 
     Raises:
         ViewError: It does not fit although they do not.
     """
     unfit = []
-    for view in (make() for make in found) if saved is not None else ():
+    for view in (make() for make in result) if saved is not None else ():
         try:
             if saved is not None and view.name in saved.views:
                 view.restore(saved.views[view.name])
         except ViewError as error:
             if not (
-                asked.robots or asked.task or asked.recording or asked.transfer or asked.package
+                options.robots
+                or options.task
+                or options.recording
+                or options.transfer
+                or options.package
             ):
                 raise
             unfit.append(f"The view {view.name} is not as it was saved: {error.what}.")
@@ -108,19 +112,19 @@ def write_page(path: Path, view: Shown, opening: Opening, now: Callable[[str], N
     return len(page)
 
 
-def _serve(asked: ViewCommand, found: Makers, first: int, opening: Opening) -> None:
+def _serve(options: ViewCommand, result: Makers, first: int, opening: Opening) -> None:
     """Serve the page until interrupted."""
     from morph.app.viewer.server import Viewer
 
     viewer = Viewer(
-        lambda: [make() for make in found],
+        lambda: [make() for make in result],
         first=first,
-        host=asked.host,
-        port=asked.port,
+        host=options.host,
+        port=options.port,
         opening=opening,
     )
-    if asked.json:
-        names = [make().name for make in found]
+    if options.json:
+        names = [make().name for make in result]
         _say(
             view=names[first],
             views=names,
@@ -128,7 +132,7 @@ def _serve(asked: ViewCommand, found: Makers, first: int, opening: Opening) -> N
             port=viewer.door.server.get_port(),
             pid=os.getpid(),
         )
-    if asked.browser:
+    if options.browser:
         _open(viewer)
     viewer.wait()
 

@@ -27,28 +27,30 @@ MOST_SECONDS = 120.0
 LAST_PORT = 65535
 
 
-def check(asked: ViewCommand) -> None:
+def check(options: ViewCommand) -> None:
     """Check what can be checked before anything is loaded.
 
     Raises:
         ViewError: An option is out of its range, or there are too many bodies.
         OutputError: The page cannot be written where it should be.
     """
-    _check_seconds(asked.seconds, where="--seconds", fix="leave it out, or give a time within that")
-    if not 0 <= asked.port <= LAST_PORT:
+    _check_seconds(
+        options.seconds, where="--seconds", fix="leave it out, or give a time within that"
+    )
+    if not 0 <= options.port <= LAST_PORT:
         raise ViewError(
-            f"there is no port {asked.port}; they go from 0 to {LAST_PORT}",
+            f"there is no port {options.port}; they go from 0 to {LAST_PORT}",
             where="--port",
             fix="leave it out, or give 0 for any that is free",
         )
-    if asked.seed is not None and asked.seed < 0:
+    if options.seed is not None and options.seed < 0:
         raise ViewError(
-            f"it is {asked.seed}, and a seed is 0 or more",
+            f"it is {options.seed}, and a seed is 0 or more",
             where="--seed",
             fix="give a whole number",
         )
-    if asked.html is not None:
-        check_page(Path(asked.html), "--html")
+    if options.html is not None:
+        check_page(Path(options.html), "--html")
 
 
 def _check_seconds(seconds: float | None, *, where: str, fix: str) -> None:
@@ -82,12 +84,12 @@ def check_page(path: Path, option: str) -> None:
 
 
 def given(
-    asked: ViewCommand, saved: Saved | None, now: Callable[[str], None]
+    options: ViewCommand, saved: Saved | None, now: Callable[[str], None]
 ) -> tuple[ViewRequest, list[str]]:
     """Return what is to be shown, and what is to be known of it, a sentence each.
 
     Args:
-        asked: The options; they come before what was saved.
+        options: The options; they come before what was saved.
         saved: What is to be shown again.
         now: Is told what is being loaded.
 
@@ -97,7 +99,7 @@ def given(
     from morph.app.viewer.given import ViewRequest
     from morph.body.load import load
 
-    of = _sources(asked, saved)
+    of = _sources(options, saved)
     if len(of.bodies) > MOST_BODIES:
         raise ViewError(
             f"{len(of.bodies)} bodies are asked for, and the ground has room for {MOST_BODIES}",
@@ -105,7 +107,9 @@ def given(
             fix="leave some out, or open a second viewer at another --port",
         )
     # What somebody else saved is bounded as what is typed is: memory would end before the motion.
-    _check_seconds(of.seconds, where=f"{asked.state}, given.seconds", fix="give --seconds as well")
+    _check_seconds(
+        of.seconds, where=f"{options.state}, given.seconds", fix="give --seconds as well"
+    )
     robots, notes = [], []
     for body in of.bodies:
         now(f"loading {body.asked}")
@@ -131,60 +135,60 @@ def given(
     ), notes
 
 
-def read(asked: ViewCommand) -> Saved | None:
+def read(options: ViewCommand) -> Saved | None:
     """Return the view that was saved, if one is named, having told which files it names.
 
     Raises:
         ViewError: It cannot be read, or is no saved view.
     """
-    if asked.state is None:
+    if options.state is None:
         return None
     from morph.app.viewer.reopen import read_state
 
-    saved = read_state(Path(asked.state))
+    saved = read_state(Path(options.state))
     # It may come from somebody else: whoever opens it is to know what it has us read.
     for path in saved.given.files:
-        sys.stderr.write(f"{harmless(asked.state)} names {harmless(path)}\n")
+        sys.stderr.write(f"{harmless(options.state)} names {harmless(path)}\n")
     sys.stderr.flush()
     return saved
 
 
-def _sources(asked: ViewCommand, saved: Saved | None) -> Sources:
+def _sources(options: ViewCommand, saved: Saved | None) -> Sources:
     """Return what is to be shown: the options, and what they leave open as it was saved."""
     from morph.app.viewer.state import BodyRequest, Sources
 
-    told: dict[str, Any] = {
-        "bodies": tuple(BodyRequest(asked=name, sha256="") for name in asked.robots),
-        "policies": asked.policy,
-        "recordings": asked.recording,
-        "task": asked.task,
-        "world": asked.world,
-        "seconds": asked.seconds,
-        "seed": asked.seed,
-        "base": asked.base,
-        "folder": None if asked.folder is None else str(asked.folder),
-        "root": None if asked.root is None else str(asked.root),
-        "diagnosis": asked.diagnosis,
-        "transfer": asked.transfer,
-        "package": asked.package,
+    known: dict[str, Any] = {
+        "bodies": tuple(BodyRequest(asked=name, sha256="") for name in options.robots),
+        "policies": options.policy,
+        "recordings": options.recording,
+        "task": options.task,
+        "world": options.world,
+        "seconds": options.seconds,
+        "seed": options.seed,
+        "base": options.base,
+        "folder": None if options.folder is None else str(options.folder),
+        "root": None if options.root is None else str(options.root),
+        "diagnosis": options.diagnosis,
+        "transfer": options.transfer,
+        "package": options.package,
     }
     before = Sources() if saved is None else saved.given
-    return replace(before, **{name: it for name, it in told.items() if it not in (None, ())})
+    return replace(before, **{name: it for name, it in known.items() if it not in (None, ())})
 
 
-def command(asked: ViewCommand) -> str:
+def command(options: ViewCommand) -> str:
     """Return the command that shows this again, wherever it was written to."""
-    parts = ["morph", "view", *asked.robots]
-    told: dict[str, object] = {
-        "--task": asked.task, "--root": asked.root, "--diagnosis": asked.diagnosis,
-        "--transfer": asked.transfer, "--package": asked.package, "--world": asked.world,
-        "--seconds": asked.seconds,
-        "--state": asked.state, "--first": asked.first, "--base": asked.base,
-        "--folder": asked.folder, "--seed": asked.seed,
+    parts = ["morph", "view", *options.robots]
+    known: dict[str, object] = {
+        "--task": options.task, "--root": options.root, "--diagnosis": options.diagnosis,
+        "--transfer": options.transfer, "--package": options.package, "--world": options.world,
+        "--seconds": options.seconds,
+        "--state": options.state, "--first": options.first, "--base": options.base,
+        "--folder": options.folder, "--seed": options.seed,
     }  # fmt: skip
-    for option, given_many in (("--policy", asked.policy), ("--recording", asked.recording)):
+    for option, given_many in (("--policy", options.policy), ("--recording", options.recording)):
         for each in given_many:
             parts += [option, each]
-    for option, value in told.items():
+    for option, value in known.items():
         parts += [] if value is None else [option, str(value)]
     return shlex.join(parts)

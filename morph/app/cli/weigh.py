@@ -28,7 +28,7 @@ VERDICTS = {
 """What became of a policy, in words."""
 
 
-def run_weigh(asked: Weigh) -> int:
+def run_weigh(options: Weigh) -> int:
     """Correct the package and return the exit status.
 
     Raises:
@@ -41,50 +41,52 @@ def run_weigh(asked: Weigh) -> int:
     from morph.make.weigh import write_weighed
     from morph.run_folder import lock_run_folder
 
-    if not 0.0 <= asked.seconds < float("inf"):
-        raise MakeError(f"{asked.seconds:g} s is no time", where="--seconds", fix="give 0 or more")
-    place = Path(asked.package)
+    if not 0.0 <= options.seconds < float("inf"):
+        raise MakeError(
+            f"{options.seconds:g} s is no time", where="--seconds", fix="give 0 or more"
+        )
+    place = Path(options.package)
     # Read while it is held: of two readings at once, one would be lost.
     with lock_run_folder(place, beside=True):
         package = read_package(place)
-        new = readings(package, asked.reading, anyway=asked.anyway)
-        with stages(asked.quiet) as told, package_folder(place) as folder:
-            found = write_weighed(
+        new = readings(package, options.reading, anyway=options.anyway)
+        with stages(options.quiet) as progress, package_folder(place) as folder:
+            result = write_weighed(
                 place,
                 folder,
                 package,
                 taken(package.readings, new),
-                seconds=asked.seconds if asked.match else 0.0,
-                seed=asked.seed,
-                told=told.now,
+                seconds=options.seconds if options.match else 0.0,
+                seed=options.seed,
+                progress=progress.now,
             )
-            told.now("writing the report")
-            _report(folder, found, asked.seed)
-    if asked.json:
+            progress.now("writing the report")
+            _report(folder, result, options.seed)
+    if options.json:
         sys.stdout.write((place / FILE).read_text(encoding="utf-8"))
     else:
-        _say(asked, new, found)
-    policy = found.package.policy
+        _say(options, new, result)
+    policy = result.package.policy
     return STOPPED_SHORT if policy is not None and policy.verdict == "lost" else DONE
 
 
-def _report(folder: Path, found: Weighed, seed: int) -> None:
+def _report(folder: Path, result: Weighed, seed: int) -> None:
     from morph.app.report.print.files import write_pages
     from morph.make.margins import margins
     from morph.make.policies import policies_in
 
     learned, now = None, None
-    if found.package.policy is not None:
-        learned, now = policies_in(folder, found.designed, found.printed)
-    told = margins(found.designed, found.printed, learned=learned, matched=now, seed=seed)
-    write_pages(folder, found.package, told)
+    if result.package.policy is not None:
+        learned, now = policies_in(folder, result.designed, result.printed)
+    given = margins(result.designed, result.printed, learned=learned, matched=now, seed=seed)
+    write_pages(folder, result.package, given)
 
 
-def _say(asked: Weigh, new: tuple[ScaleReading, ...], found: Weighed) -> None:
-    package, columns = found.package, width()
+def _say(options: Weigh, new: tuple[ScaleReading, ...], result: Weighed) -> None:
+    package, columns = result.package, width()
     lines = [
         (
-            f"{package.title} weighs {package.now_kg:.4f} kg; it was {found.before_kg:.4f} kg "
+            f"{package.title} weighs {package.now_kg:.4f} kg; it was {result.before_kg:.4f} kg "
             f"before, and {package.designed_kg:.4f} kg by the model",
             "bold",
         )
@@ -95,7 +97,7 @@ def _say(asked: Weigh, new: tuple[ScaleReading, ...], found: Weighed) -> None:
         predicted = f"{1e3 * weight.mass:.2f} g predicted" if weight is not None else ""
         shown = "forgotten" if each.kg is None else f"{1e3 * each.kg:.2f} g"
         lines.append((f"  {each.part}: {shown}, {predicted}", ""))
-    for name in _unchanged(new, found):
+    for name in _unchanged(new, result):
         lines.append(
             (f"  {name} keeps what was described: not all of its parts are known", "yellow")
         )
@@ -106,25 +108,25 @@ def _say(asked: Weigh, new: tuple[ScaleReading, ...], found: Weighed) -> None:
         style = "yellow" if policy.verdict == "lost" else "green"
         lines += [(VERDICTS.get(policy.verdict, policy.verdict), style), (f"  {policy.what}", "")]
         if policy.verdict == "lost":
-            lines.append((f"  {_advice(asked)}", "yellow"))
-    lines.append((f"corrected {asked.package}: robot, policy, {REPORT} and package.json", ""))
+            lines.append((f"  {_advice(options)}", "yellow"))
+    lines.append((f"corrected {options.package}: robot, policy, {REPORT} and package.json", ""))
     say((piece, style) for text, style in lines for piece in paragraph(harmless(text), 4, columns))
 
 
-def _unchanged(new: tuple[ScaleReading, ...], found: Weighed) -> list[str]:
+def _unchanged(new: tuple[ScaleReading, ...], result: Weighed) -> list[str]:
     """Return the links of weighed parts whose mass stays as described."""
     names = {each.part for each in new}
     links = {
-        at.link for part in found.package.job.parts if part.name in names for at in part.placements
+        at.link for part in result.package.job.parts if part.name in names for at in part.placements
     }
     return [
         each.link
-        for each in found.package.links
+        for each in result.package.links
         if each.link in links and each.source == "description"
     ]
 
 
-def _advice(asked: Weigh) -> str:
-    if not asked.match:
+def _advice(options: Weigh) -> str:
+    if not options.match:
         return "leave out --no-match to have it matched again"
     return "give more --seconds, or learn it anew on the folder robot of the package"

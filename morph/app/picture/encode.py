@@ -35,9 +35,9 @@ def mp4(path: Path, pictures: Iterator[Picture], rate: float, size: tuple[int, i
     # With its index in front a film begins to play before all of it is there.
     command += ["-movflags", "+faststart", str(path.absolute())]
     with (
-        tempfile.TemporaryFile() as said,
+        tempfile.TemporaryFile() as statement,
         subprocess.Popen(
-            command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=said
+            command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=statement
         ) as process,
     ):
         if process.stdin is None:
@@ -53,8 +53,8 @@ def mp4(path: Path, pictures: Iterator[Picture], rate: float, size: tuple[int, i
             process.kill()
             raise
         if process.wait() != 0:
-            said.seek(0)
-            lines = said.read().decode(errors="replace").strip().splitlines()
+            statement.seek(0)
+            lines = statement.read().decode(errors="replace").strip().splitlines()
             raise _failed(lines[-1] if lines else f"exit status {process.returncode}")
 
 

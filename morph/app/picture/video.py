@@ -37,7 +37,7 @@ def film(
     positions: Array,
     path: Path,
     *,
-    told: Callable[[float], None] = lambda share: None,
+    progress: Callable[[float], None] = lambda share: None,
 ) -> Path:
     """Write a film of a motion in real time and return its path.
 
@@ -47,7 +47,7 @@ def film(
         times: When, s, shape (samples,).
         positions: MuJoCo's `qpos` then, shape (samples, nq).
         path: Where to; the ending is one of `FILMS`.
-        told: Is told the share of the pictures that are drawn.
+        progress: Is told the share of the pictures that are drawn.
 
     Raises:
         OutputError: The file cannot be written, or this machine cannot draw.
@@ -61,17 +61,17 @@ def film(
     settle(model, view.lowest, view.radius, wet=wet)
     encode = mp4 if path.suffix.lower() == ".mp4" else gif
     with canvas(model, size) as drawn, _whole(path) as temporary:
-        encode(temporary, _pictures(drawn, view, shown, wet, told), rate, size)
+        encode(temporary, _pictures(drawn, view, shown, wet, progress), rate, size)
     return path
 
 
 def _pictures(
-    drawn: Canvas, view: Framing, shown: Array, wet: bool, told: Callable[[float], None]
+    drawn: Canvas, view: Framing, shown: Array, wet: bool, progress: Callable[[float], None]
 ) -> Iterator[Picture]:
     stage(drawn, view)
     for at, position in enumerate(shown):
         yield snap(drawn, view, at, position, wet)
-        told((at + 1) / len(shown))
+        progress((at + 1) / len(shown))
 
 
 def stage(drawn: Canvas, view: Framing) -> None:

@@ -131,25 +131,25 @@ def remains(diagnosis: Diagnosis) -> tuple[str, ...]:
     """Return what the answer does not explain, in words."""
     left, rmse = diagnosis.unexplained, diagnosis.held_out_rmse
     unsure = percent(left.probability)
-    said = [f"That physics is left which was not named has a probability of {unsure}."]
+    lines = [f"That physics is left which was not named has a probability of {unsure}."]
     worst = sorted(left.channels.items(), key=lambda each: -each[1])[:NAMED]
     forces = ", ".join(
         f"{'over 100' if share > 1.0 else number(100.0 * share)} % at {name}"
         for name, share in worst
     )
     if forces:
-        said.append(f"Of the inertial force of the fitted runs is missing: {forces}.")
+        lines.append(f"Of the inertial force of the fitted runs is missing: {forces}.")
     if left.contact:
-        said.append(
+        lines.append(
             "The robot touches a floor or the stops of its joints: of these forces rollouts alone "
             "tell."
         )
-    said.append(
+    lines.append(
         f"Rollouts of a typical fitted segment err by {number(left.in_noise)} times the variance "
         "of the sensors' noise."
     )
     if any(UNREAD in note for note in diagnosis.notes):
-        said.append(
+        lines.append(
             "The motion of joints that were not read is estimated: where the estimate is wrong it "
             "looks like missing physics."
         )
@@ -158,8 +158,8 @@ def remains(diagnosis: Diagnosis) -> tuple[str, ...]:
     if ratios:
         low, high = number(min(ratios)), number(max(ratios))
         span = low if low == high else f"{low} to {high}"
-        said.append(f"Held-out errors are {span} times that noise, RMS.")
-    return tuple(said)
+        lines.append(f"Held-out errors are {span} times that noise, RMS.")
+    return tuple(lines)
 
 
 def _error(diagnosis: Diagnosis, model: str, channel: str) -> str:

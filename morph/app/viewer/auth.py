@@ -93,10 +93,10 @@ class RequestGuard:
         rebinding"). Where a token is asked, no page under another name has it.
         """
         hosts = request.headers.get_all("Host")
-        found = HOST.fullmatch(hosts[0]) if len(hosts) == 1 else None
-        if found is None:
+        result = HOST.fullmatch(hosts[0]) if len(hosts) == 1 else None
+        if result is None:
             return None
-        if self._place.names and found["name"].lower() not in self._place.names:
+        if self._place.names and result["name"].lower() not in self._place.names:
             return None
         return str(hosts[0])
 

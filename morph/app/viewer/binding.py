@@ -73,17 +73,17 @@ def bound(host: str, port: int) -> BoundSocket:
 def _found(host: str, where: str) -> tuple[socket.AddressFamily, str]:
     """Return the family and the address of a host; IPv4 comes first."""
     try:
-        found = socket.getaddrinfo(host, None, type=socket.SOCK_STREAM) if host else []
+        results = socket.getaddrinfo(host, None, type=socket.SOCK_STREAM) if host else []
     except (OSError, ValueError):
         # A name that holds what no name may is a ValueError.
-        found = []
-    if not found:
+        results = []
+    if not results:
         raise OutputError(
             f"no address is known by the name {host!r}",
             where=where,
             fix="name an address of this machine by --host, such as 127.0.0.1",
         )
-    family, _, _, _, address = min(found, key=lambda each: each[0] != socket.AF_INET)
+    family, _, _, _, address = min(results, key=lambda each: each[0] != socket.AF_INET)
     return family, str(address[0])
 
 
@@ -120,9 +120,11 @@ def _refused(error: OSError, address: str, port: int) -> str:
     return f"no page can be served: {error.strerror or error}"
 
 
-def _place(listening: socket.socket, host: str, asked: int) -> BoundSocket:
+def _place(listening: socket.socket, host: str, requested: int) -> BoundSocket:
     address, port = listening.getsockname()[:2]
-    taken = (f"port {asked} is taken; serving at {port} instead",) if port != asked != 0 else ()
+    taken = (
+        (f"port {requested} is taken; serving at {port} instead",) if port != requested != 0 else ()
+    )
     known = ipaddress.ip_address(address)
     if known.is_loopback:
         # Another port may lead here (`ssh -L`); another name may not: such a page is not ours.

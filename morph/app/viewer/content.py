@@ -173,7 +173,7 @@ class Content:
 
 def _unseen(figure: Figure) -> tuple[str, ...]:
     """Return what of a body could not be drawn as described, a sentence each."""
-    told, more = figure.notes[:MOST_UNSEEN], len(figure.notes) - MOST_UNSEEN
+    given, more = figure.notes[:MOST_UNSEEN], len(figure.notes) - MOST_UNSEEN
     if more <= 0:
-        return told
-    return (*told, f"{figure.name}: {more} more of its parts are not drawn as described")
+        return given
+    return (*given, f"{figure.name}: {more} more of its parts are not drawn as described")

@@ -88,7 +88,7 @@ def figure(robot: Robot, effects: Sequence[Effect] = (), *, name: str | None = N
 
 def _drawn(model: Any, *, complete: bool) -> tuple[PictureShape, ...]:
     """Return the shapes; what has none to be seen is told by its contacts, or its inertia."""
-    found = web_shapes(shapes(model)) or web_shapes(shapes(model, groups=mujoco.mjNGROUP))
-    if found and complete:
-        return found
-    return (*found, *placeholders(model, {shape.body for shape in found}))
+    result = web_shapes(shapes(model)) or web_shapes(shapes(model, groups=mujoco.mjNGROUP))
+    if result and complete:
+        return result
+    return (*result, *placeholders(model, {shape.body for shape in result}))

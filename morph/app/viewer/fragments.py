@@ -46,8 +46,8 @@ def keys_html(keys: Sequence[tuple[str, str | None, str]]) -> str:
     """Return a list of keys: the key, what is held with it, and what it does."""
     rows = "".join(
         f"<dt>{''.join(f'<kbd>{SIGNS.get(part, part)}</kbd>' for part in (held, key) if part)}</dt>"
-        f"<dd>{escape(said)}</dd>"
-        for key, held, said in keys
+        f"<dd>{escape(statement)}</dd>"
+        for key, held, statement in keys
     )
     return f'<dl class="morph keys">{rows}</dl>'
 

@@ -125,14 +125,14 @@ def _lossless(text: str) -> tuple[str, str | None]:
     the page and never sent. Here what waits is sent as soon as another widget has something.
     """
     program = viser_program(text)
-    found = None if program is None else THROTTLED.search(program)
-    if program is None or found is None or text.count(UNPACKED) != 1:
+    result = None if program is None else THROTTLED.search(program)
+    if program is None or result is None or text.count(UNPACKED) != 1:
         return text, program
-    sender, last, now = found["sender"], found["last"], found["input"]
-    flush = f"{found['waits']}&&{last}.uuid!=={now}.uuid&&{sender}.sendMessage({last}),"
-    mended = f"{found['ready']}({flush}{found['keep'][1:]}"
-    mend = f".replace({json.dumps(found[0])},()=>{json.dumps(mended)})"
-    return text.replace(UNPACKED, UNPACKED + mend), program.replace(found[0], mended, 1)
+    sender, last, now = result["sender"], result["last"], result["input"]
+    flush = f"{result['waits']}&&{last}.uuid!=={now}.uuid&&{sender}.sendMessage({last}),"
+    mended = f"{result['ready']}({flush}{result['keep'][1:]}"
+    mend = f".replace({json.dumps(result[0])},()=>{json.dumps(mended)})"
+    return text.replace(UNPACKED, UNPACKED + mend), program.replace(result[0], mended, 1)
 
 
 def unpack(text: str) -> bytes:

@@ -105,14 +105,14 @@ def laid_out(actors: Sequence[Actor]) -> Layout:
     # 0 rows are a file, whose bodies may stand farther from each other.
     orders = [(count, spread) for count in rows for spread in ((1.0,) if count else SPREADS)]
     sides = (np.ones(3), OTHER_SIDE) if several else (np.ones(3),)
-    found = [
+    results = [
         _named(stand, order, side * (BESIDE, FRONT, ABOVE)[min(order[0], 2)])
         for order in orders
         for side in sides
     ]
     # From the other side only where that shows clearly more: ahead of bodies is the better one.
-    worth = [_sight(stand, each) - LESS * (at % len(sides)) for at, each in enumerate(found)]
-    return found[int(np.argmax(worth))]
+    worth = [_sight(stand, each) - LESS * (at % len(sides)) for at, each in enumerate(results)]
+    return results[int(np.argmax(worth))]
 
 
 def title(actor: Actor) -> str:
@@ -126,18 +126,18 @@ def _named(stand: UnplacedBodies, order: tuple[int, float], towards: Array) -> L
     towards, pixel = _unit(towards), 0.0
     # How many metres a pixel is follows from the frame, and the frame from how wide names are.
     for _ in range(2):
-        found = _arranged(stand, order, towards, pixel)
-        distance = framed(found.seen, towards).distance
+        result = _arranged(stand, order, towards, pixel)
+        distance = framed(result.seen, towards).distance
         pixel = 2.0 * distance * math.tan(0.5 * FIELD) / PICTURE
     return _arranged(stand, order, towards, pixel)
 
 
-def _sight(stand: UnplacedBodies, found: Layout) -> float:
+def _sight(stand: UnplacedBodies, result: Layout) -> float:
     """Return how well bodies are seen, at first and later on."""
-    place = framed(found.seen, found.towards).position
+    place = framed(result.seen, result.towards).position
     label = np.array([LINE, LETTER]) * FIELD / PICTURE
     letters = np.array([len(title(actor)) for actor in stand.actors])
-    boxes = stand.boxes + found.places[:, None]
+    boxes = stand.boxes + result.places[:, None]
     return float(np.mean([sight(each, place, stand.lanes, label, letters) for each in boxes]))
 
 

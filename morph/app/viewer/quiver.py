@@ -68,5 +68,5 @@ def steps(arrows: Array, size: float) -> Integers:
     there = np.isfinite(arrows).all(axis=(-2, -1)) & (length > 0.0)
     head = SHAFT * HEAD_LENGTH * size
     with np.errstate(divide="ignore", invalid="ignore"):
-        found = np.ceil(np.log(head / (MOST_HEAD * length)) / -math.log(SHRINK) - 1e-9)
-    return np.where(there, np.clip(np.nan_to_num(found), 0, STEPS - 1), -1).astype(np.int64)
+        result = np.ceil(np.log(head / (MOST_HEAD * length)) / -math.log(SHRINK) - 1e-9)
+    return np.where(there, np.clip(np.nan_to_num(result), 0, STEPS - 1), -1).astype(np.int64)

@@ -115,7 +115,7 @@ class _Part:
         given = _Part(self._file, "given", self.take("given", _object, "an object")).sources()
         clock = _Part(self._file, "clock", self.take("clock", _object, "an object"))
         camera = self.take("camera", _or_null(_object), "an object or null")
-        found = Saved(
+        result = Saved(
             given=given,
             view=self.take("view", lambda it: it in NAMES, f"one of {', '.join(NAMES)}"),
             views=self._views(),
@@ -129,7 +129,7 @@ class _Part:
         )
         clock.done()
         self.done()
-        return found
+        return result
 
     def _views(self) -> JSON:
         views = self.take("views", _object, "an object")
@@ -146,7 +146,7 @@ class _Part:
         text_or_null = _or_null(_text)
         # Views that were saved before there were packages say nothing of them.
         self._members.setdefault("package", None)
-        found = Sources(
+        result = Sources(
             bodies=tuple(
                 _Part(self._file, f"{self._place}.bodies[{at}]", body).body()
                 for at, body in enumerate(bodies)
@@ -172,25 +172,27 @@ class _Part:
             },
         )
         self.done()
-        return found
+        return result
 
     def body(self) -> BodyRequest:
-        found = BodyRequest(
+        result = BodyRequest(
             asked=self.take("asked", _text, "a name or a path"),
             sha256=self.take("sha256", _text_or_none, "a hash"),
         )
         self.done()
-        return found
+        return result
 
     def camera(self) -> Camera:
-        found = Camera(
+        result = Camera(
             position=tuple(self.take("position", _point, "three numbers, m")),
             look_at=tuple(self.take("look_at", _point, "three numbers, m")),
         )
         self.done()
-        if math.dist(found.position, found.look_at) < NEAREST:
-            raise self.wrong("look_at", found.look_at, "a point that is not the camera's own place")
-        return found
+        if math.dist(result.position, result.look_at) < NEAREST:
+            raise self.wrong(
+                "look_at", result.look_at, "a point that is not the camera's own place"
+            )
+        return result
 
     def take(self, name: str, fits: Callable[[Any], bool], allowed: str) -> Any:
         """Return a member, which must be there and fit."""

@@ -100,11 +100,11 @@ class Session:
 
         def run() -> None:
             try:
-                found = work()
+                result = work()
             except Exception as error:
                 self.do(partial(self._tell, error))
                 return
-            self.do(lambda: then(found))
+            self.do(lambda: then(result))
 
         threading.Thread(target=run, name="morph-work", daemon=True).start()
 
@@ -206,12 +206,12 @@ class Session:
     def _answer(self) -> None:
         while not self._over.is_set():
             try:
-                asked = self._asked.get_nowait()
+                requested = self._asked.get_nowait()
             except queue.Empty:
                 return
             # What is asked for is sent when all of it is done.
             with self.client.atomic():
-                self._safely(asked)
+                self._safely(requested)
             self._controls.stale = True
 
     def _safely(self, what: Callable[[], None]) -> bool:

@@ -74,16 +74,16 @@ def standing(actors: Sequence[Actor]) -> UnplacedBodies:
 
 def _boxes(rooms: Sequence[SweptBounds]) -> Array:
     mean = _mean(rooms)
-    found = []
+    results = []
     for at in np.linspace(0, len(mean) - 1, MOMENTS).round().astype(int):
         links = [each.corners[at, each.fixed :] - mean[at] for each in rooms]
-        found.append(
+        results.append(
             [
                 (points.min(axis=0), points.max(axis=0)) if at and len(points) else each.core
                 for points, each in zip(links, rooms, strict=True)
             ]
         )
-    return np.array(found)
+    return np.array(results)
 
 
 def _mean(rooms: Sequence[SweptBounds]) -> Array:
@@ -114,7 +114,7 @@ def lanes_of(actors: Sequence[Actor]) -> list[int]:
 def _outlines(rooms: Sequence[SweptBounds]) -> list[Array]:
     """Return the outline of what bodies take up while a camera goes with their mean way."""
     mean = _mean(rooms)
-    found = []
+    results = []
     for each in rooms:
         stray, rail = STRAYS * each.size, RAIL * each.size
         points = each.corners - mean[:, None]
@@ -124,5 +124,5 @@ def _outlines(rooms: Sequence[SweptBounds]) -> list[Array]:
         # Of a long rail as much is seen as its cart makes use of.
         fixed = points[:, : each.fixed].reshape(-1, 3)
         fixed = np.clip(fixed, near.min(axis=0) - rail, near.max(axis=0) + rail)
-        found.append(outline(np.concatenate((near, fixed))))
-    return found
+        results.append(outline(np.concatenate((near, fixed))))
+    return results

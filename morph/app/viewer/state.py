@@ -150,13 +150,13 @@ def sources(given: ViewRequest) -> Sources:
     )
 
 
-def is_name(asked: str) -> bool:
+def is_name(requested: str) -> bool:
     """Return whether a body is asked for by its name on the shelf, not by a path."""
-    return len(Path(asked).parts) == 1 and asked in shelf.names()
+    return len(Path(requested).parts) == 1 and requested in shelf.names()
 
 
-def _body(asked: str, robot: Robot) -> BodyRequest:
-    whole = asked if is_name(asked) else str(Path(asked).absolute())
+def _body(requested: str, robot: Robot) -> BodyRequest:
+    whole = requested if is_name(requested) else str(Path(requested).absolute())
     return BodyRequest(asked=whole, sha256=robot.sha256)
 
 

@@ -74,9 +74,9 @@ class ClockControls:
         speeds = tuple(f"{each:g}" for each in SPEEDS)
         self._speed = add(gui.add_dropdown, "speed", speeds, initial_value="1", then=self._hurry)
         self._goal = add(gui.add_dropdown, "go to", (NOWHERE,), visible=False, then=self._go)
-        for what, (key, held, said) in KEYS.items():
+        for what, (key, held, statement) in KEYS.items():
             press = partial(self._key, what)
-            add(gui.add_command, said, hotkey=key, modifier=held, then=press)
+            add(gui.add_command, statement, hotkey=key, modifier=held, then=press)
 
     def press(self, what: str) -> None:
         """Do what a key or a button says."""

@@ -32,13 +32,13 @@ def check(
     draft, findings = check_tree(draft)
     if any(finding.severity == "refused" for finding in findings):
         return draft, findings
-    draft, found = read_shapes(draft, files)
-    findings += found
+    draft, result = read_shapes(draft, files)
+    findings += result
     for repair in REPAIRS:
-        draft, found = repair(draft)
-        findings += found
+        draft, result = repair(draft)
+        findings += result
     # What masses there were is looked at before missing ones are made up.
     for look in LOOKS:
         findings += look(draft)
-    draft, found = check_mass(draft, base_moves=base_moves)
-    return draft, findings + found
+    draft, result = check_mass(draft, base_moves=base_moves)
+    return draft, findings + result

@@ -59,15 +59,15 @@ def overlaps(draft: Draft) -> list[Overlap]:
     low = np.array([part.box[0] for part in placed])
     high = np.array([part.box[1] for part in placed])
     touching = (low[:, None] < high[None]).all(axis=2) & (high[:, None] > low[None]).all(axis=2)
-    found: dict[tuple[str, str], Overlap] = {}
+    results: dict[tuple[str, str], Overlap] = {}
     for first, second in np.argwhere(np.triu(touching, 1))[:MOST_PAIRS]:
         one, other = placed[first], placed[second]
         pair = (one.link, other.link)
-        if one.link == other.link or pair in found or frozenset(pair) in near:
+        if one.link == other.link or pair in results or frozenset(pair) in near:
             continue
         if _reaches(one, other) or _reaches(other, one):
-            found[pair] = Overlap(one=one.link, other=other.link)
-    return list(found.values())
+            results[pair] = Overlap(one=one.link, other=other.link)
+    return list(results.values())
 
 
 def self_collisions(draft: Draft, pairs: list[Overlap]) -> list[DescriptionFinding]:

@@ -39,7 +39,7 @@ UNEVEN = 0.15
 
 def check_fit(draft: Draft) -> list[DescriptionFinding]:
     """Return the links whose mass or inertia does not belong to a body of their shape."""
-    hulls = {link.name: found for link in draft.links if (found := _hull(link)) is not None}
+    hulls = {link.name: result for link in draft.links if (result := _hull(link)) is not None}
     findings = _densities(draft, hulls)
     least = NEGLIGIBLE * sum(link.mass or 0.0 for link in draft.links)
     for link in draft.links:
@@ -129,13 +129,13 @@ def _inertia(draft: Draft, link: DraftLink, hull: Solid) -> list[DescriptionFind
 
 
 def _size(
-    draft: Draft, link: DraftLink, code: str, found: float, shape: float
+    draft: Draft, link: DraftLink, code: str, result: float, shape: float
 ) -> DescriptionFinding:
     return DescriptionFinding(
         code=code,
         severity="info",
         where=at_link(draft, link),
-        what=f"its radius of gyration is {found:.3g} m, and its shape's is {shape:.3g} m",
+        what=f"its radius of gyration is {result:.3g} m, and its shape's is {shape:.3g} m",
         fix="check the unit of the inertia (kg m2) and of the mass (kg)",
     )
 

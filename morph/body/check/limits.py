@@ -27,11 +27,11 @@ def check_limits(draft: Draft) -> tuple[Draft, list[DescriptionFinding]]:
     for joint in draft.joints:
         after = joint
         if joint.kind in LARGEST:
-            after, found = _range(draft, joint, left_out)
-            findings.extend(found)
+            after, result = _range(draft, joint, left_out)
+            findings.extend(result)
         if joint.kind in MOVING:
-            after, found = _strength(draft, after)
-            findings.extend(found)
+            after, result = _strength(draft, after)
+            findings.extend(result)
         changed[joint.name] = after
     return draft.with_joints(changed), findings
 

@@ -32,9 +32,9 @@ def check_mass(draft: Draft, *, base_moves: bool = False) -> tuple[Draft, list[D
     findings: list[DescriptionFinding] = []
     changed = {}
     for link in draft.links:
-        mended_link, found = _link(draft, link, link.name in heads, link.name in alone)
+        mended_link, result = _link(draft, link, link.name in heads, link.name in alone)
         changed[link.name] = mended_link
-        findings.extend(found)
+        findings.extend(result)
     return draft.with_links(changed), findings
 
 
@@ -42,9 +42,9 @@ def shape_of(link: DraftLink, *, hull: bool = False) -> Solid | None:
     """Return the solid of a link's collision shapes, or of its visual ones; None without any."""
     for role in ("collision", "visual"):
         shapes = (shape for shape in link.shapes if shape.role == role)
-        found = together(one for shape in shapes if (one := solid(shape, hull=hull)) is not None)
-        if found is not None:
-            return found
+        result = together(one for shape in shapes if (one := solid(shape, hull=hull)) is not None)
+        if result is not None:
+            return result
     return None
 
 
@@ -88,18 +88,18 @@ def _link(
 
 
 def _from_shape(link: DraftLink, mass: float | None = None) -> DraftLink | None:
-    found = shape_of(link)
-    if found is None:
+    result = shape_of(link)
+    if result is None:
         return None
-    density = DENSITY if mass is None else mass / found.volume
-    inertia = found.inertia * density
-    light = found.volume * density <= LIGHTEST or np.abs(inertia).max() <= LEAST
+    density = DENSITY if mass is None else mass / result.volume
+    inertia = result.inertia * density
+    light = result.volume * density <= LIGHTEST or np.abs(inertia).max() <= LEAST
     if light or not is_physical(inertia):
         return None
     return replace(
         link,
-        mass=found.volume * density,
-        com=found.com if mass is None else link.com,
+        mass=result.volume * density,
+        com=result.com if mass is None else link.com,
         inertia=inertia,
         inertia_from="mesh x density",
     )

@@ -20,8 +20,8 @@ def check_tree(draft: Draft) -> tuple[Draft, list[DescriptionFinding]]:
     joint without its links, a circle and several bases have no safe repair.
     """
     draft, findings = _joint_names(draft)
-    draft, found = _world(draft)
-    findings += found
+    draft, result = _world(draft)
+    findings += result
     # Each of these misleads the ones after it.
     refusals: list[DescriptionFinding] = []
     for look in (_link_names, _dangling, _circles, _bases, _depth):

@@ -25,5 +25,5 @@ def fans(corners: Integers, lengths: Integers) -> Integers:
     triangles = np.maximum(lengths - 2, 0)
     first = np.repeat(np.cumsum(lengths) - lengths, triangles)
     step = np.arange(triangles.sum()) - np.repeat(np.cumsum(triangles) - triangles, triangles)
-    found: Integers = corners[np.stack([first, first + step + 1, first + step + 2], axis=1)]
-    return found
+    result: Integers = corners[np.stack([first, first + step + 1, first + step + 2], axis=1)]
+    return result

@@ -16,8 +16,8 @@ def floats(text: str | None) -> Array:
     Raises:
         ValueError: Something in it is no number.
     """
-    found: Array = _read(text, np.float64)
-    return found
+    result: Array = _read(text, np.float64)
+    return result
 
 
 def integers(text: str | None) -> Integers:
@@ -26,8 +26,8 @@ def integers(text: str | None) -> Integers:
     Raises:
         ValueError: Something in it is no whole number.
     """
-    found: Integers = _read(text, np.int64)
-    return found
+    result: Integers = _read(text, np.int64)
+    return result
 
 
 def _read(text: str | None, kind: type[np.generic]) -> Any:

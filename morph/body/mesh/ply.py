@@ -61,10 +61,10 @@ def read_ply(content: bytes, where: str) -> Mesh:
 
 def _header(content: bytes) -> tuple[str, list[_Element], int]:
     order, elements, at = "", [], 0
-    for found in LINE.finditer(content, 0, 65536):
-        words = found.group().decode("ascii", "replace").split()
-        at = found.end()
-        if found.start() == 0 and words != ["ply"]:
+    for result in LINE.finditer(content, 0, 65536):
+        words = result.group().decode("ascii", "replace").split()
+        at = result.end()
+        if result.start() == 0 and words != ["ply"]:
             raise ValueError("it does not begin with ply")
         if words[:1] == ["format"]:
             order = ORDERS[words[1]]
@@ -116,13 +116,13 @@ def _binary_faces(content: bytes, at: int, order: str, element: _Element) -> tup
             corners = rows[wanted].astype(np.int64)
             lengths = np.full(element.count, corners.shape[1])
             return fans(corners.ravel(), lengths), at + element.count * alike.itemsize
-    found: list[Integers] = []
+    results: list[Integers] = []
     for _ in range(element.count):
         layout = _layout_of_first(content, at, order, element)
         row = np.frombuffer(content, layout, count=1, offset=at)
-        found.append(row[wanted][0].astype(np.int64))
+        results.append(row[wanted][0].astype(np.int64))
         at += layout.itemsize
-    return fans(np.concatenate(found), np.array([len(each) for each in found])), at
+    return fans(np.concatenate(results), np.array([len(each) for each in results])), at
 
 
 def _layout_of_first(content: bytes, at: int, order: str, element: _Element) -> np.dtype[np.void]:
@@ -153,7 +153,7 @@ def _corners_of(element: _Element) -> str:
 
 
 def _ascii(content: bytes, at: int, elements: list[_Element]) -> Mesh:
-    rows = (found.group().split() for found in LINE.finditer(content + b"\n", at))
+    rows = (result.group().split() for result in LINE.finditer(content + b"\n", at))
     rows = (row for row in rows if row)
     vertices: Array = np.zeros((0, 3))
     polygons: list[Integers] = [np.zeros(0, dtype=np.int64)]

@@ -108,7 +108,7 @@ class Mesh:
 
         points = self.merged.vertices
         try:
-            found = ConvexHull(points)
+            result = ConvexHull(points)
         except (QhullError, ValueError) as error:
             raise MeshError(
                 f"its {len(points)} corners have no convex hull, as they lie in one plane",
@@ -116,9 +116,9 @@ class Mesh:
                 fix="give a mesh that encloses a volume",
                 code="mesh-empty",
             ) from error
-        faces = np.asarray(found.simplices, dtype=np.int64)
+        faces = np.asarray(result.simplices, dtype=np.int64)
         a, b, c = points[faces].transpose(1, 0, 2)
-        inward = np.einsum("ij,ij->i", np.cross(b - a, c - a), found.equations[:, :3]) < 0
+        inward = np.einsum("ij,ij->i", np.cross(b - a, c - a), result.equations[:, :3]) < 0
         faces[inward] = faces[inward][:, ::-1]
         vertices, faces = merged(points, faces)
         return Mesh(vertices=vertices, faces=faces)

@@ -54,8 +54,8 @@ def _ascii(content: bytes, where: str) -> Array:
     numbers = np.empty((3 * count, 3))
     row = 0
     try:
-        for found in VERTEX.finditer(content):
-            numbers[row] = [float(text) for text in found.groups()]
+        for result in VERTEX.finditer(content):
+            numbers[row] = [float(text) for text in result.groups()]
             row += 1
     except (ValueError, IndexError) as error:
         raise unreadable(

@@ -98,14 +98,14 @@ class _Package:
         return self.gathering.mesh()
 
     def _start(self) -> str:
-        found: list[str] = []
+        results: list[str] = []
 
         def start(tag: str, attributes: dict[str, str]) -> None:
             if tag == "Relationship" and attributes["Type"].endswith("/3dmodel"):
-                found.append(attributes["Target"])
+                results.append(attributes["Target"])
 
         _parse(self._content("_rels/.rels"), start)
-        return found[0]
+        return results[0]
 
     def _content(self, path: str) -> bytes:
         info = self.archive.getinfo(posixpath.normpath(path).lstrip("/"))

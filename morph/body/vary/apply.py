@@ -77,14 +77,14 @@ def rebuilt(spec: Any, robot: Robot, name: str, digest: str) -> Robot:
         place = Path(folder) / "robot.xml"
         place.write_text(robot.mjcf)
         try:
-            found = robot_of(spec, place, None, dict(robot.assets))
+            result = robot_of(spec, place, None, dict(robot.assets))
         except RobotError as error:
             raise RobotError(error.what, where=f"robot {name}", fix=error.fix) from error
-    actuators = {actuator.name for actuator in found.actuators}
-    links = {link.name for link in found.links}
-    joints = {joint.name for joint in found.joints}
+    actuators = {actuator.name for actuator in result.actuators}
+    links = {link.name for link in result.links}
+    joints = {joint.name for joint in result.joints}
     return replace(
-        found,
+        result,
         name=name,
         source=robot.source,
         sha256=digest,

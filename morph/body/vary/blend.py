@@ -32,8 +32,8 @@ def straight(first: ArrayLike, second: ArrayLike, fraction: float) -> Any:
     one, other = np.asarray(first, dtype=float), np.asarray(second, dtype=float)
     # Not through arithmetic where both are equal: infinity and NaN come through unhurt.
     mixed = np.where(one == other, one, (1 - fraction) * one + fraction * other)
-    found = one if fraction == 0.0 else other if fraction == 1.0 else mixed
-    return found.copy() if found.ndim else float(found)
+    result = one if fraction == 0.0 else other if fraction == 1.0 else mixed
+    return result.copy() if result.ndim else float(result)
 
 
 def turned(first: ArrayLike, second: ArrayLike, fraction: float) -> Array:

@@ -41,24 +41,24 @@ class Lock(Operation):
         """Remove the joint and all that refers to it."""
         if not spec.joints:
             raise self.refuse("there is nothing to lock: the robot has no joints", "lock nothing")
-        found = joint(spec, self.joint)
+        result = joint(spec, self.joint)
         if self.at is not None:
-            self._turn(found, self.at - float(found.ref))
+            self._turn(result, self.at - float(result.ref))
         with keeping_keys(spec):
-            unhook(spec, JOINT, found.name)
-            spec.delete(found)
+            unhook(spec, JOINT, result.name)
+            spec.delete(result)
 
-    def _turn(self, found: Any, by: float) -> None:
-        body = found.parent
-        if found.type == mujoco.mjtJoint.mjJNT_SLIDE:
-            shift, turn = found.axis / np.linalg.norm(found.axis) * by, np.eye(3)
-        elif found.type == mujoco.mjtJoint.mjJNT_HINGE:
-            turn = _rotation(found.axis, by)
-            shift = found.pos - turn @ found.pos
+    def _turn(self, result: Any, by: float) -> None:
+        body = result.parent
+        if result.type == mujoco.mjtJoint.mjJNT_SLIDE:
+            shift, turn = result.axis / np.linalg.norm(result.axis) * by, np.eye(3)
+        elif result.type == mujoco.mjtJoint.mjJNT_HINGE:
+            turn = _rotation(result.axis, by)
+            shift = result.pos - turn @ result.pos
         else:
             raise self.refuse("one number is no position of it", "leave out `at`, or name a hinge")
         for before in body.joints:
-            if before.name == found.name:
+            if before.name == result.name:
                 break
             before.pos = turn.T @ (before.pos - shift)
             before.axis = turn.T @ before.axis
@@ -76,9 +76,9 @@ def matrix(turn: Array) -> Array:
 
 def quaternion(turn: Array) -> Array:
     """Return the unit quaternion w, x, y, z of a rotation matrix."""
-    found = np.zeros(4)
-    mujoco.mju_mat2Quat(found, np.ascontiguousarray(turn).reshape(9))
-    return found
+    result = np.zeros(4)
+    mujoco.mju_mat2Quat(result, np.ascontiguousarray(turn).reshape(9))
+    return result
 
 
 def _rotation(axis: Array, angle: float) -> Array:

@@ -18,12 +18,12 @@ Key = tuple[int, str, str, int]
 
 def loops(spec: Any) -> dict[Key, Any]:
     """Return the constraints that close chains, by kind and links."""
-    found: dict[Key, Any] = {}
+    results: dict[Key, Any] = {}
     for each in spec.equalities:
         if each.type in (CONNECT, WELD):
             kind = (int(each.type), *_links(spec, each))
-            found[*kind, sum(key[:3] == kind for key in found)] = each
-    return found
+            results[*kind, sum(key[:3] == kind for key in results)] = each
+    return results
 
 
 def fade_loops(spec: Any, ends: tuple[Any, Any], fraction: float, sizes: dict[str, float]) -> None:

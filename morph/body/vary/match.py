@@ -96,10 +96,10 @@ def _found(first: Any, second: Any) -> dict[str, str]:
 
 
 def _children(spec: Any) -> dict[str, list[str]]:
-    found: dict[str, list[str]] = {name: [] for name in (WORLD, *parents(spec))}
+    results: dict[str, list[str]] = {name: [] for name in (WORLD, *parents(spec))}
     for name, parent in parents(spec).items():
-        found[parent].append(name)
-    return found
+        results[parent].append(name)
+    return results
 
 
 def _below(children: dict[str, list[str]], name: str) -> list[str]:

@@ -87,8 +87,8 @@ def _logarithms(J: Array) -> Array:
     logs = np.triu(U, 1) / last
     np.fill_diagonal(logs, np.log(np.diagonal(U) / last))
     logs[3, 3] = np.log(last)
-    found: Array = logs
-    return found
+    result: Array = logs
+    return result
 
 
 def _from_logarithms(logs: Array) -> Array:

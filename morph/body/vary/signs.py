@@ -13,12 +13,12 @@ from morph.errors import RobotError
 
 def opposite(first: Any, second: Any) -> list[str]:
     """Return the hinges and slides of both specs whose axes point more than 90 degrees apart."""
-    found = []
+    results = []
     for joint in second.joints:
         twin = first.joint(joint.name)
         if twin and joint.type in MOVING and twin.axis @ joint.axis < 0:
-            found.append(str(joint.name))
-    return found
+            results.append(str(joint.name))
+    return results
 
 
 def reverse(spec: Any, name: str) -> None:

@@ -42,18 +42,18 @@ class Stiffen(Operation):
 
     def apply(self, spec: Any) -> None:
         """Add the spring and the damper."""
-        found = joint(spec, self.joint)
-        if found.type not in (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE):
+        result = joint(spec, self.joint)
+        if result.type not in (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE):
             raise self.refuse("it is neither a hinge nor a slide", "name a hinge or a slide")
-        before = float(found.stiffness[0])
-        rest = found.springref if self.rest is None else self.rest
-        if rest != found.springref and found.stiffness[1:].any():
+        before = float(result.stiffness[0])
+        rest = result.springref if self.rest is None else self.rest
+        if rest != result.springref and result.stiffness[1:].any():
             raise self.refuse(
                 "its own spring is not linear, so two rests make no one spring",
                 "leave out rest",
             )
         if self.stiffness > 0:
             both = before + self.stiffness
-            found.springref = (before * found.springref + self.stiffness * rest) / both
-            found.stiffness = (both, *found.stiffness[1:])
-        found.damping = (found.damping[0] + self.damping, *found.damping[1:])
+            result.springref = (before * result.springref + self.stiffness * rest) / both
+            result.stiffness = (both, *result.stiffness[1:])
+        result.damping = (result.damping[0] + self.damping, *result.damping[1:])

@@ -40,8 +40,8 @@ def union(first: Any, second: Any) -> Union:
             holds both bodies, or a link would have a free joint and others.
     """
     ours, theirs = parents(first), parents(second)
-    found = ours | {name: parent for name, parent in theirs.items() if name not in ours}
-    joints = {name: _joints(name, first, second) for name in found}
+    result = ours | {name: parent for name, parent in theirs.items() if name not in ours}
+    joints = {name: _joints(name, first, second) for name in result}
     placed: dict[str, str] = {}
     between: set[str] = set()
     for name in (name for name in ours if name in theirs):
@@ -56,7 +56,7 @@ def union(first: Any, second: Any) -> Union:
         for child, parent in itertools.pairwise(row):
             if placed.setdefault(child, parent) != parent:
                 raise _tangled(child, f"it would hang on {placed[child]!r} and on {parent!r}")
-    tree = _ordered(found | placed)
+    tree = _ordered(result | placed)
     for name, parent in tree.items():
         _check_freedoms(name, parent, [first.joint(j) or second.joint(j) for j in joints[name]])
     return Union(
@@ -145,17 +145,17 @@ def _joints(name: str, first: Any, second: Any) -> list[str]:
     # Each body's own order is kept: what follows a joint moves with it.
     bodies = first.body(name), second.body(name)
     ours, theirs = ([str(each.name) for each in (body.joints if body else ())] for body in bodies)
-    found: list[str] = []
+    results: list[str] = []
     for joint in ours:
         if joint in theirs:
-            found += [each for each in theirs[: theirs.index(joint)] if each not in found]
-        found.append(joint)
-    return found + [each for each in theirs if each not in found]
+            results += [each for each in theirs[: theirs.index(joint)] if each not in results]
+        results.append(joint)
+    return results + [each for each in theirs if each not in results]
 
 
 def _actuators(first: Any, second: Any) -> dict[str, str]:
-    found = {each.name: str(each.target) for each in first.actuators}
-    return found | {e.name: str(e.target) for e in second.actuators if e.name not in found}
+    results = {each.name: str(each.target) for each in first.actuators}
+    return results | {e.name: str(e.target) for e in second.actuators if e.name not in results}
 
 
 def _order(parent: Element, tags: tuple[str, ...], tag: str, names: list[str]) -> None:

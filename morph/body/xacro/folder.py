@@ -127,26 +127,26 @@ class Folder:
             return path
         relative = path.relative_to(self.root)
         try:
-            found = Files(path, self.root).find(f"package://{relative}")
+            result = Files(path, self.root).find(f"package://{relative}")
         except OSError as error:
             raise _unusable(str(relative), f"it is no file: {error.strerror}", where) from error
-        if found.path is None or found.how == "case":
+        if result.path is None or result.how == "case":
             return path
-        return self.inside(found.path, where)
+        return self.inside(result.path, where)
 
     def _holds(self, path: Path) -> bool:
         return path == self.root or self.root in path.parents
 
     @cached_property
     def _entries(self) -> list[PurePosixPath]:
-        found: list[PurePosixPath] = []
+        results: list[PurePosixPath] = []
         for folder, folders, names in os.walk(self.root):
             folders[:] = sorted(name for name in folders if not name.startswith("."))
             here = PurePosixPath(os.path.relpath(folder, self.root))
-            found += [here / name for name in sorted((*folders, *names))]
-            if len(found) > MOST_ENTRIES:
+            results += [here / name for name in sorted((*folders, *names))]
+            if len(results) > MOST_ENTRIES:
                 break
-        return found
+        return results
 
     def _named(self, folder: Path) -> str:
         """Return the name in a folder's package.xml, or nothing."""

@@ -80,8 +80,8 @@ def expand(path: Path, folder: Path, arguments: Mapping[str, str], elements: int
     except RecursionError as error:
         raise expansion.error("leads on and on", LESS) from error
     except (Exception, SystemExit) as error:
-        said = " ".join(str(error).split()) or type(error).__name__
-        raise expansion.error(f"does not expand: {said[:500]}", "correct the line") from error
+        text = " ".join(str(error).split()) or type(error).__name__
+        raise expansion.error(f"does not expand: {text[:500]}", "correct the line") from error
     writer = Writer()
     writer.write(root)
     files = sorted({file for file, _ in writer.places})

@@ -119,7 +119,7 @@ def _ask(request: bytes, path: Path) -> tuple[dict[str, Any], bytes]:
             fix="close other programs, or expand it with xacro and give the URDF",
         ) from error
     try:
-        said, whole = _spoken(process, request)
+        statement, whole = _spoken(process, request)
     finally:
         # The whole group, so that nothing that it may have started is left.
         with contextlib.suppress(ProcessLookupError, PermissionError):
@@ -129,7 +129,7 @@ def _ask(request: bytes, path: Path) -> tuple[dict[str, Any], bytes]:
             if pipe is not None:
                 with contextlib.suppress(OSError):
                     pipe.close()
-    line, mark, text = said.partition(b"\n")
+    line, mark, text = statement.partition(b"\n")
     if whole and mark:
         answer: dict[str, Any] = json.loads(line)
         return answer, text
@@ -141,16 +141,18 @@ def _spoken(process: subprocess.Popen[bytes], request: bytes) -> tuple[bytes, bo
     stdin, stdout = process.stdin, process.stdout
     if stdin is None or stdout is None:
         return b"", False
-    end, said = time.monotonic() + SECONDS, bytearray()
+    end, statement = time.monotonic() + SECONDS, bytearray()
     with contextlib.suppress(BrokenPipeError), selectors.DefaultSelector() as selector:
         stdin.write(request)
         stdin.close()
         selector.register(stdout, selectors.EVENT_READ)
-        while len(said) <= 2 * MOST_BYTES and selector.select(max(end - time.monotonic(), 0.0)):
+        while len(statement) <= 2 * MOST_BYTES and selector.select(
+            max(end - time.monotonic(), 0.0)
+        ):
             piece = os.read(stdout.fileno(), 2**16)
             if not piece:
-                return bytes(said), True
-            said += piece
+                return bytes(statement), True
+            statement += piece
     return b"", False
 
 

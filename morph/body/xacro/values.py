@@ -101,9 +101,9 @@ class Surroundings:
 
     def fatal(self, *what: object) -> str:
         """Stop, as the description asks for."""
-        said = " ".join(f"{each!s:.200}" for each in what[:10])
+        text = " ".join(f"{each!s:.200}" for each in what[:10])
         raise RobotError(
-            f"stops itself: {said}", where=self.where(), fix="do what its author asks for"
+            f"stops itself: {text}", where=self.where(), fix="do what its author asks for"
         )
 
     def load_yaml(self, name: object) -> Any:

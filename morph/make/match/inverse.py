@@ -89,12 +89,12 @@ def _wanted(case: Case, position: Array, velocity: Array, command: Array) -> Arr
     first: Any = case.drawing_board.model
     free = unlimited(case.bench.model)
     one, other = mujoco.MjData(first), mujoco.MjData(free)
-    found = np.empty_like(command)
+    result = np.empty_like(command)
     for at in range(len(position)):
         one.qpos[:], one.qvel[:], one.ctrl[:] = position[at], velocity[at], command[at]
         mujoco.mj_forward(first, one)
-        found[at], _ = driven(free, other, position[at], velocity[at], one.qacc)
-    return found
+        result[at], _ = driven(free, other, position[at], velocity[at], one.qacc)
+    return result
 
 
 def _law(z: Array, more: Array) -> tuple[Array, Array]:

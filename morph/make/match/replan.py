@@ -41,6 +41,6 @@ class Replan(Matcher):
                 return
             begun = time.monotonic()
             case.told(f"planning again, stage {number} of {len(STAGES)}")
-            found = again(case.printed, case.bench, case.policy, seed=case.seed, stages=(stage,))
+            result = again(case.printed, case.bench, case.policy, seed=case.seed, stages=(stage,))
             took = time.monotonic() - begun
-            yield found.policy
+            yield result.policy

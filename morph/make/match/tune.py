@@ -55,10 +55,10 @@ class Tune(Matcher):
             rng = np.random.default_rng([case.seed, 2, number])
             points = sampler.ask(self.population, rng)
             policies = [family.policy(point) for point in points]
-            found = tried(case.printed, policies, case.bench, runs=self.runs, rng=rng)
-            loss = found.loss.mean(axis=1)
+            result = tried(case.printed, policies, case.bench, runs=self.runs, rng=rng)
+            loss = result.loss.mean(axis=1)
             # As plans are compared: a run that fails counts beyond its loss.
-            sampler.tell(points, loss * (1.0 + FAILURE * (1.0 - found.success.mean(axis=1))))
+            sampler.tell(points, loss * (1.0 + FAILURE * (1.0 - result.success.mean(axis=1))))
             took = time.monotonic() - begun
             case.told(f"generation {number}, least loss {loss.min():.3g}")
             if number % self.every == 0:

@@ -67,15 +67,15 @@ def fit(
     priors = priors or Priors()
     wide, high = _spread(inputs), _spread(targets)
     x = (inputs - inputs.mean(axis=0)) / wide
-    found = []
+    results = []
     for at in range(targets.shape[1]):
         starts = _starts(x.shape[1], priors)
         if before is not None:
-            told = [*before.lengths[at] / wide, before.signal[at] / high[at]]
-            starts = [np.log([*told, before.noise[at] / high[at]])]
+            given = [*before.lengths[at] / wide, before.signal[at] / high[at]]
+            starts = [np.log([*given, before.noise[at] / high[at]])]
         problem = Evidence(x, targets[:, at] / high[at], priors)
-        found.append(_best(problem, starts, steps))
-    logs = np.array(found)
+        results.append(_best(problem, starts, steps))
+    logs = np.array(results)
     scale = np.exp(logs)
     signal = scale[:, -2] * high
     return GaussianProcess(

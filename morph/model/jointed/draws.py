@@ -68,8 +68,8 @@ class Draws:
         total = accelerations(model.layout, self.parts, self.law, seen)
         if any(part.scales.free > 0.0 for part in self.parts):
             total = total + torch.stack([each.waves(seen) for each in self.drawn], dim=-1)
-        told = total * model.size
-        return told if model.base is None else told + model.base(position, velocity, command)
+        given = total * model.size
+        return given if model.base is None else given + model.base(position, velocity, command)
 
     @cached_property
     def parts(self) -> tuple[AccelerationModel, ...]:

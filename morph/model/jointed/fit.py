@@ -164,14 +164,14 @@ def _settled(model: Jointed, steps: int) -> Jointed:
         return float(total.detach()), slope.numpy().ravel()
 
     # Not torch's own search: that imports a compiler, which takes seconds.
-    found = minimize(
+    result = minimize(
         unlikeliness,
         model.logs.numpy().ravel(),
         jac=True,
         method="L-BFGS-B",
         options={"maxiter": steps},
     )
-    return replace(model, logs=torch.as_tensor(found.x.reshape(shape)))
+    return replace(model, logs=torch.as_tensor(result.x.reshape(shape)))
 
 
 def log_evidence(model: Jointed, at: int, scales: Scales) -> torch.Tensor:

@@ -80,12 +80,12 @@ class Jointed:
     ) -> torch.Tensor:
         """Return the accelerations' variances, without noise, shape (rows, joints)."""
         seen = self.look(position, velocity, command)
-        found = []
+        results = []
         for part in self.parts:
             across = part.covariance(self.layout, self.seen, seen)
             known = torch.linalg.solve_triangular(part.factor, across, upper=False)
-            found.append((part.variance(self.layout, seen) - (known**2).sum(0)).clamp(min=0.0))
-        return torch.stack(found, dim=-1) * self.size**2
+            results.append((part.variance(self.layout, seen) - (known**2).sum(0)).clamp(min=0.0))
+        return torch.stack(results, dim=-1) * self.size**2
 
 
 def through(

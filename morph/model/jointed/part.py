@@ -84,11 +84,11 @@ class AccelerationModel:
         if not layout.lawful:
             return replace(self, weight=weight)
         features, monomials = self.lawful(layout, data)
-        told = features.T @ (weight[..., None] * monomials)
+        given = features.T @ (weight[..., None] * monomials)
         if prior is not None:
-            told = told + prior
+            given = given + prior
         return replace(
-            self, weight=weight, coefficient=self.postures.whiten @ told * self.scales.lawful
+            self, weight=weight, coefficient=self.postures.whiten @ given * self.scales.lawful
         )
 
 

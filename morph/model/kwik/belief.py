@@ -82,22 +82,22 @@ def widths(named: int) -> tuple[Array, Array]:
     return np.array([np.zeros(named), *alone, *together]), np.log(prior)
 
 
-def evidence(found: Information, width: Array) -> tuple[Array, Array, Array]:
+def evidence(result: Information, width: Array) -> tuple[Array, Array, Array]:
     """Return log evidence, means and covariances of rivals with normal priors about nothing.
 
     Args:
-        found: Of the named figures.
+        result: Of the named figures.
         width: Standard deviations, shape (rivals, named).
 
     Returns:
         Shapes (rivals,), (rivals, named), (rivals, named, named).
     """
     E = width[:, :, None]
-    whole = np.eye(width.shape[1]) + E * found.H * width[:, None, :]
+    whole = np.eye(width.shape[1]) + E * result.H * width[:, None, :]
     inverse = np.linalg.inv(whole)
     covariance = E * inverse * width[:, None, :]
-    mean = covariance @ found.b
-    log = -0.5 * found.c + 0.5 * mean @ found.b - 0.5 * np.linalg.slogdet(whole)[1]
+    mean = covariance @ result.b
+    log = -0.5 * result.c + 0.5 * mean @ result.b - 0.5 * np.linalg.slogdet(whole)[1]
     return log, mean, covariance
 
 

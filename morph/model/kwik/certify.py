@@ -197,17 +197,17 @@ def verdict_of(
     )
 
 
-def believed(found: Information, seen: Visit, count: int, unit: Array) -> ModelPosterior:
+def believed(result: Information, seen: Visit, count: int, unit: Array) -> ModelPosterior:
     """Return what is believed, with all variances greater where nothing fits what was seen.
 
     Source: Birge 1932, Physical Review 40, eq. 3: errors grow until the sum of squares is as
     expected. A target that any rival can follow is not touched by it.
     """
-    held = belief(found, seen.named, unit, seen.unnamed.smooth)
-    misfit = found.missed(held.middle) / (count * seen.error.shape[1])
+    held = belief(result, seen.named, unit, seen.unnamed.smooth)
+    misfit = result.missed(held.middle) / (count * seen.error.shape[1])
     if misfit <= 1.0:
         return held
-    return belief(found.weaker(misfit), seen.named, unit, seen.unnamed.smooth)
+    return belief(result.weaker(misfit), seen.named, unit, seen.unnamed.smooth)
 
 
 def _answer(probability: float, for_good: float, for_bad: float, delta: float) -> Answer:

@@ -140,17 +140,17 @@ def _moved(
     advance = _advance(variants, which, steps)
     states: list[Array] = [state]
     stable = np.ones(rows, dtype=bool)
-    told: list[Array] = []
+    commanded: list[Array] = []
     for at in range(task.samples - 1):
         seen = observer.see(state[:, :nq], state[:, nq:])
         command = policy.act(seen, np.full(rows, at * task.period))
-        change = unnamed(model, state, command, told[-1] if told else command)
+        change = unnamed(model, state, command, commanded[-1] if commanded else command)
         moved = advance(state, command) + np.einsum("rnk,rk->rn", change, weights)
         stable &= (np.abs(moved) < LARGEST).all(axis=1)
         state = np.where(stable[:, None], moved, state)
         states.append(state)
-        told.append(command)
-    path, command = np.stack(states, axis=1), np.stack([*told, told[-1]], axis=1)
+        commanded.append(command)
+    path, command = np.stack(states, axis=1), np.stack([*commanded, commanded[-1]], axis=1)
     return Moved(
         robot=task.robot,
         model=model,

@@ -56,11 +56,11 @@ def distances(part: Sized, unit: Array, error: Array) -> tuple[float, Array, Arr
         The log likelihood of the best theta; for each transition the distance, in standard
         deviations, to an error beyond epsilon, (transitions,), and to one within, (transitions,).
     """
-    p, found = part.named, part.information
+    p, result = part.named, part.information
     trust = np.concatenate([(WIDE * unit) ** -2.0, part.size**-2.0])
-    covariance = np.linalg.inv(found.H + np.diag(trust))
+    covariance = np.linalg.inv(result.H + np.diag(trust))
     rows = error.reshape(-1, error.shape[-1])
-    guess = np.abs(rows @ (covariance @ found.b)).reshape(error.shape[:2])
+    guess = np.abs(rows @ (covariance @ result.b)).reshape(error.shape[:2])
     variance = np.einsum("ij,ij->i", rows @ covariance, rows).reshape(error.shape[:2])
     # An error that nothing can cause has no variance, and is never beyond epsilon.
     deviation = np.sqrt(np.maximum(variance, 1e-18))

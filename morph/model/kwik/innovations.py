@@ -48,5 +48,5 @@ def account(
     """
     moves = np.concatenate([(ahead - reading[1:])[..., None], unknown], axis=2)
     transitions = zip(state, moves, np.broadcast_to(unsaid**2, ahead.shape), strict=True)
-    found = np.stack([each for each, _ in innovations(np.diag(noise**2), transitions, noise)])
-    return Account(surprise=found[..., 0], slope=-found[..., 1:])
+    result = np.stack([each for each, _ in innovations(np.diag(noise**2), transitions, noise)])
+    return Account(surprise=result[..., 0], slope=-result[..., 1:])

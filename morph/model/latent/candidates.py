@@ -38,13 +38,13 @@ class CandidateEffect:
 
 def places(robot: Robot, knobs: Sequence[Knob]) -> tuple[Effect, ...]:
     """Return every effect at every place of a robot that its knobs do not already say."""
-    said = {(knob.what, knob.part) for knob in knobs}
+    names = {(knob.what, knob.part) for knob in knobs}
     return tuple(
         kind.at(where)
         for kind in EFFECTS
         if kind.kind in KINDS
         for where in kind.suspects(robot)
-        if (SAME.get(kind.name, ""), where) not in said
+        if (SAME.get(kind.name, ""), where) not in names
     )
 
 
@@ -59,22 +59,22 @@ def ranked(base: Inferred, effects: Sequence[Effect]) -> tuple[CandidateEffect, 
         base: What was inferred without them, every figure free.
         effects: The candidates.
     """
-    found = []
+    results = []
     for effect in effects:
         if any(same_kind(effect, each) for each in base.hypothesis.effects):
             continue
         steps = [_step(base, start) for start in _starts(effect)]
         felt = [step for step in steps if step is not None]
         if felt:
-            found.append(max(felt, key=lambda each: each.score))
-    score = {each.effect.label: each.score for each in found}
+            results.append(max(felt, key=lambda each: each.score))
+    score = {each.effect.label: each.score for each in results}
     # What a law says with its further parameters idle, the simpler one says.
-    found = [
+    results = [
         each
-        for each in found
+        for each in results
         if score.get(f"{each.effect.simpler}@{each.effect.where}", -np.inf) < each.score - 1.0
     ]
-    return tuple(sorted(found, key=lambda each: -each.score))
+    return tuple(sorted(results, key=lambda each: -each.score))
 
 
 def _starts(effect: Effect) -> list[Effect]:

@@ -230,10 +230,10 @@ class _Search:
     ) -> float:
         """Return the most probable share left out; it falls at most to a third in one step."""
         tried = [share for share in UNSAID if share >= 0.3 * now]
-        found = [
+        results = [
             self._evidence(self._bands(slopes, states, share), point, share) for share in tried
         ]
-        return tried[int(np.argmax(found))]
+        return tried[int(np.argmax(results))]
 
     def _change(self, bands: list[ReducedEquations], point: Array) -> tuple[Array, float]:
         """Return the parameters' best change within bounds, and what it and the states gain."""

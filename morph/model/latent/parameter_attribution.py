@@ -81,7 +81,7 @@ def explain(
     integrator: Integrator = "implicitfast",
     effects: tuple[Effect, ...] = (),
     candidates: Sequence[Effect] | None = None,
-    told: Callable[[str], None] = lambda said: None,
+    progress: Callable[[str], None] = lambda statement: None,
 ) -> Explained:
     """Return what differs between a body and its description, by a run or a few.
 
@@ -98,27 +98,27 @@ def explain(
         integrator: What it steps with.
         effects: What the description is known to be under; their parameters are fitted too.
         candidates: Effects to look for; default all of the library that the body can be under.
-        told: Is told what is going on.
+        progress: Is told what is going on.
 
     Raises:
         DiagnosisError: There is no run, or the body floats.
     """
     knobs = unknowns(robot, WIDE)
-    asked = places(robot, knobs) if candidates is None else tuple(candidates)
+    requested = places(robot, knobs) if candidates is None else tuple(candidates)
     hypothesis = Hypothesis(robot=robot, step=step, knobs=knobs, effects=effects)
-    told("every figure may have changed")
-    found = sparse(infer(hypothesis, runs, noise, integrator=integrator), noise, 0.0)
-    given = found.score - found.order[0].evidence + _evidence_of(found.order, ())
+    progress("every figure may have changed")
+    result = sparse(infer(hypothesis, runs, noise, integrator=integrator), noise, 0.0)
+    given = result.score - result.order[0].evidence + _evidence_of(result.order, ())
     for _ in range(MOST_ADDED):
-        better = _added(found, asked, noise, told)
+        better = _added(result, requested, noise, progress)
         if better is None:
             break
-        found = _without_idle(better, len(effects), noise)
+        result = _without_idle(better, len(effects), noise)
     return Explained(
-        inferred=found.held,
-        differences=_differences(found.held, found.order[0], len(effects)),
-        rivals=_rivals(found),
-        evidence=found.score - given,
+        inferred=result.held,
+        differences=_differences(result.held, result.order[0], len(effects)),
+        rivals=_rivals(result),
+        evidence=result.score - given,
     )
 
 
@@ -127,39 +127,39 @@ def _evidence_of(order: Sequence[Subset], changed: tuple[int, ...]) -> float:
 
 
 def _added(
-    base: SparseChanges, asked: Sequence[Effect], noise: Array, told: Callable[[str], None]
+    base: SparseChanges, requested: Sequence[Effect], noise: Array, progress: Callable[[str], None]
 ) -> SparseChanges | None:
     """Return the base with the effect that makes it most probable, if one makes it more so."""
-    price = base.price + PRICE + float(np.log(max(len(asked), 1)))
+    price = base.price + PRICE + float(np.log(max(len(requested), 1)))
     hopeful = base.order[0].evidence - base.price + price - DOUBT
     best: SparseChanges | None = None
-    tried = [each for each in ranked(base.free, asked) if each.score > hopeful][:FINALISTS]
+    tried = [each for each in ranked(base.free, requested) if each.score > hopeful][:FINALISTS]
     for candidate in tried:
-        told(f"with {candidate.effect.label}")
+        progress(f"with {candidate.effect.label}")
         free = base.free
         hypothesis = free.hypothesis.moved_to(free.point).adding(candidate.effect)
         integrator = free.transit.integrator
         more = infer(hypothesis, free.runs, noise, integrator=integrator, begin=free, steps=12)
-        found = sparse(more, noise, price)
-        if best is None or found.score > best.score:
-            best = found
+        result = sparse(more, noise, price)
+        if best is None or result.score > best.score:
+            best = result
     return best if best is not None and best.score > base.score else None
 
 
-def _without_idle(found: SparseChanges, given: int, noise: Array) -> SparseChanges:
+def _without_idle(result: SparseChanges, given: int, noise: Array) -> SparseChanges:
     """Return what was found less an earlier effect whose part a later one plays as well."""
-    effects = found.free.effects
+    effects = result.free.effects
     for at in range(given, len(effects) - 1):
         kept = (*effects[:at], *effects[at + 1 :])
-        free = found.free
+        free = result.free
         hypothesis = replace(free.hypothesis, effects=kept)
         point = np.concatenate([free.point[: len(hypothesis.knobs)], _values(hypothesis)])
         integrator = free.transit.integrator
         less = infer(hypothesis, free.runs, noise, integrator=integrator, begin=free, point=point)
-        fewer = sparse(less, noise, found.price * (len(kept) - given) / (len(effects) - given))
-        if fewer.score > found.score:
+        fewer = sparse(less, noise, result.price * (len(kept) - given) / (len(effects) - given))
+        if fewer.score > result.score:
             return fewer
-    return found
+    return result
 
 
 def _values(hypothesis: Hypothesis) -> Array:
@@ -170,7 +170,7 @@ def _values(hypothesis: Hypothesis) -> Array:
 def _differences(final: Inferred, subset: Subset, given: int) -> tuple[Difference, ...]:
     deviation = 1.645 * np.sqrt(np.diag(final.covariance))
     known = len(final.hypothesis.knobs)
-    said = [
+    lines = [
         Difference(
             name=final.names[at],
             value=float(np.exp(final.point[at])),
@@ -183,7 +183,7 @@ def _differences(final: Inferred, subset: Subset, given: int) -> tuple[Differenc
     for at in range(known, len(final.point)):
         if final.names[at].rpartition(":")[0] in added:
             value = float(final.point[at])
-            said.append(
+            lines.append(
                 Difference(
                     name=final.names[at],
                     value=value,
@@ -191,16 +191,16 @@ def _differences(final: Inferred, subset: Subset, given: int) -> tuple[Differenc
                     high90=value + float(deviation[at]),
                 )
             )
-    return tuple(said)
+    return tuple(lines)
 
 
-def _rivals(found: SparseChanges) -> tuple[tuple[str, float], ...]:
-    logs = np.array([each.evidence for each in found.order])
+def _rivals(result: SparseChanges) -> tuple[tuple[str, float], ...]:
+    logs = np.array([each.evidence for each in result.order])
     weight = np.exp(logs - logs.max())
     share = weight / weight.sum()
-    names = [knob.name for knob in found.free.hypothesis.knobs]
-    added = [effect.label for effect in found.free.effects]
+    names = [knob.name for knob in result.free.hypothesis.knobs]
+    added = [effect.label for effect in result.free.effects]
     return tuple(
         (" + ".join([*(names[at] for at in each.changed), *added]) or "nothing changed", float(p))
-        for each, p in zip(found.order[:5], share[:5], strict=True)
+        for each, p in zip(result.order[:5], share[:5], strict=True)
     )

@@ -38,25 +38,25 @@ class SparseChanges:
         return self.held.evidence - DEAR * len(self.order[0].changed) - self.price
 
 
-def sparse(found: Inferred, noise: Array, price: float) -> SparseChanges:
+def sparse(result: Inferred, noise: Array, price: float) -> SparseChanges:
     """Return what was inferred with the fewest changes that explain it.
 
     Every small set of figures is weighed by linear algebra; with the best one all is fitted again.
 
     Args:
-        found: With every figure free.
+        result: With every figure free.
         noise: Standard deviation of each observation, shape (n,).
         price: What its effects cost beforehand, log.
     """
-    order = weighed(likelihood_of(found.bands, found.point), found.hypothesis, found.point)
-    return SparseChanges(free=found, held=_held(found, order[0], noise), order=order, price=price)
+    order = weighed(likelihood_of(result.bands, result.point), result.hypothesis, result.point)
+    return SparseChanges(free=result, held=_held(result, order[0], noise), order=order, price=price)
 
 
-def weighed(found: Information, hypothesis: Hypothesis, point: Array) -> tuple[Subset, ...]:
+def weighed(result: Information, hypothesis: Hypothesis, point: Array) -> tuple[Subset, ...]:
     """Return every set of changed figures, effects free about where they were found."""
     free, trusted, known = precisions(hypothesis)
     shift = np.concatenate([np.zeros(known), point[known:]])
-    return subsets(found.about(-shift), free, trusted, known)
+    return subsets(result.about(-shift), free, trusted, known)
 
 
 def precisions(hypothesis: Hypothesis) -> tuple[Array, Array, int]:
@@ -72,16 +72,16 @@ def likelihood_of(bands: tuple[ReducedEquations, ...], point: Array) -> Informat
     return sum((each.information for each in bands[1:]), bands[0].information).about(point)
 
 
-def _held(found: Inferred, subset: Subset, noise: Array) -> Inferred:
+def _held(result: Inferred, subset: Subset, noise: Array) -> Inferred:
     """Return all fitted again, with what did not change held to the description."""
-    hypothesis = found.hypothesis
+    hypothesis = result.hypothesis
     knobs = tuple(
         replace(knob, fraction=WIDE if at in subset.changed else TRUSTED)
         for at, knob in enumerate(hypothesis.knobs)
     )
-    begin = found.point.copy()
+    begin = result.point.copy()
     still = [at for at in range(len(knobs)) if at not in subset.changed]
     begin[still] = 0.0
-    held = replace(hypothesis, knobs=knobs, effects=found.effects)
-    integrator = found.transit.integrator
-    return infer(held, found.runs, noise, integrator=integrator, begin=found, point=begin)
+    held = replace(hypothesis, knobs=knobs, effects=result.effects)
+    integrator = result.transit.integrator
+    return infer(held, result.runs, noise, integrator=integrator, begin=result, point=begin)

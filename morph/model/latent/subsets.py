@@ -28,11 +28,13 @@ class Subset:
     """Log evidence, less what the changes cost beforehand."""
 
 
-def subsets(found: Information, free: Array, trusted: Array, changeable: int) -> tuple[Subset, ...]:
+def subsets(
+    result: Information, free: Array, trusted: Array, changeable: int
+) -> tuple[Subset, ...]:
     """Return every set of up to `MOST` changed figures, the most probable first.
 
     Args:
-        found: What runs say of all parameters.
+        result: What runs say of all parameters.
         free: Precision of each parameter's prior if it changed, shape (p,).
         trusted: The same if it did not.
         changeable: How many parameters, the first ones, may be either; the others are free.
@@ -40,7 +42,7 @@ def subsets(found: Information, free: Array, trusted: Array, changeable: int) ->
     listed = []
     for chosen in _sets(changeable):
         variance = 1.0 / precision_of(chosen, free, trusted, changeable)
-        log = found.with_prior(np.zeros(len(variance)), variance).log_evidence
+        log = result.with_prior(np.zeros(len(variance)), variance).log_evidence
         listed.append(Subset(changed=chosen, evidence=log - DEAR * len(chosen)))
     return tuple(sorted(listed, key=lambda each: -each.evidence))
 

@@ -87,9 +87,9 @@ class Transit:
 
     def variant(self, point: Array) -> Variant:
         """Return the simulation at a point."""
-        found = self.hypothesis.at(point)
-        found.model.opt.integrator = INTEGRATORS[self.integrator]
-        return found
+        result = self.hypothesis.at(point)
+        result.model.opt.integrator = INTEGRATORS[self.integrator]
+        return result
 
     def ahead(self, point: Array, run: Run, state: Array) -> Array:
         """Return where each state of a run leads in one control period, (periods, n)."""
@@ -142,12 +142,12 @@ class Transit:
 
     def _received(self, variant: Variant, run: Run) -> Array:
         """Return what actuators receive in each step of each period, (periods, substeps, nu)."""
-        told = np.repeat(run.command, self.substeps, axis=0)
-        given = told.copy()
+        known = np.repeat(run.command, self.substeps, axis=0)
+        given = known.copy()
         for actuator in self.hypothesis.robot.actuators:
             at = variant.model.actuator(actuator.name).id
             given[:, at] = received(
-                variant.effects, actuator.name, told[:, at], self.hypothesis.step
+                variant.effects, actuator.name, known[:, at], self.hypothesis.step
             )
         return given.reshape(len(run.command), self.substeps, -1)
 

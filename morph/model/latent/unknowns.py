@@ -46,8 +46,8 @@ def unknowns(robot: Robot, width: float = TRUSTED) -> tuple[Knob, ...]:
             for figure in ("damping", "armature", "frictionloss", "stiffness"):
                 if np.any(getattr(spec.joint(joint.name), figure)):
                     listed.append(("joint", joint.name, figure))
-    found = [Knob(kind=k, part=p, what=w, fraction=width) for k, p, w in listed]
-    return tuple(that_matter(robot, found))
+    results = [Knob(kind=k, part=p, what=w, fraction=width) for k, p, w in listed]
+    return tuple(that_matter(robot, results))
 
 
 def turned(robot: Robot, factors: Mapping[str, float]) -> Robot:
@@ -71,13 +71,13 @@ def turned(robot: Robot, factors: Mapping[str, float]) -> Robot:
 def with_knobs(robot: Robot, knobs: Sequence[Knob], logarithms: Array) -> Robot:
     """Return the robot with knobs turned by so much; its name and hash say so."""
     spec = bare_spec(robot)
-    said = []
+    lines = []
     for knob, logarithm in zip(knobs, logarithms, strict=True):
         if logarithm != 0.0:
             knob.edit(spec, float(logarithm))
-            said.append(f"{knob.name}*{np.exp(logarithm):.4g}")
-    if not said:
+            lines.append(f"{knob.name}*{np.exp(logarithm):.4g}")
+    if not lines:
         return robot
     exact = [f"{knob.name} {float(x)!r}" for knob, x in zip(knobs, logarithms, strict=True)]
     digest = sha256(robot.sha256 or sha256(robot.mjcf), *exact)
-    return edited(robot, spec, "+".join((robot.name, *said)), digest)
+    return edited(robot, spec, "+".join((robot.name, *lines)), digest)

@@ -111,10 +111,10 @@ def calibrated(
         )
     pieces = tuple(_cut(runs[r], at) for r, at in blocks)
     believed = tuple(corrected.states[r][at : at + BLOCK + 1] for r, at in blocks)
-    told, start, variance = _information(corrected, pieces, believed)
+    given, start, variance = _information(corrected, pieces, believed)
     error, spread, still = [], [], []
     for out, piece in enumerate(pieces):
-        first, *rest = (each for at, each in enumerate(told) if at != out)
+        first, *rest = (each for at, each in enumerate(given) if at != out)
         left = _with(corrected, sum(rest, first).with_prior(start, variance))
         begin, command = piece.state[:1], piece.command[None]
         seen = left.foresee(begin, command, rng, draws=draws)
@@ -164,14 +164,14 @@ def _information(
     belief = Iterate(point=corrected.point, weight=corrected.weight, states=believed)
     slopes = problem.slopes(belief, corrected.settings)
     parts = problem.reduced(slopes, corrected.settings)
-    told = problem.told(slopes, parts, corrected.settings)
-    return told, *problem.prior(corrected.settings)
+    given = problem.told(slopes, parts, corrected.settings)
+    return given, *problem.prior(corrected.settings)
 
 
-def _with(corrected: Corrected, found: Information) -> Corrected:
+def _with(corrected: Corrected, result: Information) -> Corrected:
     """Return the same with another posterior."""
     size, weight = len(corrected.point), corrected.weight
     if corrected.unit is not None:
-        weight = found.mean[size:].reshape(weight.shape)
-    point = within(corrected.hypothesis, found.mean[:size])
-    return replace(corrected, posterior=found, point=point, weight=weight)
+        weight = result.mean[size:].reshape(weight.shape)
+    point = within(corrected.hypothesis, result.mean[:size])
+    return replace(corrected, posterior=result, point=point, weight=weight)

@@ -92,8 +92,8 @@ class Corrected:
     @property
     def effects(self) -> tuple[Effect, ...]:
         """The hypothesis' effects as they were found, and the missing force."""
-        found = self.hypothesis.effects_at(self.point)
-        return found if self.unit is None else (*found, self.missing)
+        result = self.hypothesis.effects_at(self.point)
+        return result if self.unit is None else (*result, self.missing)
 
     @property
     def missing(self) -> MissingForce:
@@ -160,16 +160,16 @@ class Corrected:
         now = np.tile(start, (draws, 1))
         if not known:
             now = now + self.noise * rng.normal(size=now.shape)
-        told = np.tile(command, (draws, 1, 1))
-        found = np.empty((rows, count + 1, now.shape[1]))
-        found[:, 0] = now
+        given = np.tile(command, (draws, 1, 1))
+        result = np.empty((rows, count + 1, now.shape[1]))
+        result[:, 0] = now
         spread = self.scale * np.sqrt(self.jump)
         for at in range(count):
-            now = periods.within(models, now, told[:, at], law)[:, -1]
+            now = periods.within(models, now, given[:, at], law)[:, -1]
             now = now + spread * rng.normal(size=now.shape)
-            found[:, at + 1] = now
+            result[:, at + 1] = now
         shape = (draws, runs, count + 1, now.shape[1])
-        return PredictedRuns(states=found.reshape(shape), noise=self.noise)
+        return PredictedRuns(states=result.reshape(shape), noise=self.noise)
 
     def _law(self, drawn: Array, runs: int) -> Array | Callable[[Array], Array]:
         """Return the force of every row's own draw as a function of the rows' states."""

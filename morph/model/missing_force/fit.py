@@ -107,11 +107,15 @@ def fit(
 
 
 def _period(runs: Sequence[Run]) -> float:
-    found = sorted({round(run.period, 9) for run in runs})
-    if len(found) != 1:
-        said = f"the periods {', '.join(f'{each:g} s' for each in found)}" if found else "no period"
+    results = sorted({round(run.period, 9) for run in runs})
+    if len(results) != 1:
+        statement = (
+            f"the periods {', '.join(f'{each:g} s' for each in results)}"
+            if results
+            else "no period"
+        )
         raise DiagnosisError(
-            f"{len(runs)} runs have {said}",
+            f"{len(runs)} runs have {statement}",
             where="runs to correct a simulator from",
             fix="give one run or more, all with one control period",
         )
@@ -156,11 +160,11 @@ def _wanted(
 ) -> Iterate:
     """Return what is likeliest if the slopes hold everywhere."""
     parts = problem.reduced(slopes, chosen)
-    found = problem.posterior(slopes, parts, chosen)
+    result = problem.posterior(slopes, parts, chosen)
     size = len(slopes[0].point)
-    point = within(problem.periods.hypothesis, found.mean[:size])
+    point = within(problem.periods.hypothesis, result.mean[:size])
     shape = (problem.periods.nv, problem.waves.count)
-    weight = np.zeros(shape) if problem.unit is None else found.mean[size:].reshape(shape)
+    weight = np.zeros(shape) if problem.unit is None else result.mean[size:].reshape(shape)
     states = []
     for each, part in zip(slopes, parts, strict=True):
         force = (problem.features(each, chosen) * weight).sum(axis=-1)

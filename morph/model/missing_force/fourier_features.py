@@ -89,12 +89,12 @@ class FourierFeatures:
         alone = speed[..., None] * own
         together = looked @ whole
         shared = np.concatenate([np.cos(together), np.sin(together)], axis=-1) / np.sqrt(WHOLE)
-        found = np.empty((*speed.shape, self.count))
-        found[..., :OWN] = amplitude * np.cos(alone)
-        found[..., OWN : 2 * OWN] = amplitude * np.sin(alone)
-        found[..., 2 * OWN] = speed
-        found[..., self.own :] = shared[..., None, :]
-        return found
+        result = np.empty((*speed.shape, self.count))
+        result[..., :OWN] = amplitude * np.cos(alone)
+        result[..., OWN : 2 * OWN] = amplitude * np.sin(alone)
+        result[..., 2 * OWN] = speed
+        result[..., self.own :] = shared[..., None, :]
+        return result
 
     def with_lengths(self, own_length: float, length: float) -> FourierFeatures:
         """Return the same with other lengths."""

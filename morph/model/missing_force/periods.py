@@ -97,10 +97,10 @@ class Periods:
 
     def models(self, points: Sequence[Array]) -> list[Any]:
         """Return the compiled models at points of the hypothesis."""
-        found = [self.hypothesis.at(point).model for point in points]
-        for model in found:
+        results = [self.hypothesis.at(point).model for point in points]
+        for model in results:
             model.opt.integrator = self.integrator
-        return found
+        return results
 
     def within(
         self, models: Sequence[Any], state: Array, command: Array, force: Array | Callable[..., Any]
@@ -126,7 +126,7 @@ class Periods:
         q[:], v[:] = now[:, :nv], now[:, nv:]
         batch.bind("ctrl")[:] = command
         applied = batch.bind("qfrc_applied")
-        found = np.empty((rows, self.steps, 2 * nv))
+        result = np.empty((rows, self.steps, 2 * nv))
         with quiet():
             for at in range(self.steps):
                 applied[:] = force(now) if callable(force) else force
@@ -138,9 +138,9 @@ class Periods:
                         where=f"{rows} control periods of {self.hypothesis.robot.name}",
                         fix="check the robot's masses and inertias, or take a smaller step",
                     ) from error
-                found[:, at, :nv], found[:, at, nv:] = q, v
-                now = np.clip(np.nan_to_num(found[:, at]), -WILD, WILD)
-        return np.where(fine[:, None], found, np.nan)
+                result[:, at, :nv], result[:, at, nv:] = q, v
+                now = np.clip(np.nan_to_num(result[:, at]), -WILD, WILD)
+        return np.where(fine[:, None], result, np.nan)
 
     def _batch(self, model: Any, rows: int) -> Batch:
         if rows not in self._kept:

@@ -79,12 +79,12 @@ def reduced(slopes: PeriodSlopes, seen: Array, noise: Array, jump: Array) -> Red
     for at in range(count):
         unknown[at, :, size + at * joints : size + (at + 1) * joints] = slopes.of_force[at]
     trust = Trust(seen=1.0 / noise**2, moved=1.0 / jump)
-    found = band(
+    result = band(
         state=slopes.of_state, unknown=unknown, off=slopes.missed,
         missed=seen - slopes.state, trust=trust,
     )  # fmt: skip
     about = np.concatenate([slopes.point, slopes.force.ravel()])
     constant = (count + 1) * float(np.log(noise**2).sum()) + count * float(np.log(jump).sum())
-    whole = found.information.about(about)
+    whole = result.information.about(about)
     information = replace(whole, c=whole.c + constant)
-    return Reduced(information=information, band=found, size=size, about=about)
+    return Reduced(information=information, band=result, size=size, about=about)

@@ -123,15 +123,15 @@ class ForceProblem:
         self, slopes: Sequence[PeriodSlopes], parts: Sequence[Reduced], chosen: ForceSettings
     ) -> Information:
         """Return what is known of (p, w) by all runs and the prior."""
-        told = self.told(slopes, parts, chosen)
-        return sum(told[1:], told[0]).with_prior(*self.prior(chosen))
+        given = self.told(slopes, parts, chosen)
+        return sum(given[1:], given[0]).with_prior(*self.prior(chosen))
 
 
 def typical_forces(slopes: Sequence[PeriodSlopes]) -> Array:
     """Return the forces that change velocities as they change in the runs, shape (joints,)."""
-    found = []
+    results = []
     for each in slopes:
         nv = each.of_force.shape[2]
         change = np.diff(each.state[:, nv:], axis=0)
-        found.append(np.linalg.solve(each.of_force[:, nv:], change[..., None])[..., 0])
-    return np.asarray(np.sqrt((np.concatenate(found) ** 2).mean(axis=0)) + 1e-9)
+        results.append(np.linalg.solve(each.of_force[:, nv:], change[..., None])[..., 0])
+    return np.asarray(np.sqrt((np.concatenate(results) ** 2).mean(axis=0)) + 1e-9)

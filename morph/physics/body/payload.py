@@ -61,8 +61,8 @@ class Payload(WeighedEffect):
         With c that place, or the centre of mass where none is told, r r' = c r' + r c' - c c' +
         (r - c)(r - c)', and the last is left out.
         """
-        body, told = motion.bodies[self.body], np.array([self.x, self.y, self.z])
-        near = told if told.any() else body.com
+        body, given = motion.bodies[self.body], np.array([self.x, self.y, self.z])
+        near = given if given.any() else body.com
         columns = [spatial(1.0, np.zeros(3), -steiner(near, near))]
         columns += [spatial(0.0, axis, 2.0 * steiner(near, axis)) for axis in np.eye(3)]
         return pull(body, columns)

@@ -101,12 +101,12 @@ class Tether(PointEffect):
 
     def shapes(self, motion: Motion) -> tuple[Tether, ...]:
         """Return cables of a few lengths, up to the greatest distance, to a few points."""
-        found = []
+        results = []
         for at in points_of(self, motion):
             cable = replace(self, **at)  # type: ignore[arg-type]
             far = float(np.linalg.norm(cable._place(motion) - cable._anchor, axis=1).max())
-            found += [replace(cable, length=min(share * far, 1e4)) for share in SHARES]
-        return tuple(found)
+            results += [replace(cable, length=min(share * far, 1e4)) for share in SHARES]
+        return tuple(results)
 
     def statement(self, *, slide: bool = False) -> str:
         """Return the finding in one plain sentence."""

@@ -31,8 +31,8 @@ def floor_of(spec: Any, where: str) -> Any:
     Raises:
         EffectError: A link's shape is named `floor`, or the description has several planes.
     """
-    found = spec.geom(FLOOR) or _own_plane(spec, where)
-    if found is None:
+    result = spec.geom(FLOOR) or _own_plane(spec, where)
+    if result is None:
         return spec.worldbody.add_geom(
             name=FLOOR,
             type=mujoco.mjtGeom.mjGEOM_PLANE,
@@ -41,13 +41,13 @@ def floor_of(spec: Any, where: str) -> Any:
             contype=EVERY,
             conaffinity=EVERY,
         )
-    if found.parent.name != spec.worldbody.name:
+    if result.parent.name != spec.worldbody.name:
         raise EffectError(
-            f"link {found.parent.name} has a shape named {FLOOR}, which is the world's name",
+            f"link {result.parent.name} has a shape named {FLOOR}, which is the world's name",
             where=where,
             fix="rename that shape in the description",
         )
-    return found
+    return result
 
 
 def _own_plane(spec: Any, where: str) -> Any:

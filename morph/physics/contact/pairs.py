@@ -43,16 +43,16 @@ def pairs_of(spec: Any, contact: str, where: str) -> list[Any]:
         )
     excluded = {frozenset((e.bodyname1, e.bodyname2)) for e in spec.excludes}
     known = {frozenset((pair.geomname1, pair.geomname2)): pair for pair in spec.pairs}
-    found = []
+    results = []
     for first, second in product(*sides):
         apart = _apart(spec, first, second) and {first.name, second.name} not in excluded
         for shape, other in product(first.geoms, second.geoms):
             there = known.get(frozenset((shape.name, other.name)))
             if there is not None:
-                found.append(there)
+                results.append(there)
             elif apart and _collide(shape, other):
-                found.append(_pair(spec, shape, other))
-    return found
+                results.append(_pair(spec, shape, other))
+    return results
 
 
 def _bodies(spec: Any, name: str) -> list[Any]:

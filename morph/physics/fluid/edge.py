@@ -92,11 +92,11 @@ def _box(model: Any, name: str) -> tuple[Array, Array]:
         mujoco.mju_quat2Mat(turned, model.geom_quat[geom])
         inside = model.geom_aabb[geom, :3] + corners * model.geom_aabb[geom, 3:]
         spots.append(model.geom_pos[geom] + inside @ turned.reshape(3, 3).T)
-    found = np.concatenate(spots)
-    if not len(found):
+    result = np.concatenate(spots)
+    if not len(result):
         raise EffectError(
             "it has no shape that water could touch",
             where=f"link {name}",
             fix="give the link a shape in its description",
         )
-    return found.min(axis=0), found.max(axis=0)
+    return result.min(axis=0), result.max(axis=0)

@@ -56,7 +56,7 @@ class FluidCurrent(WorldEffect):
 
         To first order about fluid at rest, shape (samples, dofs, 3).
         """
-        found = np.zeros((*motion.velocity.shape, 3))
+        result = np.zeros((*motion.velocity.shape, 3))
         for drag in drags:
             body = motion.bodies[drag.body]
             still = drag.regressor(motion) @ drag.coefficients
@@ -66,8 +66,8 @@ class FluidCurrent(WorldEffect):
                 seen = replace(body, velocity=body.velocity - passing)
                 moved = replace(motion, bodies={drag.body: seen})
                 force = drag.regressor(moved) @ drag.coefficients
-                found[:, :, axis] += (force - still) / SLOW
-        return found
+                result[:, :, axis] += (force - still) / SLOW
+        return result
 
     def statement(self, *, slide: bool = False) -> str:
         """Return the finding in one plain sentence."""

@@ -32,15 +32,15 @@ def water_forces(model: mujoco.MjModel, data: mujoco.MjData) -> Array:
         data: A state passed forward, accelerations included.
     """
     wet = wet_bodies(model)
-    found = np.zeros((2, len(wet), 2, 3))
+    result = np.zeros((2, len(wet), 2, 3))
     on = not model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_GRAVITY
     for row, body in enumerate(wet.tolist()):
         numbers = model.body_user[body]
         scale, turned = float(numbers[SCALE][0]), data.xmat[body].reshape(3, 3)
-        found[0, row] = data.xipos[body], _moving(model, data, body)
-        found[1, row, 0] = data.xpos[body] + turned @ numbers[CENTRE]
-        found[1, row, 1] = -float(on) * scale * float(numbers[DISPLACED][0]) * model.opt.gravity
-    return found
+        result[0, row] = data.xipos[body], _moving(model, data, body)
+        result[1, row, 0] = data.xpos[body] + turned @ numbers[CENTRE]
+        result[1, row, 1] = -float(on) * scale * float(numbers[DISPLACED][0]) * model.opt.gravity
+    return result
 
 
 def _moving(model: mujoco.MjModel, data: mujoco.MjData, body: int) -> Array:

@@ -92,8 +92,8 @@ def immersed(
     )
 
 
-def _positive(where: str, **told: float | None) -> None:
-    for name, value in told.items():
+def _positive(where: str, **given: float | None) -> None:
+    for name, value in given.items():
         if value is not None and not (math.isfinite(value) and value > 0.0):
             raise RobotError(
                 f"its {name} is {value:g}", where=where, fix=f"give a {name} above 0, in SI units"
@@ -121,14 +121,14 @@ def _tidy(matrix: Array) -> Array:
 
 
 def _notes(parts: dict[str, Figures], shapes: float, whole: float, scale: float) -> tuple[str, ...]:
-    said: dict[str, list[str]] = {}
+    message: dict[str, list[str]] = {}
     for link, part in parts.items():
         if part.reason:
             size = "" if scale == 1.0 else "; lengths and litres at scale 1"
-            said.setdefault(part.reason + size + _spread(part), []).append(link)
+            message.setdefault(part.reason + size + _spread(part), []).append(link)
     notes = [
         f"link{'s' if len(links) > 1 else ''} {', '.join(links)}: {note}"
-        for note, links in said.items()
+        for note, links in message.items()
     ]
     if abs(shapes / whole - 1.0) > CLOSE:
         notes.append(

@@ -59,13 +59,13 @@ def read_csv(path: Path) -> Table:
     _check_size(path, text, len(header))
     text, lines = _inked(text, begin, delimiter)
     at = bisect_right(lines, end) if names else 0
-    columns, found = [Cells(len(lines)) for _ in header], []
+    columns, result = [Cells(len(lines)) for _ in header], []
     torn: list[Note] = []
     for batch, numbers in _rows(path, text, lines, delimiter, at, len(header), torn):
         for column, cells in zip(columns, batch.columns, strict=True):
             column.extend(cells)
-        found.append(numbers)
-    if not found:
+        result.append(numbers)
+    if not result:
         raise RecordingError(
             "the file has a header and no samples",
             where=f"{path}, line {lines[0]}",
@@ -75,7 +75,7 @@ def read_csv(path: Path) -> Table:
         path=path,
         names=names,
         columns=tuple(column.column() for column in columns),
-        lines=_joined(found),
+        lines=_joined(result),
         notes=tuple(torn),
     )
 

@@ -114,12 +114,12 @@ def _block(
     node = file if key is None else _keyed(file, key, path)
     if not _is_group(node):
         return EpisodeColumns(key=key, named=False, columns={str(key): node})
-    found, other = _sorted_out(node, path)
+    result, other = _sorted_out(node, path)
     if wanted is None:
-        return EpisodeColumns(key=key, named=True, columns=found, note=_note(found, other, path))
-    for name in sorted(set(wanted) - set(found)):
-        raise _missing(name, found, other, path)
-    columns = {name: one for name, one in found.items() if name in wanted}
+        return EpisodeColumns(key=key, named=True, columns=result, note=_note(result, other, path))
+    for name in sorted(set(wanted) - set(result)):
+        raise _missing(name, result, other, path)
+    columns = {name: one for name, one in result.items() if name in wanted}
     return EpisodeColumns(key=key, named=True, columns=columns)
 
 
@@ -169,7 +169,7 @@ def _keyed(file: Any, key: str, path: Path) -> Any:
 
 def _sorted_out(group: Any, path: Path) -> tuple[dict[str, Any], dict[str, str]]:
     """Return the data sets of plain numbers in a group, and why all else is no column."""
-    found: dict[str, Any] = {}
+    results: dict[str, Any] = {}
     other: dict[str, str] = {}
     # All are counted before one is looked at.
     for name, node in list(_inside(group, "", frozenset(), MOST_COLUMNS, path)):
@@ -177,8 +177,8 @@ def _sorted_out(group: Any, path: Path) -> tuple[dict[str, Any], dict[str, str]]
         if why:
             other[name] = why
         else:
-            found[name] = node
-    return found, other
+            results[name] = node
+    return results, other
 
 
 def _inside(
@@ -233,12 +233,12 @@ def _unfit(node: Any) -> str:
     return "" if node.ndim in (1, 2) else f"it has {node.ndim} dimensions"
 
 
-def _note(found: dict[str, Any], other: dict[str, str], path: Path) -> str:
+def _note(results: dict[str, Any], other: dict[str, str], path: Path) -> str:
     """Return what to say of that which is no column; refuse what lies outside of the file."""
     for name, why in other.items():
         if why.startswith(OUTSIDE):
             raise _refused(name, why, path)
-    if not found:
+    if not results:
         raise RecordingError(
             "the file holds no data set of numbers of one or two dimensions",
             where=str(path),
@@ -248,13 +248,15 @@ def _note(found: dict[str, Any], other: dict[str, str], path: Path) -> str:
     return f"not read: {each}" if other else ""
 
 
-def _missing(name: str, found: dict[str, Any], other: dict[str, str], path: Path) -> RecordingError:
+def _missing(
+    name: str, results: dict[str, Any], other: dict[str, str], path: Path
+) -> RecordingError:
     if name in other:
         return _refused(name, other[name], path)
     return RecordingError(
-        f"there is no column {name!r}; the columns are {listed(found) or 'none'}",
+        f"there is no column {name!r}; the columns are {listed(results) or 'none'}",
         where=str(path),
-        fix=f"name a column that is there; the nearest are {nearest(name, found)}",
+        fix=f"name a column that is there; the nearest are {nearest(name, results)}",
     )
 
 

@@ -63,9 +63,9 @@ def _imu(message: Any, topic: str, place: str) -> Values:
         "accelerometer": (message.linear_acceleration, message.linear_acceleration_covariance),
     }
     # A first covariance of -1 says that the quantity is not measured (sensor_msgs/Imu).
-    found = {name: vector for name, (vector, spread) in given.items() if spread[0] != -1.0}
-    names = tuple(f"{part}.{name}.{axis}" for name in found for axis in XYZ)
-    return names, np.array([getattr(one, axis) for one in found.values() for axis in XYZ])
+    results = {name: vector for name, (vector, spread) in given.items() if spread[0] != -1.0}
+    names = tuple(f"{part}.{name}.{axis}" for name in results for axis in XYZ)
+    return names, np.array([getattr(one, axis) for one in results.values() for axis in XYZ])
 
 
 def _pose(message: Any, topic: str, place: str) -> Values:

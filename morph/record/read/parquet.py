@@ -55,23 +55,23 @@ def _columns(file: BinaryIO, path: Path) -> tuple[tuple[str, ...], tuple[Column,
         return tuple(source.schema_arrow.names), tuple(columns)
 
 
-def _check(found: Declared, most: int, path: Path) -> None:
+def _check(result: Declared, most: int, path: Path) -> None:
     """Refuse a file without samples, and one that takes more memory than was allowed."""
-    if found.rows == 0 or found.columns == 0:
+    if result.rows == 0 or result.columns == 0:
         raise RecordingError(
             "the file has no samples",
             where=str(path),
             fix="record the episode again, or leave it out",
         )
-    if found.columns > MOST_COLUMNS:
+    if result.columns > MOST_COLUMNS:
         raise RecordingError(
-            f"the file has {found.columns} columns; {MOST_COLUMNS} are read at most",
+            f"the file has {result.columns} columns; {MOST_COLUMNS} are read at most",
             where=str(path),
             fix="leave out the columns that nobody needs",
         )
-    if found.memory > most:
+    if result.memory > most:
         raise too_much(
-            f"{found.rows} rows of {found.columns} columns take {found.memory} bytes, of which "
+            f"{result.rows} rows of {result.columns} columns take {result.memory} bytes, of which "
             f"{most} are read",
             str(path),
         )

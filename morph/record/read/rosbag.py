@@ -65,9 +65,9 @@ def read_rosbag(path: Path, wanted: Collection[str] | None = None) -> tuple[Tabl
             fix="record the episode again, or leave it out",
         )
     tables: list[Table] = []
-    for topic, found in messages.found.items():
-        if found:
-            tables += tables_of(topic, sorted(found, key=lambda one: one[0]), path)
+    for topic, result in messages.found.items():
+        if result:
+            tables += tables_of(topic, sorted(result, key=lambda one: one[0]), path)
     if wanted is not None:
         _check_found(wanted, tables, messages, path)
         return tuple(tables)
@@ -88,8 +88,8 @@ def _files(path: Path) -> tuple[list[Path], str]:
         lines = data.decode().splitlines()
     except UnicodeDecodeError as error:
         raise _metadata(metadata, f"byte {error.start} is no UTF-8") from error
-    said = {key.strip(): value for key, _, value in (line.partition(":") for line in lines)}
-    packing = [said.get(f"compression_{one}", "") for one in ("mode", "format")]
+    message = {key.strip(): value for key, _, value in (line.partition(":") for line in lines)}
+    packing = [message.get(f"compression_{one}", "") for one in ("mode", "format")]
     mode, codec = (one.strip().strip("'\"").lower() for one in packing)
     if mode == "file":
         raise RecordingError(

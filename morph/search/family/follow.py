@@ -45,8 +45,8 @@ class Follow(Family):
         """Return the trajectory of these values: how far ahead, s, and the share of the sag."""
         ahead, share = (float(value) for value in values)
         time = self.period * np.arange(len(self.postures))
-        told = self.postures + share * self.sag
-        command = np.stack([np.interp(time + ahead, time, each) for each in told.T], axis=1)
+        commanded = self.postures + share * self.sag
+        command = np.stack([np.interp(time + ahead, time, each) for each in commanded.T], axis=1)
         knots, size = self.postures.shape
         return Track(
             nominal=self.postures,

@@ -32,10 +32,10 @@ def parts_of(names: tuple[str, ...]) -> tuple[ActuatorRole, ...]:
 
     A number at the end counts from the front: `yaw_1` to `yaw_5` stand at 0 to 1.
     """
-    found = [_words(name) for name in names]
+    results = [_words(name) for name in names]
     parts = []
-    for role, side, place, number in found:
-        row = [other[3] for other in found if other[0] == role and other[3] is not None]
+    for role, side, place, number in results:
+        row = [other[3] for other in results if other[0] == role and other[3] is not None]
         if number is not None and place is None:
             place = (number - min(row)) / max(1, max(row) - min(row))
         parts.append(ActuatorRole(role=role, side=side, place=place))

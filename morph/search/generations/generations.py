@@ -79,13 +79,13 @@ class Generations(Search):
     def sampler(self, start: Array, sigma: float, state: State | None) -> Sampler:
         """Return what proposes points, about a start in the cube or from an earlier state."""
 
-    def found(
+    def solve(
         self,
         problem: Problem,
         *,
         seed: int,
         trials: int | None = None,
-        told: Told = ignore,
+        progress: Told = ignore,
         state: State | None = None,
     ) -> Learned:
         """Return the best policy found; the search ends early once every check succeeds."""
@@ -116,7 +116,7 @@ class Generations(Search):
             best = best.seen(points[first], float(losses[first]))
             best = replace(best, number=number, seconds=time.perf_counter() - begun)
             record.append(best.trial(float(losses[first]), float(losses.mean())))
-            told(record[-1], {**sampler.state(), **best.state()})
+            progress(record[-1], {**sampler.state(), **best.state()})
             if best.seconds > self.most_seconds:
                 break
         return self._learned(best, sampler.mean, family, problem, seed, tuple(record))

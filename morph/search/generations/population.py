@@ -48,7 +48,7 @@ def tried(
 
     def act(position: Array, velocity: Array, time: float) -> Array:
         clock[:] = time
-        told = np.empty((len(position), simulator.model.nu))
+        command = np.empty((len(position), simulator.model.nu))
         for at, (policy, observer) in enumerate(zip(policies, observers, strict=True)):
             rows = slice(at * runs, (at + 1) * runs)
             # Without observations there is nothing to draw noise for.
@@ -57,8 +57,8 @@ def tried(
                 if policy.observation
                 else np.empty((runs, 0))
             )
-            told[rows] = policy.act(seen, clock)
-        return told
+            command[rows] = policy.act(seen, clock)
+        return command
 
     many = len(policies)
     starts = (np.tile(q, (many, 1)), np.tile(v, (many, 1)))

@@ -97,11 +97,11 @@ class GPPlant:
         n = self.lift.size
         z, C, lift = self.lift.forward(m, S)
         towards = C @ seen
-        told, law_tape = law.forward(z @ seen, seen.T @ towards + blur)
-        u, Cu, gain, squash = self.squash.forward(told.mean, told.covariance)
+        command, law_tape = law.forward(z @ seen, seen.T @ towards + blur)
+        u, Cu, gain, squash = self.squash.forward(command.mean, command.covariance)
         # By Stein's lemma the covariance of z with any function is that with its input times
         # the function's mean slope; the same again through the squashing.
-        known = towards @ told.slope.mT
+        known = towards @ command.slope.mT
         across = known * gain[..., None, :]
         y = np.concatenate([z, u], axis=-1)
         Y = np.empty((*y.shape, y.shape[-1]))
@@ -114,7 +114,7 @@ class GPPlant:
         after = F @ S @ F.T + turned + turned.mT + B @ (change.covariance + noise) @ B.T
         mean = m @ F.T + change.mean @ B.T
         tape = StepTape(
-            lift, z, C, law_tape, told, squash, gain, known, towards, beside, process, change
+            lift, z, C, law_tape, command, squash, gain, known, towards, beside, process, change
         )
         return mean, after, tape
 

@@ -102,19 +102,19 @@ class Memory:
 
     def state(self) -> dict[str, Array]:
         """Return all of it as arrays by name."""
-        said = {
+        message = {
             **{name: np.stack([getattr(run, name) for run in self.runs]) for name in RUN},
             "loss": np.array([run.loss for run in self.runs]),
             "success": np.array([float(run.success) for run in self.runs]),
             "seconds": np.array(self.seconds),
         }
         if self.process is not None:
-            said |= {f"process.{name}": value for name, value in vars(self.process).items()}
+            message |= {f"process.{name}": value for name, value in vars(self.process).items()}
         if self.numbers is not None:
-            said["numbers"] = self.numbers
+            message["numbers"] = self.numbers
         for name in self.tried[0] if self.tried else ():
-            said[TRIED + name] = np.stack([each[name] for each in self.tried])
-        return said
+            message[TRIED + name] = np.stack([each[name] for each in self.tried])
+        return message
 
     @classmethod
     def of(cls, state: State | None, period: float) -> Memory:

@@ -66,13 +66,13 @@ class BeliefSearch(Search):
     ) -> Improved:
         """Return the policy that is to be tried next."""
 
-    def found(
+    def solve(
         self,
         problem: Problem,
         *,
         seed: int,
         trials: int | None = None,
-        told: Told = ignore,
+        progress: Told = ignore,
         state: State | None = None,
     ) -> Learned:
         """Return the policy whose trial was the best.
@@ -92,12 +92,12 @@ class BeliefSearch(Search):
                 memory, note = memory.after(run), "random commands"
             else:
                 process = self.learned(view, memory)
-                found = self.improved(view, process, memory, rng)
-                run = target.trial(found.policy, rng)
+                result = self.improved(view, process, memory, rng)
+                run = target.trial(result.policy, rng)
                 memory = memory.after(
-                    run, tried=found.policy.weights(), process=process, numbers=found.numbers
+                    run, tried=result.policy.weights(), process=process, numbers=result.numbers
                 )
-                note = f"expected {found.expected:.1f}"
+                note = f"expected {result.expected:.1f}"
             memory = memory.at(time.perf_counter() - begun)
             record.append(
                 Trial(
@@ -109,7 +109,7 @@ class BeliefSearch(Search):
                     note=note,
                 )
             )
-            told(record[-1], memory.state())
+            progress(record[-1], memory.state())
         return self._best(view, memory, tuple(record))
 
     def random(self, view: TaskSums, rng: np.random.Generator) -> Array:

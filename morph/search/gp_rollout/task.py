@@ -153,10 +153,10 @@ def _costs(
     lost = ""
     for angles, probes in tries:
         lift = Lift(angles)
-        found = [_linear(term, probes, lift, where) for term in task.terms]
-        if all(cost is not None for cost in found):
-            return lift, tuple(cost for cost in found if cost is not None)
-        lost = task.terms[found.index(None)].name
+        results = [_linear(term, probes, lift, where) for term in task.terms]
+        if all(cost is not None for cost in results):
+            return lift, tuple(cost for cost in results if cost is not None)
+        lost = task.terms[results.index(None)].name
     raise SearchError(
         f"term {lost!r} is no linear function of positions, velocities, sines and cosines",
         where=where,
@@ -189,9 +189,9 @@ def _linear(term: Term, probes: Moved, lift: Lift, where: str) -> ExpectedCost |
     angle = state @ lift.angles.T
     z = np.concatenate([state, np.sin(angle), np.cos(angle), np.ones((len(state), 1))], axis=1)
     error = term.error(probes)[:, 0]
-    found = np.linalg.lstsq(z, error, rcond=None)[0]
-    if np.abs(z @ found - error).max() > EXACT:
+    result = np.linalg.lstsq(z, error, rcond=None)[0]
+    if np.abs(z @ result - error).max() > EXACT:
         return None
     # What least squares leaves of nothing would only cost time.
-    found[np.abs(found) < 1e-9] = 0.0
-    return ExpectedCost(A=found[:-1].T, b=found[-1], weight=term.weight, norm=term.norm)
+    result[np.abs(result) < 1e-9] = 0.0
+    return ExpectedCost(A=result[:-1].T, b=result[-1], weight=term.weight, norm=term.norm)

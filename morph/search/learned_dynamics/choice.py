@@ -149,7 +149,7 @@ def foreseen(
     turns = torch.as_tensor(2.0 * np.pi * (dream.model.jnt_type == 3))
     state, command, gain = (torch.as_tensor(a) for a in (plans.state, plans.command, plans.gain))
     low, high = torch.as_tensor(dream.low), torch.as_tensor(dream.high)
-    seen_q, seen_v, told = [q], [v], []
+    seen_q, seen_v, commanded = [q], [v], []
     with torch.no_grad():
         for at in range(task.samples - 1):
             dx = torch.cat([q, v], dim=-1) + blur[at] - state[:, at]
@@ -161,13 +161,13 @@ def foreseen(
             q, v = stepped(draws.accelerate, (q, v), u, dream.period)
             seen_q.append(q)
             seen_v.append(v)
-            told.append(u)
+            commanded.append(u)
     moved = Moved(
         robot=task.robot,
         model=dream.model,
         time=np.asarray(task.period * np.arange(task.samples), dtype=float),
         position=torch.stack(seen_q, dim=2).numpy(),
         velocity=torch.stack(seen_v, dim=2).numpy(),
-        command=torch.stack([*told, told[-1]], dim=2).numpy(),
+        command=torch.stack([*commanded, commanded[-1]], dim=2).numpy(),
     )
     return PlanPredictions(loss=task.loss(moved).mean(0), success=task.succeeded(moved).mean(0))

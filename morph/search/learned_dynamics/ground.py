@@ -137,18 +137,18 @@ def _still(task: Task, dream: Dream) -> Rest:
         ]
         return np.concatenate([*parts, NEAR * (position - start[0])])
 
-    found = least_squares(residual, start[0] + 0.01, xtol=1e-12, ftol=1e-12, gtol=1e-12)
-    position = np.asarray(found.x)
+    result = least_squares(residual, start[0] + 0.01, xtol=1e-12, ftol=1e-12, gtol=1e-12)
+    position = np.asarray(result.x)
     return Rest(position=position, velocity=np.zeros(joints), command=_holding(dream, position))
 
 
 def _holding(dream: Dream, position: Array) -> Array:
     """Return the command within its bounds by which a posture accelerates least, shape (nu,)."""
     many = dream.model.nu
-    told = np.concatenate([np.zeros((1, many)), np.diag(dream.high)])
+    commanded = np.concatenate([np.zeros((1, many)), np.diag(dream.high)])
     q = torch.as_tensor(np.tile(position, (many + 1, 1)))
     with torch.no_grad():
-        a = dream.learned.mean(q, torch.zeros_like(q), torch.as_tensor(told)).numpy()
+        a = dream.learned.mean(q, torch.zeros_like(q), torch.as_tensor(commanded)).numpy()
     moment = (a[1:] - a[0]).T / dream.high
     command, *_ = np.linalg.lstsq(moment, -a[0], rcond=1e-3)
     return np.asarray(np.clip(command, dream.low, dream.high))

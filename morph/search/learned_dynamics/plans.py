@@ -65,10 +65,10 @@ def plans(task: Task, dream: Dream, effort: TrialBudget, rng: np.random.Generato
     for margin in effort.margins:
         ground = ground_of(task, dream, aims, rho=middle, margin=margin)
         half = 0.5 * (dream.high - dream.low)
-        found = _different(swung(ground, effort.rows, 4 * effort.keep, rng), half, effort.keep)
-        guesses.append(found)
-        margins.append(np.full(len(found.cost), margin))
-    if not any(len(found.cost) for found in guesses):
+        result = _different(swung(ground, effort.rows, 4 * effort.keep, rng), half, effort.keep)
+        guesses.append(result)
+        margins.append(np.full(len(result.cost), margin))
+    if not any(len(result.cost) for result in guesses):
         return _wandering(task, dream, rng)
     together = Trajectories(
         **{name: np.concatenate([getattr(g, name) for g in guesses]) for name in vars(guesses[0])}

@@ -65,10 +65,10 @@ def led_late(ground: SeedInputs, line: DelayAugmentedPlant, plan: Trajectories) 
     given = np.repeat(plan.command[:, :, None], line.substeps, axis=2)
     near = _near(ground, line, plan, given)
     low, high = ground.bounds
-    told = replace(plan, command=line.told(plan.command, low, high))
+    command = replace(plan, command=line.told(plan.command, low, high))
     periods, none = plan.command.shape[1], np.zeros_like(plan.command)
     runs = [
-        line.followed(ground.cost, told, gains(near, effort)[:, :periods], none, low, high)
+        line.followed(ground.cost, command, gains(near, effort)[:, :periods], none, low, high)
         for effort in FOLLOWED
     ]
     now = joined(runs)
@@ -158,8 +158,8 @@ def late(
             if old is not None:
                 guesses.append(recalled(ground, plain, old, rows=32, keep=KEEP, rng=rng))
             plan = sifted(ground, joined(guesses), keep=KEEP, most=MOST).rows(np.zeros(1, int))
-            found = _fed(ground, line, led_late(ground, line, plan), bodies, [seed, number])
-            best = (ground, found) if best is None or found.score < best[1].score else best
+            result = _fed(ground, line, led_late(ground, line, plan), bodies, [seed, number])
+            best = (ground, result) if best is None or result.score < best[1].score else best
             loss, success = best[1].loss, best[1].success
             spent = time.monotonic() - began
             record.append(Trial(number=number, loss=loss, success=success, seconds=spent))

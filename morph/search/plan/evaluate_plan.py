@@ -53,7 +53,7 @@ def concluded_at_once(
     *,
     seed: int,
     began: float,
-    told: Told,
+    progress: Told,
     what: str,
     hint: str,
 ) -> Learned:
@@ -64,11 +64,11 @@ def concluded_at_once(
         policy: Its policy.
         seed: Its seed.
         began: When it began, by `time.monotonic`, s.
-        told: Is called with the round.
+        progress: Is called with the round.
         what: What the policy is, to begin the reason with if it failed.
         hint: What to end the reason with.
     """
-    found = concluded(problem, policy, None, seed=seed, what=what, hint=hint)
-    trial = replace(found.trials[0], seconds=time.monotonic() - began)
-    told(trial, {})
-    return replace(found, trials=(trial,))
+    result = concluded(problem, policy, None, seed=seed, what=what, hint=hint)
+    trial = replace(result.trials[0], seconds=time.monotonic() - began)
+    progress(trial, {})
+    return replace(result, trials=(trial,))

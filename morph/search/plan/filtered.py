@@ -112,9 +112,9 @@ def filtered(
     rows, periods, size, m = near.B.shape
     n = 2 * ground.plant.model.nv
     if not np.isfinite(doubt):
-        found = np.zeros((rows, periods, m, ages, n))
-        found[..., 0, :] = K[..., :n]
-        return _ended(found, ground.periods)
+        result = np.zeros((rows, periods, m, ages, n))
+        result[..., 0, :] = K[..., :n]
+        return _ended(result, ground.periods)
     noise = max(ground.cost.task.noise, 1e-9)
     half = 0.5 * (ground.plant.high - ground.plant.low)
     C = np.eye(n, size)
@@ -122,14 +122,14 @@ def filtered(
     P = np.zeros((rows, size, size))
     P[:, :n, :n] = np.eye(n) * (spread**2 + (SURELY * noise) ** 2)
     Z = np.zeros((rows, size, ages, n))
-    found = np.empty((rows, periods, m, ages, n))
+    result = np.empty((rows, periods, m, ages, n))
     for at in range(periods):
         L = np.swapaxes(np.linalg.solve(P[:, :n, :n] + noise**2 * np.eye(n), P[:, :n]), -1, -2)
         kept = np.eye(size) - L @ C
         P = kept @ P
         Z = np.einsum("rij,rjan->rian", kept, Z)
         Z[:, :, 0] += L
-        found[:, at] = np.einsum("rmi,rian->rman", K[:, at], Z)
+        result[:, at] = np.einsum("rmi,rian->rman", K[:, at], Z)
         a, b = near.A[:, at], near.B[:, at]
         closed = a + b @ (near.passed[:, at, :, None] * K[:, at])
         pushed = near.push[:, at] * (doubt * half)
@@ -137,7 +137,7 @@ def filtered(
         Z = np.einsum("rij,rjan->rian", closed, Z)
         Z[:, :, 1:] = Z[:, :, :-1].copy()
         Z[:, :, 0] = 0.0
-    return _ended(found, ground.periods)
+    return _ended(result, ground.periods)
 
 
 def gains(near: Along, effort: float) -> Array:
@@ -148,9 +148,11 @@ def gains(near: Along, effort: float) -> Array:
     return backward(near.A, near.B, pressed, -wide, wide, np.zeros((rows, m))).gain
 
 
-def _ended(found: Array, periods: int) -> Array:
+def _ended(result: Array, periods: int) -> Array:
     """Return gains of the plan's periods and of rest, where the last but some are settled.
 
     Towards its end the problem asks for less, so what is at rest is taken from its middle.
     """
-    return np.concatenate([found[:, :periods], found[:, (periods + found.shape[1]) // 2, None]], 1)
+    return np.concatenate(
+        [result[:, :periods], result[:, (periods + result.shape[1]) // 2, None]], 1
+    )

@@ -158,9 +158,9 @@ def _judged(ground: SeedInputs, plant: Plant, command: Array) -> tuple[Array, In
     spent = np.cumsum(each, axis=1) - each
     dx = off_rest(plant, ground.still, q, v)
     worth = 0.5 * np.einsum("rki,ij,rkj->rk", dx, ground.regulator.worth, dx)
-    asked = dx @ ground.regulator.gain.T + ground.still.command
+    requested = dx @ ground.regulator.gain.T + ground.still.command
     middle, half = 0.5 * (plant.high + plant.low), 0.5 * (plant.high - plant.low)
-    strain = np.maximum(np.abs((asked - middle) / half).max(-1) - STRAINED, 0.0)
+    strain = np.maximum(np.abs((requested - middle) / half).max(-1) - STRAINED, 0.0)
     # A regulator that must strain fails before its cost-to-go says so.
     total = spent + worth * (1.0 + strain) + 10.0 * strain
     total[~fine] = np.inf
@@ -240,7 +240,7 @@ def _paths(ground: SeedInputs) -> list[tuple[Array, Array, Array]]:
         for turns, step in zip(turning(model), way, strict=True)
     ]
     time = np.arange(ground.periods + 1) / ground.periods
-    found = []
+    results = []
     free = unlimited(model)
     data = mujoco.MjData(free)
     for turn in list(product(*choices))[: MOST_PATHS // len(LENGTHS)]:
@@ -251,8 +251,8 @@ def _paths(ground: SeedInputs) -> list[tuple[Array, Array, Array]]:
             move = way + np.array(turn)
             q = moved_by(model, q0, along[:, None] * move)
             v = speed[:, None] * move
-            found.append((q[None], v[None], _inverse(ground, free, data, q, v)[None]))
-    return found
+            results.append((q[None], v[None], _inverse(ground, free, data, q, v)[None]))
+    return results
 
 
 def _inverse(ground: SeedInputs, model: Any, data: Any, q: Array, v: Array) -> Array:

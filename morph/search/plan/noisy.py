@@ -52,8 +52,8 @@ def tried(
         dx = plant.off(q[:, at], v[:, at], *plan, wrapped=True) + noise
         seen[:, 1:] = seen[:, :-1].copy()
         seen[:, 0] = dx
-        told = np.moveaxis(gain[:, at], 1, 0).reshape(m, many, 1, -1)
-        back = (told * seen.reshape(many, rows, -1)).sum(-1).reshape(m, -1).T
+        command = np.moveaxis(gain[:, at], 1, 0).reshape(m, many, 1, -1)
+        back = (command * seen.reshape(many, rows, -1)).sum(-1).reshape(m, -1).T
         u[:, at] = np.clip(plans.command[each, at] + back, plant.low, plant.high)
         q[:, at + 1], v[:, at + 1] = plant.advance(q[:, at], v[:, at], u[:, at])
     fine = np.isfinite(q).all((1, 2)) & np.isfinite(v).all((1, 2))

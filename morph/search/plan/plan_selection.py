@@ -138,11 +138,11 @@ def judged(
 
     def scored(which: Integers, rows: int) -> list[Planned]:
         each = -(-rows // len(bodies))
-        found = [
+        results = [
             tried(ground, plans.rows(which), gain[which], each, rng, plant=body) for body in bodies
         ]
-        loss = np.mean([one[0].mean(axis=1) for one in found], axis=0)
-        success = np.mean([one[1].mean(axis=1) for one in found], axis=0)
+        loss = np.mean([one[0].mean(axis=1) for one in results], axis=0)
+        success = np.mean([one[1].mean(axis=1) for one in results], axis=0)
         return [
             Planned(
                 plan=plans.rows(np.array([at])),

@@ -24,7 +24,7 @@ from morph.search.trajectory.tangent import apart
 from morph.task.task import Task
 
 
-def track_of(ground: SeedInputs, found: Planned) -> Track:
+def track_of(ground: SeedInputs, result: Planned) -> Track:
     """Return a plan as a policy; beyond its end the regulator holds the state of rest.
 
     Raises:
@@ -32,14 +32,14 @@ def track_of(ground: SeedInputs, found: Planned) -> Track:
     """
     plant, task = ground.plant, ground.cost.task
     column = columns(plant.robot, plant.model, task.observes)
-    plan = found.plan
+    plan = result.plan
     # The state of rest, so many turns on that the plan's end is near.
     end = plan.position[0, -1]
     goal = end - apart(plant.model, end, ground.still.position, wrapped=True)
     position = np.concatenate([plan.position[0, :-1], goal[None]])
     velocity = np.concatenate([plan.velocity[0, :-1], ground.still.velocity[None]])
     state = np.concatenate([position, velocity], axis=1)[:, column]
-    gain = found.gain[..., column]
+    gain = result.gain[..., column]
     ages = 1 + int(np.flatnonzero(np.abs(gain).max((0, 1, 3)) > 0.0).max(initial=0))
     knots, actions = gain.shape[:2]
     # Of each channel all its ages, the newest first: at knot k and age a that of knot k - a.

@@ -105,8 +105,8 @@ def again(
                 chance = np.random.default_rng(seed)
                 grounds[effort.margin] = grounded(task, simulator, margin=effort.margin, rng=chance)
             ground = grounds[effort.margin]
-            found = _stage(ground, simulator, old, effort, plants, rng)
-            best = (ground, found) if best is None or found.score < best[1].score else best
+            result = _stage(ground, simulator, old, effort, plants, rng)
+            best = (ground, result) if best is None or result.score < best[1].score else best
             record.append(
                 Trial(
                     number=number,

@@ -90,15 +90,15 @@ def lost_modes(A: Array, B: Array) -> list[tuple[complex, Any]]:
 
     Source: Hautus 1969: z is stabilisable if [z I - A, B] has full rank.
     """
-    found = []
+    results = []
     values, vectors = np.linalg.eig(A.T)
     size = float(np.abs(A).max(initial=1.0))
     reach = float(np.abs(B).max(initial=0.0))
     for value, left in zip(values, vectors.T, strict=True):
         moved = np.abs(left @ B).max(initial=0.0)
         if abs(value) > GROWS and moved <= UNMOVED * size * max(reach, UNMOVED):
-            found.append((complex(value), left))
-    return sorted(found, key=lambda each: -abs(each[0]))
+            results.append((complex(value), left))
+    return sorted(results, key=lambda each: -abs(each[0]))
 
 
 def noise_aware(
@@ -133,12 +133,12 @@ def noise_aware(
     least = np.inf
     for effort in EFFORTS:
         try:
-            found = lqr(A, B, Q, effort * R, where=where)
+            result = lqr(A, B, Q, effort * R, where=where)
         except SearchError:
             if lost_modes(A, B):
                 raise
             continue
-        K = found.gain
+        K = result.gain
         closed = np.sqrt(KEPT) * (A + B @ K)
         if np.abs(np.linalg.eigvals(closed)).max() >= 1.0:
             continue
@@ -148,7 +148,7 @@ def noise_aware(
         score = noisy * (1.0 + 100.0 * max(float((shaken / bounds).max()) - 1.0 / 3.0, 0.0))
         if score < least:
             best, least = (
-                Regulator(gain=K, worth=found.worth, effort=effort, noisy=noisy),
+                Regulator(gain=K, worth=result.worth, effort=effort, noisy=noisy),
                 score,
             )
     if best is None:

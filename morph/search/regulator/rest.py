@@ -77,9 +77,9 @@ def rest(task: Task, plant: Plant, rng: np.random.Generator) -> Rest:
             begin = least_squares(astray, np.zeros(model.nv)).x
         else:
             begin = rng.normal(0.0, 1.0, model.nv) if each else np.zeros(model.nv)
-        found = least_squares(residual, begin, xtol=1e-12, ftol=1e-12, gtol=1e-12)
-        if best is None or found.cost < best.cost - 1e-6:
-            best = found
+        result = least_squares(residual, begin, xtol=1e-12, ftol=1e-12, gtol=1e-12)
+        if best is None or result.cost < best.cost - 1e-6:
+            best = result
         if best.cost < 1e-3 * max(model.nv, 1):
             break
     q = moved_by(model, first, best.x)

@@ -52,15 +52,15 @@ def _shortened(
 ) -> Array:
     """Return the longest of ever shorter projected steps by which the quadratic falls enough."""
     before = _value(H, g, x)
-    best, found = x, np.zeros(x.shape[:-1], dtype=bool)
+    best, result = x, np.zeros(x.shape[:-1], dtype=bool)
     length = 1.0
     for _ in range(MOST_STEPS):
         tried = np.clip(x + length * step, low, high)
         promised = 0.1 * np.sum(slope * (tried - x), axis=-1)
-        fell = ~found & (_value(H, g, tried) <= before + promised)
+        fell = ~result & (_value(H, g, tried) <= before + promised)
         best = np.where(fell[..., None], tried, best)
-        found |= fell
-        if found.all():
+        result |= fell
+        if result.all():
             break
         length *= 0.5
     return best

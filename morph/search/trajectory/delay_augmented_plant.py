@@ -77,13 +77,13 @@ class DelayAugmentedPlant:
             for age in range(min(at, self.memory) + 1):
                 self.shape[at, age] = arrived[at - age, :, at]
 
-    def arriving(self, told: Array) -> Array:
+    def arriving(self, command: Array) -> Array:
         """Return what arrives of commands (rows, periods, m), (rows, periods, substeps, m)."""
-        rows, periods, m = told.shape
+        rows, periods, m = command.shape
         given = np.empty((rows, periods * self.substeps, m))
         for actuator in self._robot.actuators:
             index = self.model.actuator(actuator.name).id
-            steps = np.repeat(told[..., index], self.substeps, axis=1)
+            steps = np.repeat(command[..., index], self.substeps, axis=1)
             given[..., index] = received(self._effects, actuator.name, steps, self.step)
         return given.reshape(rows, periods, self.substeps, m)
 
@@ -99,8 +99,8 @@ class DelayAugmentedPlant:
         matrix = self._arrived.reshape(periods * m, -1).T
         goal = np.repeat(wanted[:, :, None], self.substeps, axis=2).reshape(rows, -1)
         bounds = np.tile(low, periods), np.tile(high, periods)
-        found = [lsq_linear(matrix, each, bounds=bounds).x for each in goal]
-        return np.stack(found).reshape(rows, periods, m)
+        results = [lsq_linear(matrix, each, bounds=bounds).x for each in goal]
+        return np.stack(results).reshape(rows, periods, m)
 
     def through(self, q: Array, v: Array, given: Array) -> tuple[Array, Array]:
         """Return states one period later under what arrives, given (rows, substeps, m)."""

@@ -105,8 +105,8 @@ def task_of(task: str | Task, robot: str | Path | Robot | None) -> Task:
 
 def spaces_of(runs: Runs) -> tuple[Space[Array], Space[Action]]:
     """Return what one run may show, and what it may be told."""
-    seen, told = runs.sizes
-    most, one = np.full(seen, MOST), np.ones(told, dtype=np.float32)
+    seen, command = runs.sizes
+    most, one = np.full(seen, MOST), np.ones(command, dtype=np.float32)
     observation: Space[Any] = Box(-most, most, dtype=np.float64)
     action: Space[Any] = Box(-one, one, dtype=np.float32)
     return observation, action

@@ -148,15 +148,15 @@ class Runs:
         )
 
     def _commands(self, rows: Integers, action: ArrayLike) -> Array:
-        told = np.asarray(action, dtype=float)
-        if told.shape != (len(rows), len(self._low)) or not np.isfinite(told).all():
+        command = np.asarray(action, dtype=float)
+        if command.shape != (len(rows), len(self._low)) or not np.isfinite(command).all():
             raise SimulationFailed(
                 f"an action is not a finite number for each of {len(self._low)} actuators",
                 where=f"an environment of {self.task.robot.name}",
                 fix="give numbers from -1 to 1, in the order of the robot's actuators",
             )
         middle, half = (self._low + self._high) / 2.0, (self._high - self._low) / 2.0
-        return np.asarray(middle + half * np.clip(told, -1.0, 1.0))
+        return np.asarray(middle + half * np.clip(command, -1.0, 1.0))
 
     def _costs(self, rows: Integers) -> dict[str, Array]:
         """Return what each term costs at the sample where each run is; note goals missed."""

@@ -110,10 +110,10 @@ def adjusted(
     replicating, variance = inverse.predict(x[some], after[some])
     now = newest(policy.observation)
     angles = np.asarray(turning(source.task.robot, policy.observation)[now], dtype=bool)
-    found = adjustment(observed[some][:, now], u[some], replicating, angles, variance)
+    result = adjustment(observed[some][:, now], u[some], replicating, angles, variance)
     return AdjustedPolicy(
-        policy=applied(found, policy),
-        adjustment=found,
+        policy=applied(result, policy),
+        adjustment=result,
         inverse=inverse,
         followed=followed(source, own, runs, inverse),
         beyond=beyond(source, runs),
@@ -126,8 +126,8 @@ def inverse_of(source: SimulatedTask, runs: Sequence[Experience], how: AdjustSet
     guess = source.inverse if how.guessed else None
     if how.inverse == "local":
         return local_inverse(seen, guess)
-    found: GaussianInverse = gaussian_inverse(seen, guess)
-    return found
+    result: GaussianInverse = gaussian_inverse(seen, guess)
+    return result
 
 
 def followed(
@@ -144,7 +144,7 @@ def followed(
     )
 
 
-def applied(found: Adjustment, policy: Policy) -> Adjusted:
+def applied(result: Adjustment, policy: Policy) -> Adjusted:
     """Return another policy under an adjustment that was made for the same pair of bodies.
 
     Of a policy that is adjusted already, the source is adjusted anew.
@@ -154,15 +154,15 @@ def applied(found: Adjustment, policy: Policy) -> Adjusted:
     """
     policy = policy.source if isinstance(policy, Adjusted) else policy
     angles = np.zeros(policy.size)
-    angles[newest(policy.observation)] = found.turns
+    angles[newest(policy.observation)] = result.turns
     return Adjusted(
         source=policy,
-        bias=found.bias,
-        law=found.law,
-        centre=found.centre,
-        width=found.width,
-        weight=found.weight,
-        reach=found.reach,
+        bias=result.bias,
+        law=result.law,
+        centre=result.centre,
+        width=result.width,
+        weight=result.weight,
+        reach=result.reach,
         angles=angles,
         action=policy.action,
         period=policy.period,

@@ -50,7 +50,7 @@ class Pretended(Stepped):
     """
 
     def __init__(
-        self, source: SimulatedTask, found: Adjustment, observation: tuple[Observation, ...]
+        self, source: SimulatedTask, result: Adjustment, observation: tuple[Observation, ...]
     ) -> None:
         if any(each.delay_s > 0.0 for each in observation):
             raise TransferError(
@@ -58,7 +58,7 @@ class Pretended(Stepped):
                 where=f"what {source.task.robot.name} is taken to do",
                 fix="adjust a policy that sees every position and every velocity as it is now",
             )
-        self.source, self.found, self.model = source, found, source.plant.model
+        self.source, self.found, self.model = source, result, source.plant.model
         channels = tuple(each.channel for each in observation)
         self._columns = columns(source.task.robot, self.model, channels)
         self._offset = np.array([each.offset for each in observation])
@@ -87,9 +87,9 @@ class Pretended(Stepped):
     def advance(self, position: Array, velocity: Array, command: Array) -> tuple[Array, Array]:
         """Return positions and velocities one control period later."""
         plant = self.source.plant
-        told = np.clip(command, plant.low, plant.high)
+        commanded = np.clip(command, plant.low, plant.high)
         state = np.concatenate([position, velocity], axis=1)
-        return _unclamped(self.source, position, velocity, self.felt(state, told))
+        return _unclamped(self.source, position, velocity, self.felt(state, commanded))
 
 
 def _unclamped(source: SimulatedTask, q: Array, v: Array, u: Array) -> tuple[Array, Array]:
@@ -144,7 +144,7 @@ def foreseen(
 
 def most_promising(
     source: SimulatedTask,
-    found: Adjustment,
+    result: Adjustment,
     policies: Sequence[Policy],
     *,
     rng: np.random.Generator,
@@ -157,7 +157,7 @@ def most_promising(
 
     Args:
         source: Where the policies were made.
-        found: The adjustment, made from runs under any of them.
+        result: The adjustment, made from runs under any of them.
         policies: Policies of the source, the best first.
         rng: Chance.
         rows: Noisy runs by which each is judged.
@@ -171,8 +171,8 @@ def most_promising(
             where=f"an adjustment for {source.task.robot.name}",
             fix="give one policy or more",
         )
-    stepped, chance = Pretended(source, found, policies[0].observation), int(rng.integers(2**32))
-    many = [applied(found, policy) for policy in policies]
+    stepped, chance = Pretended(source, result, policies[0].observation), int(rng.integers(2**32))
+    many = [applied(result, policy) for policy in policies]
     scores = tuple(
         foreseen(source, stepped, each, rows=rows, rng=np.random.default_rng(chance))
         for each in many

@@ -40,7 +40,7 @@ class DirectAdjustment:
                 fix="give a spread of above 0 to 1, and a population of 4 or more",
             )
 
-    def found(
+    def tune(
         self, task: Task, policy: Policy, target: Target, *, trials: int, seed: int
     ) -> Learned:
         """Return the law that cost least, after the policy as it is was tried first.
@@ -67,18 +67,18 @@ class DirectAdjustment:
             population_size=self.population,
             seed=seed,
         )
-        told: list[tuple[Array, float]] = []
+        command: list[tuple[Array, float]] = []
         while len(shown) < trials:
             point = np.asarray(cma.ask())
             tried = with_law(task, policy, point.reshape(unit.shape) * unit)
             shown.append(target.trial(tried, rng))
-            told.append((point, shown[-1].loss))
+            command.append((point, shown[-1].loss))
             if shown[-1].loss < least:
                 best, least = tried, shown[-1].loss
             lines.append(_line(len(shown), shown, least))
-            if len(told) == self.population:
-                cma.tell(told)
-                told = []
+            if len(command) == self.population:
+                cma.tell(command)
+                command = []
         succeeded = min(shown, key=lambda each: each.loss).success
         return Learned(
             policy=best,

@@ -51,7 +51,7 @@ class Many:
     def trained(
         self,
         source: SimulatedTask,
-        found: Adjustment,
+        result: Adjustment,
         policies: Sequence[Policy],
         *,
         rng: np.random.Generator,
@@ -68,12 +68,12 @@ class Many:
 
         Args:
             source: Where the plans were made.
-            found: The adjustment to the target.
+            result: The adjustment to the target.
             policies: Plans of the source; the most promising of them under the adjustment, alone.
             rng: Chance.
         """
-        stepped = Pretended(source, found, policies[0].observation)
-        guides = [applied(found, each) for each in policies]
+        stepped = Pretended(source, result, policies[0].observation)
+        guides = [applied(result, each) for each in policies]
         shown = [_run(source, stepped, each, each, self.rows, rng) for each in guides]
         x = np.concatenate([each[0] for each in shown])
         u = np.concatenate([each[1] for each in shown])
@@ -139,13 +139,13 @@ def _run(
     q, v = task.start.sample(task.robot, source.plant.model, rows, rng)
     observer = Observer(guide, task.robot, source.plant.model, rows, rng=rng, noise=task.noise)
     now = newest(guide.observation)
-    seen, told = [], []
+    seen, command = [], []
     for at in range(task.samples - 1):
         time = np.full(rows, at * task.period)
         o = observer.see(q, v)
         fine = np.asarray(np.isfinite(o).all(axis=1))
         o = np.where(fine[:, None], o, 0.0)
         seen.append(o[fine][:, now])
-        told.append(guide.act(o, time)[fine])
+        command.append(guide.act(o, time)[fine])
         q, v = stepped.advance(q, v, policy.act(o if policy is guide else o[:, now], time))
-    return np.concatenate(seen), np.concatenate(told)
+    return np.concatenate(seen), np.concatenate(command)

@@ -84,23 +84,23 @@ def rounds(
             fix="give one policy or more, and 0 trials or more",
         )
     first = target.trial(policies[0], rng)
-    found = [
+    results = [
         AdjustmentRound(policy=policies[0], shown=first, made=None, promised=np.nan, seconds=0.0)
     ]
-    while len(found) <= trials and not (until and found[-1].shown.success):
+    while len(results) <= trials and not (until and results[-1].shown.success):
         began = time.perf_counter()
-        runs = [each.shown for each in found]
+        runs = [each.shown for each in results]
         with one_thread():
             made = adjusted(source, policies[0], runs, rng=rng, settings=settings)
             policy, promised = _chosen(source, made, policies, rng)
         seconds = time.perf_counter() - began
         shown = target.trial(policy, rng)
-        found.append(
+        results.append(
             AdjustmentRound(
                 policy=policy, shown=shown, made=made, promised=promised, seconds=seconds
             )
         )
-    return tuple(found)
+    return tuple(results)
 
 
 def _chosen(
@@ -117,6 +117,6 @@ def _chosen(
     return policy, scores[at].share
 
 
-def best(found: Sequence[AdjustmentRound]) -> AdjustmentRound:
+def best(results: Sequence[AdjustmentRound]) -> AdjustmentRound:
     """Return the round that did best on the target: one that succeeded, of the least loss."""
-    return min(found, key=lambda each: (not each.shown.success, each.shown.loss))
+    return min(results, key=lambda each: (not each.shown.success, each.shown.loss))

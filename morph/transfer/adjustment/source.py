@@ -53,8 +53,8 @@ class SimulatedTask:
     @cached_property
     def turns(self) -> Mask:
         """Which numbers of a state are angles that may go round, shape (2 nv,)."""
-        found = turning(self.plant.model)
-        return np.concatenate([found, np.zeros_like(found)])
+        result = turning(self.plant.model)
+        return np.concatenate([result, np.zeros_like(result)])
 
     def after(self, state: Array, command: Array) -> Array:
         """Return the states (m, 2 nv) one period after states under commands (m, nu)."""

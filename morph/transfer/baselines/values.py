@@ -94,8 +94,8 @@ def worth_of(source: Source) -> Worth:
     for at in reversed(range(len(u))):
         towards = B[at].T @ value[at + 1]
         gain = -np.linalg.solve(R + towards @ B[at], towards @ A[at])
-        found = here[at] + A[at].T @ value[at + 1] @ (A[at] + B[at] @ gain)
-        value[at] = 0.5 * (found + found.T)
+        result = here[at] + A[at].T @ value[at + 1] @ (A[at] + B[at] @ gain)
+        value[at] = 0.5 * (result + result.T)
     still = ground.still
     rest = np.concatenate([still.position, still.velocity])
     # The state of rest, so many turns on that the run's end is near.

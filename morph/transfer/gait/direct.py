@@ -58,13 +58,13 @@ def direct(
     points: list[Array] = []
     speeds: list[Array] = []
     for number in range(-(-trials // population)):
-        asked = sampler.ask(population, np.random.default_rng((seed, number, 5)))
-        asked = np.clip(asked, 0.0, 1.0)
+        requested = sampler.ask(population, np.random.default_rng((seed, number, 5)))
+        requested = np.clip(requested, 0.0, 1.0)
         if number == 0:
-            asked[0] = begin
-        gone = mover.speed([family.policy(each) for each in asked])
-        sampler.tell(asked, -gone)
-        points.append(asked)
+            requested[0] = begin
+        gone = mover.speed([family.policy(each) for each in requested])
+        sampler.tell(requested, -gone)
+        points.append(requested)
         speeds.append(gone)
     return GaitSearchResult(
         point=np.concatenate(points)[:trials], speed=np.concatenate(speeds)[:trials]

@@ -60,10 +60,10 @@ class GaitBody:
         return family_of(self.mover, self.limbs).make(self.values)
 
 
-def family_of(mover: Mover, found: tuple[Limb, ...]) -> Wave | Pace:
+def family_of(mover: Mover, results: tuple[Limb, ...]) -> Wave | Pace:
     """Return the waves of a swimmer, or the paces of a body on legs, whose limbs are known."""
     made = wave if mover.wet else pace
-    return made(mover.action, found, period=mover.task.period)
+    return made(mover.action, results, period=mover.task.period)
 
 
 def scaled(values: Array, faster: float, shorter: float = 1.0) -> Array:
@@ -103,9 +103,9 @@ def felt(
     each = budget.transitions + (0 if mover.wet else SETTLE)
     count = each * len(mover.action)
     seen = mover.transitions(count, rng, width=budget.width)
-    found = responses(seen, period=mover.task.period)
-    where = limbs(found) if mover.wet else legs(found, mover.action)
-    return where, found.late, len(seen.state)
+    result = responses(seen, period=mover.task.period)
+    where = limbs(result) if mover.wet else legs(result, mover.action)
+    return where, result.late, len(seen.state)
 
 
 def hop(
@@ -122,14 +122,14 @@ def hop(
         TransferError: The target's transitions do not tell its limbs.
     """
     budget = budget or Budget()
-    found, late, samples = felt(target, budget, rng)
-    return tuned(source, target, found, late, samples, rng=rng, trials=budget.trials)
+    result, late, samples = felt(target, budget, rng)
+    return tuned(source, target, result, late, samples, rng=rng, trials=budget.trials)
 
 
 def tuned(
     source: GaitBody | None,
     target: Mover,
-    found: tuple[Limb, ...],
+    results: tuple[Limb, ...],
     late: float,
     samples: int,
     *,
@@ -142,7 +142,7 @@ def tuned(
     Without a source the trials begin in the middle of the family and nothing is foreseen: so
     much the limbs alone are worth. If they are blind, each is drawn by chance.
     """
-    family = family_of(target, found)
+    family = family_of(target, results)
     quick = 1.0 if source is None else source.late / late
     start = family.values(family.start)
     middle = start if source is None else scaled(_told(source, source.values, start), quick)
@@ -175,7 +175,7 @@ def tuned(
     top = int(speeds.argmax())
     return GaitBody(
         mover=target,
-        limbs=found,
+        limbs=results,
         late=late,
         values=family.values(points[top]),
         speed=float(speeds[top]),
@@ -236,13 +236,13 @@ def begun(
         trials: Runs of the search.
         budget: What its transitions cost.
     """
-    found, late, samples = felt(mover, budget or Budget(), rng)
-    family = family_of(mover, found)
+    result, late, samples = felt(mover, budget or Budget(), rng)
+    family = family_of(mover, result)
     learned = direct(mover, family, trials=trials, sigma=0.25, seed=int(rng.integers(2**31)))
     top = int(learned.speed.argmax())
     return GaitBody(
         mover=mover,
-        limbs=found,
+        limbs=result,
         late=late,
         values=family.values(learned.point[top]),
         speed=learned.best,

@@ -10,7 +10,7 @@ from morph.search.family.parts import parts_of
 from morph.transfer.gait.limbs import CLEAR, Limb, Responses
 
 
-def legs(found: Responses, action: tuple[Action, ...]) -> tuple[Limb, ...]:
+def legs(result: Responses, action: tuple[Action, ...]) -> tuple[Limb, ...]:
     """Return where each servo of a body on legs belongs.
 
     Names tell which servos make a leg and in which corner it stands. Of a leg, the servo that
@@ -23,8 +23,8 @@ def legs(found: Responses, action: tuple[Action, ...]) -> tuple[Limb, ...]:
     """
     parts = parts_of(tuple(each.actuator for each in action))
     corners = [(part.side, part.place) for part in parts]
-    tilt = np.hypot(found.trunk[:, 3], found.trunk[:, 4])
-    ahead, up = found.trunk[:, 0], found.trunk[:, 2]
+    tilt = np.hypot(result.trunk[:, 3], result.trunk[:, 4])
+    ahead, up = result.trunk[:, 0], result.trunk[:, 2]
     made: dict[int, Limb] = {}
     for corner in dict.fromkeys(corners):
         mine = [at for at, each in enumerate(corners) if each == corner]
@@ -41,7 +41,9 @@ def legs(found: Responses, action: tuple[Action, ...]) -> tuple[Limb, ...]:
         for at in mine:
             role = {lift: "lift", swing: "swing"}.get(at, "")
             value, error = (
-                (up[at], found.error[at, 2]) if role == "lift" else (ahead[at], found.error[at, 0])
+                (up[at], result.error[at, 2])
+                if role == "lift"
+                else (ahead[at], result.error[at, 0])
             )
             made[at] = Limb(
                 place=place,

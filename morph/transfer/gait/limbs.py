@@ -66,29 +66,29 @@ def responses(seen: Transitions, *, period: float) -> Responses:
     """
     size = seen.command.shape[1]
     slot = len(seen.command) // size
-    told = np.array([seen.command[i * slot : (i + 1) * slot, i] for i in range(size)])
-    told = told - told[:, :1]
-    if slot * size != len(seen.command) or not (np.abs(told).max(axis=1) > 0.0).all():
+    command = np.array([seen.command[i * slot : (i + 1) * slot, i] for i in range(size)])
+    command = command - command[:, :1]
+    if slot * size != len(seen.command) or not (np.abs(command).max(axis=1) > 0.0).all():
         raise TransferError(
             f"{len(seen.command)} transitions hold no run in which each of {size} servos swings",
             where="responses of a body",
             fix="take those of Mover.transitions",
         )
     # What came before the bells, such as settling on the floor, is no response to them.
-    first = int((np.abs(told).max(axis=0) > 0.0).argmax())
-    told, slot = told[:, first:], slot - first
+    first = int((np.abs(command).max(axis=0) > 0.0).argmax())
+    command, slot = command[:, first:], slot - first
     moved = period * np.cumsum(seen.after.reshape(size, first + slot, -1)[:, first:], axis=1)
-    tried = [_fitted(told, moved, late, period) for late in LAGS]
+    tried = [_fitted(command, moved, late, period) for late in LAGS]
     best = min(range(len(LAGS)), key=lambda each: float(tried[each][1].sum()))
     c, left, spread = tried[best]
     error = np.sqrt(left[:, :6] / slot) / spread[:, None]
     return Responses(trunk=c[:, :6], end=c[:, 6:], error=error, late=LAGS[best])
 
 
-def _fitted(told: Array, moved: Array, late: float, period: float) -> tuple[Array, Array, Array]:
-    follows, now = np.empty_like(told), np.zeros(len(told))
-    for at in range(told.shape[1]):
-        now = now + period / (late + period) * (told[:, at] - now)
+def _fitted(command: Array, moved: Array, late: float, period: float) -> tuple[Array, Array, Array]:
+    follows, now = np.empty_like(command), np.zeros(len(command))
+    for at in range(command.shape[1]):
+        now = now + period / (late + period) * (command[:, at] - now)
         follows[:, at] = now
     power = (follows**2).sum(axis=1)
     c = np.einsum("it,itk->ik", follows, moved) / power[:, None]
@@ -96,7 +96,7 @@ def _fitted(told: Array, moved: Array, late: float, period: float) -> tuple[Arra
     return c, left, np.sqrt(power)
 
 
-def limbs(found: Responses) -> tuple[Limb, ...]:
+def limbs(result: Responses) -> tuple[Limb, ...]:
     """Return where each servo of a swimmer belongs, by what it does to trunk and far end.
 
     Servos that bend the body, or beat beside it, in one plane make the stroke: sideways (v_y,
@@ -109,12 +109,12 @@ def limbs(found: Responses) -> tuple[Limb, ...]:
     Raises:
         TransferError: No two servos move the trunk across.
     """
-    chain = bool(np.abs(found.end - found.trunk).max() > 1e-9)
-    across = [_plane(found, axis) for axis in (1, 2)]
+    chain = bool(np.abs(result.end - result.trunk).max() > 1e-9)
+    across = [_plane(result, axis) for axis in (1, 2)]
     # Of a chain what bends tells more than what the trunk does, which is little at the rear.
     strong = [np.abs(tail - w) if chain else np.hypot(v, w) for v, w, tail in across]
     both = np.array(strong)
-    clear = both > CLEAR * np.stack([found.error[:, 5], found.error[:, 4]])
+    clear = both > CLEAR * np.stack([result.error[:, 5], result.error[:, 4]])
     mine = [clear[axis] & (both[axis] >= both[1 - axis]) for axis in (0, 1)]
     # The plane with more servos, and of two alike the one in which they do more.
     plane = max((0, 1), key=lambda each: (int(mine[each].sum()), float(both[each].sum())))
@@ -126,7 +126,7 @@ def limbs(found: Responses) -> tuple[Limb, ...]:
             fix="give transitions of wider swings, or with less noise",
         )
     v, w, tail = across[plane]
-    roll = found.trunk[:, 3]
+    roll = result.trunk[:, 3]
     beside = not chain and bool((np.abs(roll) > np.abs(w))[chosen].all())
     side = np.where(roll * np.sign(v) > 0.0, 0.0, 1.0) if beside else np.full(len(v), 0.5)
     key = np.abs(tail) / (np.abs(tail) + np.abs(w) + 1e-12) if chain else -w / v
@@ -142,10 +142,10 @@ def limbs(found: Responses) -> tuple[Limb, ...]:
     )
 
 
-def _plane(found: Responses, axis: int) -> tuple[Array, Array, Array]:
+def _plane(result: Responses, axis: int) -> tuple[Array, Array, Array]:
     turning = (5, 1.0) if axis == 1 else (4, -1.0)
     at, sign = turning
-    return found.trunk[:, axis], sign * found.trunk[:, at], sign * found.end[:, at]
+    return result.trunk[:, axis], sign * result.trunk[:, at], sign * result.end[:, at]
 
 
 def _rank(key: Array, at: int, among: Array) -> float:

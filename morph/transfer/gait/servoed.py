@@ -36,15 +36,15 @@ class AddServo(Operation):
 
     def apply(self, spec: Any) -> None:
         """Make the motor a servo."""
-        found = spec.actuator(self.actuator)
-        if found is None:
+        result = spec.actuator(self.actuator)
+        if result is None:
             raise self.refuse(f"there is no actuator {self.actuator!r}", "name a motor of the body")
-        limit = max(abs(float(end)) for end in found.ctrlrange) or LIMIT
-        found.set_to_position(kp=self.stiffness, kv=self.damping)
-        found.gear = (1.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-        found.forcerange, found.forcelimited = (-limit, limit), mujoco.mjtLimited.mjLIMITED_TRUE
-        found.ctrlrange = (-self.reach, self.reach)
-        found.ctrllimited = mujoco.mjtLimited.mjLIMITED_TRUE
+        limit = max(abs(float(end)) for end in result.ctrlrange) or LIMIT
+        result.set_to_position(kp=self.stiffness, kv=self.damping)
+        result.gear = (1.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+        result.forcerange, result.forcelimited = (-limit, limit), mujoco.mjtLimited.mjLIMITED_TRUE
+        result.ctrlrange = (-self.reach, self.reach)
+        result.ctrllimited = mujoco.mjtLimited.mjLIMITED_TRUE
 
 
 def servoed(

@@ -53,7 +53,7 @@ class FolderLink(MessageLink):
         Raises:
             LinkDropped: The folder cannot be read.
         """
-        found = []
+        results = []
         try:
             files = sorted(x for x in self._receives.iterdir() if x.name.endswith(ENDING))
             for file in files[:MOST_AT_ONCE]:
@@ -61,13 +61,13 @@ class FolderLink(MessageLink):
                 if file.name.startswith(".") or not file.is_file():
                     continue
                 with open_regular(file) as content:
-                    found.append(content.read(MOST_BYTES + 1))
+                    results.append(content.read(MOST_BYTES + 1))
                 file.unlink()
         except OSError as error:
-            if found:
-                return found
+            if results:
+                return results
             raise _down(self._receives, error.strerror or str(error)) from error
-        return found
+        return results
 
 
 def _down(folder: Path, what: str) -> LinkDropped:

@@ -67,9 +67,9 @@ def unpacked(line: bytes) -> Message | None:
     if len(line) > MOST_BYTES:
         return None
     try:
-        said = json.loads(line)
-        body = said["message"]
-        if said["schema"] != SCHEMA or said["sha256"] != sha256(body):
+        document = json.loads(line)
+        body = document["message"]
+        if document["schema"] != SCHEMA or document["sha256"] != sha256(body):
             return None
         parts = json.loads(body)
         message = Message(**parts)

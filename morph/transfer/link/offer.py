@@ -51,10 +51,10 @@ def files_of(offer: Mapping[str, Any], robot: Robot) -> dict[str, bytes]:
     """
     if offer.get("robot_sha256") != hash_of(robot):
         raise refused(f"it is for another body than {robot.name}")
-    said = offer.get("files")
+    statement = offer.get("files")
     files: dict[str, bytes] = {}
     for name in FILES:
-        text = said.get(name) if isinstance(said, dict) else None
+        text = statement.get(name) if isinstance(statement, dict) else None
         # Base64 has four characters for three bytes.
         if not isinstance(text, str) or len(text) > 2 * MOST_BYTES[name]:
             raise refused(f"it has no {name}, or one that is too large")
@@ -94,7 +94,7 @@ def experience_said(shown: Experience, *, version: int, stopped: str = "") -> JS
     }
 
 
-def experience_of(said: Mapping[str, Any]) -> Experience:
+def experience_of(message: Mapping[str, Any]) -> Experience:
     """Return the experience that a message speaks of.
 
     Raises:
@@ -102,9 +102,9 @@ def experience_of(said: Mapping[str, Any]) -> Experience:
     """
     try:
         position, velocity, command = (
-            _table(said[name]) for name in ("position", "velocity", "command")
+            _table(message[name]) for name in ("position", "velocity", "command")
         )
-        period, loss = float(said["period_s"]), float(said["loss"])
+        period, loss = float(message["period_s"]), float(message["loss"])
     except (KeyError, TypeError, ValueError) as error:
         raise _no_experience(f"it lacks a part, or has one that is none: {error!r}") from error
     samples = len(position)
@@ -119,7 +119,7 @@ def experience_of(said: Mapping[str, Any]) -> Experience:
         command=command,
         period=period,
         loss=loss,
-        success=said.get("success") is True,
+        success=message.get("success") is True,
     )
 
 

@@ -58,10 +58,10 @@ class Policies:
         """Which policies were left, and why, in words."""
         if not (folder / "0" / FILES[-1]).is_file():
             write_policy(first, folder / "0", robot)
-        said = _state(folder / STATE)
-        self._safe: list[int] = said["safe"]
-        self._newest: int = said["newest"]
-        self._staged: int | None = said["staged"]
+        statement = _state(folder / STATE)
+        self._safe: list[int] = statement["safe"]
+        self._newest: int = statement["newest"]
+        self._staged: int | None = statement["staged"]
         self.policy = self._restored()
 
     @property
@@ -69,17 +69,17 @@ class Policies:
         """The version of the policy in use."""
         return self._safe[-1]
 
-    def offer(self, said: Mapping[str, Any]) -> None:
+    def offer(self, message: Mapping[str, Any]) -> None:
         """Keep an offered policy for the time between trials, if it is newer and safe.
 
         Raises:
             TransferError: It is not; the message says why.
         """
-        version = said.get("version")
+        version = message.get("version")
         if type(version) is not int or not 1 <= version <= MOST_VERSIONS:
             raise refused(f"its version is no number from 1 to {MOST_VERSIONS}")
         folder = self._folder / str(version)
-        files = files_of(said, self._robot)
+        files = files_of(message, self._robot)
         if version == self._newest and _holds(folder, files):
             # The very same, said again after a kill: it was taken then.
             return
@@ -150,11 +150,11 @@ class Policies:
                 self._safe.pop()
 
     def _write(self) -> None:
-        said = {"safe": self._safe, "newest": self._newest, "staged": self._staged}
-        body = json.dumps(said)
+        message = {"safe": self._safe, "newest": self._newest, "staged": self._staged}
+        body = json.dumps(message)
         write_whole(
             self._folder / STATE,
-            json.dumps({"schema": SCHEMA, "sha256": sha256(body), "state": said}) + "\n",
+            json.dumps({"schema": SCHEMA, "sha256": sha256(body), "state": message}) + "\n",
         )
 
 
@@ -168,9 +168,9 @@ def _holds(folder: Path, files: Mapping[str, bytes]) -> bool:
 def _state(path: Path) -> dict[str, Any]:
     """Return what a file says of the policies; that there is the first alone if it is spoilt."""
     try:
-        said = json.loads(read_regular(path, MOST_STATE))
-        state = said["state"]
-        if said["sha256"] == sha256(json.dumps(state)) and said["schema"] == SCHEMA:
+        document = json.loads(read_regular(path, MOST_STATE))
+        state = document["state"]
+        if document["sha256"] == sha256(json.dumps(state)) and document["schema"] == SCHEMA:
             return dict(state)
     except (OSError, ValueError, KeyError, TypeError, RecursionError):
         pass

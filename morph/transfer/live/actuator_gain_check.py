@@ -50,10 +50,10 @@ def heed_of(
     would have added, at each delay a weight; the share is their sum. The arguments are those of
     `delay_of`. A heavy body does a small share, and surely more than none.
     """
-    found = responses(simulator, position, velocity, command, period)
-    if found is None:
+    result = responses(simulator, position, velocity, command, period)
+    if result is None:
         return None
-    left, effect = found
+    left, effect = result
     moved = effect.std(axis=(0, 1)) > 1e-9
     scale = np.where(moved & (left.std(axis=0) > 1e-12), left.std(axis=0), np.inf)
     y = ((left - left.mean(axis=0)) / scale).ravel()

@@ -55,15 +55,15 @@ class Called(Connection):
         return self._hello
 
     def _open(self) -> None:
-        asked: queue.Queue[Array | bool | None] = queue.Queue()
+        requested: queue.Queue[Array | bool | None] = queue.Queue()
         heard: queue.Queue[Heard] = queue.Queue()
         # A call that hangs keeps its own queues, and can never speak into a later trial.
-        self._asked, self._heard = asked, heard
-        self._thread = threading.Thread(target=self._work, args=(asked, heard), daemon=True)
+        self._asked, self._heard = requested, heard
+        self._thread = threading.Thread(target=self._work, args=(requested, heard), daemon=True)
         self._thread.start()
 
-    def _work(self, asked: queue.Queue[Array | bool | None], heard: queue.Queue[Heard]) -> None:
-        while not isinstance(command := asked.get(), bool):
+    def _work(self, requested: queue.Queue[Array | bool | None], heard: queue.Queue[Heard]) -> None:
+        while not isinstance(command := requested.get(), bool):
             try:
                 reading = dict(self._step(command))
             except Exception as error:
@@ -71,12 +71,12 @@ class Called(Connection):
                 heard.put(Heard(at=time.monotonic(), ended=raised[:500]))
                 return
             time_said = reading.pop("t", None)
-            said: JSON = {"state": {name: _plain(value) for name, value in reading.items()}}
+            document: JSON = {"state": {name: _plain(value) for name, value in reading.items()}}
             if time_said is not None:
-                said["t"] = _plain(time_said)
-            heard.put(Heard(at=time.monotonic(), said=said))
+                document["t"] = _plain(time_said)
+            heard.put(Heard(at=time.monotonic(), said=document))
 
-    def begin(self, said: Mapping[str, Any]) -> None:
+    def begin(self, message: Mapping[str, Any]) -> None:
         """Ask for the first reading."""
         self._asked.put(None)
 

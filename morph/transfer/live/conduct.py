@@ -60,7 +60,7 @@ def odd_velocities(
     The change of a position over a period is fitted as b times the mean of the velocities at
     its ends; b is 1 where both are in the same unit, and 57.3 where one is in degrees.
     """
-    found = []
+    results = []
     for joint in robot.joints:
         if joint.kind not in {"hinge", "slide"} or len(position) < 10:
             continue
@@ -73,8 +73,8 @@ def odd_velocities(
         slope = float(mean @ np.diff(q)) / power if power > 0.0 else np.inf
         if abs(slope - 1.0) > SLOPE_OFF:
             unit = joint.unit
-            found.append(
+            results.append(
                 f"{joint.name}.position changes by {slope:.3g} times {joint.name}.velocity: one of "
                 f"them is not in {unit} or {unit}/s, or dead, or a hinge is counted round and round"
             )
-    return found
+    return results

@@ -45,7 +45,7 @@ class Connection(ABC):
         """
 
     @abstractmethod
-    def begin(self, said: Mapping[str, Any]) -> None:
+    def begin(self, message: Mapping[str, Any]) -> None:
         """Tell it to go to where trials begin, and to send states from there."""
 
     @abstractmethod

@@ -50,8 +50,8 @@ def delay_of(
         command: What was told, shape (samples - 1, nu).
         period: Time between samples, s.
     """
-    found = responses(simulator, position, velocity, command, period)
-    return None if found is None else _centre(*found, period)
+    result = responses(simulator, position, velocity, command, period)
+    return None if result is None else _centre(*result, period)
 
 
 def responses(
@@ -70,15 +70,15 @@ def responses(
         return None
     past = np.stack([command[rows - d] for d in range(MOST_PERIODS + 1)])
     still = np.zeros_like(past[:1])
-    told = np.concatenate([still, past])
+    commanded = np.concatenate([still, past])
     steps = round(period / simulator.step)
-    count = len(told)
+    count = len(commanded)
     _, after = rollout(
         [Variant(model=simulator.model, effects=simulator.effects)],
         np.zeros(count * len(rows), dtype=np.int64),
         np.tile(position[rows], (count, 1)),
         np.tile(velocity[rows], (count, 1)),
-        np.repeat(told.reshape(-1, 1, told.shape[-1]), steps, axis=1),
+        np.repeat(commanded.reshape(-1, 1, commanded.shape[-1]), steps, axis=1),
     )
     reached = after[:, -1].reshape(count, len(rows), -1)
     return velocity[rows + 1] - reached[0], reached[1:] - reached[0]

@@ -20,8 +20,8 @@ def last_kept(folder: Path | None) -> int:
     """Return the number of the last trial that a folder keeps; 0 if there is none."""
     if folder is None or not folder.is_dir():
         return 0
-    found = (re.fullmatch(r"trial_(\d+)\.npz", file.name) for file in folder.iterdir())
-    return max((int(match[1]) for match in found if match), default=0)
+    results = (re.fullmatch(r"trial_(\d+)\.npz", file.name) for file in folder.iterdir())
+    return max((int(match[1]) for match in results if match), default=0)
 
 
 def write_trial(

@@ -81,10 +81,10 @@ class Reader:
 
 
 def _heard(line: bytes, at: float) -> Heard:
-    said = parsed(line)
-    if said is None:
+    statement = parsed(line)
+    if statement is None:
         return Heard(at=at, unreadable=f"{line[:SHOWN]!r} is no JSON object")
-    return Heard(at=at, said=said)
+    return Heard(at=at, said=statement)
 
 
 class Tail:

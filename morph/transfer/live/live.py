@@ -122,8 +122,8 @@ class Live(Target):
 
     def _asked(self, policy: Policy | Array) -> Asked:
         if not isinstance(policy, Policy):
-            told = np.asarray(policy, dtype=float)
-            return lambda q, v, at: told[min(at, len(told) - 1)]
+            command = np.asarray(policy, dtype=float)
+            return lambda q, v, at: command[min(at, len(command) - 1)]
         check_period(policy, self.task)
         observer = Observer(policy, self.task.robot, self._simulator.model, 1)
         period = self.task.period
@@ -230,11 +230,11 @@ class Live(Target):
     def _obeyed(self, session: TrialSession, shown: Experience | None) -> list[str]:
         """Return, in words, what was held back of the policy, and whether the rest was heeded."""
         notes = []
-        told = session.commanded * len(self.task.robot.actuators)
-        if session.clipped > CLIPPED * told:
+        count = session.commanded * len(self.task.robot.actuators)
+        if session.clipped > CLIPPED * count:
             notes.append(
-                f"{session.clipped} of {told} commands were clipped: the policy was made for wider "
-                "bounds"
+                f"{session.clipped} of {count} commands were clipped: the policy was made for "
+                "wider bounds"
             )
         heed = None
         if shown is not None:
@@ -257,9 +257,9 @@ class Live(Target):
     def _stopped(self, ended: Ended, shown: Experience | None, *, safe: bool) -> TrialStopped:
         samples = 0 if shown is None else len(shown.position)
         kept = f"{samples} of {self.task.samples} states are kept"
-        told = "said that it stopped" if safe else "did not say that it stopped, and was let go"
+        command = "said that it stopped" if safe else "did not say that it stopped, and was let go"
         return TrialStopped(
-            f"{ended.why}; {kept}, and the target {told}",
+            f"{ended.why}; {kept}, and the target {command}",
             where=f"{self.connection.name}, trial {self._trials}",
             fix="go on when it is safe to"
             if ended.pressed

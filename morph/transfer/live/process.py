@@ -105,10 +105,10 @@ class Process(Connection):
             fix=f'let its first line be {{"schema": "{SCHEMA}", ...}}, and flush its output',
         )
 
-    def begin(self, said: Mapping[str, Any]) -> None:
+    def begin(self, message: Mapping[str, Any]) -> None:
         """Tell it to begin; what it said before is forgotten."""
         self._reader.forget()
-        self._write({"begin": dict(said)})
+        self._write({"begin": dict(message)})
 
     def tell(self, command: Mapping[str, float]) -> None:
         """Tell it commands; if it does not read them it will not answer either."""
@@ -169,5 +169,5 @@ class Process(Connection):
         ended = "" if code is None else f" and ended with status {code}"
         return ended + (f", saying {last[:200]!r}" if last else "")
 
-    def _write(self, said: Mapping[str, Any]) -> bool:
-        return self._process is not None and write(self._input, line_of(said), WRITE)
+    def _write(self, message: Mapping[str, Any]) -> bool:
+        return self._process is not None and write(self._input, line_of(message), WRITE)

@@ -57,36 +57,38 @@ class Hello:
 def parsed(line: bytes) -> JSON | None:
     """Return the object that a line holds; None if it holds no such thing."""
     try:
-        said = json.loads(line)
+        document = json.loads(line)
     # Brackets in their thousands exceed Python's own depth, digits in their thousands its patience.
     except (ValueError, RecursionError):
         return None
-    return said if isinstance(said, dict) else None
+    return document if isinstance(document, dict) else None
 
 
-def line_of(said: Mapping[str, Any]) -> bytes:
+def line_of(message: Mapping[str, Any]) -> bytes:
     """Return a message as a line."""
-    return json.dumps(said, allow_nan=False).encode() + b"\n"
+    return json.dumps(message, allow_nan=False).encode() + b"\n"
 
 
-def hello_of(said: Mapping[str, Any], *, where: str) -> Hello:
+def hello_of(message: Mapping[str, Any], *, where: str) -> Hello:
     """Return what the first message of a target says.
 
     Raises:
         TransferError: It is of another schema, or lacks a part.
     """
-    if said.get("schema") != SCHEMA:
-        raise _refused(f"its schema is {_short(said.get('schema'))}", where)
-    period, clock = number(said.get("period_s")), said.get("clock", "target")
+    if message.get("schema") != SCHEMA:
+        raise _refused(f"its schema is {_short(message.get('schema'))}", where)
+    period, clock = number(message.get("period_s")), message.get("clock", "target")
     if not 1e-4 <= period <= 10.0:
-        raise _refused(f"its period_s is {_short(said.get('period_s'))}, not 1e-4 to 10 s", where)
+        raise _refused(
+            f"its period_s is {_short(message.get('period_s'))}, not 1e-4 to 10 s", where
+        )
     if clock not in get_args(Clock):
         raise _refused(
             f"its clock is {_short(clock)}, not one of {', '.join(get_args(Clock))}", where
         )
     return Hello(
-        channels=_signals(said, "channels", where),
-        actuators=_signals(said, "actuators", where),
+        channels=_signals(message, "channels", where),
+        actuators=_signals(message, "actuators", where),
         period=period,
         clock=clock,
     )
@@ -110,23 +112,23 @@ def number(value: object) -> float:
     return float(value) if abs(value) <= LARGEST else math.nan
 
 
-def _signals(said: Mapping[str, Any], key: str, where: str) -> tuple[Signal, ...]:
-    listed = said.get(key)
+def _signals(message: Mapping[str, Any], key: str, where: str) -> tuple[Signal, ...]:
+    listed = message.get(key)
     if not isinstance(listed, list) or not 0 < len(listed) <= MOST_PARTS:
         raise _refused(f"its {key} are {_short(listed)}, not a list of 1 to {MOST_PARTS}", where)
-    found = []
+    results = []
     for each in listed:
         name, unit = (each.get("name"), each.get("unit")) if isinstance(each, dict) else (0, 0)
         if not (isinstance(name, str) and isinstance(unit, str)):
             raise _refused(f"of its {key}, {_short(each)} lacks a name or a unit", where)
         if max(len(name), len(unit)) > LONGEST_NAME:
             raise _refused(f"of its {key}, {_short(name)} is too long a name or unit", where)
-        found.append(Signal(name=name, unit=unit))
-    names = [each.name for each in found]
+        results.append(Signal(name=name, unit=unit))
+    names = [each.name for each in results]
     if len(set(names)) < len(names):
         twice = sorted({name for name in names if names.count(name) > 1})
         raise _refused(f"its {key} name {', '.join(twice)} twice", where)
-    return tuple(found)
+    return tuple(results)
 
 
 def _short(value: object) -> str:

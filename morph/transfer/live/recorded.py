@@ -69,18 +69,18 @@ class Recorded(Target):
         """
         model = self.task.simulator().model
         places = addresses(self.task.robot, model)
-        found = []
+        results = []
         for recording, run in zip(self.recordings, self.runs(), strict=True):
             state = np.concatenate([run.position, run.velocity], axis=1)
             for name, at in places.items():
                 count, first = _longest(state[:, at])
                 if name in recording.channels and count >= Watch().repeats:
-                    found.append(
+                    results.append(
                         f"recording {recording.name}: {name} is the same number {count} times, to "
                         f"the last digit, from {run.period * first:.3g} s on: a dead sensor, or at "
                         "rest"
                     )
-        return tuple(found)
+        return tuple(results)
 
     def _run(self, recording: Recording, model: Any) -> Experience:
         task, period = self.task, self.task.period
@@ -133,13 +133,13 @@ class Recorded(Target):
         """Return every channel of the body's state in MuJoCo's order, slopes where need be."""
         robot = self.task.robot
         commands = [f"{each.name}.command" for each in robot.actuators]
-        found: dict[str, Channel] = {}
+        results: dict[str, Channel] = {}
         for name in (*units(robot), *commands):
             position = recording.channels.get(name.replace(".velocity", ".position"))
             if name in recording.channels:
-                found[name] = recording.channels[name]
+                results[name] = recording.channels[name]
             elif name.endswith(".velocity") and position is not None:
-                found[name] = _slope(position)
+                results[name] = _slope(position)
             else:
                 near = nearest(name, recording.channels)
                 raise TransferError(
@@ -147,7 +147,7 @@ class Recorded(Target):
                     where=f"recording {recording.name}",
                     fix="record it, or bind it in recording.toml",
                 )
-        return {name: channel for name, channel in found.items() if name not in commands}
+        return {name: channel for name, channel in results.items() if name not in commands}
 
 
 def _longest(value: Array) -> tuple[int, int]:

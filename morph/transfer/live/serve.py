@@ -59,34 +59,34 @@ class Serve:
     """Fault: it does not say that it stopped."""
 
 
-def served(asked: Serve) -> Served:
+def served(requested: Serve) -> Served:
     """Return the body that is asked for, ready to be spoken with.
 
     Raises:
         MorphError: What is asked for is not there, or cannot be used.
     """
-    robot = load(asked.robot)
-    what = task(asked.task, robot)
+    robot = load(requested.robot)
+    what = task(requested.task, robot)
     late: tuple[Effect, ...] = ()
-    if asked.delay > 0.0:
-        late = tuple(ActuatorDelay(actuator=x.name, T=asked.delay) for x in robot.actuators)
-    acting = () if asked.effects is None else load_effects(asked.effects)
+    if requested.delay > 0.0:
+        late = tuple(ActuatorDelay(actuator=x.name, T=requested.delay) for x in robot.actuators)
+    acting = () if requested.effects is None else load_effects(requested.effects)
     faults = Faults(
-        unit=dict(_pair(each) for each in asked.unit),
-        rename=dict(_pair(each) for each in asked.rename),
-        frozen={name: float(at) for name, at in map(_pair, asked.frozen)},
-        lost={name: float(at) for name, at in map(_pair, asked.lost)},
-        dies=asked.dies,
-        hangs=asked.hangs,
-        skips=asked.skips,
-        rubbish=asked.rubbish,
-        deaf=asked.deaf,
+        unit=dict(_pair(each) for each in requested.unit),
+        rename=dict(_pair(each) for each in requested.rename),
+        frozen={name: float(at) for name, at in map(_pair, requested.frozen)},
+        lost={name: float(at) for name, at in map(_pair, requested.lost)},
+        dies=requested.dies,
+        hangs=requested.hangs,
+        skips=requested.skips,
+        rubbish=requested.rubbish,
+        deaf=requested.deaf,
     )
     return Served(
         task=what,
         simulator=what.simulator((*acting, *late)),
-        clock=asked.clock,
-        seed=asked.seed,
+        clock=requested.clock,
+        seed=requested.seed,
         faults=faults,
     )
 
@@ -100,9 +100,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Serve until the input ends, and return the exit status."""
     import tyro
 
-    asked = tyro.cli(Serve, args=argv, description=Serve.__doc__)
+    requested = tyro.cli(Serve, args=argv, description=Serve.__doc__)
     try:
-        served(asked).serve(sys.stdin.buffer.fileno(), sys.stdout.buffer.fileno())
+        served(requested).serve(sys.stdin.buffer.fileno(), sys.stdout.buffer.fileno())
     except MorphError as error:
         sys.stderr.write(f"error: {error}\n")
         return 2

@@ -101,12 +101,12 @@ class Served:
         try:
             self._send(hello_said(self._hello()))
             while True:
-                said = self._hear()
-                if "begin" in said:
-                    asked = said["begin"]
-                    trial = number(asked.get("trial")) if isinstance(asked, dict) else 0.0
+                statement = self._hear()
+                if "begin" in statement:
+                    requested = statement["begin"]
+                    trial = number(requested.get("trial")) if isinstance(requested, dict) else 0.0
                     self._trial(max(round(trial), 0) if math.isfinite(trial) else 0)
-                elif "stop" in said:
+                elif "stop" in statement:
                     self._confess()
         except Gone:
             return
@@ -174,14 +174,14 @@ class Served:
             # Whoever commanded is gone or stuck: nothing is safer than no command.
             self._command = np.zeros_like(self._command)
 
-    def _obey(self, said: Mapping[str, Any]) -> None:
-        if said.get("stop") is True:
+    def _obey(self, message: Mapping[str, Any]) -> None:
+        if message.get("stop") is True:
             raise Stopped
-        told = said.get("command")
-        if isinstance(told, dict):
+        command = message.get("command")
+        if isinstance(command, dict):
             self._heard = time.monotonic()
             names = [self._faults.rename.get(name, name) for name in self._actuators]
-            values = np.array([number(told.get(name)) for name in names])
+            values = np.array([number(command.get(name)) for name in names])
             self._command = np.nan_to_num(values)[None]
 
     def _state(self, q: Array, v: Array, noise: Array, now: float) -> None:
@@ -194,13 +194,13 @@ class Served:
         if faults.skips is not None and abs(now - faults.skips) < 0.5 * self._task.period:
             return
         state = np.concatenate([q, v])
-        said: dict[str, float | None] = {}
+        message: dict[str, float | None] = {}
         for name, at in self._at.items():
             reading = float(sensed(self._simulator.effects, name, state[at : at + 1])[0])
-            said[faults.rename.get(name, name)] = self._faulty(name, reading + noise[at], now)
+            message[faults.rename.get(name, name)] = self._faulty(name, reading + noise[at], now)
         if faults.rubbish:
             os.write(self._sink, RUBBISH[round(now / self._task.period) % len(RUBBISH)])
-        self._send({"t": now, "state": said})
+        self._send({"t": now, "state": message})
 
     def _faulty(self, name: str, reading: float, now: float) -> float | None:
         if name in self._faults.unit:
@@ -223,8 +223,8 @@ class Served:
             raise Gone
         return heard.said
 
-    def _send(self, said: Mapping[str, Any]) -> None:
-        line = line_of(said)
+    def _send(self, message: Mapping[str, Any]) -> None:
+        line = line_of(message)
         try:
             while line:
                 line = line[os.write(self._sink, line) :]

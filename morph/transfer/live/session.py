@@ -133,12 +133,12 @@ class TrialSession:
         missing = self._wiring.missing(q, v)
         if missing:
             raise Ended(f"{', '.join(missing)} is no finite number: a dead sensor")
-        said = number(heard.said["t"]) if "t" in heard.said else None
-        wrong = self.watcher.saw(np.concatenate([q, v]), said, heard.at)
+        statement = number(heard.said["t"]) if "t" in heard.said else None
+        wrong = self.watcher.saw(np.concatenate([q, v]), statement, heard.at)
         first = not self.position
         self.position.append(q)
         self.velocity.append(v)
-        self.time.append(heard.at if said is None or math.isnan(said) else said)
+        self.time.append(heard.at if statement is None or math.isnan(statement) else statement)
         self._came = heard.at
         wrong = wrong or (self._astray(q, v) if first else None)
         if wrong:
@@ -152,18 +152,18 @@ class TrialSession:
         at = len(self.position) - 1
         q, v = self.position[-1], self.velocity[-1]
         before = self.command[-1] if self.command else self._guard.rest(q)
-        asked = np.asarray(self._act(q, v, at), dtype=float)
-        if asked.shape != before.shape or not np.isfinite(asked).all():
-            raise Ended(f"the policy commands {asked.tolist()}, not a number for each actuator")
+        requested = np.asarray(self._act(q, v, at), dtype=float)
+        if requested.shape != before.shape or not np.isfinite(requested).all():
+            raise Ended(f"the policy commands {requested.tolist()}, not a number for each actuator")
         if self._behind() and self.command:
             self.overruns += 1
             self.command.append(before)
             return
-        told, held = self._guard.allowed(asked, before)
+        command, held = self._guard.allowed(requested, before)
         self.clipped += int(held.sum())
         self.commanded += 1
-        self._connection.tell(self._wiring.told(told))
-        self.command.append(told)
+        self._connection.tell(self._wiring.told(command))
+        self.command.append(command)
         self.slowest = max(self.slowest, time.monotonic() - self._came)
 
     def _behind(self) -> bool:

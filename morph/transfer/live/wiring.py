@@ -71,11 +71,11 @@ class Wiring:
         self.actuators = tuple(x.name for x in wanted.actuators)
         self.unused = tuple(x.name for x in hello.channels if x.name not in self._at)
 
-    def state(self, said: Mapping[str, Any]) -> tuple[Array, Array]:
+    def state(self, message: Mapping[str, Any]) -> tuple[Array, Array]:
         """Return `qpos` (nq,) and `qvel` (nv,); nan where the target says no finite number."""
         state = np.full(self._size, math.nan)
         for name, at in self._at.items():
-            state[at] = number(said.get(name))
+            state[at] = number(message.get(name))
         return state[: self._nq], state[self._nq :]
 
     def missing(self, position: Array, velocity: Array) -> list[str]:
@@ -89,10 +89,10 @@ class Wiring:
 
 
 def _match(
-    wanted: Sequence[Signal], found: Sequence[Signal], what: str, robot: Robot, where: str
+    wanted: Sequence[Signal], results: Sequence[Signal], what: str, robot: Robot, where: str
 ) -> None:
     """Refuse a target that lacks a signal of the body, or has it in another unit."""
-    given = {each.name: each.unit for each in found}
+    given = {each.name: each.unit for each in results}
     for each in wanted:
         if each.name not in given:
             raise TransferError(

@@ -33,7 +33,7 @@ def within(task: Task, limits: Limits) -> Task:
     LimitGuard(limits, robot, simulator.model, task.period)
     low, high = bounds_of(simulator)
     spec = bare_spec(robot)
-    said = []
+    lines = []
     for at, action in enumerate(actions_of(robot)):
         least, most = limits.command.get(action.actuator, (-np.inf, np.inf))
         least, most = max(least, float(low[at])), min(most, float(high[at]))
@@ -47,8 +47,8 @@ def within(task: Task, limits: Limits) -> Task:
             )
         actuator = spec.actuator(action.actuator)
         actuator.ctrllimited, actuator.ctrlrange = True, (least, most)
-        said.append(f"{action.actuator} in {least:g}..{most:g}")
-    if not said:
+        lines.append(f"{action.actuator} in {least:g}..{most:g}")
+    if not lines:
         return task
-    name = "+".join((robot.name, *said))
+    name = "+".join((robot.name, *lines))
     return replace(task, robot=edited(robot, spec, name, robot.sha256))

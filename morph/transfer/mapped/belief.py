@@ -50,14 +50,14 @@ class LinearPosterior:
         """Covariance of the numbers of (A, B), between rows and numbers: (n, n+nu, n, n+nu)."""
         half, width = self.law.shape
         speeds = self.cover.reshape(half, width, half, width) * self.period**2
-        found = np.zeros((2 * half, width, 2 * half, width))
-        found[half:, :, half:] = speeds
-        found[:half, :, half:] = 0.5 * self.period * speeds
-        found[half:, :, :half] = 0.5 * self.period * speeds
-        found[:half, :, :half] = 0.25 * self.period**2 * speeds
+        result = np.zeros((2 * half, width, 2 * half, width))
+        result[half:, :, half:] = speeds
+        result[:half, :, half:] = 0.5 * self.period * speeds
+        result[half:, :, :half] = 0.5 * self.period * speeds
+        result[:half, :, :half] = 0.25 * self.period**2 * speeds
         if self.slip_cover is not None:
-            found[:half, :, :half] += self.slip_cover.reshape(half, width, half, width)
-        return found
+            result[:half, :, :half] += self.slip_cover.reshape(half, width, half, width)
+        return result
 
     def drawn(self, count: int, rng: np.random.Generator) -> Array:
         """Return so many (A, B) drawn from it, shape (count, n, n + nu)."""
@@ -79,9 +79,9 @@ def read(body: Body) -> Array:
     """Return (A, B) of a body whose simulator is ours, by its steps, shape (n, n + nu)."""
     if body.sight is not None:
         back = np.linalg.pinv(body.sight)
-        law, told = body.linear
-        told = told if body.together is None else told @ body.together
-        return np.hstack([body.sight @ law @ back, body.sight @ told])
+        law, command = body.linear
+        command = command if body.together is None else command @ body.together
+        return np.hstack([body.sight @ law @ back, body.sight @ command])
     n, k = body.size, len(body.bounds[0])
     move = np.concatenate([np.eye(n + k), -np.eye(n + k)]) * STEP
     after = body.step(move[:, :n], move[:, n:])
@@ -96,10 +96,10 @@ def carried(source: Body, seen_as: AffineMap, target: Body) -> Array:
     """
     known = read(source)
     half_s, half_t = source.size // 2, target.size // 2
-    law, told = known[half_s:, : source.size], known[half_s:, source.size :]
+    law, command = known[half_s:, : source.size], known[half_s:, source.size :]
     rise = law - np.eye(source.size)[half_s:]
-    state = rise @ seen_as.state_law + told @ seen_as.read_state
-    rows = np.hstack([state, told @ seen_as.read_law]) / source.task.period
+    state = rise @ seen_as.state_law + command @ seen_as.read_state
+    rows = np.hstack([state, command @ seen_as.read_law]) / source.task.period
     back = np.linalg.pinv(seen_as.state_law[half_s:, half_t:], rcond=1e-6)
     return np.asarray(back @ rows)
 
@@ -137,11 +137,11 @@ def learned(seen: Transitions, before: Array | None, target: Body) -> LinearPost
             _row(x, rise[:, row], period * each * unit, mine, noise)
             for each in (mean[row], np.zeros(n + k))[: 1 if before is None else 2]
         ]
-        found, doubt, _ = max(fits, key=lambda fit: fit[2])
-        law[row] = found / unit / period
+        result, doubt, _ = max(fits, key=lambda fit: fit[2])
+        law[row] = result / unit / period
         cover[row, :, row] = doubt / np.outer(unit, unit) / period**2
-        found, doubt, _ = _row(x, slipped[:, row], np.zeros(n + k), np.eye(n)[row], noise, SMALL)
-        slip[row] = found / unit
+        result, doubt, _ = _row(x, slipped[:, row], np.zeros(n + k), np.eye(n)[row], noise, SMALL)
+        slip[row] = result / unit
         slip_cover[row, :, row] = doubt / np.outer(unit, unit)
     size = half * (n + k)
     return LinearPosterior(

@@ -75,9 +75,9 @@ def cautious(believed: LinearPosterior, target: Body) -> Array:
     paid = np.zeros((width, width))
     paid[:n, :n], paid[n:, n:] = Q, R
     for share in DOUBTS:
-        found = _iterated(step, share * doubt, paid)
-        if found is not None:
-            return found
+        result = _iterated(step, share * doubt, paid)
+        if result is not None:
+            return result
     return plain(step, target)
 
 

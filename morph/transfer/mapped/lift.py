@@ -28,8 +28,8 @@ def lift(source: Body, target: Body, seen: Transitions) -> AffineMap:
     x = np.hstack([seen.state, seen.command]) / unit
     source_u = wanted @ np.linalg.pinv(source_told).T
     weak = np.eye(n + k) * (1e-4 * len(x))
-    told = np.linalg.solve(x.T @ x + weak, x.T @ source_u).T / unit
-    read_state, read_law = told[:, :n], told[:, n:]
+    command = np.linalg.solve(x.T @ x + weak, x.T @ source_u).T / unit
+    read_state, read_law = command[:, :n], command[:, n:]
     span = _span(target)
     back = span[:, None] * np.linalg.pinv(read_law * span, rcond=1e-8)
     return AffineMap(
@@ -65,8 +65,8 @@ def quality_of(seen_as: BodyMap, source: Body, seen: Transitions) -> Mapping[str
     """Return how well a map goes there and back, and agrees with the source; 1 at best."""
     x = seen_as.state(seen.state)
     again = seen_as.state(seen_as.state_back(x))
-    law, told = np.hsplit(read(source), [source.size])
-    after = x @ law.T + seen_as.action_back(seen.state, seen.command) @ told.T
+    law, command = np.hsplit(read(source), [source.size])
+    after = x @ law.T + seen_as.action_back(seen.state, seen.command) @ command.T
     true = seen_as.state(seen.after)
     change = np.square(true - x).sum()
     return {

@@ -39,12 +39,12 @@ def drawn(parts: Parts, source: str, target: str) -> tuple[tuple[str, Markup], .
         target: What the target is called.
     """
     states = tuple(_turned(each) for each in parts.states)
-    found = (
+    results = (
         (f"{target} is seen as {source}", _svg(states, source, target, leftward=True)),
         (f"{target} is told for {source}", _svg(parts.commands, source, target, leftward=False)),
     )
     arrows = (parts.states, parts.commands)
-    return tuple(each for each, there in zip(found, arrows, strict=True) if there)
+    return tuple(each for each, there in zip(results, arrows, strict=True) if there)
 
 
 def _turned(arrow: Arrow) -> Arrow:

@@ -13,14 +13,14 @@ RECORD, REPORT = "align.json", "report.html"
 """What an alignment writes beside its map."""
 
 
-def write_align(found: Aligned, out: Path) -> None:
+def write_align(result: Aligned, out: Path) -> None:
     """Write the map, the report and the record.
 
     Raises:
         OutputError: The folder cannot be written to.
     """
     # Made before anything is written: what fails here leaves nothing behind.
-    page, text = align_page(found), found.text()
-    write_map(out / MAP, found.map)
+    page, text = align_page(result), result.text()
+    write_map(out / MAP, result.map)
     write_whole(out / REPORT, page)
     write_whole(out / RECORD, text)

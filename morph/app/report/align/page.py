@@ -18,20 +18,20 @@ Table = tuple[str, tuple[str, str], list[tuple[str, str]]]
 """Title, heads and rows of a table of arrows."""
 
 
-def align_page(found: Aligned) -> str:
+def align_page(result: Aligned) -> str:
     """Return the report as one HTML page."""
-    source, target = found.source.body, found.target.body
+    source, target = result.source.body, result.target.body
     return environment(FOLDER).get_template("page.html.j2").render(
-        o=found,
+        o=result,
         policy=POLICY,
         style=Markup(style()),
-        headline=words.headline(found),
-        summary=words.summary(found),
-        drawn=arrows.drawn(found.parts, source, target),
-        tables=tables(found.parts, source, target),
-        lost=words.lost_said(found.parts, target),
-        quality=words.quality_rows(found.quality),
-        provenance=_provenance(found),
+        headline=words.headline(result),
+        summary=words.summary(result),
+        drawn=arrows.drawn(result.parts, source, target),
+        tables=tables(result.parts, source, target),
+        lost=words.lost_said(result.parts, target),
+        quality=words.quality_rows(result.quality),
+        provenance=_provenance(result),
     )  # fmt: skip
 
 
@@ -53,6 +53,6 @@ def tables(parts: Parts, source: str, target: str) -> list[Table]:
     ]
 
 
-def _provenance(found: Aligned) -> list[tuple[str, str]]:
-    made = found.said()["provenance"]
+def _provenance(result: Aligned) -> list[tuple[str, str]]:
+    made = result.said()["provenance"]
     return [("morph", made["morph"]), ("mujoco", made["mujoco"]), *sorted(made["inputs"].items())]

@@ -33,21 +33,21 @@ VERDICTS: Mapping[str, str] = {
 """What is said of the guard's verdicts."""
 
 
-def headline(found: Aligned) -> str:
+def headline(result: Aligned) -> str:
     """Return what was found."""
-    return f"{found.target.body} is seen as {found.source.body}"
+    return f"{result.target.body} is seen as {result.source.body}"
 
 
-def summary(found: Aligned) -> tuple[str, ...]:
+def summary(result: Aligned) -> tuple[str, ...]:
     """Return in a few sentences how the map was learned and what is thought of it."""
-    here, there = found.samples
+    here, there = result.samples
     lines = [
-        f"The map {found.mapper} was learned from {counted(there, 'transition', 'transitions')} "
-        f"of {found.target.body} and {here} of {found.source.body}.",
-        guard_said(found.guard),
+        f"The map {result.mapper} was learned from {counted(there, 'transition', 'transitions')} "
+        f"of {result.target.body} and {here} of {result.source.body}.",
+        guard_said(result.guard),
     ]
-    if found.why:
-        lines.append(f"{found.why[:1].upper()}{found.why[1:].rstrip('.')}.")
+    if result.why:
+        lines.append(f"{result.why[:1].upper()}{result.why[1:].rstrip('.')}.")
     return tuple(lines)
 
 

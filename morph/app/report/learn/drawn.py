@@ -117,12 +117,12 @@ def _bands(outcome: LearnOutcome, joint: Joint, column: int) -> Iterator[GoalBan
     end = float(moved.time[-1])
     last = float(moved.position[outcome.judged.typical, -1, column])
     for goal in outcome.task.goals:
-        asked = goal.quantity
-        alone = isinstance(asked, AngleSum) and asked.joints == (joint.name,)
+        requested = goal.quantity
+        alone = isinstance(requested, AngleSum) and requested.joints == (joint.name,)
         if not math.isfinite(goal.within) or goal.beyond:
             continue
-        if alone or (isinstance(asked, JointPositions) and joint.name in asked.joints):
-            at = 0 if alone else getattr(asked, "joints", ()).index(joint.name)
+        if alone or (isinstance(requested, JointPositions) and joint.name in requested.joints):
+            at = 0 if alone else getattr(requested, "joints", ()).index(joint.name)
             middle = goal.target[at]
             if joint.kind == "hinge":
                 # Upright is upright after any number of turns: the band lies at the nearest.

@@ -88,13 +88,13 @@ def foretold(outcome: LoopOutcome, number: int) -> tuple[TrialPrediction, ...]:
     if outcome.repair is not None:
         after = predicted(outcome.repair.model.simulator, run, states)
     model: Any = described.model
-    found: list[TrialPrediction] = []
+    results: list[TrialPrediction] = []
     for joint in task.robot.joints:
-        if joint.kind not in {"hinge", "slide"} or len(found) == MOST_PLOTS:
+        if joint.kind not in {"hinge", "slide"} or len(results) == MOST_PLOTS:
             continue
         at = int(model.joint(joint.name).qposadr[0])
-        found.append(_joint(run, at, (before, after), f"{joint.name}, {joint.unit}", joint.unit))
-    return tuple(found)
+        results.append(_joint(run, at, (before, after), f"{joint.name}, {joint.unit}", joint.unit))
+    return tuple(results)
 
 
 def _joint(

@@ -56,9 +56,9 @@ def named(repair: Repair) -> TaskModel:
     """Return a repaired model without what no name explains, with the figures found without it."""
     if repair.learned is None:
         return repair.model
-    found, own = repair.explained, len(repair.task.effects)
-    there = replace(task_for(repair.task, found.robot), effects=found.effects[:own])
-    return TaskModel(task=there, effects=found.effects[own:])
+    result, own = repair.explained, len(repair.task.effects)
+    there = replace(task_for(repair.task, result.robot), effects=result.effects[:own])
+    return TaskModel(task=there, effects=result.effects[own:])
 
 
 def write_corrected(model: TaskModel, out: Path) -> None:

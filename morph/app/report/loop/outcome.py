@@ -141,10 +141,10 @@ class LoopOutcome:
         """Return what was concealed, beside what was found of it; None if nothing was."""
         if not self.concealed:
             return None
-        found = {each.name: each for each in self.differences}
+        results = {each.name: each for each in self.differences}
         rows = []
         for name, value in self.concealed.items():
-            one = found.pop(name, None)
+            one = results.pop(name, None)
             rows.append(
                 {
                     "name": name,
@@ -154,4 +154,4 @@ class LoopOutcome:
                     "high90": None if one is None else one.high90,
                 }
             )
-        return {"seed": self.sealed, "concealed": rows, "more": list(found)}
+        return {"seed": self.sealed, "concealed": rows, "more": list(results)}

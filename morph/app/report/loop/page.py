@@ -139,12 +139,12 @@ def _foretold(outcome: LoopOutcome) -> list[JSON]:
 
 def _error(each: drawn.TrialPrediction) -> str:
     pairs = (("as described", each.described), ("repaired", each.repaired))
-    told = [
+    lines = [
         f"{number(value) if np.isfinite(value) else 'without bound'} {each.unit} {name}"
         for name, value in pairs
         if value is not None
     ]
-    return f"Error: {', '.join(told)}." if told else "No model can run here."
+    return f"Error: {', '.join(lines)}." if lines else "No model can run here."
 
 
 def _provenance(record: JSON) -> list[tuple[str, str]]:

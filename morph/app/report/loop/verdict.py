@@ -59,12 +59,12 @@ def _tried(outcome: LoopOutcome) -> str:
     trials = words.trials_said(len(outcome.runs), outcome.experience)
     seconds = 0.0 if outcome.transferred is None else outcome.transferred.seconds
     if kept is not first:
-        said = f"In {trials} the loss went from {number(first.loss)} to {number(kept.loss)}"
+        text = f"In {trials} the loss went from {number(first.loss)} to {number(kept.loss)}"
     elif len(outcome.runs) == 1:
-        said = f"In {trials} the source's policy cost {number(first.loss)}"
+        text = f"In {trials} the source's policy cost {number(first.loss)}"
     else:
-        said = f"Of {trials} that of the source's policy was the best, at {number(first.loss)}"
-    return f"{said}; computing took {number(seconds)} s."
+        text = f"Of {trials} that of the source's policy was the best, at {number(first.loss)}"
+    return f"{text}; computing took {number(seconds)} s."
 
 
 def _oracle(outcome: LoopOutcome) -> str:
@@ -73,8 +73,8 @@ def _oracle(outcome: LoopOutcome) -> str:
         return ""
     if judged.best != SEARCHED:
         return ", and none that was searched on its true parameters does better than " + judged.best
-    found = f"{number(judged.oracle.mean)} ({percent(judged.oracle.share)})"
-    return f", and one that is searched on its true parameters {found}"
+    text = f"{number(judged.oracle.mean)} ({percent(judged.oracle.share)})"
+    return f", and one that is searched on its true parameters {text}"
 
 
 def rivals_said(outcome: LoopOutcome) -> tuple[str, ...]:
@@ -82,8 +82,8 @@ def rivals_said(outcome: LoopOutcome) -> tuple[str, ...]:
     if outcome.repair is None or not outcome.repair.explained.rivals:
         return ()
     (first, share), *others = outcome.repair.explained.rivals
-    said = f"most probable: {first} ({percent(share)})"
-    return (f"{said}; then {others[0][0]} ({percent(others[0][1])})" if others else said,)
+    text = f"most probable: {first} ({percent(share)})"
+    return (f"{text}; then {others[0][0]} ({percent(others[0][1])})" if others else text,)
 
 
 def sealed_rows(outcome: LoopOutcome) -> list[JSON]:
@@ -95,11 +95,11 @@ def sealed_rows(outcome: LoopOutcome) -> list[JSON]:
     for each in opened["concealed"]:
         name, value = each["name"], each["value"]
         row = {"truth": words.truth(name, value, outcome.task.robot), "found": "", "interval": ""}
-        found = _found(name, value, outcome)
-        if found is None:
+        result = _found(name, value, outcome)
+        if result is None:
             rows.append({**row, "verdict": _missed(name, outcome)})
             continue
-        difference, verdict = found
+        difference, verdict = result
         middle, low, high = words.told(difference)
         interval = f"{low} to {high}" if low else ""
         rows.append({**row, "found": middle, "interval": interval, "verdict": verdict})
@@ -126,14 +126,14 @@ def beyond(outcome: LoopOutcome) -> tuple[str, ...]:
     return tuple(name for name in opened["more"] if name.rpartition(":")[0] not in same)
 
 
-def _verdict(value: float, found: Difference) -> str:
+def _verdict(value: float, result: Difference) -> str:
     """Return whether a difference that is named was found."""
-    if "@" in found.name and _neutral(found.name) == 0.0:
+    if "@" in result.name and _neutral(result.name) == 0.0:
         sign = -1.0 if value < 0.0 else 1.0
-        if found.value * sign < FAINT * abs(value):
+        if result.value * sign < FAINT * abs(value):
             # An interval that holds the truth may hold nothing at all as well.
             return "not found"
-    return "found" if found.low90 <= value <= found.high90 else "found, outside the interval"
+    return "found" if result.low90 <= value <= result.high90 else "found, outside the interval"
 
 
 def _neutral(name: str) -> float | None:

@@ -42,23 +42,23 @@ ORIGINS: Mapping[str, str] = {
 """Where a policy comes from."""
 
 
-def differences(found: Iterable[Difference], robot: Robot) -> tuple[str, ...]:
+def differences(results: Iterable[Difference], robot: Robot) -> tuple[str, ...]:
     """Return what differs: a sentence for each figure and each effect, without a full stop."""
-    said: list[str] = []
+    lines: list[str] = []
     effects: dict[str, list[Difference]] = {}
-    for each in found:
+    for each in results:
         label, colon, _ = each.name.rpartition(":")
         if "@" in label and colon:
             effects.setdefault(label, []).append(each)
         else:
-            said.append(figure(each))
-    return (*said, *(_effect(label, parts, robot) for label, parts in effects.items()))
+            lines.append(figure(each))
+    return (*lines, *(_effect(label, parts, robot) for label, parts in effects.items()))
 
 
-def figure(found: Difference) -> str:
+def figure(result: Difference) -> str:
     """Return by what factor a figure of the description is off."""
-    what, _, part = found.name.partition(":")
-    factor, low, high = told(found)
+    what, _, part = result.name.partition(":")
+    factor, low, high = told(result)
     sentence = FIGURES.get(what, "the {what} of {part} is {factor} times what is described")
     between = f" ({low} to {high})" if low else ""
     return sentence.format(what=what, part=part, factor=factor) + between
@@ -85,19 +85,19 @@ def unit_of(known: Parameter, where: str, robot: Robot) -> str:
     return "" if unit == "-" else f" {unit}"
 
 
-def told(found: Difference) -> tuple[str, str, str]:
+def told(result: Difference) -> tuple[str, str, str]:
     """Return a value and the ends of its interval with digits that tell the ends apart.
 
     The ends are empty where there is no interval.
     """
-    half = 0.5 * (found.high90 - found.low90)
+    half = 0.5 * (result.high90 - result.low90)
     if not (math.isfinite(half) and half > 0.0):
-        return f"{found.value:.3g}", "", ""
+        return f"{result.value:.3g}", "", ""
     decimals = min(max(0, math.ceil(-math.log10(half))), 8)
     return (
-        f"{found.value:.{decimals}f}",
-        f"{found.low90:.{decimals}f}",
-        f"{found.high90:.{decimals}f}",
+        f"{result.value:.{decimals}f}",
+        f"{result.low90:.{decimals}f}",
+        f"{result.high90:.{decimals}f}",
     )
 
 
@@ -107,9 +107,9 @@ def truth(name: str, value: float, robot: Robot) -> str:
     return differences([exact], robot)[0].replace(" was left out", " acts")
 
 
-def listed(said: Sequence[str]) -> str:
+def listed(lines: Sequence[str]) -> str:
     """Return sentences joined into one."""
-    return "; ".join(said) if said else "nothing that the trials can tell"
+    return "; ".join(lines) if lines else "nothing that the trials can tell"
 
 
 def promised(foreseen: PredictedReturn | None) -> str:

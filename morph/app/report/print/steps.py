@@ -52,12 +52,12 @@ def steps(package: Package, sliced: Collection[str] = ()) -> list[PrintStep]:
     """
     job = package.job
     plates = [plate for plate in job.plates if not _tries(plate)]
-    found = []
+    results = []
     mend = refusals(package)
     if mend:
         lies = " Refused parts lie in refused/, and on no plate." if job.refused else ""
         none = "" if plates else " Before that, nothing can be printed."
-        found.append(
+        results.append(
             PrintStep(
                 what=f"Mend {counted(len(mend), 'thing')} and make the package anew",
                 how=f"What and why is below.{lies}{none}",
@@ -65,7 +65,7 @@ def steps(package: Package, sliced: Collection[str] = ()) -> list[PrintStep]:
         )
     if len(plates) < len(job.plates):
         play = job.profile.clearance_mm
-        found.append(
+        results.append(
             PrintStep(
                 what="Print the gauges and try in them what you bought",
                 how=f"These parts leave a play of {play:g} mm on each side. If another notch of "
@@ -74,16 +74,16 @@ def steps(package: Package, sliced: Collection[str] = ()) -> list[PrintStep]:
             )
         )
     if plates:
-        found.append(_printing(job, plates, sliced))
-        found.append(
+        results.append(_printing(job, plates, sliced))
+        results.append(
             PrintStep(
                 what="Buy the rest and put it together",
                 how="bom.csv counts what is bought; assembly.html shows each step.",
             )
         )
-        found.append(_weighing(package))
-    found.append(_using(package))
-    return found
+        results.append(_weighing(package))
+    results.append(_using(package))
+    return results
 
 
 def _printing(job: Job, plates: Sequence[Plate], sliced: Collection[str]) -> PrintStep:
@@ -158,10 +158,10 @@ def _row(plate: Plate, job: Job, sliced: bool) -> PlateRow:
 
 def advised(checks: Iterable[Check]) -> list[Advice]:
     """Return checks together that ask for the same, in the order in which they come."""
-    found: dict[str, list[Check]] = {}
+    results: dict[str, list[Check]] = {}
     for check in checks:
-        found.setdefault(check.fix, []).append(check)
-    return [Advice(fix=fix, checks=tuple(each)) for fix, each in found.items()]
+        results.setdefault(check.fix, []).append(check)
+    return [Advice(fix=fix, checks=tuple(each)) for fix, each in results.items()]
 
 
 def _tries(plate: Plate) -> bool:

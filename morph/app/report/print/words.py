@@ -70,8 +70,8 @@ def headline(package: Package) -> str:
     if not parts:
         return f"No part of {package.title} can be printed"
     copies = sum(part.count for part in parts)
-    said = f"{package.title}: {counted(copies, 'part')} to print"
-    return f"{said}, {counted(refused, 'thing')} refused" if refused else said
+    text = f"{package.title}: {counted(copies, 'part')} to print"
+    return f"{text}, {counted(refused, 'thing')} refused" if refused else text
 
 
 def refusals(package: Package) -> tuple[str, ...]:
@@ -86,17 +86,17 @@ def summary(package: Package) -> list[str]:
     plates = [plate for plate in job.plates if plate.name.startswith("plate")]
     sources = {sliced.source for sliced in job.sliced.values()}
     how = "sliced" if "gcode" in sources else "estimated without a slicer"
-    said = []
+    lines = []
     if job.sliced:
-        said.append(
+        lines.append(
             f"{job.grams:.0f} g of {job.profile.material.name.upper()} on "
             f"{counted(len(plates), 'plate')} of the {job.profile.printer.title}, "
             f"{hours(job.seconds)} in all, {how}."
         )
-    said.append(_known(package))
+    lines.append(_known(package))
     if package.policy is not None:
-        said.append(package.policy.what)
-    return said
+        lines.append(package.policy.what)
+    return lines
 
 
 def _known(package: Package) -> str:

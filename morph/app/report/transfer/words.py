@@ -63,9 +63,9 @@ def summary(record: RelayRecord) -> tuple[str, ...]:
     """Return in a few sentences what was reached, what it took, and what it was worth."""
     last = record.hops[-1]
     final = last.scores["final"]
-    told = "cannot be told from holding still" if final is None else f"has {share(final)}"
+    given = "cannot be told from holding still" if final is None else f"has {share(final)}"
     lines = [
-        f"On {last.target} the policy {told} of what the oracle gains over holding still. "
+        f"On {last.target} the policy {given} of what the oracle gains over holding still. "
         f"It took {record.samples} transitions over {counted(len(record.hops), 'hop', 'hops')}."
         if final is not None
         else f"On {last.target} the oracle is no better than holding still: nothing was gained.",
@@ -95,16 +95,16 @@ def credit(hop: Crossing) -> str:
     by = {name: _beyond(hop, name, ours) for name in CONTROLS if name in hop.measured}
     better = [NAMED[name] for name, more in by.items() if more > EQUAL]
     equal = [NAMED[name] for name, more in by.items() if -EQUAL <= more <= EQUAL]
-    found = [
+    results = [
         f"{_listed(names)} {'is' if len(names) == 1 else 'are'} {how}"
         for names, how in ((better, "better"), (equal, "as good"))
         if names
     ]
-    if not found:
+    if not results:
         return ""
     return (
         f"At {hop.target} the source gains nothing with {hop.samples} transitions: "
-        f"{'; '.join(found)}."
+        f"{'; '.join(results)}."
     )
 
 
@@ -151,9 +151,9 @@ def _took(hop: Crossing, name: str, ours: int) -> str:
 def hop_said(number: int, hop: Crossing) -> str:
     """Return one line about a hop that has ended."""
     final, zero = hop.scores["final"], hop.scores["zero_shot"]
-    told = "" if zero is None else f", through the map {zero:.2f}"
-    told += "" if final is None else f", made anew {final:.2f}"
+    given = "" if zero is None else f", through the map {zero:.2f}"
+    given += "" if final is None else f", made anew {final:.2f}"
     return (
-        f"hop {number}: {hop.source} to {hop.target}: {hop.samples} transitions{told}; "
+        f"hop {number}: {hop.source} to {hop.target}: {hop.samples} transitions{given}; "
         f"{hop.guard.verdict}"
     )

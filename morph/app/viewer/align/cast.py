@@ -53,16 +53,16 @@ def cast(story: Story, robots: Sequence[Robot]) -> tuple[ChainPlayer, ...]:
     """
     known: dict[tuple[str, str | None], ChainPlayer] = {}
     players = []
-    asked = story.asked if len(story.asked) == len(story.chain) else ("",) * len(story.chain)
-    for name, word in zip(story.chain, asked, strict=True):
+    requested = story.asked if len(story.asked) == len(story.chain) else ("",) * len(story.chain)
+    for name, word in zip(story.chain, requested, strict=True):
         if (name, word) not in known:
             known[name, word] = _player(name, word, story, robots)
         players.append(known[name, word])
     return tuple(players)
 
 
-def _player(name: str, asked: str | None, story: Story, robots: Sequence[Robot]) -> ChainPlayer:
-    if asked is None:
+def _player(name: str, requested: str | None, story: Story, robots: Sequence[Robot]) -> ChainPlayer:
+    if requested is None:
         return ChainPlayer(
             name=name,
             figure=None,
@@ -70,7 +70,7 @@ def _player(name: str, asked: str | None, story: Story, robots: Sequence[Robot])
             notes=(f"{name} was only recorded: there is no body of it to draw",),
         )
     try:
-        robot, feet, board = _found(name, asked, _by_hash(name, story, robots))
+        robot, feet, board = _found(name, requested, _by_hash(name, story, robots))
     except MorphError as error:
         return ChainPlayer(name=name, figure=None, body=None, notes=(_unknown(name, story, error),))
     try:
@@ -90,21 +90,21 @@ def _player(name: str, asked: str | None, story: Story, robots: Sequence[Robot])
 
 
 def _found(
-    name: str, asked: str, robots: Sequence[Robot]
+    name: str, requested: str, robots: Sequence[Robot]
 ) -> tuple[Robot, tuple[str, str] | None, str | None]:
     """Return a robot, and if it rides a board its feet and how the board rolls.
 
     Raises:
         MorphError: There is none.
     """
-    rider = RIDERS.get(asked)
+    rider = RIDERS.get(requested)
     if rider is not None:
         return _named(rider.robot, robots), rider.feet, rider.board
     bare, _, board = name.partition("+board(")
     if not board:
-        return _named(name, robots, asked), None, None
+        return _named(name, robots, requested), None, None
     # ROBOT@BOARD:LEFT,RIGHT, as `morph transfer` is told it.
-    place, _, how = asked.rpartition("@")
+    place, _, how = requested.rpartition("@")
     left, _, right = how.partition(":")[2].partition(",")
     feet = (left, right) if left and right else FEET
     return _named(bare, robots, place), feet, board.rstrip(")")
@@ -119,15 +119,15 @@ def _hash(robot: Robot) -> str:
     return robot.sha256 or sha256(robot.mjcf)
 
 
-def _named(name: str, robots: Sequence[Robot], asked: str = "") -> Robot:
+def _named(name: str, robots: Sequence[Robot], requested: str = "") -> Robot:
     for robot in robots:
         if robot.name == name:
             return robot
     # Only a name of the shelf is looked up; anything else of a record could be any path.
-    if asked in shelf.names():
-        found = load(shelf.find(asked))
-        if found.name == name:
-            return found
+    if requested in shelf.names():
+        result = load(shelf.find(requested))
+        if result.name == name:
+            return result
     return load(shelf.find(name))
 
 

@@ -33,24 +33,26 @@ class AlignChoices:
         return dict(vars(self))
 
 
-def choices_of(said: JSON, hops: int) -> AlignChoices:
-    """Return what an earlier `said` held, for a story of so many hops.
+def choices_of(document: JSON, hops: int) -> AlignChoices:
+    """Return what an earlier `document` held, for a story of so many hops.
 
     Raises:
         ViewError: It is something else, or of another story.
     """
     names = AlignChoices.__dataclass_fields__
-    if not isinstance(said, dict) or set(said) != set(names):
-        raise _refused(f"it holds {most_of(said)}, and needs {', '.join(names)}")
+    if not isinstance(document, dict) or set(document) != set(names):
+        raise _refused(f"it holds {most_of(document)}, and needs {', '.join(names)}")
     for name, kind in (("hop", int), ("way", str), ("sort", str), ("part", str), ("large", bool)):
         # True is an int to Python.
-        if not isinstance(said[name], kind) or (kind is int and isinstance(said[name], bool)):
-            raise _refused(f"{name} is {most_of(said[name])}")
-    if not 0 <= said["hop"] <= hops:
-        raise _refused(f"hop is {said['hop']}, and there are {hops} hops")
-    if said["sort"] not in SORTS:
-        raise _refused(f"sort is {most_of(said['sort'])}, not {' or '.join(SORTS)}")
-    return AlignChoices(**said)
+        if not isinstance(document[name], kind) or (
+            kind is int and isinstance(document[name], bool)
+        ):
+            raise _refused(f"{name} is {most_of(document[name])}")
+    if not 0 <= document["hop"] <= hops:
+        raise _refused(f"hop is {document['hop']}, and there are {hops} hops")
+    if document["sort"] not in SORTS:
+        raise _refused(f"sort is {most_of(document['sort'])}, not {' or '.join(SORTS)}")
+    return AlignChoices(**document)
 
 
 def _refused(what: str) -> ViewError:

@@ -37,9 +37,9 @@ def law(
         at: Number of the body, which must have a simulation.
     """
     body, name = moving(players[at]), players[at].name
-    found = kept(story, body, at)
-    if found is not None:
-        return linear_law(*found), f"{name} moves by the policy that was made for it"
+    result = kept(story, body, at)
+    if result is not None:
+        return linear_law(*result), f"{name} moves by the policy that was made for it"
     if at == len(players) - 1 and story.policy is not None:
         try:
             carried = law_of(body, load_policy(story.policy, body.task.robot))

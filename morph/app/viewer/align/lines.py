@@ -33,13 +33,13 @@ def label(arrow: Arrow) -> str:
     return f"{arrow.begin} → {arrow.end}"
 
 
-def arrows(told: Told, sort: str) -> tuple[Arrow, ...]:
+def arrows(content: Told, sort: str) -> tuple[Arrow, ...]:
     """Return the arrows of one sort, the source's part first and the target's second."""
     if sort == COMMANDS:
-        return told.parts.commands
+        return content.parts.commands
     # A state of the source is made of the target's; read from left to right it goes the other way.
     return tuple(
-        Arrow(begin=each.end, end=each.begin, weight=each.weight) for each in told.parts.states
+        Arrow(begin=each.end, end=each.begin, weight=each.weight) for each in content.parts.states
     )
 
 
@@ -47,12 +47,12 @@ def links(player: ChainPlayer, sort: str) -> Mapping[str, tuple[str, ...]]:
     """Return which links the numbers of a body are about, by what they are called."""
     if player.body is None or player.figure is None:
         return {}
-    found, called = parts_of(player.body), spoken(player.body)
-    which = found.commands if sort == COMMANDS else found.states
+    result, called = parts_of(player.body), spoken(player.body)
+    which = result.commands if sort == COMMANDS else result.states
     return {called.get(name, name): links for name, links in which.items()}
 
 
-def called(told: Told, source: ChainPlayer, target: ChainPlayer) -> Told:
+def called(content: Told, source: ChainPlayer, target: ChainPlayer) -> Told:
     """Return a hop whose groups and readings are called with the links that they are about."""
     here, there = ({} if each.body is None else spoken(each.body) for each in (source, target))
 
@@ -61,16 +61,16 @@ def called(told: Told, source: ChainPlayer, target: ChainPlayer) -> Told:
         return replace(each, begin=begin, end=end)
 
     parts = replace(
-        told.parts,
-        states=tuple(arrow(each, there, here) for each in told.parts.states),
-        commands=tuple(arrow(each, here, there) for each in told.parts.commands),
-        lost=tuple(there.get(name, name) for name in told.parts.lost),
+        content.parts,
+        states=tuple(arrow(each, there, here) for each in content.parts.states),
+        commands=tuple(arrow(each, here, there) for each in content.parts.commands),
+        lost=tuple(there.get(name, name) for name in content.parts.lost),
     )
-    return replace(told, parts=parts)
+    return replace(content, parts=parts)
 
 
 def ties(
-    told: Told,
+    content: Told,
     players: tuple[ChainPlayer, ChainPlayer],
     actors: tuple[int, int],
     sort: str,
@@ -79,31 +79,31 @@ def ties(
     """Return the lines of a hop.
 
     Args:
-        told: The hop.
+        content: The hop.
         players: Source and target.
         actors: Their numbers among the actors.
         sort: Which of the two sorts.
         chosen: Label of the arrow that is pointed at; empty for none.
     """
     here, there = (links(player, sort) for player in players)
-    found: list[Tie] = []
-    for arrow in arrows(told, sort):
+    results: list[Tie] = []
+    for arrow in arrows(content, sort):
         faint = bool(chosen) and label(arrow) != chosen
         for source, target in product(here.get(arrow.begin, ()), there.get(arrow.end, ())):
             tie = _tie(players, actors, (source, target), arrow, faint=faint)
-            found += [] if tie is None else [tie]
-    return tuple(found[:MOST])
+            results += [] if tie is None else [tie]
+    return tuple(results[:MOST])
 
 
-def unplaced(told: Told, players: tuple[ChainPlayer, ChainPlayer]) -> tuple[str, ...]:
+def unplaced(content: Told, players: tuple[ChainPlayer, ChainPlayer]) -> tuple[str, ...]:
     """Return the parts of a hop's arrows that its bodies do not have."""
-    found: list[str] = []
+    results: list[str] = []
     for sort in (STATES, COMMANDS):
         here, there = (links(player, sort) for player in players)
-        for arrow in arrows(told, sort):
-            found += [arrow.begin] if here and arrow.begin not in here else []
-            found += [arrow.end] if there and arrow.end not in there else []
-    return tuple(dict.fromkeys(found))
+        for arrow in arrows(content, sort):
+            results += [arrow.begin] if here and arrow.begin not in here else []
+            results += [arrow.end] if there and arrow.end not in there else []
+    return tuple(dict.fromkeys(results))
 
 
 def _tie(

@@ -42,19 +42,19 @@ def parts_of(body: Body) -> LinkNames:
         links = tuple(dict.fromkeys(model.body(model.dof_bodyid[dof]).name for dof in which))
         states[names.state[at]] = states[names.state[half + at]] = links
     driven = [_driven(model, each) for each in range(model.nu)]
-    told = np.eye(model.nu) if body.together is None else np.abs(body.together)
+    given = np.eye(model.nu) if body.together is None else np.abs(body.together)
     commands = {
         name: tuple(dict.fromkeys(driven[at] for at in np.flatnonzero(column)))
-        for name, column in zip(names.command, told.T, strict=True)
+        for name, column in zip(names.command, given.T, strict=True)
     }
     return LinkNames(states=states, commands=commands)
 
 
 def spoken(body: Body) -> dict[str, str]:
     """Return what numbers of a body are called that no joint has by itself: with their links."""
-    found = parts_of(body)
-    numbers = {} if body.sight is None else dict(found.states)
-    groups = {} if body.together is None else dict(found.commands)
+    result = parts_of(body)
+    numbers = {} if body.sight is None else dict(result.states)
+    groups = {} if body.together is None else dict(result.commands)
     joints = {joint.name for joint in body.task.robot.joints}
     return {
         name: f"{name} ({_few(links)})"

@@ -72,14 +72,14 @@ class Performance:
     def ways(self, first: int, last: int) -> tuple[str, ...]:
         """Return what may move between two bodies of the chain, what shows most first."""
         players = self.players[first : last + 1]
-        found = []
+        results = []
         if players[0].whole:
-            found.append(PARTS)
-        found += [TARGET] if players[-1].body is not None else []
-        found += [SOURCE] if players[0].body is not None else []
-        if not all(each.whole for each in players) and TARGET in found:
-            found.sort(key=lambda each: each != TARGET)
-        return tuple(found)
+            results.append(PARTS)
+        results += [TARGET] if players[-1].body is not None else []
+        results += [SOURCE] if players[0].body is not None else []
+        if not all(each.whole for each in players) and TARGET in results:
+            results.sort(key=lambda each: each != TARGET)
+        return tuple(results)
 
     def scene(self, first: int, last: int, way: str, large: bool) -> Scene:
         """Return how all bodies move while those of a stretch of the chain do.
@@ -102,17 +102,17 @@ class Performance:
         lead = last if way == TARGET else first
         moments: tuple[Moment, ...] = ()
         if way == PARTS:
-            times, state, moments, said = turns(self.players[first], self.story.hops[first])
+            times, state, moments, statement = turns(self.players[first], self.story.hops[first])
             ran: dict[int, Array] = {}
         else:
-            times, state, position, said = self._run(lead)
+            times, state, position, statement = self._run(lead)
             ran = {lead: position}
         states = self._carried(state, first, last, lead)
         until = _until(states.values())
         times, states = times[:until], {at: each[:until] for at, each in states.items()}
         scale = self._scale(states, ran) if large and way != PARTS else 1.0
         others = self._others(states, lead)
-        notes = [f"{said}; {others} shows what the map makes of it" if others else said]
+        notes = [f"{statement}; {others} shows what the map makes of it" if others else statement]
         notes += self._still(first, last, states, ran)
         if scale > 1.0:
             notes.append(f"Motions are drawn {scale:g} times as large as they are")
@@ -126,9 +126,9 @@ class Performance:
     def _run(self, lead: int) -> tuple[Array, Array, Array, str]:
         """Return times, what is seen, the joints, and in words what moves a body that runs."""
         body = moving(self.players[lead])
-        told, words = law(self.story, self.players, self.maps, lead)
+        given, words = law(self.story, self.players, self.maps, lead)
         with np.errstate(over="ignore", invalid="ignore"):
-            moved = body.run(told, rows=1, rng=np.random.default_rng([self._seed, 7]))
+            moved = body.run(given, rows=1, rng=np.random.default_rng([self._seed, 7]))
         q, v = moved.position[0], moved.velocity[0]
         lost = np.flatnonzero(~np.isfinite(q).all(axis=1))
         fine = int(lost[0]) if len(lost) else len(q)
@@ -139,18 +139,18 @@ class Performance:
 
     def _carried(self, state: Array, first: int, last: int, lead: int) -> dict[int, Array]:
         """Return what the maps make of a body's states all along the stretch."""
-        found = {lead: state}
+        results = {lead: state}
         for at in range(lead, first, -1):
             body_map = self.maps[at - 1]
             if body_map is None:
                 break
-            found[at - 1] = body_map.state(found[at])
+            results[at - 1] = body_map.state(results[at])
         for at in range(lead, last):
             body_map = self.maps[at]
             if body_map is None:
                 break
-            found[at + 1] = body_map.state_back(found[at])
-        return found
+            results[at + 1] = body_map.state_back(results[at])
+        return results
 
     def _scale(self, states: dict[int, Array], ran: dict[int, Array]) -> float:
         """Return by how much motions are enlarged: not at all if a body can be shown as is only."""

@@ -53,11 +53,11 @@ def story(folder: Path) -> Story:
     if name is None:
         raise _none(folder)
     path = folder / name
-    said = RecordValues(_said(folder, path), str(path))
-    schema = said.text("schema")
+    record = RecordValues(_said(folder, path), str(path))
+    schema = record.text("schema")
     if schema != RECORDS[name]:
-        raise said.refused(f"it is of the schema {schema!r}, not {RECORDS[name]}")
-    return _aligned(folder, said) if name == "align.json" else _transfer(folder, said)
+        raise record.refused(f"it is of the schema {schema!r}, not {RECORDS[name]}")
+    return _aligned(folder, record) if name == "align.json" else _transfer(folder, record)
 
 
 def inside(folder: Path, name: str) -> Path | None:
@@ -124,75 +124,75 @@ def _said(folder: Path, path: Path) -> Any:
         ) from error
 
 
-def _aligned(folder: Path, said: RecordValues) -> Story:
-    source, target = said.inside("source"), said.inside("target")
-    guard = said.inside("guard")
+def _aligned(folder: Path, record: RecordValues) -> Story:
+    source, target = record.inside("source"), record.inside("target")
+    guard = record.inside("guard")
     hop = Told(
         source=source.text("name"),
         target=target.text("name"),
-        map=_map(folder, said),
-        mapper=said.text("mapper"),
-        parts=_parts(said.inside("parts")),
-        quality=said.numbers("quality"),
+        map=_map(folder, record),
+        mapper=record.text("mapper"),
+        parts=_parts(record.inside("parts")),
+        quality=record.numbers("quality"),
         guard=_guard(guard),
         why=guard.text("why", SENTENCE),
-        samples=int(said.inside("samples").number("target", 0.0)),
+        samples=int(record.inside("samples").number("target", 0.0)),
     )
-    made = said.inside("provenance")
+    made = record.inside("provenance")
     return Story(
         folder=folder,
         command="align",
         hops=(hop,),
         asked=_asked(made.text("command", SENTENCE), "align"),
         hashes=_hashes(made),
-        notes=said.texts("notes", MOST_NOTES, SENTENCE),
+        notes=record.texts("notes", MOST_NOTES, SENTENCE),
     )
 
 
-def _transfer(folder: Path, said: RecordValues) -> Story:
-    hops = said.each("hops", lambda each: _hop(folder, each), MOST_HOPS)
+def _transfer(folder: Path, record: RecordValues) -> Story:
+    hops = record.each("hops", lambda each: _hop(folder, each), MOST_HOPS)
     broken = any(a.target != b.source for a, b in itertools.pairwise(hops))
     if not hops or broken:
-        raise said.refused("its hops make no chain: each must begin where the one before ended")
-    made = said.inside("provenance")
+        raise record.refused("its hops make no chain: each must begin where the one before ended")
+    made = record.inside("provenance")
     relay = all(hop.crossing is not None for hop in hops)
-    named = said.inside("robot")
+    named = record.inside("robot")
     return Story(
         folder=folder,
         command="transfer" if relay else "loop",
         hops=hops,
         asked=_asked(made.text("command", SENTENCE), "transfer") if relay else (),
         hashes={named.text("name"): named.text("sha256"), **_hashes(made)},
-        policy=inside(folder, "policy") if said.has("policy") else None,
-        notes=said.texts("notes", MOST_NOTES, SENTENCE),
+        policy=inside(folder, "policy") if record.has("policy") else None,
+        notes=record.texts("notes", MOST_NOTES, SENTENCE),
     )
 
 
-def _hop(folder: Path, said: RecordValues) -> Told:
-    relay = said.inside("relay") if said.has("relay") else None
+def _hop(folder: Path, record: RecordValues) -> Told:
+    relay = record.inside("relay") if record.has("relay") else None
     parts = NO_PARTS if relay is None else _parts(relay.inside("parts"))
-    guard = _guard(said.inside("guard"))
-    quality = said.numbers("quality") if relay is not None else {}
+    guard = _guard(record.inside("guard"))
+    quality = record.numbers("quality") if relay is not None else {}
     return Told(
-        source=said.text("source"),
-        target=said.text("target"),
-        map=None if relay is None else _map(folder, said),
+        source=record.text("source"),
+        target=record.text("target"),
+        map=None if relay is None else _map(folder, record),
         mapper="same joints" if relay is None else relay.text("kind"),
         parts=parts,
         quality=quality,
         guard=guard,
-        samples=int(said.number("samples", 0.0)),
+        samples=int(record.number("samples", 0.0)),
         scores={
             name: None if math.isnan(value) else value
-            for name, value in said.numbers("score").items()
+            for name, value in record.numbers("score").items()
         },
-        crossing=None if relay is None else _crossing(said, relay, parts, guard, quality),
+        crossing=None if relay is None else _crossing(record, relay, parts, guard, quality),
         notes=() if relay is None else relay.texts("notes", MOST_NOTES, SENTENCE),
     )
 
 
 def _crossing(
-    said: RecordValues,
+    record: RecordValues,
     relay: RecordValues,
     parts: Parts,
     guard: GuardRecord,
@@ -203,57 +203,57 @@ def _crossing(
         # A share of what the oracle gains cannot be told without them.
         measured.setdefault(name, math.nan)
     return Crossing(
-        source=said.text("source"),
-        target=said.text("target"),
-        map=said.text("map"),
+        source=record.text("source"),
+        target=record.text("target"),
+        map=record.text("map"),
         kind=relay.text("kind"),
         parts=parts,
         quality=quality,
         guard=guard,
-        samples=int(said.number("samples", 0.0)),
+        samples=int(record.number("samples", 0.0)),
         measured=measured,
         curves=relay.each("curves", _curve, 20),
     )
 
 
-def _curve(said: RecordValues) -> Curve:
-    samples = tuple(int(each) for each in said.list_of_numbers("samples", MOST_PARTS))
-    mean = said.list_of_numbers("mean", MOST_PARTS)
+def _curve(record: RecordValues) -> Curve:
+    samples = tuple(int(each) for each in record.list_of_numbers("samples", MOST_PARTS))
+    mean = record.list_of_numbers("mean", MOST_PARTS)
     if len(samples) != len(mean) or not samples:
-        raise said.refused(f"{len(samples)} counts of transitions have {len(mean)} means")
-    return Curve(name=said.text("name"), samples=samples, scores=np.array([mean]))
+        raise record.refused(f"{len(samples)} counts of transitions have {len(mean)} means")
+    return Curve(name=record.text("name"), samples=samples, scores=np.array([mean]))
 
 
-def _guard(said: RecordValues) -> GuardRecord:
-    verdict = said.text("verdict")
-    probability = said.number("probability", 0.0, 1.0) if said.has("probability") else None
+def _guard(record: RecordValues) -> GuardRecord:
+    verdict = record.text("verdict")
+    probability = record.number("probability", 0.0, 1.0) if record.has("probability") else None
     if verdict == "safe":
         return GuardRecord(verdict="safe", probability=probability)
     if verdict == "unsafe":
         return GuardRecord(verdict="unsafe", probability=probability)
     if verdict == "unsure":
         return GuardRecord(verdict="unsure", probability=probability)
-    raise said.refused(f"the verdict is {verdict!r}, not safe, unsafe or unsure")
+    raise record.refused(f"the verdict is {verdict!r}, not safe, unsafe or unsure")
 
 
-def _parts(said: RecordValues) -> Parts:
+def _parts(record: RecordValues) -> Parts:
     return Parts(
-        states=said.each("states", _arrow, MOST_PARTS),
-        commands=said.each("commands", _arrow, MOST_PARTS),
-        lost=said.texts("lost", MOST_PARTS),
+        states=record.each("states", _arrow, MOST_PARTS),
+        commands=record.each("commands", _arrow, MOST_PARTS),
+        lost=record.texts("lost", MOST_PARTS),
     )
 
 
-def _arrow(said: RecordValues) -> Arrow:
+def _arrow(record: RecordValues) -> Arrow:
     return Arrow(
-        begin=said.text("from"), end=said.text("to"), weight=said.number("weight", -1.0, 1.0)
+        begin=record.text("from"), end=record.text("to"), weight=record.number("weight", -1.0, 1.0)
     )
 
 
-def _map(folder: Path, said: RecordValues) -> Path | None:
-    name = said.text("map")
+def _map(folder: Path, record: RecordValues) -> Path | None:
+    name = record.text("map")
     if not MAP.fullmatch(name):
-        raise said.refused(f"its map is {name!r}, not a file such as maps/01_body_map.npz")
+        raise record.refused(f"its map is {name!r}, not a file such as maps/01_body_map.npz")
     return inside(folder, name)
 
 

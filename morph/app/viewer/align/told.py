@@ -27,12 +27,14 @@ BADGES: dict[str, Colour] = {
 """Colours of the verdicts; the word stands beside."""
 
 
-def verdict(told: Told) -> str:
+def verdict(content: Told) -> str:
     """Return the guard's verdict on a hop in a sentence, with its reason if one is told."""
-    guard = told.guard
+    guard = content.guard
     called = "cannot tell of" if guard.verdict == "unsure" else f"calls it {guard.verdict} on"
-    words = f"The guard {called} {told.target}: {VERDICTS[guard.verdict]}, {sure(guard)}."
-    return f"{words} {told.why[:1].upper()}{told.why[1:].rstrip('.')}." if told.why else words
+    words = f"The guard {called} {content.target}: {VERDICTS[guard.verdict]}, {sure(guard)}."
+    return (
+        f"{words} {content.why[:1].upper()}{content.why[1:].rstrip('.')}." if content.why else words
+    )
 
 
 def chain_table(story: Story) -> CellTable:
@@ -45,42 +47,42 @@ def chain_table(story: Story) -> CellTable:
     return CellTable(title=f"The chain from {story.chain[0]}", head=head, rows=tuple(rows))
 
 
-def hop_tables(told: Told) -> tuple[CellTable, ...]:
+def hop_tables(content: Told) -> tuple[CellTable, ...]:
     """Return the tables of a hop: its parts, what the guard says, its scores, its map."""
-    found = [
-        _guard(told),
-        _parts(told, STATES, f"{told.target} is seen as {told.source}"),
-        _parts(told, COMMANDS, f"{told.target} is told for {told.source}"),
-        _scores(told),
-        _map(told),
+    results = [
+        _guard(content),
+        _parts(content, STATES, f"{content.target} is seen as {content.source}"),
+        _parts(content, COMMANDS, f"{content.target} is told for {content.source}"),
+        _scores(content),
+        _map(content),
     ]
-    return tuple(each for each in found if each.rows)
+    return tuple(each for each in results if each.rows)
 
 
-def hop_notes(told: Told) -> tuple[str, ...]:
+def hop_notes(content: Told) -> tuple[str, ...]:
     """Return what is to be known of a hop."""
-    found = [lost_said(told.parts, told.target)]
-    if told.crossing is not None:
-        found += [credit(told.crossing), saved(told.crossing)]
-    return tuple(each for each in (*found, *told.notes) if each)
+    results = [lost_said(content.parts, content.target)]
+    if content.crossing is not None:
+        results += [credit(content.crossing), saved(content.crossing)]
+    return tuple(each for each in (*results, *content.notes) if each)
 
 
-def score(told: Told, name: str) -> str:
+def score(content: Told, name: str) -> str:
     """Return a score as a share of what the oracle gains, or what is known instead."""
-    value = told.scores.get(name)
+    value = content.scores.get(name)
     return "–" if value is None else f"{value:.2f}"
 
 
-def worth(told: Told) -> str:
+def worth(content: Told) -> str:
     """Return in a word what the source was worth at a hop, by the report's own judgement."""
-    hop = told.crossing
+    hop = content.crossing
     if hop is None or not any(name in hop.measured for name in CONTROLS):
         return "not measured"
     return "no gain" if credit(hop) else "a gain"
 
 
-def _parts(told: Told, sort: str, title: str) -> CellTable:
-    found = arrows(told, sort)
+def _parts(content: Told, sort: str, title: str) -> CellTable:
+    result = arrows(content, sort)
     rows: list[tuple[str | Marked, ...]] = [
         (
             arrow.begin,
@@ -88,21 +90,21 @@ def _parts(told: Told, sort: str, title: str) -> CellTable:
             _way(arrow),
             f"{100.0 * abs(arrow.weight):.0f}\N{NO-BREAK SPACE}%",
         )
-        for arrow in found[:MOST_ROWS]
+        for arrow in result[:MOST_ROWS]
     ]
-    if len(found) > MOST_ROWS:
-        rows.append((f"and {len(found) - MOST_ROWS} more", "", "", ""))
+    if len(result) > MOST_ROWS:
+        rows.append((f"and {len(result) - MOST_ROWS} more", "", "", ""))
     head = ("source", "target", "way", "share")
     return CellTable(title=title, head=head, rows=tuple(rows))
 
 
-def _guard(told: Told) -> CellTable:
-    guard = told.guard
+def _guard(content: Told) -> CellTable:
+    guard = content.guard
     rows = (
         ("before a trial", _badge(guard)),
         ("sure that it does no harm", _share(guard.probability)),
     )
-    return CellTable(title=f"The guard on {told.target}", head=("", ""), rows=rows)
+    return CellTable(title=f"The guard on {content.target}", head=("", ""), rows=rows)
 
 
 def _badge(guard: GuardRecord) -> Marked:
@@ -115,29 +117,29 @@ def _way(arrow: Arrow) -> Marked:
     return Marked(text="turned round", colour=TURNED)
 
 
-def _scores(told: Told) -> CellTable:
-    if not told.scores:
+def _scores(content: Told) -> CellTable:
+    if not content.scores:
         return CellTable(title="", head=(), rows=())
-    hop = told.crossing
+    hop = content.crossing
     rows: list[tuple[str, ...]] = []
     for name in ORDER:
         there = hop is not None and name in hop.measured
-        if name not in told.scores and not there:
+        if name not in content.scores and not there:
             continue
         measured = "–" if hop is None or not there else _number(hop.measured[name])
-        if name not in told.scores and hop is not None and there:
+        if name not in content.scores and hop is not None and there:
             share = float(hop.relative(hop.measured[name]))
             rows.append((NAMED[name], f"{share:.2f}" if math.isfinite(share) else "–", measured))
         else:
-            rows.append((NAMED[name], score(told, name), measured))
-    rows.append(("what the source was worth", worth(told), ""))
+            rows.append((NAMED[name], score(content, name), measured))
+    rows.append(("what the source was worth", worth(content), ""))
     head = ("policy", "share of oracle", "task's score")
-    return CellTable(title=f"Scores on {told.target}", head=head, rows=tuple(rows))
+    return CellTable(title=f"Scores on {content.target}", head=head, rows=tuple(rows))
 
 
-def _map(told: Told) -> CellTable:
-    rows = [("sort of map", told.mapper), ("transitions of the target", str(told.samples))]
-    rows += quality_rows(told.quality)
+def _map(content: Told) -> CellTable:
+    rows = [("sort of map", content.mapper), ("transitions of the target", str(content.samples))]
+    rows += quality_rows(content.quality)
     return CellTable(
         title="The map, on what it was not learned from", head=("", ""), rows=tuple(rows)
     )

@@ -43,8 +43,8 @@ def turns(player: ChainPlayer, hop: Told) -> tuple[Array, Array, tuple[Moment, .
         Moment(time=turn * SECONDS, title=f"{names[at]} of {player.name}")
         for turn, at in enumerate(which)
     )
-    said = f"Each part of {player.name} is moved in its turn, by hand"
-    return np.arange(len(states)) / RATE, states, moments, said
+    text = f"Each part of {player.name} is moved in its turn, by hand"
+    return np.arange(len(states)) / RATE, states, moments, text
 
 
 def rest(player: ChainPlayer) -> MotionFrames:

@@ -27,16 +27,16 @@ class RecordValues:
         where: The file, and the place in it.
     """
 
-    def __init__(self, said: Any, where: str) -> None:
+    def __init__(self, document: Any, where: str) -> None:
         """Take an object.
 
         Raises:
             ViewError: It is something else.
         """
         self.where = where
-        if not isinstance(said, dict):
-            raise self.refused(f"there stands {most_of(said)}, not an object")
-        self._said: JSON = said
+        if not isinstance(document, dict):
+            raise self.refused(f"there stands {most_of(document)}, not an object")
+        self._said: JSON = document
 
     def has(self, key: str) -> bool:
         """Return whether there is something under a key that is not null."""
@@ -48,10 +48,10 @@ class RecordValues:
 
     def number(self, key: str, low: float = -LARGEST, high: float = LARGEST) -> float:
         """Return a finite number of a range."""
-        found = self._number(self._said.get(key), key)
-        if not low <= found <= high:
-            raise self.refused(f"{key} is {found:g}, not from {low:g} to {high:g}")
-        return found
+        result = self._number(self._said.get(key), key)
+        if not low <= result <= high:
+            raise self.refused(f"{key} is {result:g}, not from {low:g} to {high:g}")
+        return result
 
     def maybe(self, key: str) -> float:
         """Return a number, or NaN if it is null."""

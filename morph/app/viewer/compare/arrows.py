@@ -82,15 +82,15 @@ def scales(bodies: Sequence[Felt]) -> Mapping[str, float]:
     One scale for all bodies, by what each of them can bear: an arrow twice as long, by its
     body's size, is twice as much of that body's weight. A small body's are so seen as well.
     """
-    found = {}
+    results = {}
     for kind in KINDS:
         strong = [_strengths(felt.shares(kind)) for felt in bodies]
         every = np.concatenate([np.zeros(0), *strong])
         if len(every):
             share = max(WIDEST, float(np.percentile(every, STRONG, method="lower")))
             # 1 over a rounded number is a round one, too: 1, 2 or 5 times a power of ten.
-            found[kind] = 1.0 / rounded(1.0 / share)
-    return found
+            results[kind] = 1.0 / rounded(1.0 / share)
+    return results
 
 
 def arrows(felt: Felt, full: Mapping[str, float]) -> dict[str, Array]:

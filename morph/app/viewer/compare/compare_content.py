@@ -61,7 +61,7 @@ def told(
         works: What comes of each.
     """
     ready = [work.found for work in works]
-    shows = [found or still for found, still in zip(ready, rest, strict=True)]
+    shows = [result or still for result, still in zip(ready, rest, strict=True)]
     full = scales([show.felt for show in shows if show.felt is not None])
     actors = tuple(_actor(show, full) for show in shows)
     return Content(
@@ -132,7 +132,7 @@ def _goals(show: Show) -> str:
 
 
 def _charts(shows: Sequence[Show]) -> tuple[Chart, ...]:
-    found = []
+    results = []
     for name, title, unit in ((COST, "Cost so far", ""), (ENERGY, "Energy so far", "J")):
         lines = []
         for at, show in enumerate(shows):
@@ -148,8 +148,8 @@ def _charts(shows: Sequence[Show]) -> tuple[Chart, ...]:
                     )
                 )
         if lines:
-            found.append(Chart(title=title, unit=unit, lines=tuple(lines)))
-    return tuple(found)
+            results.append(Chart(title=title, unit=unit, lines=tuple(lines)))
+    return tuple(results)
 
 
 def _failures(rest: Sequence[Show], works: Sequence[Work[Show]]) -> tuple[str, ...]:

@@ -60,14 +60,14 @@ class Forces:
 
 def drives_of(robot: Robot, model: Any) -> tuple[Drive, ...]:
     """Return the joints that a robot's motors drive, in the order of its joints."""
-    found = []
+    results = []
     for joint in robot.joints:
         limits = [each.limit for each in robot.actuators if each.joint == joint.name]
         if not limits or joint.kind not in ("hinge", "slide"):
             continue
         here = model.joint(joint.name)
         known = [limit for limit in limits if limit is not None]
-        found.append(
+        results.append(
             Drive(
                 joint=joint.name,
                 dof=int(here.dofadr[0]),
@@ -77,7 +77,7 @@ def drives_of(robot: Robot, model: Any) -> tuple[Drive, ...]:
                 limit=sum(known) if len(known) == len(limits) else None,
             )
         )
-    return tuple(found)
+    return tuple(results)
 
 
 def forces(run: SimulatedRun) -> Forces:
@@ -119,7 +119,7 @@ def forces(run: SimulatedRun) -> Forces:
 
 def _contacts(model: Any, data: Any) -> Array:
     """Return where contacts press on the body and how, m and N, shape (contacts, 2, 3)."""
-    found, six = [], np.zeros(6)
+    result, six = [], np.zeros(6)
     for number in range(data.ncon):
         contact = data.contact[number]
         if contact.efc_address < 0:
@@ -130,8 +130,8 @@ def _contacts(model: Any, data: Any) -> Array:
         force = contact.frame.reshape(3, 3).T @ six[:3]
         if model.geom_bodyid[contact.geom[1]] == 0:
             force = -force
-        found.append((contact.pos.copy(), force))
-    return np.array(found).reshape(-1, 2, 3)
+        result.append((contact.pos.copy(), force))
+    return np.array(result).reshape(-1, 2, 3)
 
 
 def _padded(rows: list[Array]) -> Array:

@@ -44,11 +44,11 @@ def kept(task: Task, seed: int) -> LearnedPolicy | None:
     """Return the policy that was found before; None if there is none, or it is spoilt."""
     folder = kept_in(task, seed)
     try:
-        said = read_json(folder / "policy.json")
+        document = read_json(folder / "policy.json")
         policy = load_policy(folder, task.robot)
     except PolicyError:
         return None
-    how = said.get("learned")
+    how = document.get("learned")
     if not isinstance(how, dict):
         return None
     return LearnedPolicy(
@@ -56,13 +56,13 @@ def kept(task: Task, seed: int) -> LearnedPolicy | None:
     )
 
 
-def learned(task: Task, seed: int, told: Callable[[str], None]) -> LearnedPolicy:
+def learned(task: Task, seed: int, progress: Callable[[str], None]) -> LearnedPolicy:
     """Return what the task's own search finds, as `morph learn` would, and keep it.
 
     Args:
         task: The task, in its world.
         seed: Chance begins from it.
-        told: Is told how far the search is, in words; what it raises ends the search.
+        progress: Is told how far the search is, in words; what it raises ends the search.
 
     Raises:
         SearchError: The search cannot be made on this task.
@@ -80,18 +80,18 @@ def learned(task: Task, seed: int, told: Callable[[str], None]) -> LearnedPolicy
     )
 
     def on(trial: Trial, state: State) -> None:
-        told(f"{name}, round {trial.number}: cost {trial.loss:.4g}")
+        progress(f"{name}, round {trial.number}: cost {trial.loss:.4g}")
 
-    found = kind.run(problem, seed=seed, told=on)
-    how: JSON = {"search": name, "seed": seed, "succeeded": found.succeeded, "why": found.why}
+    result = kind.run(problem, seed=seed, progress=on)
+    how: JSON = {"search": name, "seed": seed, "succeeded": result.succeeded, "why": result.why}
     # A cache that cannot be written to costs time, not the result.
     with suppress(MorphError):
         write_policy(
-            found.policy,
+            result.policy,
             kept_in(task, seed),
             task.robot,
             task=task.name,
             task_sha256=task.sha256,
             learned=how,
         )
-    return LearnedPolicy(policy=found.policy, search=name, succeeded=found.succeeded)
+    return LearnedPolicy(policy=result.policy, search=name, succeeded=result.succeeded)

@@ -40,11 +40,11 @@ def matched(robots: Sequence[Robot], policies: Sequence[str]) -> tuple[StoredPol
         PolicyError: A folder holds no policy that can be used.
         ViewError: One is of none of these bodies, or its body has one already.
     """
-    found: list[StoredPolicy | None] = [None] * len(robots)
+    results: list[StoredPolicy | None] = [None] * len(robots)
     for folder in policies:
         if folder == LEARNED:
             continue
-        said = read_json(Path(folder) / "policy.json")
+        document = read_json(Path(folder) / "policy.json")
         fits, why = [], []
         for at, robot in enumerate(robots):
             try:
@@ -55,17 +55,17 @@ def matched(robots: Sequence[Robot], policies: Sequence[str]) -> tuple[StoredPol
             fits.append((at, policy))
         if not fits:
             raise _of_none(folder, robots, why)
-        free = [(at, policy) for at, policy in fits if found[at] is None]
+        free = [(at, policy) for at, policy in fits if results[at] is None]
         if not free:
             name = robots[fits[0][0]].name
             raise ViewError(
-                f"{name} has a policy already: {_folder(found[fits[0][0]])}",
+                f"{name} has a policy already: {_folder(results[fits[0][0]])}",
                 where=f"--policy {folder}",
                 fix=f"name {name} once more to see both, or leave one policy out",
             )
         at, policy = free[0]
-        found[at] = StoredPolicy(folder=folder, policy=policy, task=_task(said))
-    return tuple(found)
+        results[at] = StoredPolicy(folder=folder, policy=policy, task=_task(document))
+    return tuple(results)
 
 
 def task_of(policies: Sequence[StoredPolicy | None]) -> str | None:
@@ -79,9 +79,9 @@ def task_of(policies: Sequence[StoredPolicy | None]) -> str | None:
     if not given:
         return None
     if len(names) > 1 or names[0] not in TASKS:
-        said = ", ".join(f"{each.folder}: {each.task or 'none'}" for each in given)
+        text = ", ".join(f"{each.folder}: {each.task or 'none'}" for each in given)
         raise ViewError(
-            f"the policies do not tell one task ({said})",
+            f"the policies do not tell one task ({text})",
             where="--policy",
             fix=f"say by --task what the bodies are to do: {', '.join(TASKS)}",
         )
@@ -103,7 +103,7 @@ def _folder(given: StoredPolicy | None) -> str:
     return "" if given is None else given.folder
 
 
-def _task(said: object) -> str:
-    task = said.get("task") if isinstance(said, dict) else None
+def _task(document: object) -> str:
+    task = document.get("task") if isinstance(document, dict) else None
     name = task.get("name") if isinstance(task, dict) else None
     return name if isinstance(name, str) else ""

@@ -85,8 +85,10 @@ class ComparePanel:
         """
         for kind, box in self._boxes.items():
             box.visible = kind in lengths
-        said = goals_html(goals) + states_html(names, works)
-        self._said.content = said if self._shared else f'<p class="morph">{ALONE}</p>{said}'
+        statement = goals_html(goals) + states_html(names, works)
+        self._said.content = (
+            statement if self._shared else f'<p class="morph">{ALONE}</p>{statement}'
+        )
         self._legend.content = legend_html(lengths)
 
 

@@ -66,20 +66,20 @@ def ran(
         state=(q[0], v[0]),
     )
     steps = len(moved.time) - 1
-    told, control = np.zeros((2, steps + 1, model.nu))
+    given, control = np.zeros((2, steps + 1, model.nu))
     for name, values in moved.command.items():
         at = model.actuator(name).id
-        told[:steps, at] = values
+        given[:steps, at] = values
         control[:steps, at] = received(simulator.effects, name, values, simulator.step)
     # There is no step after the last sample; what was told before it is held.
-    told[steps], control[steps] = told[steps - 1], control[steps - 1]
+    given[steps], control[steps] = given[steps - 1], control[steps - 1]
     return SimulatedRun(
         robot=task.robot,
         model=model,
         time=moved.time,
         position=moved.position,
         velocity=moved.velocity,
-        told=told,
+        told=given,
         control=control,
         why="" if why is None else why.what,
     )

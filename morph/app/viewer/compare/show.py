@@ -76,7 +76,7 @@ def sweeps(robot: Robot, name: str, *, surroundings: str | None, seconds: float 
 
 
 def performs(
-    task: Task, policy: Policy | None, name: str, *, said: str, seed: int, seconds: float | None
+    task: Task, policy: Policy | None, name: str, *, text: str, seed: int, seconds: float | None
 ) -> Show:
     """Return a body at its task.
 
@@ -84,7 +84,7 @@ def performs(
         task: The task, in its world.
         policy: What commands it; None for nothing.
         name: What to call the body.
-        said: What commands it, in words.
+        text: What commands it, in words.
         seed: Of its start.
         seconds: How long; None for as long as the task.
 
@@ -105,7 +105,7 @@ def performs(
         figure=drawn,
         motion=moved,
         felt=Felt(forces=acted, weight=_weight(run), size=size_of(drawn, moved)),
-        policy=said,
+        policy=text,
         verdict=judged,
         notes=_named(name, notes),
     )

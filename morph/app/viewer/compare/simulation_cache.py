@@ -117,11 +117,11 @@ class Troupe:
 
     def _made(self, name: str, at: int, work: Work[Task]) -> Task:
         robot = self.robots[at]
-        found = task(name, robot)
+        result = task(name, robot)
         if self._given.world is None:
-            return found
+            return result
         around = world(self._given.world, robot)
-        return replace(found, world=around.name, effects=around.effects)
+        return replace(result, world=around.name, effects=around.effects)
 
     def _sweeps(self, at: int, work: Work[Show]) -> Show:
         given = self._given
@@ -133,27 +133,29 @@ class Troupe:
         made.wait()
         if made.found is None:
             raise made.error or ViewError("it has no task", where=self.names[at], fix="name one")
-        asked, own, given = made.found, self._policies[at], self._given
-        show = partial(performs, asked, name=self.names[at], seed=given.seed, seconds=given.seconds)
+        requested, own, given = made.found, self._policies[at], self._given
+        show = partial(
+            performs, requested, name=self.names[at], seed=given.seed, seconds=given.seconds
+        )
         # A folder's policy is for the task that was asked for, whatever its file calls it.
-        if own is not None and asked.name in (own.task, self.task):
-            return show(own.policy, said=f"the policy in {own.folder}")
+        if own is not None and requested.name in (own.task, self.task):
+            return show(own.policy, text=f"the policy in {own.folder}")
         if LEARNED not in given.policies:
-            return show(None, said="no policy: every command is zero")
-        before = kept(asked, given.seed)
+            return show(None, text="no policy: every command is zero")
+        before = kept(requested, given.seed)
         if before is not None:
-            return show(before.policy, said=_said(before, "kept from an earlier search"))
+            return show(before.policy, text=_said(before, "kept from an earlier search"))
         work.tell("looking for a policy")
-        return Longer(job=partial(self._learns, asked, show))
+        return Longer(job=partial(self._learns, requested, show))
 
-    def _learns(self, asked: Task, show: partial[Show], work: Work[Show]) -> Show:
+    def _learns(self, wanted: Task, show: partial[Show], work: Work[Show]) -> Show:
         def told(text: str) -> None:
             self._crew.check()
             work.tell(f"looking for a policy by {text}")
 
-        found = learned(asked, self._given.seed, told)
+        result = learned(wanted, self._given.seed, told)
         work.tell("simulating")
-        return show(found.policy, said=_said(found, "just learned"))
+        return show(result.policy, said=_said(result, "just learned"))
 
 
 def named(robots: Sequence[Robot]) -> tuple[str, ...]:
@@ -167,6 +169,6 @@ def named(robots: Sequence[Robot]) -> tuple[str, ...]:
     return tuple(names)
 
 
-def _said(found: LearnedPolicy, when: str) -> str:
-    doubt = "" if found.succeeded else ", which did not succeed"
-    return f"a policy by {found.search}{doubt} ({when})"
+def _said(result: LearnedPolicy, when: str) -> str:
+    doubt = "" if result.succeeded else ", which did not succeed"
+    return f"a policy by {result.search}{doubt} ({when})"

@@ -77,13 +77,13 @@ def base_joints(model: Any) -> set[str]:
         for at in range(model.nu)
         if model.actuator_trntype[at] == joint
     }
-    found: set[str] = set()
+    results: set[str] = set()
     for link in range(1, model.nbody):
         first, count = int(model.body_jntadr[link]), int(model.body_jntnum[link])
         own = range(first, first + count)
         if model.body_parentid[link] == 0 and count > 1 and not driven.intersection(own):
-            found.update(model.joint(at).name for at in own)
-    return found
+            results.update(model.joint(at).name for at in own)
+    return results
 
 
 def _eased(part: Array) -> Array:

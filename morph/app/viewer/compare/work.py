@@ -62,10 +62,10 @@ class Work(Generic[Found]):
             self._said = now
             self._call(self._listeners)
 
-    def end(self, found: Found | None, error: MorphError | None) -> None:
+    def end(self, result: Found | None, error: MorphError | None) -> None:
         """Say what came of it."""
         with self._lock:
-            self.found, self.error = found, error
+            self.found, self.error = result, error
             self._done.set()
             listeners, self._listeners = self._listeners, []
         self._call(listeners)
@@ -137,19 +137,19 @@ class Crew:
                 self._threads.append(thread)
                 thread.start()
 
-    def _run(self, asked: queue.SimpleQueue[Callable[[], None]]) -> None:
+    def _run(self, requested: queue.SimpleQueue[Callable[[], None]]) -> None:
         while not self._over.is_set():
-            asked.get()()
+            requested.get()()
 
     def _do(self, work: Work[Found], job: Job[Found]) -> None:
         try:
             self.check()
-            found = job(work)
+            result = job(work)
         except MorphError as error:
             work.end(None, error)
             return
-        if isinstance(found, Longer):
-            rest = found.job
+        if isinstance(result, Longer):
+            rest = result.job
             self._queues[1].put(lambda: self._do(work, rest))
         else:
-            work.end(found, None)
+            work.end(result, None)

@@ -30,14 +30,14 @@ def headline(bench: Bench, measures: Measures | None, original: Measures | None)
     """Return what changed most to a designer's eye, in one line of plain text."""
     before = bench.plan.robot.mass
     mass = bench.built.robot.mass
-    told = [f"{mass:.4g} kg{_against(mass, before)}"]
+    lines = [f"{mass:.4g} kg{_against(mass, before)}"]
     if measures is not None and original is not None:
         change = _against(measures.reach, original.reach)
-        told.append(f"reach {measures.reach:.3g} m{change}")
+        lines.append(f"reach {measures.reach:.3g} m{change}")
     left, worst = least(bench.efforts(), bench.limits)
     if left is not None and worst is not None:
-        told.append(f"margin {_share(left)} ({bench.motors[worst].name})")
-    return " · ".join(told)
+        lines.append(f"margin {_share(left)} ({bench.motors[worst].name})")
+    return " · ".join(lines)
 
 
 def figures(bench: Bench, measures: Measures | None, original: Measures | None) -> CellTable:
@@ -95,8 +95,8 @@ def motors(bench: Bench, measures: Measures | None) -> CellTable:
 def _row(name: str, both: Sequence[float | None]) -> tuple[str, str, str, str]:
     now, was = both
     change = "" if now is None or was is None else _change(now, was)
-    told = [PENDING if each is None else f"{each:.3g}" for each in both]
-    return name, told[0], told[1], change
+    lines = [PENDING if each is None else f"{each:.3g}" for each in both]
+    return name, lines[0], lines[1], change
 
 
 def _change(now: float, was: float) -> str:

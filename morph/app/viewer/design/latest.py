@@ -54,15 +54,15 @@ class Latest:
                 # Told in the session's thread, where this is no longer busy.
                 return error
 
-        def over(found: Any) -> None:
+        def over(result: Any) -> None:
             self._busy = False
             self.done += 1
             waiting, self._next = self._next, None
             if waiting is not None:
                 self.ask(session, *waiting)
-            if isinstance(found, Exception):
+            if isinstance(result, Exception):
                 otherwise()
-                raise found
-            then(found)
+                raise result
+            then(result)
 
         session.later(tried, over)

@@ -46,11 +46,11 @@ def limbs(robot: Robot, handles: Sequence[Handle]) -> tuple[JointChain, ...]:
     chains = _chains(robot, handles)
     long = [chain for chain in chains if len(chain) > 1]
     alone = [chain[0] for chain in chains if len(chain) == 1]
-    found = [
+    results = [
         JointChain(title=_title(part), handles=part) for chain in long for part in _pages(chain)
     ]
     rest = [JointChain(title=f"others ({len(part)})", handles=part) for part in _pages(alone)]
-    return tuple(found + rest)
+    return tuple(results + rest)
 
 
 def _pages(chain: Sequence[Handle]) -> list[tuple[Handle, ...]]:

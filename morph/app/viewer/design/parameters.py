@@ -67,13 +67,13 @@ def designed(
     if not values:
         return robot
     card = robot.card or _stand_in(robot)
-    asked = replace(robot, card=replace(card, parameter=tuple(parameters)))
-    found = with_parameters(asked, values)
-    if robot.card is None or found.card is None:
-        return replace(found, card=None)
-    parts = {link.name for link in found.links} | {joint.name for joint in found.joints}
+    requested = replace(robot, card=replace(card, parameter=tuple(parameters)))
+    result = with_parameters(requested, values)
+    if robot.card is None or result.card is None:
+        return replace(result, card=None)
+    parts = {link.name for link in result.links} | {joint.name for joint in result.joints}
     kept = tuple(each for each in robot.card.parameter if each.link in {WHOLE, *parts})
-    return replace(found, card=replace(found.card, parameter=kept))
+    return replace(result, card=replace(result.card, parameter=kept))
 
 
 def effective(parameters: Sequence[CardParameter], values: Mapping[str, float]) -> dict[str, float]:

@@ -129,10 +129,10 @@ class Reach:
 
     def _bases(self, data: Any) -> Array:
         """Return each body's base if it is the root of a tree, m, shape (bodies, 3)."""
-        found = data.xpos.copy()
+        result = data.xpos.copy()
         for root in self._hinged:
-            found[root] = self._base(data, root)
-        return np.asarray(found)
+            result[root] = self._base(data, root)
+        return np.asarray(result)
 
     def _base(self, data: Any, root: int) -> Array:
         joint = self._hinged.get(root)

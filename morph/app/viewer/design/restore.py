@@ -55,10 +55,10 @@ def _choice(plan: BodyPlan, state: object, where: str) -> DesignChoice:
     )
 
 
-def _table(found: object, where: str) -> dict[str, object]:
-    if not isinstance(found, dict):
-        raise _unfit(f"it holds {type(found).__name__} instead of a table", where)
-    return found
+def _table(result: object, where: str) -> dict[str, object]:
+    if not isinstance(result, dict):
+        raise _unfit(f"it holds {type(result).__name__} instead of a table", where)
+    return result
 
 
 def _known(table: dict[str, object], known: Iterable[str], where: str) -> None:
@@ -67,10 +67,10 @@ def _known(table: dict[str, object], known: Iterable[str], where: str) -> None:
             raise _unfit(f"there is no {str(name)[:60]!r}", where)
 
 
-def _number(found: object, where: str) -> float:
-    if isinstance(found, bool) or not isinstance(found, int | float) or not math.isfinite(found):
-        raise _unfit(f"{str(found)[:60]!r} is no number", where)
-    return float(found)
+def _number(result: object, where: str) -> float:
+    if isinstance(result, bool) or not isinstance(result, int | float) or not math.isfinite(result):
+        raise _unfit(f"{str(result)[:60]!r} is no number", where)
+    return float(result)
 
 
 def _unfit(what: str, where: str) -> ViewError:

@@ -169,18 +169,18 @@ def _parameters(
     robot: Robot, plan: BodyPlan, values: Mapping[str, float]
 ) -> tuple[CardParameter, ...]:
     """Return the card's parameters with ranges that count from the design."""
-    found = []
+    results = []
     for parameter in usable(robot, plan.own):
         value = values.get(parameter.name)
         if value is None or parameter.operation == Lock.name:
-            found.append(parameter)
+            results.append(parameter)
         elif parameter.operation == Stiffen.name:
             low, high = max(0.0, parameter.low - value), max(0.0, parameter.high - value)
-            found.append(replace(parameter, low=low, high=high))
+            results.append(replace(parameter, low=low, high=high))
         else:
             low, high = parameter.low / value, parameter.high / value
-            found.append(replace(parameter, low=low, high=high))
-    return tuple(found)
+            results.append(replace(parameter, low=low, high=high))
+    return tuple(results)
 
 
 def _print(printed: PrintTable | None, links: set[str]) -> PrintTable | None:
@@ -193,12 +193,12 @@ def _print(printed: PrintTable | None, links: set[str]) -> PrintTable | None:
     )
 
 
-def _same(found: Robot, robot: Robot) -> None:
+def _same(result: Robot, robot: Robot) -> None:
     """Refuse what was written if it is not the body that was designed."""
-    told = [joint.name for joint in found.joints] == [joint.name for joint in robot.joints]
-    if abs(found.mass - robot.mass) > TOLERANCE or not told:
+    given = [joint.name for joint in result.joints] == [joint.name for joint in robot.joints]
+    if abs(result.mass - robot.mass) > TOLERANCE or not given:
         raise OutputError(
-            f"what was written weighs {found.mass:.12g} kg, and the design {robot.mass:.12g} kg",
+            f"what was written weighs {result.mass:.12g} kg, and the design {robot.mass:.12g} kg",
             where="save as a new body",
             fix="nothing was saved; tell the authors which body and which parameters it was",
         )

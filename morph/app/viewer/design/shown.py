@@ -70,5 +70,5 @@ class Shown:
         return posed(posture.model, posture.towards(posture.rest, goal)[0][None])
 
 
-def _write(motion: MotionFrames, found: MotionFrames) -> None:
-    motion.position[:], motion.turn[:] = found.position, found.turn
+def _write(motion: MotionFrames, result: MotionFrames) -> None:
+    motion.position[:], motion.turn[:] = result.position, result.turn

@@ -37,14 +37,14 @@ class ArrowScale:
         Args:
             both: Whether those of the corrected model are drawn too.
         """
-        told = " and ".join(
+        text = " and ".join(
             f"{0.1 * self.size:.2g} m of arrow is {0.1 * self.size / each:.2g} {unit}"
             for unit, each in self.metres.items()
         )
         which = " (red as described, green corrected)" if both else ""
         return (
             f"Arrows at the joints are the torque or force that is missing there{which}, by the "
-            f"right-hand rule: {told}."
+            f"right-hand rule: {text}."
         )
 
 
@@ -52,11 +52,11 @@ def scale_of(figure: Figure, take: Take) -> ArrowScale | None:
     """Return how long arrows are, so that the description's fit the body; None without any."""
     if DESCRIBED not in take.missing:
         return None
-    found = np.abs(forces(take, DESCRIBED, len(take.measured)))
+    result = np.abs(forces(take, DESCRIBED, len(take.measured)))
     size = _size(figure, take)
     greatest: dict[str, float] = {}
     for at, freedom in enumerate(freedoms(figure.robot)):
-        known = found[np.isfinite(found[:, at]), at]
+        known = result[np.isfinite(result[:, at]), at]
         high = float(np.quantile(known, FULL)) if len(known) else 0.0
         greatest[freedom.unit] = max(high, greatest.get(freedom.unit, 0.0))
     free = any(joint.kind == "free" for joint in figure.robot.joints)

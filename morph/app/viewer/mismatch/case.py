@@ -68,11 +68,11 @@ class MismatchCase:
     @property
     def notes(self) -> tuple[str, ...]:
         """What does not fit between the diagnosis and what else was given, in words."""
-        found = self.diagnosed
-        if found is None:
+        result = self.diagnosed
+        if result is None:
             return ()
         notes = []
-        if found.robot_sha256 != self.robot.sha256:
+        if result.robot_sha256 != self.robot.sha256:
             notes.append(
                 "The diagnosis was made of another version of this description: its joints and "
                 "actuators are the same, its figures may not be."
@@ -80,11 +80,11 @@ class MismatchCase:
         other = [
             recording.name
             for recording in self.recordings
-            if found.recordings_sha256.get(recording.name, recording.sha256) != recording.sha256
+            if result.recordings_sha256.get(recording.name, recording.sha256) != recording.sha256
         ]
         if other:
             notes.append(f"The diagnosis was made of other files called {', '.join(other)}.")
-        if found.corrected is None:
+        if result.corrected is None:
             notes.append("The diagnosis holds no corrected model.")
         return tuple(notes)
 
@@ -95,8 +95,8 @@ class MismatchCase:
 
     def events(self, take: Take) -> tuple[Event, ...]:
         """Return the changes and pushes of a take, their times s since its window began."""
-        told = () if self.diagnosed is None else self.diagnosed.events
-        mine = (replace(e, time=e.time - take.start) for e in told if e.episode == take.name)
+        given = () if self.diagnosed is None else self.diagnosed.events
+        mine = (replace(e, time=e.time - take.start) for e in given if e.episode == take.name)
         return tuple(event for event in mine if 0.0 <= event.time <= take.seconds)
 
     @property
@@ -104,12 +104,14 @@ class MismatchCase:
         """The effects that it found."""
         return tuple(each.effect for each in self.found)
 
-    def moment_of(self, found: DiagnosedFinding, take: Take) -> float | None:
+    def moment_of(self, result: DiagnosedFinding, take: Take) -> float | None:
         """Return when a finding shows most in a take, s; None if it cannot be told."""
         missed = take.missing.get(DESCRIBED)
         if missed is None:
             return None
-        return clearest(missed, found.effect.label, joint_of(found.effect, self.robot), self.robot)
+        return clearest(
+            missed, result.effect.label, joint_of(result.effect, self.robot), self.robot
+        )
 
     @property
     def horizon(self) -> float:
@@ -124,8 +126,8 @@ class MismatchCase:
 
     def never_seen(self, index: int) -> bool:
         """Return whether the diagnosis held a recording, or the last quarter of it, out."""
-        found = self.diagnosed
-        return found is not None and self.recordings[index].name in found.held_out
+        result = self.diagnosed
+        return result is not None and self.recordings[index].name in result.held_out
 
     def unseen_from(self, index: int) -> float:
         """Return from when on, s, no model had seen a recording that was held out."""
@@ -141,10 +143,10 @@ class MismatchCase:
         Raises:
             MorphError: It cannot be simulated at all.
         """
-        found = self._takes.get(ask)
+        result = self._takes.get(ask)
         # Nobody waits for what another computes, unless it is the same.
-        if found is not None:
-            return found
+        if result is not None:
+            return result
         with self._lock:
             if ask not in self._takes:
                 while len(self._takes) >= KEPT:
@@ -169,15 +171,15 @@ class MismatchCase:
     def _step(self) -> float:
         """Return the seconds a step, as the diagnosis chose it where these are its recordings."""
         train = () if self.diagnosed is None else self.diagnosed.train
-        told = [each for each in self.recordings if not untold(each, self.robot)]
-        fitted = [each for each in told if each.name in train]
-        return step_for(fitted or told, self.robot)
+        lines = [each for each in self.recordings if not untold(each, self.robot)]
+        fitted = [each for each in lines if each.name in train]
+        return step_for(fitted or lines, self.robot)
 
     def _taken(self, ask: Ask) -> Take:
         recording = self._driven(ask.episode)
         begin, end = self.windows(ask.episode)[ask.window]
         zero = span(recording, self.robot)[0]
-        horizon, said = _horizon(ask.horizon, end - begin)
+        horizon, statement = _horizon(ask.horizon, end - begin)
         measured = poses(recording, self.robot, self.figure.model, zero + begin, end - begin)
         take = Take(
             ask=ask,
@@ -188,7 +190,7 @@ class MismatchCase:
             measured=measured,
             simulated={},
             traces=(),
-            notes=(*said, *(f"{note.where}: {note.what}" for note in recording.notes)),
+            notes=(*statement, *(f"{note.where}: {note.what}" for note in recording.notes)),
         )
         laid, why = (None, "") if untold(recording, self.robot) else self.laid(ask.episode)
         if laid is not None:
@@ -225,12 +227,12 @@ class MismatchCase:
         if self.diagnosed is None or not self.never_seen(take.ask.episode):
             return ()
         moved = self.unseen_from(take.ask.episode) - take.start
-        found = [
+        results = [
             (each.start + moved, each.end + moved)
             for each in self.diagnosed.stretches
             if each.episode == take.name and 0.0 < each.end - each.start < 0.5 * take.seconds
         ]
-        return tuple(each for each in found if each[0] >= 0.0 and each[1] <= take.seconds)
+        return tuple(each for each in results if each[0] >= 0.0 and each[1] <= take.seconds)
 
     def _loosely(self, take: Take, recording: Recording, begin: float, why: str) -> Take:
         notes = [f"What force is missing cannot be told: {why}."] if why else []
@@ -279,11 +281,11 @@ def _models(
     return described, corrected
 
 
-def _horizon(asked: float | None, seconds: float) -> tuple[float | None, tuple[str, ...]]:
-    if asked is None or asked <= seconds:
-        return asked, ()
+def _horizon(requested: float | None, seconds: float) -> tuple[float | None, tuple[str, ...]]:
+    if requested is None or requested <= seconds:
+        return requested, ()
     return None, (
-        f"The recording lasts {seconds:.3g} s, less than {asked:g} s: the simulation is not "
+        f"The recording lasts {seconds:.3g} s, less than {requested:g} s: the simulation is not "
         "restarted.",
     )
 

@@ -57,30 +57,30 @@ class MismatchChoices:
             ViewError: It names a recording, a window, a model or a way that is not here.
         """
         first = cls.of(case)
-        said = first.state(case) | dict(state)
-        if len(said) > len(first.state(case)):
-            unknown = next(key for key in said if key not in first.state(case))
+        statement = first.state(case) | dict(state)
+        if len(statement) > len(first.state(case)):
+            unknown = next(key for key in statement if key not in first.state(case))
             raise _bad("key", unknown, list(first.state(case)))
         names = [recording.name for recording in case.recordings]
         models = [model.name for model in case.models]
-        episode = names.index(_one_of("recording", said["recording"], names))
+        episode = names.index(_one_of("recording", statement["recording"], names))
         windows = range(len(case.windows(episode)))
-        horizon = said["horizon_s"]
+        horizon = statement["horizon_s"]
         if horizon is not None and (
             isinstance(horizon, bool) or not isinstance(horizon, int | float) or not horizon >= 0.1
         ):
             raise _bad("horizon_s", horizon, ["null", "0.1 or more"])
-        if type(said["window"]) is not int or said["window"] not in windows:
-            raise _bad("window", said["window"], [str(each) for each in windows])
+        if type(statement["window"]) is not int or statement["window"] not in windows:
+            raise _bad("window", statement["window"], [str(each) for each in windows])
         both = [BOTH] if len(models) > 1 else []
         return cls(
             ask=Ask(
                 episode=episode,
-                window=said["window"],
+                window=statement["window"],
                 horizon=None if horizon is None else float(horizon),
             ),
-            models=_one_of("models", said["models"], [*models, *both]),
-            colouring=_one_of("colouring", said["colouring"], COLOURINGS),
+            models=_one_of("models", statement["models"], [*models, *both]),
+            colouring=_one_of("colouring", statement["colouring"], COLOURINGS),
         )
 
 

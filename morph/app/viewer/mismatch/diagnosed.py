@@ -155,44 +155,47 @@ def _events(content: Said) -> Iterator[Event]:
             yield Event(episode=names[0], time=each.number("onset_s"), title=title)
 
 
-def _found(said: Said, robot: Robot) -> DiagnosedFinding:
-    place = said.table("where").text("name")
+def _found(statement: Said, robot: Robot) -> DiagnosedFinding:
+    place = statement.table("where").text("name")
     parameters = {
-        name: said.table("parameters").table(name) for name in said.table("parameters").content
+        name: statement.table("parameters").table(name)
+        for name in statement.table("parameters").content
     }
     values = {name: each.number("value") for name, each in parameters.items()}
-    effect = effect_of({"name": said.text("effect"), "where": place, **values}, where=said.where)
+    effect = effect_of(
+        {"name": statement.text("effect"), "where": place, **values}, where=statement.where
+    )
     if place not in effect.places(robot):
         raise ViewError(
             f"{effect.label} concerns a part that {robot.name} does not have",
-            where=said.where,
+            where=statement.where,
             fix="name the robot that was diagnosed",
         )
-    probability = said.number("probability")
+    probability = statement.number("probability")
     if not 0.0 <= probability <= 1.0:
         raise ViewError(
             f"a probability of {probability:g}",
-            where=said.where,
+            where=statement.where,
             fix="give the file as `morph diagnose` wrote it",
         )
-    told = (
+    lines = (
         f"{name} = {each.number('value'):.3g} "
         f"[{each.number('low90'):.3g}, {each.number('high90'):.3g}] {each.text('unit')}"
         for name, each in parameters.items()
     )
     return DiagnosedFinding(
         effect=effect,
-        statement=said.text("statement"),
-        figures=", ".join((*told, f"{100.0 * probability:.0f} % sure")),
+        statement=statement.text("statement"),
+        figures=", ".join((*lines, f"{100.0 * probability:.0f} % sure")),
     )
 
 
-def _stretch(said: Said) -> Stretch:
+def _stretch(statement: Said) -> Stretch:
     return Stretch(
-        episode=said.text("episode"),
-        start=said.number("start_s"),
-        end=said.number("end_s"),
-        share=said.number("share"),
+        episode=statement.text("episode"),
+        start=statement.number("start_s"),
+        end=statement.number("end_s"),
+        share=statement.number("share"),
     )
 
 
@@ -201,7 +204,7 @@ def _corrected(folder: Path, robot: Robot) -> Robot | None:
     if not path.is_file():
         return None
     try:
-        found = load(path)
+        result = load(path)
     except MorphError as error:
         raise ViewError(
             f"the corrected description cannot be used: {error.what}",
@@ -209,8 +212,8 @@ def _corrected(folder: Path, robot: Robot) -> Robot | None:
             fix="run the diagnosis again, or leave --diagnosis out",
         ) from error
     parts = [
-        ("joints", _joints(robot), _joints(found)),
-        ("actuators", _actuators(robot), _actuators(found)),
+        ("joints", _joints(robot), _joints(result)),
+        ("actuators", _actuators(robot), _actuators(result)),
     ]
     for kind, ours, theirs in parts:
         if ours != theirs:
@@ -220,7 +223,7 @@ def _corrected(folder: Path, robot: Robot) -> Robot | None:
                 where=str(path),
                 fix="name the robot that was diagnosed",
             )
-    return found
+    return result
 
 
 def _joints(robot: Robot) -> list[str]:

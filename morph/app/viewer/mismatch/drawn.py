@@ -96,13 +96,13 @@ def _marks(figure: Figure, take: Take) -> Array | None:
     if not take.worst or not take.traces:
         return None
     anchor, _ = axes(figure.model, figure.robot, take.measured)
-    found = np.full((len(take.measured), 3), np.nan)
+    result = np.full((len(take.measured), 3), np.nan)
     links = [freedom.joint.link for freedom in freedoms(figure.robot)]
     # The worst stretch comes first, and has the last word where two overlap.
     for begin, end in reversed(take.worst):
         here = slice(int(begin * RATE), int(end * RATE) + 1)
-        found[here] = anchor[here, links.index(worst_trace(take, begin, end).link)]
-    return found
+        result[here] = anchor[here, links.index(worst_trace(take, begin, end).link)]
+    return result
 
 
 def _moments(case: MismatchCase, take: Take) -> tuple[Moment, ...]:

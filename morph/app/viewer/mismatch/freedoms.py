@@ -26,16 +26,16 @@ class Freedom:
 
 def freedoms(robot: Robot) -> tuple[Freedom, ...]:
     """Return all degrees of freedom, in the order of `qvel`."""
-    found: list[Freedom] = []
+    results: list[Freedom] = []
     for joint in robot.joints:
         if joint.kind in {"hinge", "slide"}:
-            found.append(Freedom(name=joint.name, joint=joint, unit=joint.effort_unit))
+            results.append(Freedom(name=joint.name, joint=joint, unit=joint.effort_unit))
         if joint.kind == "free":
-            found += [Freedom(name=f"{joint.link} {a}", joint=joint, unit="N") for a in XYZ]
+            results += [Freedom(name=f"{joint.link} {a}", joint=joint, unit="N") for a in XYZ]
         if joint.kind in {"free", "ball"}:
             turns = [f"{joint.link} turn {axis}" for axis in XYZ]
-            found += [Freedom(name=name, joint=joint, unit="N m") for name in turns]
-    return tuple(found)
+            results += [Freedom(name=name, joint=joint, unit="N m") for name in turns]
+    return tuple(results)
 
 
 def axes(model: mujoco.MjModel, robot: Robot, positions: Array) -> tuple[Array, Array]:

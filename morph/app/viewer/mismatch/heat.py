@@ -72,10 +72,10 @@ def by_force(figure: Figure, take: Take, model: str) -> Heat | None:
         for at, freedom in enumerate(known)
         if full[freedom.unit] > 0.0
     ]
-    told = " and ".join(f"{value:.2g} {unit}" for unit, value in full.items())
+    text = " and ".join(f"{value:.2g} {unit}" for unit, value in full.items())
     return Heat(
         share=on_links(figure, parts, pictures),
-        note=f"Links are coloured by the force that is missing at their joint: full red is {told}.",
+        note=f"Links are coloured by the force that is missing at their joint: full red is {text}.",
         full=full,
     )
 
@@ -106,13 +106,13 @@ def on_links(figure: Figure, parts: Sequence[tuple[str, Array]], pictures: int) 
     for link, value in parts:
         at = names.index(link)
         own[at] = np.maximum(own.get(at, np.zeros(pictures)), np.nan_to_num(value))
-    found = np.zeros((pictures, len(names)))
+    result = np.zeros((pictures, len(names)))
     for body in range(1, len(names)):
         if body in own:
-            found[:, body] = own[body]
+            result[:, body] = own[body]
         elif not figure.model.body_jntnum[body]:
-            found[:, body] = found[:, int(figure.model.body_parentid[body])]
-    return np.clip(found, 0.0, 1.0)
+            result[:, body] = result[:, int(figure.model.body_parentid[body])]
+    return np.clip(result, 0.0, 1.0)
 
 
 def _error(trace: MismatchTrace, model: str, pictures: int) -> Array:

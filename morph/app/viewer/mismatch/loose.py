@@ -43,7 +43,7 @@ def simulated(
         horizon: Seconds a rollout; None for one from start to end.
     """
     simulator = Simulator(model.robot, model.effects, step=STEP)
-    found, why = measured.copy(), None
+    result, why = measured.copy(), None
     each = len(measured) - 1 if horizon is None else max(1, round(horizon * RATE))
     for first in range(0, len(measured) - 1, each):
         last = min(first + each, len(measured) - 1)
@@ -58,10 +58,10 @@ def simulated(
             continue
         when = np.arange(last - first + 1) / RATE
         # Between steps of 2 ms a quaternion turns too little for its length to change.
-        found[first : last + 1] = np.stack(
+        result[first : last + 1] = np.stack(
             [np.interp(when, moved.time, column) for column in moved.position.T], axis=1
         )
-    return found, why
+    return result, why
 
 
 def traced(
@@ -73,7 +73,7 @@ def traced(
 ) -> tuple[MismatchTrace, ...]:
     """Return each recorded channel of a pose along the pictures."""
     when = np.arange(len(measured)) / RATE
-    found = []
+    results = []
     for joint in robot.joints:
         first = int(model.joint(joint.name).qposadr[0])
         for slot, name in enumerate(pose_channels(joint)):
@@ -83,7 +83,7 @@ def traced(
             read = measured[:, first + slot]
             error = {key: np.sqrt(np.mean((each - read) ** 2)) for key, each in values.items()}
             channel = recording.channels[name]
-            found.append(
+            results.append(
                 MismatchTrace(
                     channel=name,
                     unit=_unit(joint, slot),
@@ -95,7 +95,7 @@ def traced(
                     rmse={key: float(each) for key, each in error.items()},
                 )
             )
-    return tuple(found)
+    return tuple(results)
 
 
 def _unit(joint: Joint, slot: int) -> str:

@@ -31,23 +31,23 @@ def missing(model: MismatchModel, episode: Episode, effects: Sequence[Effect] = 
         effects: Findings, whose shares are told.
     """
     hypothesis = hypothesis_of(model, episode.step)
-    found = needed(hypothesis, hypothesis.start, episode)
+    result = needed(hypothesis, hypothesis.start, episode)
     return Missing(
-        time=found.time,
-        force=found.missing,
-        share={effect.label: _share(effect, found) for effect in effects},
+        time=result.time,
+        force=result.missing,
+        share={effect.label: _share(effect, result) for effect in effects},
     )
 
 
-def _share(effect: Effect, found: Needed) -> Array:
+def _share(effect: Effect, result: Needed) -> Array:
     """Return an effect's own force times the one that is missing, shape (samples,)."""
-    if effect.kind == "body" and effect.where not in found.motion.bodies:
-        own = np.zeros_like(found.missing)
+    if effect.kind == "body" and effect.where not in result.motion.bodies:
+        own = np.zeros_like(result.missing)
     else:
         known = {each.name: each.neutral or 0.0 for each in effect.parameters()}
         strengths = np.array([getattr(effect, name) - known[name] for name in effect.strengths])
-        own = found.smooth(effect.regressor(found.motion) @ strengths)
-    return np.asarray(np.nan_to_num((own * found.missing).sum(axis=1)))
+        own = result.smooth(effect.regressor(result.motion) @ strengths)
+    return np.asarray(np.nan_to_num((own * result.missing).sum(axis=1)))
 
 
 def clearest(missed: Missing, label: str, joint: str | None, robot: Robot) -> float | None:

@@ -80,17 +80,17 @@ class MismatchPanel:
         given = (gui.add_dropdown, label, tuple(options))
         return add_widget(self._session, *given, then=then, initial_value=options[at])
 
-    def _show(self, found: DiagnosedFinding) -> None:
+    def _show(self, result: DiagnosedFinding) -> None:
         """Go to where a finding shows most, and point at its link."""
         case, chosen = self._view.case, self._view.chosen
-        time = case.moment_of(found, case.take(chosen.ask))
+        time = case.moment_of(result, case.take(chosen.ask))
         if time is None:
             self._session.say(
-                f"Where {found.effect.label} shows cannot be told from this recording.", bad=True
+                f"Where {result.effect.label} shows cannot be told from this recording.", bad=True
             )
             return
         self._session.jump(time)
-        self._session.stage.choose(0, link_of(found.effect, case.robot))
+        self._session.stage.choose(0, link_of(result.effect, case.robot))
 
     def _windows(self) -> list[str]:
         case, chosen = self._view.case, self._view.chosen

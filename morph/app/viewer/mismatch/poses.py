@@ -25,13 +25,13 @@ def untold(recording: Recording, robot: Robot) -> tuple[str, ...]:
 
 def span(recording: Recording, robot: Robot) -> tuple[float, float]:
     """Return when all channels that tell a pose begin and end, s on the recording's clock."""
-    told = [
+    lines = [
         recording.channels[name]
         for joint in robot.joints
         for name in pose_channels(joint)
         if name in recording.channels
     ]
-    return max(float(each.time[0]) for each in told), min(float(each.time[-1]) for each in told)
+    return max(float(each.time[0]) for each in lines), min(float(each.time[-1]) for each in lines)
 
 
 def poses(recording: Recording, robot: Robot, model: Any, begin: float, seconds: float) -> Array:
@@ -47,17 +47,17 @@ def poses(recording: Recording, robot: Robot, model: Any, begin: float, seconds:
         seconds: How long.
     """
     when = begin + np.arange(int(seconds * RATE + 1e-6) + 1) / RATE
-    found = np.repeat(np.asarray(model.qpos0)[None], len(when), axis=0)
+    result = np.repeat(np.asarray(model.qpos0)[None], len(when), axis=0)
     for joint in robot.joints:
         names = pose_channels(joint)
         if set(names) <= set(recording.channels):
             first = int(model.joint(joint.name).qposadr[0])
             for slot, name in enumerate(names):
-                found[:, first + slot] = recording.channels[name].at(when)
+                result[:, first + slot] = recording.channels[name].at(when)
             if joint.kind in {"free", "ball"}:
-                turn = found[:, first + len(names) - 4 : first + len(names)]
+                turn = result[:, first + len(names) - 4 : first + len(names)]
                 turn /= np.maximum(np.linalg.norm(turn, axis=1, keepdims=True), 1e-9)
-    return found
+    return result
 
 
 def speeds(model: Any, positions: Array, picture: int) -> Array:
@@ -66,8 +66,8 @@ def speeds(model: Any, positions: Array, picture: int) -> Array:
     It is the mean over two pictures to either side: encoders and cameras are noisy.
     """
     before, after = max(picture - 2, 0), min(picture + 2, len(positions) - 1)
-    found: Array = np.zeros(model.nv)
+    result: Array = np.zeros(model.nv)
     if after > before:
         seconds = (after - before) / RATE
-        mujoco.mj_differentiatePos(model, found, seconds, positions[before], positions[after])
-    return found
+        mujoco.mj_differentiatePos(model, result, seconds, positions[before], positions[after])
+    return result

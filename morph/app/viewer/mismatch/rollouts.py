@@ -79,7 +79,7 @@ def pictured(segments: Segments, predicted: Array, measured: Array) -> Array:
     for ball, (at, _) in enumerate(space.balls):
         attitude[:, ball] = measured[:, at : at + 4]
     # A rotation is from the measured orientation, which is known in every picture.
-    found = measurement.scalars(measured).copy()
+    result = measurement.scalars(measured).copy()
     starts = measurement.scalars(segments.start[:, : space.positions])
     when = np.arange(len(measured)) / RATE
     for row in range(len(segments)):
@@ -90,5 +90,5 @@ def pictured(segments: Segments, predicted: Array, measured: Array) -> Array:
         here = (when >= begin - 1e-9) & (when <= times[-1] + 1e-9)
         for dof in range(space.dofs):
             values = np.concatenate([[starts[row, dof]], predicted[row, inside, dof]])
-            found[here, dof] = np.interp(when[here], times, values)
-    return measurement.placed(found, attitude)
+            result[here, dof] = np.interp(when[here], times, values)
+    return measurement.placed(result, attitude)

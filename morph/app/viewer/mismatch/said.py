@@ -77,9 +77,9 @@ class Said:
 
 
 def _bad(where: str, key: str, wanted: str, value: object) -> ViewError:
-    found = "nothing" if value is None else repr(value)[:80]
+    result = "nothing" if value is None else repr(value)[:80]
     return ViewError(
-        f"{key or 'it'} is not {wanted} but {found}",
+        f"{key or 'it'} is not {wanted} but {result}",
         where=where,
         fix="give the file as `morph diagnose` wrote it",
     )

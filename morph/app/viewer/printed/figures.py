@@ -58,27 +58,27 @@ def part_of(name: str) -> str:
 
 
 def apart(
-    robot: Robot, skins: Mapping[str, Skin], told: Explosion, colours: Colours, title: str
+    robot: Robot, skins: Mapping[str, Skin], explosion: Explosion, colours: Colours, title: str
 ) -> tuple[Actor, tuple[Moment, ...]]:
     """Return the body that comes apart and together, and when it is which."""
     time = np.arange(0.0, PARTING + HELD + CLOSING + CLOSED, 1.0 / RATE)
     opened = smooth(time / PARTING)
     closed = smooth((time - PARTING - HELD) / CLOSING)
     factor = np.asarray(opened - closed)
-    copies, offsets = _copies(skins, told)
+    copies, offsets = _copies(skins, explosion)
     actor = _actor(robot, copies, offsets, np.tile(factor[:, None], len(copies)), colours, title)
     return actor, (Moment(time=0.0, title="together"), Moment(time=PARTING, title="apart"))
 
 
 def together(
-    robot: Robot, skins: Mapping[str, Skin], told: Explosion, colours: Colours, title: str
+    robot: Robot, skins: Mapping[str, Skin], explosion: Explosion, colours: Colours, title: str
 ) -> tuple[Actor, tuple[Moment, ...]]:
     """Return the body as it is put together link by link, and when each comes."""
-    copies, offsets = _copies(skins, told)
-    step = min(STEP, LONGEST / max(len(told.links), 1))
-    begins = {link: step * (at + 0.5) for at, link in enumerate(told.links)}
-    time = np.arange(0.0, step * (len(told.links) + 1.5), 1.0 / RATE)
-    start = np.array([begins[link] for link in _links(skins, told)])
+    copies, offsets = _copies(skins, explosion)
+    step = min(STEP, LONGEST / max(len(explosion.links), 1))
+    begins = {link: step * (at + 0.5) for at, link in enumerate(explosion.links)}
+    time = np.arange(0.0, step * (len(explosion.links) + 1.5), 1.0 / RATE)
+    start = np.array([begins[link] for link in _links(skins, explosion)])
     factor = 1.0 - smooth((time[:, None] - start) / (0.8 * step))
     moments = tuple(
         Moment(time=begin, title=link.replace("_", " ")) for link, begin in begins.items()
@@ -126,17 +126,17 @@ def on_bed(
     return _actor(robot, copies, *still, colours, title, bed_mm)
 
 
-def _copies(skins: Mapping[str, Skin], told: Explosion) -> tuple[list[PlacedCopy], Array]:
+def _copies(skins: Mapping[str, Skin], explosion: Explosion) -> tuple[list[PlacedCopy], Array]:
     copies, offsets = [], []
     for name, skin in skins.items():
         for copy, placement in enumerate(skin.part.placements):
             standing = PlacedCopy(name=copy_name(skin.part, copy), skin=skin, pose=placement.world)
             copies.append(standing)
-            offsets.append(told.offsets.get((name, copy), np.zeros(3)))
+            offsets.append(explosion.offsets.get((name, copy), np.zeros(3)))
     return copies, np.array(offsets).reshape(-1, 3)
 
 
-def _links(skins: Mapping[str, Skin], told: Explosion) -> list[str]:
+def _links(skins: Mapping[str, Skin], explosion: Explosion) -> list[str]:
     return [placement.link for skin in skins.values() for placement in skin.part.placements]
 
 

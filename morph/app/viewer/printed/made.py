@@ -66,8 +66,8 @@ class ViewedPackage:
         """Make a colouring; it may take seconds."""
         if self.has(by):
             return
-        found = {name: PAINTERS[by](skin, self.job) for name, skin in self.skins.items()}
-        self._painted[by] = {name: it for name, it in found.items() if it is not None}
+        results = {name: PAINTERS[by](skin, self.job) for name, skin in self.skins.items()}
+        self._painted[by] = {name: it for name, it in results.items() if it is not None}
 
     def actors(self, chosen: PrintChoices) -> tuple[tuple[Actor, ...], tuple[Moment, ...]]:
         """Return what is on the stage, and the moments to jump to."""
@@ -102,19 +102,19 @@ class ViewedPackage:
         """Return the colour of each part, or of its corners."""
         painted = self._painted.get(chosen.by)
         printed = [name for name, skin in self.skins.items() if skin.part.kind != "bought"]
-        found: dict[str, Array | Colour] = {}
+        results: dict[str, Array | Colour] = {}
         for name, skin in self.skins.items():
             if name == chosen.part:
-                found[name] = HELD
+                results[name] = HELD
             elif painted is not None:
-                found[name] = painted.get(name, UNTOLD)
+                results[name] = painted.get(name, UNTOLD)
             elif chosen.by == "mass":
-                found[name] = self._by_mass(name)
+                results[name] = self._by_mass(name)
             elif skin.part.kind == "bought":
-                found[name] = BOUGHT
+                results[name] = BOUGHT
             else:
-                found[name] = PARTS[printed.index(name) % len(PARTS)]
-        return found
+                results[name] = PARTS[printed.index(name) % len(PARTS)]
+        return results
 
     def _by_mass(self, name: str) -> Colour:
         grams = self.grams(name)

@@ -142,11 +142,11 @@ def thickness(mesh: Mesh, skin: Skin) -> Array:
 
 def _at_corners(values: Array, skin: Skin) -> Array:
     """Return the least of the values of each corner's faces; without any, the greatest of all."""
-    found = np.full(len(skin.vertices), np.inf)
+    result = np.full(len(skin.vertices), np.inf)
     known = np.isfinite(values)
-    np.minimum.at(found, skin.faces[known].ravel(), np.repeat(values[known], 3))
+    np.minimum.at(result, skin.faces[known].ravel(), np.repeat(values[known], 3))
     most = float(values[known].max()) if known.any() else 0.0
-    return np.where(np.isfinite(found), found, most)
+    return np.where(np.isfinite(result), result, most)
 
 
 def mixed(first: Array, second: Array, share: Array) -> Array:

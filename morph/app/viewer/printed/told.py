@@ -32,14 +32,14 @@ SOURCES = {"estimate": "estimated", "gcode": "sliced"}
 
 def tables(made: ViewedPackage, chosen: PrintChoices) -> tuple[CellTable, ...]:
     """Return what colours mean, the part that is pointed at, checks, parts and masses."""
-    found = (
+    results = (
         _legend(made, chosen),
         _held(made, chosen),
         _checks(made),
         _parts(made),
         _masses(made),
     )
-    return tuple(table for table in found if table is not None and table.rows)
+    return tuple(table for table in results if table is not None and table.rows)
 
 
 def notes(made: ViewedPackage) -> Iterator[str]:
@@ -117,10 +117,10 @@ def _held(made: ViewedPackage, chosen: PrintChoices) -> CellTable | None:
 
 def _checks(made: ViewedPackage) -> CellTable:
     checks = made.job.checks
-    told = [check for name in ("refused", "noted") for check in checks if check.verdict == name]
-    rows = [(_mark(check), _said(check)) for check in told[:MOST_ROWS]]
-    if len(told) > MOST_ROWS:
-        rows.append((Marked(text="more", colour=colour(WARM)), f"{len(told) - MOST_ROWS} checks"))
+    lines = [check for name in ("refused", "noted") for check in checks if check.verdict == name]
+    rows = [(_mark(check), _said(check)) for check in lines[:MOST_ROWS]]
+    if len(lines) > MOST_ROWS:
+        rows.append((Marked(text="more", colour=colour(WARM)), f"{len(lines) - MOST_ROWS} checks"))
     passed = Counter(check.name for check in checks if check.verdict == "passed")
     if passed:
         what = ", ".join(f"{name} {count}" for name, count in passed.items())

@@ -70,13 +70,13 @@ class AlignView(View):
 
     def at_hop(self, number: int) -> AlignChoices:
         """Return what is chosen at first for a hop, or by 0 for the whole chain."""
-        found = AlignChoices(hop=number, way="")
-        ways = self._shared.ways(*_stretch(found, len(self._told)))
+        result = AlignChoices(hop=number, way="")
+        ways = self._shared.ways(*_stretch(result, len(self._told)))
         return AlignChoices(hop=number, way=ways[0] if ways else "")
 
     def part_at(self, actor: int, link: str) -> str:
         """Return the label of an arrow at a link: one after another, and in the end none."""
-        found = [
+        results = [
             label(arrow)
             for at, hop in self._hops()
             for arrow in arrows(hop, self.chosen.sort)
@@ -85,7 +85,7 @@ class AlignView(View):
             and self._shared.players[player].figure is not None
             and link in links(self._shared.players[player], self.chosen.sort).get(end, ())
         ]
-        turn = [*dict.fromkeys(found), ""]
+        turn = [*dict.fromkeys(results), ""]
         return (
             turn[(turn.index(self.chosen.part) + 1) % len(turn)]
             if (self.chosen.part in turn[:-1])
@@ -208,8 +208,8 @@ def maker(given: ViewRequest) -> Callable[[], View]:
     """
     if given.transfer is None:
         raise ViewError("no folder is named", where="--transfer", fix="name one")
-    told = story(given.transfer)
-    shared = Performance(told, cast(told, given.robots), given.seed)
+    known = story(given.transfer)
+    shared = Performance(known, cast(known, given.robots), given.seed)
     # What is shown first is there when the first person comes.
     AlignView(shared).complete()
     return partial(AlignView, shared)

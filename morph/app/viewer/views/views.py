@@ -36,22 +36,22 @@ def makers(
         "design": bool(given.robots),
         **({"print": bool(given.robots)} if given.package is None else {}),
     }
-    found = {name: _maker(name, given) for name, met in needs.items() if met}
-    if not found:
+    results = {name: _maker(name, given) for name, met in needs.items() if met}
+    if not results:
         raise ViewError(
             "there is nothing to show",
             where="morph view",
             fix="name a robot, or a folder by --transfer or --package",
         )
-    if first is not None and first not in found:
+    if first is not None and first not in results:
         raise ViewError(
-            f"there is no view {first!r} of what was given; there are {', '.join(found)}",
+            f"there is no view {first!r} of what was given; there are {', '.join(results)}",
             where="--first",
             fix="align needs --transfer, mismatch --recording or --diagnosis, the others a robot",
         )
-    begin = next(iter(found)) if first is None else first
-    tabs = [name for name in VIEWS if name in found]
-    return tuple(found[name] for name in tabs), tabs.index(begin)
+    begin = next(iter(results)) if first is None else first
+    tabs = [name for name in VIEWS if name in results]
+    return tuple(results[name] for name in tabs), tabs.index(begin)
 
 
 def _maker(name: str, given: ViewRequest) -> Callable[[], View]:

@@ -32,8 +32,8 @@ class NearPattern(Family):
         """Return the pattern of these values."""
         free = {number.name: float(v) for number, v in zip(self.numbers, values, strict=True)}
         action = self.pattern.action
-        told = zip(self.pattern.swings, roles_of(action), places_of(action), strict=True)
-        swings = tuple(_changed(swing, role, float(place), free) for swing, role, place in told)
+        given = zip(self.pattern.swings, roles_of(action), places_of(action), strict=True)
+        swings = tuple(_changed(swing, role, float(place), free) for swing, role, place in given)
         return replace(self.pattern, swings=swings)
 
 

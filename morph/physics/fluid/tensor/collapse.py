@@ -57,8 +57,8 @@ def _candidates(edges: Edges, shortest: float) -> Integers:
     order = np.tile(np.arange(len(short)), 2)
     creases, crease = edges.creases[both[:, 0]], np.tile(edges.crease[short], 2)
     may = (creases == 0) | ((creases == 2) & crease)
-    found: Integers = both[may][np.argsort(order[may], kind="stable")]
-    return found
+    result: Integers = both[may][np.argsort(order[may], kind="stable")]
+    return result
 
 
 def _fits(vertices: Array, faces: Integers, edges: Edges, pairs: Integers, longest: float) -> Mask:
@@ -91,10 +91,10 @@ def _linked(edges: Edges, number: Integers, pairs: Integers) -> Mask:
     which, place = _spread(np.cumsum(number) - number, number, pairs[:, 0])
     other, kept = end[order][place], pairs[which, 1]
     wanted = np.minimum(other, kept) * count + np.maximum(other, kept)
-    found = key[np.minimum(np.searchsorted(key, wanted), len(key) - 1)] == wanted
-    common = np.bincount(which, found, minlength=len(pairs))
+    result = key[np.minimum(np.searchsorted(key, wanted), len(key) - 1)] == wanted
+    common = np.bincount(which, result, minlength=len(pairs))
     # A corner between three faces, left with two, would make them one sheet.
-    least = np.bincount(which, found & (number[other] < 4), minlength=len(pairs))
+    least = np.bincount(which, result & (number[other] < 4), minlength=len(pairs))
     linked: Mask = (common == 2) & (least == 0)
     return linked
 
@@ -120,10 +120,10 @@ def _apart(count: int, edges: Edges, gone: Integers) -> Mask:
 
 def _near(edges: Edges, values: Integers, best: np.ufunc) -> Integers:
     """Return the best of the values of each corner and its neighbours."""
-    found: Integers = values.copy()
-    best.at(found, edges.ends[:, 0], values[edges.ends[:, 1]])
-    best.at(found, edges.ends[:, 1], values[edges.ends[:, 0]])
-    return found
+    result: Integers = values.copy()
+    best.at(result, edges.ends[:, 0], values[edges.ends[:, 1]])
+    best.at(result, edges.ends[:, 1], values[edges.ends[:, 0]])
+    return result
 
 
 def _spread(first: Integers, number: Integers, chosen: Integers) -> tuple[Integers, Integers]:

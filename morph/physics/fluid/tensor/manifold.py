@@ -20,10 +20,10 @@ def as_manifold(mesh: Mesh) -> Any:
 
 def from_manifold(solid: Any) -> Mesh:
     """Return a `manifold3d.Manifold` as a mesh."""
-    found = solid.to_mesh64()
+    result = solid.to_mesh64()
     return Mesh(
-        vertices=np.array(found.vert_properties[:, :3], dtype=np.float64),
-        faces=np.array(found.tri_verts, dtype=np.int64),
+        vertices=np.array(result.vert_properties[:, :3], dtype=np.float64),
+        faces=np.array(result.tri_verts, dtype=np.int64),
     )
 
 
@@ -37,9 +37,9 @@ def simplified(mesh: Mesh, tolerance: float) -> Mesh:
     solid = as_manifold(mesh)
     if solid.status() != Error.NoError:
         return mesh
-    found = from_manifold(solid.simplify(tolerance))
+    result = from_manifold(solid.simplify(tolerance))
     # Of a body thinner than the tolerance nothing is left.
-    return found if 3 < len(found.faces) < len(mesh.faces) and found.consistent else mesh
+    return result if 3 < len(result.faces) < len(mesh.faces) and result.consistent else mesh
 
 
 def refined(mesh: Mesh, length: float) -> Mesh:

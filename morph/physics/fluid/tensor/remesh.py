@@ -50,11 +50,11 @@ def remeshed(mesh: Mesh, panels: int) -> Mesh:
         vertices, faces = split(vertices, faces, LONGEST * aim)
         faces = _flipped(vertices, faces)
         vertices = _relaxed(vertices, faces)
-    found = Mesh(vertices=vertices, faces=faces)
-    if not found.volume > 0.0:
-        return found
-    grown = (mesh.volume / found.volume) ** (1.0 / 3.0)
-    return Mesh(vertices=mesh.com + grown * (vertices - found.com), faces=faces)
+    result = Mesh(vertices=vertices, faces=faces)
+    if not result.volume > 0.0:
+        return result
+    grown = (mesh.volume / result.volume) ** (1.0 / 3.0)
+    return Mesh(vertices=mesh.com + grown * (vertices - result.com), faces=faces)
 
 
 def edge_for(mesh: Mesh, panels: int) -> float:
@@ -146,8 +146,8 @@ def _may_turn(vertices: Array, faces: Integers, edges: Edges) -> Integers:
     made = np.minimum(*edges.tips[good].T) * len(vertices) + np.maximum(*edges.tips[good].T)
     _, first, times = np.unique(made, return_index=True, return_counts=True)
     good = good[np.sort(first[times == 1])]
-    found: Integers = good[_best(len(faces), edges.faces[good], -angle[good])]
-    return found
+    result: Integers = good[_best(len(faces), edges.faces[good], -angle[good])]
+    return result
 
 
 def _relaxed(vertices: Array, faces: Integers) -> Array:

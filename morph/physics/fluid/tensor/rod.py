@@ -123,13 +123,13 @@ def _sector(profile: Array, sectors: int) -> Array:
         for t in (-turn / 2.0, turn / 2.0)
     ]
     right, left = sides
-    found = []
+    results = []
     for a, b, c, d in zip(right[:-1], left[:-1], left[1:], right[1:], strict=True):
         # At a pole two corners are one: the triangle is halved the other way.
         if np.array_equal(a, b):
-            found += [(a, (c + d) / 2.0, d), (a, c, (c + d) / 2.0)]
+            results += [(a, (c + d) / 2.0, d), (a, c, (c + d) / 2.0)]
         elif np.array_equal(c, d):
-            found += [(a, (a + b) / 2.0, c), ((a + b) / 2.0, b, c)]
+            results += [(a, (a + b) / 2.0, c), ((a + b) / 2.0, b, c)]
         else:
-            found += [(a, b, c), (a, c, d)]
-    return np.array(found)
+            results += [(a, b, c), (a, c, d)]
+    return np.array(results)

@@ -73,5 +73,5 @@ def _ordered(shape: Mesh, middle: Array, signs: Array, step: float) -> Mesh:
 def _sorted(faces: Integers) -> Integers:
     first = faces.argmin(axis=1)
     rolled = np.take_along_axis(faces, (first[:, None] + np.arange(3)) % 3, axis=1)
-    found: Integers = np.ascontiguousarray(rolled[np.lexsort(rolled.T[::-1])])
-    return found
+    result: Integers = np.ascontiguousarray(rolled[np.lexsort(rolled.T[::-1])])
+    return result

@@ -82,8 +82,8 @@ def surface(shapes: tuple[Mesh, ...], *, how: str = "mesh", where: str = "the sh
     length = TOUCH * float(np.linalg.norm(np.ptp(_bounds(shapes), axis=0)))
     overlapping = joined(shapes, grown=length).mesh if len(shapes) > 1 else None
     if overlapping is not None and sound(overlapping):
-        said = f"parts that only touch were grown by {length:.1g} m to be one"
-        notes = "; ".join((*whole.notes, said))
+        text = f"parts that only touch were grown by {length:.1g} m to be one"
+        notes = "; ".join((*whole.notes, text))
         return _clean(of_volume(overlapping, whole.mesh.volume), notes, shapes, how)
     return mended(shapes, "its surface crosses or touches itself", how=how, where=where)
 
@@ -117,11 +117,11 @@ def _clean(solid: Mesh, notes: str, shapes: tuple[Mesh, ...], how: str) -> Wette
     if how == "hull":
         hull = hull_of(shapes)
         grown = hull.volume / solid.volume - 1.0
-        said = f"the hull was asked for; it holds {grown:.1%} more than the solid"
-        return wetted_by(hull, "hull", said)
+        text = f"the hull was asked for; it holds {grown:.1%} more than the solid"
+        return wetted_by(hull, "hull", text)
     box = equivalent_box(solid)
-    said = "a box was asked for: of the solid's volume, centre and spread"
-    return wetted_by(box.mesh, "box", said, box=box)
+    text = "a box was asked for: of the solid's volume, centre and spread"
+    return wetted_by(box.mesh, "box", text, box=box)
 
 
 def _bounds(shapes: tuple[Mesh, ...]) -> Array:

@@ -73,31 +73,31 @@ def figures_of(
     """
     check_shapes(shapes, how, where)
     form = form_of(tuple(shape for shape in shapes if len(shape.faces)))
-    found = kept((how, *form.content), lambda: _computed(form.shapes, how, where))
-    centre = np.asarray(found["centre"], dtype=np.float64).reshape(3)
+    result = kept((how, *form.content), lambda: _computed(form.shapes, how, where))
+    centre = np.asarray(result["centre"], dtype=np.float64).reshape(3)
     tensor = Tensor(
-        matrix=np.asarray(found["matrix"], dtype=np.float64).reshape(6, 6),
-        volume=float(found["volume"]),
+        matrix=np.asarray(result["matrix"], dtype=np.float64).reshape(6, 6),
+        volume=float(result["volume"]),
         centre=centre,
-        error=float(found["error"]),
-        panels=int(found["panels"]),
+        error=float(result["error"]),
+        panels=int(result["panels"]),
     )
     return Figures(
         tensor=tensor.mirrored(form.signs).shifted(form.middle),
-        drag=found["drag"],
-        how=str(found["how"]),
-        reason=str(found["reason"]),
-        spread=found["spread"],
+        drag=result["drag"],
+        how=str(result["how"]),
+        reason=str(result["reason"]),
+        spread=result["spread"],
     )
 
 
 def _computed(shapes: tuple[Mesh, ...], how: str, where: str) -> dict[str, Array | float | str]:
-    found = surface(shapes, how=how, where=where)
+    result = surface(shapes, how=how, where=where)
     try:
-        tensor = _tensor(found)
+        tensor = _tensor(result)
     except RobotError:
-        found, tensor = _instead(shapes, how, where)
-    mesh = Mesh(vertices=found.vertices, faces=found.faces)
+        result, tensor = _instead(shapes, how, where)
+    mesh = Mesh(vertices=result.vertices, faces=result.faces)
     fine = refined(mesh, float(np.ptp(mesh.bounds, axis=0).max()) / STRIPS)
     return {
         "matrix": tensor.matrix,
@@ -105,10 +105,10 @@ def _computed(shapes: tuple[Mesh, ...], how: str, where: str) -> dict[str, Array
         "volume": tensor.volume,
         "error": tensor.error,
         "panels": float(tensor.panels),
-        "drag": panel_drag(fine.vertices, fine.faces, point=found.centre),
-        "how": found.how,
-        "reason": found.reason,
-        "spread": np.zeros(2) if found.spread is None else found.spread.reshape(2, 3).max(axis=1),
+        "drag": panel_drag(fine.vertices, fine.faces, point=result.centre),
+        "how": result.how,
+        "reason": result.reason,
+        "spread": np.zeros(2) if result.spread is None else result.spread.reshape(2, 3).max(axis=1),
     }
 
 
@@ -116,31 +116,31 @@ def _instead(shapes: tuple[Mesh, ...], how: str, where: str) -> tuple[Wetted, Te
     """Return what stands for shapes of whose own surface there is no tensor."""
     fault = "boundary elements found no panels on which it does not cross itself"
     for way in dict.fromkeys((how, "hull")):
-        found = mended(shapes, fault, how=way, where=where)
+        result = mended(shapes, fault, how=way, where=where)
         try:
-            return found, _tensor(found)
+            return result, _tensor(result)
         except RobotError:
             continue
-    found = mended(shapes, fault, how="box", where=where)
-    return found, _tensor(found)
+    result = mended(shapes, fault, how="box", where=where)
+    return result, _tensor(result)
 
 
-def _tensor(found: Wetted) -> Tensor:
+def _tensor(result: Wetted) -> Tensor:
     """Return a surface's tensor about the origin: in closed form, by symmetry or by panels."""
-    mesh = Mesh(vertices=found.vertices, faces=found.faces)
-    if found.box is not None:
+    mesh = Mesh(vertices=result.vertices, faces=result.faces)
+    if result.box is not None:
         # Water flows round a sheet thinner than this as round this.
-        sides = np.maximum(found.box.sides, 1.001 * THINNEST * found.box.sides.max())
-        whole = box_tensor(*sides.tolist()).turned(found.box.axes).shifted(found.box.centre)
+        sides = np.maximum(result.box.sides, 1.001 * THINNEST * result.box.sides.max())
+        whole = box_tensor(*sides.tolist()).turned(result.box.axes).shifted(result.box.centre)
     else:
         whole = round_tensor(mesh) or _by_panels(mesh)
     size = np.concatenate([np.ones(3), np.diag(mesh.inertia) / mesh.volume])
-    about = whole.about(found.centre).matrix
+    about = whole.about(result.centre).matrix
     return Tensor(
-        matrix=positive(about, found.volume * size),
-        volume=found.volume,
-        centre=found.centre,
-        point=found.centre,
+        matrix=positive(about, result.volume * size),
+        volume=result.volume,
+        centre=result.centre,
+        point=result.centre,
         error=whole.error,
         panels=whole.panels,
     ).about((0.0, 0.0, 0.0))

@@ -32,14 +32,14 @@ def kept(parts: tuple[bytes | str, ...], compute: Callable[[], Values]) -> dict[
         compute: Computes them; what it raises goes through.
     """
     path = cache_folder() / "fluid" / f"{sha256(EDITION, *parts)}.npz"
-    found = _stored(path)
-    if found is None:
+    result = _stored(path)
+    if result is None:
         data = _packed(compute())
         # A cache that cannot be written to costs time, not the result.
         with contextlib.suppress(MorphError):
             write_whole(path, data)
-        found = _stored(data) or {}
-    return found
+        result = _stored(data) or {}
+    return result
 
 
 def _packed(values: Values) -> bytes:

@@ -47,21 +47,21 @@ def mended(
             fix="give the plate its thickness, or a box in its place",
         ) from error
     radius = sealing_radius(shapes)
-    found = {"hull": hull}
+    results = {"hull": hull}
     for name, cells, panels in (("wrap", CELLS[0], PANELS), ("wrap, coarser", CELLS[1], FEW)):
         skin = wrapped(shapes, cells=cells, radius=radius, panels=panels)
         if skin is not None and sound(skin):
-            found[name] = skin
-    box = equivalent_box(found.get("wrap", hull))
-    found["box"] = box.mesh
+            results[name] = skin
+    box = equivalent_box(results.get("wrap", hull))
+    results["box"] = box.mesh
     chosen: How = "hull"
-    if how == "box" or (how == "mesh" and "wrap" in found):
+    if how == "box" or (how == "mesh" and "wrap" in results):
         chosen = "box" if how == "box" else "wrap"
-    choices = tuple(filter(None, (_choice(name, mesh) for name, mesh in found.items())))
+    choices = tuple(filter(None, (_choice(name, mesh) for name, mesh in results.items())))
     return wetted_by(
-        found[chosen],
+        results[chosen],
         chosen,
-        _story(shapes, fault, chosen, radius, found),
+        _story(shapes, fault, chosen, radius, results),
         box=box if chosen == "box" else None,
         choices=choices,
         spread=_spread(choices, chosen),
@@ -69,20 +69,20 @@ def mended(
 
 
 def _story(
-    shapes: tuple[Mesh, ...], fault: str, chosen: str, radius: float, found: dict[str, Mesh]
+    shapes: tuple[Mesh, ...], fault: str, chosen: str, radius: float, results: dict[str, Mesh]
 ) -> str:
     own = sum(shape.volume for shape in shapes)
     words = {
         "wrap": "wrapped watertight",
         "hull": "replaced by the convex hull"
-        + ("" if "wrap" in found else ", as a wrap of it encloses nothing"),
+        + ("" if "wrap" in results else ", as a wrap of it encloses nothing"),
         "box": "replaced by a box",
     }
-    said = f"{fault}: {words[chosen]}"
+    text = f"{fault}: {words[chosen]}"
     if chosen == "wrap" and radius > 0:
-        said += f", with openings up to {2.0 * radius:.3g} m sealed"
-    volume = found[chosen].volume
-    return f"{said}; it holds {1e3 * volume:.4g} litres, its faces add up to {1e3 * own:.4g}"
+        text += f", with openings up to {2.0 * radius:.3g} m sealed"
+    volume = results[chosen].volume
+    return f"{text}; it holds {1e3 * volume:.4g} litres, its faces add up to {1e3 * own:.4g}"
 
 
 def _choice(how: str, mesh: Mesh) -> SurfaceChoice | None:

@@ -25,13 +25,13 @@ def round_tensor(mesh: Mesh) -> Tensor | None:
     """
     box = equivalent_box(mesh)
     away = (mesh.vertices - box.centre) @ box.axes
-    found = _ellipsoid(away, box)
+    result = _ellipsoid(away, box)
     for axis in range(3):
         # Axes in turn stay a rotation, the last of them that of the rod.
         order = [(axis + 1) % 3, (axis + 2) % 3, axis]
-        if found is None:
-            found = _rod(away[:, order], box.axes[:, order], mesh.volume)
-    return None if found is None else found.shifted(box.centre)
+        if result is None:
+            result = _rod(away[:, order], box.axes[:, order], mesh.volume)
+    return None if result is None else result.shifted(box.centre)
 
 
 def _ellipsoid(away: Array, box: Box) -> Tensor | None:

@@ -58,7 +58,7 @@ def every_shape(
     model = bare_spec(robot).compile()
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
-    found: dict[str, list[Mesh]] = {}
+    results: dict[str, list[Mesh]] = {}
     for body in range(1, model.nbody):
         first = int(model.body_geomadr[body])
         geoms = np.arange(first, first + int(model.body_geomnum[body]))
@@ -72,8 +72,8 @@ def every_shape(
                 seat = turn.T @ data.geom_xmat[geom].reshape(3, 3)
                 place = turn.T @ (data.geom_xpos[geom] - origin)
                 placed = Mesh(vertices=mesh.vertices @ seat.T + place, faces=mesh.faces)
-                found.setdefault(model.body(holder).name, []).append(placed)
-    return {name: tuple(meshes) for name, meshes in found.items()}
+                results.setdefault(model.body(holder).name, []).append(placed)
+    return {name: tuple(meshes) for name, meshes in results.items()}
 
 
 def _holder(model: Any, body: int) -> int:

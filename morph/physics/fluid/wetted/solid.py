@@ -139,8 +139,8 @@ def _tangled(mesh: Mesh) -> bool:
     near = np.minimum(1e-4 * np.sqrt(twice[chosen]), 0.1 * mesh.volume / twice.sum())
     away = near[:, None] * normal
     middle = corners[chosen].mean(axis=1)
-    found = np.concatenate([winding(middle - away, mesh) - 1.0, winding(middle + away, mesh)])
-    return bool((np.abs(found) > 0.5).any())
+    result = np.concatenate([winding(middle - away, mesh) - 1.0, winding(middle + away, mesh)])
+    return bool((np.abs(result) > 0.5).any())
 
 
 def _tidy(shape: Mesh) -> Mesh:

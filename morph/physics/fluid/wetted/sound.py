@@ -25,7 +25,7 @@ def sound(mesh: Mesh) -> bool:
     if not mesh.consistent or not mesh.volume > 0:
         return False
     plain = np.flatnonzero((normals(mesh.vertices, mesh.faces) != 0.0).any(axis=1))
-    asked = plain[:: 1 + len(plain) * len(mesh.faces) // PAIRS]
-    middles = mesh.vertices[mesh.faces[asked]].mean(axis=1)
-    seen = winding(middles, mesh, without=asked)
+    requested = plain[:: 1 + len(plain) * len(mesh.faces) // PAIRS]
+    middles = mesh.vertices[mesh.faces[requested]].mean(axis=1)
+    seen = winding(middles, mesh, without=requested)
     return bool((np.abs(seen - 0.5) < HALF).all())

@@ -95,12 +95,12 @@ def wrapped(shapes: tuple[Mesh, ...], *, cells: int, radius: float, panels: int)
         skin = _skin(_blurred(grid, blur), FINE * grid.step)
         if skin is None or _is_sheet(skin, grid.step):
             return None
-        found = _without_crumbs(skin)
+        result = _without_crumbs(skin)
         # A skin may touch itself where it has details finer than its edges.
-        if found.consistent:
-            found = remeshed(found, panels)
-            off = abs(float(np.log(volume / found.volume)))
-            return _of_volume(found, volume) if off < SHRUNK else found
+        if result.consistent:
+            result = remeshed(result, panels)
+            off = abs(float(np.log(volume / result.volume)))
+            return _of_volume(result, volume) if off < SHRUNK else result
         blur *= 1.5
     return None
 
@@ -140,13 +140,13 @@ def _points(shape: Mesh, spacing: float) -> Array:
     corners = shape.vertices[shape.faces]
     longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
     parts = 2 ** np.ceil(np.log2(np.maximum(longest / spacing, 1.0))).astype(np.int64)
-    found = []
+    results = []
     for part in np.unique(parts):
         i, j = np.meshgrid(np.arange(part + 1), np.arange(part + 1))
         inside = i + j <= part
         weight = np.stack([(part - i - j)[inside], i[inside], j[inside]], axis=1) / part
-        found.append((weight @ corners[parts == part]).reshape(-1, 3))
-    return np.concatenate(found)
+        results.append((weight @ corners[parts == part]).reshape(-1, 3))
+    return np.concatenate(results)
 
 
 def _closed(distance: Grid, radius: float) -> Grid:

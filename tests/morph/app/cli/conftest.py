@@ -51,7 +51,7 @@ class Growing(Search):
     seen: ClassVar[list[Problem]] = []
     slow: ClassVar[float] = 0.0
 
-    def found(
+    def solve(
         self,
         problem: Problem,
         *,
@@ -105,7 +105,7 @@ class Refusing(Search):
 
     name: ClassVar[str] = "refusing"
 
-    def found(self, problem: Problem, **_: Any) -> Learned:
+    def solve(self, problem: Problem, **_: Any) -> Learned:
         raise SearchError("it needs gradients", where="task balance", fix="take cmaes")
 
 

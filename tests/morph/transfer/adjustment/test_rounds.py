@@ -43,12 +43,12 @@ def test_without_a_policy_there_are_no_rounds(source: SimulatedTask, rough: Simu
 def test_directly_changed_it_needs_more_trials_and_succeeds(
     source: SimulatedTask, plan: Policy, rough: Simulated
 ) -> None:
-    found = DirectAdjustment().found(source.task, plan, rough, trials=25, seed=100)
+    found = DirectAdjustment().tune(source.task, plan, rough, trials=25, seed=100)
     assert len(found.experience) == 25
     losses = [line.loss for line in found.trials]
     assert losses == sorted(losses, reverse=True)
     assert losses[-1] < 0.6 * losses[0]
-    again = DirectAdjustment().found(source.task, plan, rough, trials=3, seed=100)
+    again = DirectAdjustment().tune(source.task, plan, rough, trials=3, seed=100)
     assert [line.loss for line in again.trials] == losses[:3]
 
 

@@ -36,7 +36,7 @@ class Named(Search):
     step: float = 0.5
     """A setting."""
 
-    def found(self, problem: Problem, **how: Any) -> Learned:
+    def solve(self, problem: Problem, **how: Any) -> Learned:
         raise NotImplementedError
 
 
