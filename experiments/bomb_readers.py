@@ -62,7 +62,7 @@ def _search(path: Path) -> object:
 
 
 def _pairs(path: Path) -> object:
-    from morph.app.cli.align_given import pairs
+    from morph.app.cli.align_inputs import pairs
 
     return pairs(path)
 

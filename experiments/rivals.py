@@ -31,7 +31,7 @@ from morph.search.ddp import Plan
 from morph.search.evaluate import evaluate
 from morph.search.search import Problem
 from morph.study.cell import cells_of
-from morph.transfer.baselines.rivals import RIVALS
+from morph.transfer.baselines.baselines import BASELINES
 from morph.transfer.baselines.source import Source
 
 EXAMPLE = """example:
@@ -93,7 +93,7 @@ def measured(world: str, rival: str, seed: int, trials: int) -> Row:
         shown = target.trial(still, np.random.default_rng(seed))
         tried = [(shown.loss, float(shown.success))] * trials
     else:
-        (kind,) = (each for each in RIVALS if each.name == rival)
+        (kind,) = (each for each in BASELINES if each.name == rival)
         source = source_of(seed)
         began = time.perf_counter()
         lines = kind().run(source, target, trials=trials, seed=seed)
@@ -230,7 +230,7 @@ def headline(found: JSON) -> JSON:
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the study and return its exit status."""
-    names = [*(each.name for each in RIVALS), STILL, OWN]
+    names = [*(each.name for each in BASELINES), STILL, OWN]
     parser = argparse.ArgumentParser(
         prog="python -m experiments.rivals",
         description=__doc__,

@@ -20,7 +20,7 @@ from morph.task.crouch import crouch
 from morph.task.stand import stand
 from morph.task.task import Task
 from morph.task.walk import walk
-from morph.transfer.strides import Response, Told, TransferredGaits, carried, joint_map, tried
+from morph.transfer.gait_family import Response, Told, TransferredGaits, carried, joint_map, tried
 
 DISTANCE, HORIZON = 0.5, 5.0
 """How far both are to walk, m, and how long they have, s."""

@@ -12,8 +12,8 @@ import numpy as np
 from experiments.viewed.browser import free_port, page_of
 from experiments.viewed.people import LOOKS, opened_and_closed
 from experiments.viewed.served import memory
-from morph.app.viewer.given import ViewRequest
 from morph.app.viewer.server import Viewer
+from morph.app.viewer.view_request import ViewRequest
 from morph.app.viewer.views.views import makers
 from morph.arrays import JSON
 from morph.body.load import load

@@ -17,9 +17,9 @@ from morph.inference.rank import Progress, Ranking, ranked
 from morph.inference.refit import refitted
 from morph.inference.unmeasured import with_unmeasured
 from morph.inference.verdict import DiagnosisRuns, conclude
-from morph.model.chained import with_chains
-from morph.model.commanded import by_effort, with_followers
+from morph.model.chain_closure import with_chains
 from morph.model.conventions import check_signs, check_units
+from morph.model.derived_channels import by_effort, with_followers
 from morph.model.diagnosis import Diagnosis
 from morph.model.episodes import Episode, longest_step, step_for
 from morph.model.finding import Change

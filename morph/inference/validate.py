@@ -14,11 +14,11 @@ from morph.errors import EffectError
 from morph.inference.explained import certain
 from morph.inference.observed import Observed
 from morph.inference.quadratic import LogPosterior
+from morph.model.effect_memory import recalled
 from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis
-from morph.model.readings import shown
-from morph.model.recalled import recalled
 from morph.model.segments import Segments, cut
+from morph.model.sensor_readings import shown
 from morph.physics.effect import Effect
 from morph.physics.joint.motor_side import MotorSideEffect
 from morph.sim.drive import all_received

@@ -9,7 +9,7 @@ import numpy as np
 
 from morph.arrays import JSON
 from morph.body.robot import Robot
-from morph.model.commanded import by_effort, told_zero
+from morph.model.derived_channels import by_effort, told_zero
 from morph.model.episodes import Episode, step_for
 from morph.model.hypothesis import Hypothesis
 from morph.model.measurement import Measurement

@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from morph.arrays import Array
+from morph.model.effect_memory import recalled
 from morph.model.hypothesis import Hypothesis
-from morph.model.readings import shown
-from morph.model.recalled import recalled
 from morph.model.segments import Segments
+from morph.model.sensor_readings import shown
 from morph.sim.drive import all_received, stamped, unsensed
 from morph.sim.rollout import Variant, rollout
 from morph.sim.trapezoid import trapezoidal

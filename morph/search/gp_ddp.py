@@ -11,7 +11,7 @@ import numpy as np
 from morph.arrays import Array
 from morph.errors import SearchError
 from morph.model.jointed.fit import fit
-from morph.search.learned_dynamics.dream import HINGE, Dream, known, settings_of
+from morph.search.learned_dynamics.learned_body import HINGE, Dream, known, settings_of
 from morph.search.learned_dynamics.memory import FARTHEST, SearchCheckpoint, recalled
 from morph.search.learned_dynamics.plans import Chosen, TrialBudget, chosen, plans
 from morph.search.search import Learned, Problem, Search, State, Told, ignore

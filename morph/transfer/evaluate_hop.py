@@ -22,8 +22,8 @@ from morph.transfer.hop_result import Crossing, Curve
 from morph.transfer.mapped.belief import LinearPosterior, learned
 from morph.transfer.mapped.feedback import cautious, chosen, holding
 from morph.transfer.parts import Spreads, names_of, parts
-from morph.transfer.record import GuardRecord
 from morph.transfer.relay import carry, tried
+from morph.transfer.transfer_record import GuardRecord
 
 COUNTS = (1 / 6, 1 / 3, 2 / 3, 1.0)
 """At which shares of the transitions a learning curve has its points."""

@@ -8,7 +8,7 @@ from align.belief import Belief, believed, mechanical
 from align.guard import TrialTask, foreseen, judge
 from align.samples import Transitions
 from morph.transfer.body import Body, Law
-from morph.transfer.record import GuardRecord
+from morph.transfer.transfer_record import GuardRecord
 
 STARTS = 4
 """Starts from which every body that is thought possible is run."""

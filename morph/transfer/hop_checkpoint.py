@@ -20,7 +20,7 @@ from morph.npz import load_npz
 from morph.regular_file import read_regular
 from morph.transfer.hop_result import Crossing, Curve, parts_said
 from morph.transfer.parts import Arrow, Parts
-from morph.transfer.record import GuardRecord
+from morph.transfer.transfer_record import GuardRecord
 
 STATE, HOPS, LAW, TOLD = "relay.json", "hops", "law.npz", "hop.json"
 """Whose hops a folder holds; and of each hop its law, and what is told of it."""

@@ -11,8 +11,8 @@ import numpy as np
 from morph.arrays import JSON, Array
 from morph.errors import TransferError
 from morph.transfer.parts import Arrow, Parts
-from morph.transfer.record import GuardRecord
 from morph.transfer.score import UNMEASURED
+from morph.transfer.transfer_record import GuardRecord
 
 ENOUGH = 0.95
 """Share of what the oracle gains over holding still from which a policy counts as good."""

@@ -12,7 +12,7 @@ from morph.errors import DiagnosisError, EffectError, SimulationFailed, Transfer
 from morph.policy.policy import Policy
 from morph.search.target import Target
 from morph.task.task import Task
-from morph.transfer.keep import Keep
+from morph.transfer.loop_checkpoint import Keep
 from morph.transfer.next_action import NextAction, advise
 from morph.transfer.predicted_return import PredictedReturn
 from morph.transfer.trial_record import TrialRecord

@@ -10,7 +10,7 @@ from morph.arrays import JSON
 from morph.files import sha256
 from morph.task.task import Task
 from morph.transfer.hop_result import Crossing
-from morph.transfer.record import SCHEMA, text_of
+from morph.transfer.transfer_record import SCHEMA, text_of
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -9,8 +9,8 @@ from morph.body.robot import Robot
 from morph.errors import TransferError
 from morph.task.push import Push
 from morph.transfer.body import Body
+from morph.transfer.rest_on_contacts import standing
 from morph.transfer.skateboard_bodies import Board, on_board
-from morph.transfer.standing import standing
 
 PUSHES: dict[Board, float] = {"driven": 3.85, "passive": 5.0, "free": 2.5}
 """Impulse on the pelvis along the board, N s: holding still falls, and feedback can stand it."""

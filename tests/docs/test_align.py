@@ -11,7 +11,7 @@ import pytest
 
 import morph.app.report.align
 from morph.app.cli.align_arguments import Align
-from morph.app.cli.align_given import ARRAYS, TOLD
+from morph.app.cli.align_inputs import ARRAYS, TOLD
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 TEXT = (DOCS / "align.md").read_text(encoding="utf-8")

@@ -11,7 +11,7 @@ import morph.transfer
 from morph.app.cli.arguments import Loop
 from morph.app.cli.outputs import LOOP, RECORDED
 from morph.app.report.loop.words import FIGURES
-from morph.transfer.keep import STATE, TRIALS
+from morph.transfer.loop_checkpoint import STATE, TRIALS
 
 TEXT = (Path(__file__).resolve().parents[2] / "docs" / "loop.md").read_text(encoding="utf-8")
 

@@ -13,7 +13,7 @@ from morph.app.cli.main import main
 from morph.app.cli.print_arguments import Print
 from morph.app.cli.weigh_arguments import Weigh
 from morph.app.report.print.files import ASSEMBLY, REPORT
-from morph.app.viewer.given import ViewRequest
+from morph.app.viewer.view_request import ViewRequest
 from morph.app.viewer.views.views import makers
 from morph.make.link_mass import Source
 from morph.make.packed import SCHEMA

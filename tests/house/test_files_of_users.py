@@ -36,7 +36,7 @@ ALLOWED = {
     "morph/app/cli/list.py": OURS,
     "morph/study/submitit_local.py": WRITES,
     "morph/study/code_hash.py": "it is source code that is imported",
-    "morph/app/viewer/printed/zipped.py": WRITES,
+    "morph/app/viewer/printed/package_zip.py": WRITES,
     "morph/app/cli/main.py": "it is /dev/null",
     "morph/body/quiet.py": "it is /dev/null",
     "morph/native/compilers.py": "it is /proc/cpuinfo",

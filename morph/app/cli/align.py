@@ -12,7 +12,7 @@ from morph.app.cli.align_arguments import Align
 from morph.errors import TransferError
 
 if TYPE_CHECKING:
-    from morph.app.cli.align_given import Side
+    from morph.app.cli.align_inputs import Side
     from morph.app.cli.stages import Stages
     from morph.app.report.align.outcome import Aligned
 
@@ -53,7 +53,7 @@ def run_align(options: Align) -> int:
 
 
 def _check_numbers(options: Align) -> None:
-    from morph.app.cli.align_given import FEWEST, MOST
+    from morph.app.cli.align_inputs import FEWEST, MOST
 
     if options.samples < FEWEST:
         raise TransferError(
@@ -99,7 +99,7 @@ def _sides(options: Align, progress: Stages) -> tuple[Side, Side]:
     """Return what both bodies did, made or read."""
     import numpy as np
 
-    from morph.app.cli.align_given import made, read
+    from morph.app.cli.align_inputs import made, read
     from morph.app.cli.transfer_bodies import body_of, check_task
 
     bodies, sides = list(options.bodies), []
@@ -134,7 +134,7 @@ def _write(result: Aligned, out: Path, *, fresh: bool) -> None:
 
 
 def _say(options: Align, result: Aligned) -> None:
-    from morph.app.cli.align_said import lines
+    from morph.app.cli.align_text import lines
     from morph.app.cli.console import say
 
     if options.json:

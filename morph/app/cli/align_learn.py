@@ -16,7 +16,7 @@ from align.maps.maps import MAPPERS
 from align.quality import quality
 from align.samples import Pairs, Step, Worth
 from morph.app.cli.align_arguments import Align
-from morph.app.cli.align_given import Side, pairs
+from morph.app.cli.align_inputs import Side, pairs
 from morph.app.cli.stages import Stages
 from morph.app.report.align.outcome import Aligned
 from morph.arrays import Array
@@ -29,8 +29,8 @@ from morph.transfer.guarded import guarded
 from morph.transfer.mapped.feedback import holding
 from morph.transfer.mapped.lift import lift
 from morph.transfer.parts import parts
-from morph.transfer.record import GuardRecord
 from morph.transfer.relay_record import hashes
+from morph.transfer.transfer_record import GuardRecord
 
 UNKNOWN = GuardRecord(verdict="unsure", probability=None)
 """Of a map through which no policy can be seen."""

@@ -26,11 +26,11 @@ def run_compare(options: Compare) -> int:
         MorphError: An input cannot be used or a file cannot be written.
     """
     from morph.app.cli.stages import stages
-    from morph.app.cli.view_given import check_page
+    from morph.app.cli.view_inputs import check_page
     from morph.body.load import load as load_robot
     from morph.files import write_whole
-    from morph.model.commanded import by_effort, told_zero
     from morph.model.comparison import compare
+    from morph.model.derived_channels import by_effort, told_zero
     from morph.physics.worlds import world
     from morph.record.distinct import distinct
     from morph.record.load import load as load_recordings
@@ -143,7 +143,7 @@ def _saved(
 
 def _write_page(options: Compare, saved: Saved, now: Callable[[str], None]) -> None:
     """Write the page of that view, which opens without a network."""
-    from morph.app.cli import view_given
+    from morph.app.cli import view_inputs
     from morph.app.cli.view import write_page
     from morph.app.cli.view_arguments import ViewCommand
     from morph.app.viewer.opening import Opening
@@ -156,8 +156,8 @@ def _write_page(options: Compare, saved: Saved, now: Callable[[str], None]) -> N
         world=options.world,
         first="mismatch",
     )
-    given, notes = view_given.given(view, saved, now)
+    given, notes = view_inputs.given(view, saved, now)
     result, first = makers(given, saved.view)
-    command = view_given.command(view)
+    command = view_inputs.command(view)
     opening = Opening(given=given, saved=saved, notes=tuple(notes), command=command)
     write_page(Path(options.html or ""), result[first](), opening, now)

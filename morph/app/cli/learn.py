@@ -153,8 +153,8 @@ def _searched(
     options: Learn, task: Task, search: Search, checkpoint: Checkpoint, before: Before
 ) -> tuple[Learned, float]:
     """Return what the search found, and how long it took, the time before an interrupt too."""
-    from morph.app.cli.going_on import going_on
     from morph.app.cli.progress import progress
+    from morph.app.cli.resume_search import going_on
     from morph.search.search import Problem
     from morph.search.target import Simulated
 

@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from morph.app.report.loop.outcome import LoopOutcome
     from morph.policy.policy import Policy
     from morph.task.task import Task
-    from morph.transfer.keep import Keep
     from morph.transfer.loop import LoopRound, Transferred
+    from morph.transfer.loop_checkpoint import Keep
 
 DONE, STOPPED_SHORT, INTERRUPTED = 0, 3, 130
 
@@ -61,7 +61,7 @@ def _run(
     """Carry a policy in a folder that nobody else works in, and return the exit status."""
     from morph.app.cli.heartbeat import beating
     from morph.app.cli.loop_key import keep_of, key_of
-    from morph.app.cli.loop_said import already
+    from morph.app.cli.loop_text import already
     from morph.app.cli.outputs import LOOP, claim, clear
 
     if options.fresh:
@@ -105,7 +105,7 @@ def _task(options: Loop) -> Task:
     if not options.limit:
         return result
     from morph.app.cli.target_options import limits
-    from morph.transfer.live.within import within
+    from morph.transfer.live.limited_task import within
 
     # What is searched and foreseen knows the limits of what will be tried.
     return within(result, limits(options.limit))
@@ -199,7 +199,7 @@ def _judged(
 ) -> LoopOutcome:
     import numpy as np
 
-    from morph.app.cli.loop_said import command
+    from morph.app.cli.loop_text import command
     from morph.app.report.loop.outcome import LoopOutcome
     from morph.search.evaluate import evaluate
     from morph.transfer.score import JUDGING, judged
@@ -234,7 +234,7 @@ def _ended(error: BaseException, out: Path) -> int:
         MorphError: It was not interrupted, but cannot go on.
     """
     from morph.app.cli.console import harmless
-    from morph.app.cli.loop_said import finished
+    from morph.app.cli.loop_text import finished
     from morph.app.cli.outputs import LOOP, SOURCE, clear
 
     tried, learned = finished(out), (out / SOURCE[0]).is_file()
@@ -256,7 +256,7 @@ def _ended(error: BaseException, out: Path) -> int:
 
 
 def _said(options: Loop, outcome: LoopOutcome) -> int:
-    from morph.app.cli.loop_said import say_outcome
+    from morph.app.cli.loop_text import say_outcome
 
     say_outcome(options, outcome)
     return DONE if outcome.succeeded else STOPPED_SHORT

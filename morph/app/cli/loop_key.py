@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from morph.policy.policy import Policy
     from morph.record.recording import Recording
     from morph.task.task import Task
-    from morph.transfer.keep import Keep
+    from morph.transfer.loop_checkpoint import Keep
 
 
 def key_of(
@@ -48,7 +48,7 @@ def keep_of(out: Path, task: Task, key: Mapping[str, str]) -> Keep:
     Raises:
         OutputError: The folder holds another loop.
     """
-    from morph.transfer.keep import Keep
+    from morph.transfer.loop_checkpoint import Keep
 
     try:
         return Keep(out, task, key)

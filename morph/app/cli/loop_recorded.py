@@ -9,7 +9,7 @@ import numpy as np
 from morph.app.cli.arguments import Loop
 from morph.app.cli.heartbeat import beating
 from morph.app.cli.loop_key import keep_of, key_of_recordings
-from morph.app.cli.loop_said import command, say_outcome
+from morph.app.cli.loop_text import command, say_outcome
 from morph.app.cli.outputs import LOOP, claim, clear
 from morph.app.cli.stages import Stages
 from morph.app.report.loop.files import write_loop

@@ -146,7 +146,7 @@ def _moved(
 ) -> tuple[Trajectory, SimulationFailed | None]:
     """Return a run; what `--command` and `--commands` tell comes before the policy."""
     if policy is not None and policy.observation:
-        from morph.app.cli.driven import driven
+        from morph.app.cli.policy_rollout import driven
 
         return driven(
             simulator, policy, seconds=seconds, start=start, speed=speed, command=constant

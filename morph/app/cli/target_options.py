@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from morph.app.cli.arguments import Loop
-from morph.app.cli.sealed import Concealed, changes, drawn
+from morph.app.cli.concealed_target import Concealed, changes, drawn
 from morph.errors import TransferError
 from morph.policy.policy import Policy
 from morph.search.target import Simulated, Target

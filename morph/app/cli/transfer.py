@@ -132,7 +132,7 @@ def _run(
     """Carry the policy in a folder that nobody else works in, and return the exit status."""
     from morph.app.cli.heartbeat import beating
     from morph.app.cli.outputs import TRANSFER, claim, clear
-    from morph.app.cli.transfer_said import say_outcome
+    from morph.app.cli.transfer_text import say_outcome
     from morph.app.report.transfer.words import done
     from morph.transfer.hop_checkpoint import HopsKept
 
@@ -220,7 +220,7 @@ def _written(
     began: float,
 ) -> RelayRecord:
     from morph.app.cli.transfer_bodies import hash_of, notes_of
-    from morph.app.cli.transfer_said import command
+    from morph.app.cli.transfer_text import command
     from morph.app.report.transfer.files import write_transfer
     from morph.transfer.relay_record import RelayRecord, hashes
 

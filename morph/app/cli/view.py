@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from morph.app.cli import view_given
+from morph.app.cli import view_inputs
 from morph.app.cli.stages import stages
 from morph.app.cli.view_arguments import ViewCommand
 from morph.errors import ViewError
@@ -35,20 +35,20 @@ def run_view(options: ViewCommand) -> int:
     Raises:
         MorphError: An input cannot be used, or the page cannot be served or written.
     """
-    view_given.check(options)
-    saved = view_given.read(options)
+    view_inputs.check(options)
+    saved = view_inputs.read(options)
     from morph.app.viewer.opening import Opening
     from morph.app.viewer.views.views import makers
 
     with stages(options.quiet) as progress:
-        given, notes = view_given.given(options, saved, progress.now)
+        given, notes = view_inputs.given(options, saved, progress.now)
         progress.now("looking at what was given")
         result, first = makers(given, options.first or (saved.view if saved else None))
         notes += _unfit(options, saved, result)
         for note in notes:
             progress.line(note)
         opening = Opening(
-            given=given, saved=saved, notes=tuple(notes), command=view_given.command(options)
+            given=given, saved=saved, notes=tuple(notes), command=view_inputs.command(options)
         )
         if options.html is not None:
             shown, path = result[first](), Path(options.html)

@@ -7,8 +7,8 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from morph.app.viewer.charts import chart_html, now_html
+from morph.app.viewer.downloads import keep_page, keep_view
 from morph.app.viewer.fragments import keys_html, notes_html, table_html
-from morph.app.viewer.keeping import keep_page, keep_view
 from morph.app.viewer.style import style
 from morph.app.viewer.transport import KEYS, ClockControls
 from morph.app.viewer.view import View

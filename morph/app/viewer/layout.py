@@ -12,9 +12,9 @@ import numpy as np
 from morph.app.viewer.content import Actor
 from morph.app.viewer.figure import Figure
 from morph.app.viewer.framing import FIELD, framed
+from morph.app.viewer.layout_request import UnplacedBodies, standing
 from morph.app.viewer.rows import in_file, in_rows
-from morph.app.viewer.sight import sight
-from morph.app.viewer.standing import UnplacedBodies, standing
+from morph.app.viewer.visibility import sight
 from morph.arrays import Array, Integers
 
 DEEP = 0.15

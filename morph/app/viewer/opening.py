@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from morph.app.viewer.given import ViewRequest
 from morph.app.viewer.state import Saved
+from morph.app.viewer.view_request import ViewRequest
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -12,7 +12,7 @@ from morph.app.picture.shapes import PictureShape
 from morph.app.viewer.colour import linears
 from morph.app.viewer.content import Actor, Colour
 from morph.app.viewer.layout import Layout, title
-from morph.app.viewer.mover import mover
+from morph.app.viewer.pose_stream import mover
 from morph.app.viewer.quiver import Quiver
 from morph.app.viewer.swept_bounds import gone
 from morph.arrays import Array

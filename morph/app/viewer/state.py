@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import morph
 from morph.app.viewer.camera import Camera, camera_of
-from morph.app.viewer.given import ViewRequest
+from morph.app.viewer.view_request import ViewRequest
 from morph.arrays import JSON
 from morph.body import shelf
 from morph.body.robot import Robot

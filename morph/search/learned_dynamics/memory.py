@@ -9,7 +9,7 @@ import numpy as np
 from morph.arrays import Array
 from morph.errors import StateError
 from morph.model.jointed.transition import JointTransitions, transitions
-from morph.search.learned_dynamics.choice import Plans, joined
+from morph.search.learned_dynamics.plan_choice import Plans, joined
 from morph.search.search import State, Trial
 from morph.search.target import Experience
 

@@ -8,15 +8,15 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.model.jointed.draws import draw
-from morph.search.learned_dynamics.choice import (
+from morph.search.learned_dynamics.learned_body import Dream
+from morph.search.learned_dynamics.plan_choice import (
     PlanPredictions,
     Plans,
     foreseen,
     joined,
     with_feedback,
 )
-from morph.search.learned_dynamics.dream import Dream
-from morph.search.learned_dynamics.ground import aim, ground_of
+from morph.search.learned_dynamics.rest_feedback import aim, ground_of
 from morph.search.plan.initial_trajectories import swung
 from morph.search.trajectory.ddp import Trajectories, ddp
 from morph.task.task import Task

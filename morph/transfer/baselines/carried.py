@@ -13,8 +13,8 @@ from morph.model.jointed.fit import JointedSettings, fit
 from morph.model.jointed.jointed import Jointed
 from morph.model.jointed.transition import JointTransitions
 from morph.search.learned_dynamics.memory import SearchCheckpoint
+from morph.transfer.baselines.baseline import needs_experience
 from morph.transfer.baselines.learner import Learner, periods
-from morph.transfer.baselines.rival import needs_experience
 from morph.transfer.baselines.source import Source
 
 

@@ -18,8 +18,8 @@ from morph.search.search import Trial
 from morph.search.target import Experience, Simulated, Target
 from morph.sim.simulator import Simulator
 from morph.task.task import Task
+from morph.transfer.baselines.baseline import Baseline, NextStep, needs_experience
 from morph.transfer.baselines.learner import WEAK, best_plan, periods, randomly, told
-from morph.transfer.baselines.rival import Baseline, NextStep, needs_experience
 from morph.transfer.baselines.source import Source, random_commands
 
 RUNGS = 3

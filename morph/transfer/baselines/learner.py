@@ -11,12 +11,12 @@ from morph.errors import SearchError
 from morph.model.jointed.fit import JointedSettings
 from morph.model.jointed.jointed import Jointed
 from morph.model.jointed.transition import JointTransitions, transitions
-from morph.search.learned_dynamics.dream import Dream, known, settings_of
+from morph.search.learned_dynamics.learned_body import Dream, known, settings_of
 from morph.search.learned_dynamics.memory import SearchCheckpoint
 from morph.search.learned_dynamics.plans import TrialBudget, chosen, plans
 from morph.search.target import Experience
 from morph.task.task import Task
-from morph.transfer.baselines.rival import Baseline, NextStep
+from morph.transfer.baselines.baseline import Baseline, NextStep
 from morph.transfer.baselines.source import Source, random_commands
 
 WEAK = 0.3

@@ -10,8 +10,8 @@ import numpy as np
 from morph.model.jointed.fit import JointedSettings, fit
 from morph.model.jointed.jointed import Jointed
 from morph.search.learned_dynamics.memory import SearchCheckpoint
+from morph.transfer.baselines.baseline import NextStep
 from morph.transfer.baselines.learner import Learner, periods, randomly
-from morph.transfer.baselines.rival import NextStep
 from morph.transfer.baselines.source import Source
 
 

@@ -12,7 +12,7 @@ from morph.model.jointed.fit import fit
 from morph.model.jointed.jointed import Jointed
 from morph.physics.effect import Effect
 from morph.policy.policy import Policy
-from morph.search.learned_dynamics.dream import known, settings_of
+from morph.search.learned_dynamics.learned_body import known, settings_of
 from morph.search.learned_dynamics.memory import SearchCheckpoint
 from morph.search.target import Experience, Simulated
 from morph.task.task import Task

@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from morph.search.learned_dynamics.memory import SearchCheckpoint
-from morph.transfer.baselines.rival import Baseline, NextStep
+from morph.transfer.baselines.baseline import Baseline, NextStep
 from morph.transfer.baselines.source import Source
 
 

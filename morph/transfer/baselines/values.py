@@ -11,14 +11,14 @@ from morph.arrays import Array
 from morph.model.jointed.fit import JointedSettings, fit
 from morph.model.jointed.jointed import Jointed
 from morph.search.evaluate import attempt
-from morph.search.learned_dynamics.choice import Plans
-from morph.search.learned_dynamics.dream import Dream, known
+from morph.search.learned_dynamics.learned_body import Dream, known
 from morph.search.learned_dynamics.memory import SearchCheckpoint
+from morph.search.learned_dynamics.plan_choice import Plans
 from morph.search.plan.terminal_controller import aided, grounded
 from morph.search.trajectory.linearise import linearise
 from morph.search.trajectory.plant import Plant
+from morph.transfer.baselines.baseline import NextStep
 from morph.transfer.baselines.learner import Learner, periods
-from morph.transfer.baselines.rival import NextStep
 from morph.transfer.baselines.source import Source
 
 

@@ -20,10 +20,10 @@ from morph.transfer.live.actuator_gain_check import heed_of
 from morph.transfer.live.conduct import Conduct, odd_velocities
 from morph.transfer.live.connection import Connection
 from morph.transfer.live.delay import Delay, delay_of
-from morph.transfer.live.keep import last_kept, write_trial
 from morph.transfer.live.limits import LimitGuard, Limits
 from morph.transfer.live.session import Asked, Ended, TrialSession
 from morph.transfer.live.stop import Stop
+from morph.transfer.live.trial_recordings import last_kept, write_trial
 from morph.transfer.live.watch import Watch
 from morph.transfer.live.wiring import Wiring
 

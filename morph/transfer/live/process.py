@@ -11,7 +11,7 @@ from typing import Any
 
 from morph.errors import TransferError
 from morph.transfer.live.connection import Connection, Heard
-from morph.transfer.live.lines import Reader, Tail, write
+from morph.transfer.live.pipe_lines import Reader, Tail, write
 from morph.transfer.live.protocol import SCHEMA, Hello, hello_of, line_of
 
 WRITE = 0.5

@@ -17,7 +17,7 @@ from morph.physics.effect import Effect
 from morph.physics.store import load_effects
 from morph.task.tasks import task
 from morph.transfer.live.protocol import Clock
-from morph.transfer.live.served import Faults, Served
+from morph.transfer.live.simulated_target import Faults, Served
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -14,7 +14,7 @@ from morph.body.robot import Robot
 from morph.body.spec import spec_of
 from morph.errors import RecordingError
 from morph.inference.diagnose import diagnose
-from morph.model.chained import with_chains
+from morph.model.chain_closure import with_chains
 from morph.physics.dynamics import accelerations, closed, jacobians
 from morph.record.recording import Channel, Recording
 

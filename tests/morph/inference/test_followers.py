@@ -15,7 +15,7 @@ from morph.body.spec import spec_of
 from morph.inference.diagnose import diagnose
 from morph.inference.observed import observed
 from morph.inference.ties import carried
-from morph.model.commanded import with_followers
+from morph.model.derived_channels import with_followers
 from morph.model.episodes import episode
 from morph.physics.dynamics import accelerations, jacobians
 from morph.record.recording import Channel, Recording

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from morph.body.robot import Robot
+from morph.model.effect_memory import recalled
 from morph.model.episodes import episode
 from morph.model.hypothesis import Hypothesis
-from morph.model.recalled import recalled
 from morph.model.segments import cut
 from morph.physics.actuator.thermal_derating import ThermalDerating
 from morph.record.recording import Channel, Recording

@@ -17,8 +17,8 @@ from morph.task.tasks import task
 from morph.transfer.hop_checkpoint import HopsKept, Kept
 from morph.transfer.hop_result import Crossing, Curve
 from morph.transfer.parts import Arrow, Parts
-from morph.transfer.record import GuardRecord
 from morph.transfer.relay_record import RelayRecord, hashes
+from morph.transfer.transfer_record import GuardRecord
 
 SCHEMA = json.loads((Path(morph.transfer.__file__).parent / "transfer.schema.json").read_text())
 

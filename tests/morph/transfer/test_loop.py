@@ -20,8 +20,8 @@ from morph.search.search import Problem
 from morph.search.target import Experience, Simulated, Target
 from morph.task.swing_up import swing_up
 from morph.task.task import Task
-from morph.transfer.keep import Keep
 from morph.transfer.loop import TransferLoop, Transferred, concluded, worth_trying
+from morph.transfer.loop_checkpoint import Keep
 
 SEED = 100
 LOOP, KEY = TransferLoop(trials=2, seed=SEED), {"seed": str(SEED)}

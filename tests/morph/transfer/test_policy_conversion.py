@@ -113,7 +113,7 @@ def _standing(robot: object) -> Body:
     from morph.search.trajectory.plant import Plant
     from morph.sim.start import started
     from morph.task.stand import stand
-    from morph.transfer.standing import PERIOD
+    from morph.transfer.rest_on_contacts import PERIOD
 
     what = replace(stand(robot, name="balance"), period=PERIOD)  # type: ignore[arg-type]
     plant = Plant(what.simulator(), what.period)

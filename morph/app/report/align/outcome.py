@@ -12,7 +12,7 @@ from align.maps.body_map import BodyMap
 from morph.arrays import JSON
 from morph.transfer.hop_result import parts_said
 from morph.transfer.parts import BodyNames, Parts
-from morph.transfer.record import GuardRecord
+from morph.transfer.transfer_record import GuardRecord
 
 SCHEMA = "morph.align/1"
 """Name and version of `align.json` and of what `--json` prints."""

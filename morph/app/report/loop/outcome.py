@@ -12,9 +12,9 @@ from morph.policy.policy import Policy
 from morph.search.target import Experience
 from morph.task.task import Task
 from morph.transfer.loop import LoopRound, Transferred
-from morph.transfer.record import GuardRecord, Hop, Record, guard
 from morph.transfer.repair import Repair
 from morph.transfer.score import UNMEASURED, PolicyScores
+from morph.transfer.transfer_record import GuardRecord, Hop, Record, guard
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

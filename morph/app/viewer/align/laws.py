@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 
 from align.maps.body_map import BodyMap
-from morph.app.viewer.align.cast import ChainPlayer
+from morph.app.viewer.align.chain_bodies import ChainPlayer
+from morph.app.viewer.align.joint_turns import moving
 from morph.app.viewer.align.read import inside
-from morph.app.viewer.align.story import Story
-from morph.app.viewer.align.turns import moving
+from morph.app.viewer.align.transfer_record import Story
 from morph.arrays import Array
 from morph.errors import MorphError, ViewError
 from morph.npz import load_npz

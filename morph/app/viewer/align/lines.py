@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import product
 
-from morph.app.viewer.align.cast import ChainPlayer
+from morph.app.viewer.align.chain_bodies import ChainPlayer
 from morph.app.viewer.align.links import middle, parts_of, spoken
-from morph.app.viewer.align.story import Told
+from morph.app.viewer.align.transfer_record import Told
 from morph.app.viewer.content import Colour, Tie
 from morph.transfer.parts import Arrow
 

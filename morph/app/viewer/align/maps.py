@@ -11,8 +11,8 @@ import numpy as np
 from align.errors import AlignError
 from align.maps.body_map import BodyMap
 from align.maps.files import read
-from morph.app.viewer.align.cast import ChainPlayer
-from morph.app.viewer.align.story import Story
+from morph.app.viewer.align.chain_bodies import ChainPlayer
+from morph.app.viewer.align.transfer_record import Story
 from morph.errors import ViewError
 from morph.transfer.body import Body
 

@@ -9,12 +9,12 @@ from itertools import pairwise
 
 import numpy as np
 
-from morph.app.viewer.align.cast import ChainPlayer
+from morph.app.viewer.align.chain_bodies import ChainPlayer
+from morph.app.viewer.align.joint_turns import moving, rest, turns
 from morph.app.viewer.align.laws import kept, law
 from morph.app.viewer.align.lines import called
 from morph.app.viewer.align.maps import maps_of
-from morph.app.viewer.align.story import Story
-from morph.app.viewer.align.turns import moving, rest, turns
+from morph.app.viewer.align.transfer_record import Story
 from morph.app.viewer.content import Moment
 from morph.app.viewer.motion import MotionFrames, motion
 from morph.arrays import Array

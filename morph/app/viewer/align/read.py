@@ -12,13 +12,13 @@ from typing import Any
 
 import numpy as np
 
-from morph.app.viewer.align.story import Story, Told
+from morph.app.viewer.align.transfer_record import Story, Told
 from morph.app.viewer.align.values import RecordValues
 from morph.errors import ViewError
 from morph.regular_file import read_regular
 from morph.transfer.hop_result import Crossing, Curve
 from morph.transfer.parts import Arrow, Parts
-from morph.transfer.record import GuardRecord
+from morph.transfer.transfer_record import GuardRecord
 
 RECORDS = {"transfer.json": "morph.transfer/1", "align.json": "morph.align/1"}
 """What a folder may hold, and by which schema."""

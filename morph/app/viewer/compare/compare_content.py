@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 
 from morph.app.viewer.compare.arrows import arrows, said, scales
+from morph.app.viewer.compare.body_show import Show
 from morph.app.viewer.compare.figures import COST, ENERGY, MARGIN
-from morph.app.viewer.compare.show import Show
-from morph.app.viewer.compare.work import Work
+from morph.app.viewer.compare.shared_work import Work
 from morph.app.viewer.content import Actor, CellTable, Chart, ChartLine, Content, LiveCell
 from morph.app.viewer.motion import RATE
 

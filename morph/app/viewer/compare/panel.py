@@ -7,8 +7,8 @@ from html import escape
 from typing import TYPE_CHECKING, Any
 
 from morph.app.viewer.compare.arrows import KINDS
-from morph.app.viewer.compare.show import Show
-from morph.app.viewer.compare.work import Work
+from morph.app.viewer.compare.body_show import Show
+from morph.app.viewer.compare.shared_work import Work
 from morph.app.viewer.stage import ARROWS
 from morph.app.viewer.widget import add_widget
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from morph.app.cli.driven import driven
+from morph.app.cli.policy_rollout import driven
 from morph.arrays import Array
 from morph.body.robot import Robot
 from morph.policy.pattern import pattern

@@ -8,11 +8,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
+from morph.app.viewer.compare.body_show import Show, at_rest, performs, sweeps
 from morph.app.viewer.compare.learned import LearnedPolicy, kept, learned
-from morph.app.viewer.compare.matched import LEARNED, matched, task_of
-from morph.app.viewer.compare.show import Show, at_rest, performs, sweeps
-from morph.app.viewer.compare.work import Crew, Longer, Work
-from morph.app.viewer.given import ViewRequest
+from morph.app.viewer.compare.match_policies import LEARNED, matched, task_of
+from morph.app.viewer.compare.shared_work import Crew, Longer, Work
+from morph.app.viewer.view_request import ViewRequest
 from morph.body.robot import Robot
 from morph.errors import ViewError
 from morph.physics.worlds import world, world_names

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from morph.app.viewer.content import CellTable
-from morph.app.viewer.design.bench import Bench
+from morph.app.viewer.design.design_state import Bench
 from morph.app.viewer.design.measure import Measures
 from morph.arrays import Array
 from morph.body.holding import least, margins

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-from morph.app.viewer.design.bench import Bench
+from morph.app.viewer.design.design_state import Bench
 from morph.app.viewer.design.limbs import JointChain, found, limbs
 from morph.app.viewer.design.number import number_of
 from morph.app.viewer.widget import set_value

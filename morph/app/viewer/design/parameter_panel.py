@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from morph.app.viewer.design.bench import Bench
+from morph.app.viewer.design.design_state import Bench
 from morph.app.viewer.design.number import number_of
 from morph.app.viewer.design.parameters import UNITS, WHOLE, neutral
 from morph.app.viewer.widget import set_value

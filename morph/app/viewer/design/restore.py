@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 
-from morph.app.viewer.design.bench import BodyPlan, DesignChoice
+from morph.app.viewer.design.design_state import BodyPlan, DesignChoice
 from morph.arrays import JSON
 from morph.errors import ViewError
 

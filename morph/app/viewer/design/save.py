@@ -11,7 +11,7 @@ from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
 
-from morph.app.viewer.design.bench import BodyPlan, Built
+from morph.app.viewer.design.design_state import BodyPlan, Built
 from morph.app.viewer.design.parameters import effective, usable
 from morph.body.card import SCHEMA, Card, CardParameter, Checks, Citation, Motor, PrintTable
 from morph.body.card_text import card_text

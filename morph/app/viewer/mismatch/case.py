@@ -17,7 +17,7 @@ from morph.app.viewer.mismatch.windows import windows
 from morph.app.viewer.mismatch.worst import STRETCH, worst_of, worst_stretches
 from morph.body.robot import Robot
 from morph.errors import DiagnosisError, MorphError
-from morph.model.commanded import by_effort, told_zero
+from morph.model.derived_channels import by_effort, told_zero
 from morph.model.episodes import Episode, episode, step_for
 from morph.model.pieces import gaps, part
 from morph.model.split import split

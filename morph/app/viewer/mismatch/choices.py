@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from morph.app.viewer.mismatch.case import MismatchCase
-from morph.app.viewer.mismatch.drawn import BY_ERROR, COLOURINGS
 from morph.app.viewer.mismatch.window import DESCRIBED, Ask
+from morph.app.viewer.mismatch.window_content import BY_ERROR, COLOURINGS
 from morph.arrays import JSON
 from morph.errors import ViewError
 

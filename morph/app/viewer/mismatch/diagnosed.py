@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from morph.app.viewer.mismatch.said import Said
+from morph.app.viewer.mismatch.checked_json import Said
 from morph.body.load import load
 from morph.body.robot import Robot
 from morph.errors import MorphError, ViewError

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from morph.app.viewer.given import ViewRequest
 from morph.app.viewer.mismatch.case import MismatchCase
 from morph.app.viewer.mismatch.diagnosed import command_of, load_diagnosed
 from morph.app.viewer.mismatch.poses import untold
+from morph.app.viewer.view_request import ViewRequest
 from morph.body.robot import Robot
 from morph.errors import ViewError
 from morph.physics.worlds import world

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 from morph.app.viewer.mismatch.choices import BOTH, MismatchChoices
 from morph.app.viewer.mismatch.diagnosed import DiagnosedFinding
-from morph.app.viewer.mismatch.drawn import COLOURINGS
 from morph.app.viewer.mismatch.missing import link_of
 from morph.app.viewer.mismatch.window import MismatchModel
+from morph.app.viewer.mismatch.window_content import COLOURINGS
 from morph.app.viewer.widget import add_widget, set_value
 
 if TYPE_CHECKING:

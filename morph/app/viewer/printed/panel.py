@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from morph.app.viewer.printed.choices import APART, COLOURINGS, PrintChoices
 from morph.app.viewer.printed.figures import how_far, part_of, when
-from morph.app.viewer.printed.zipped import zipped
+from morph.app.viewer.printed.package_zip import zipped
 from morph.app.viewer.widget import add_widget, set_value
 
 if TYPE_CHECKING:

@@ -6,17 +6,17 @@ from collections.abc import Callable, Iterator
 from functools import partial
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from morph.app.viewer.align.cast import ChainPlayer, cast
+from morph.app.viewer.align.align_content import chain_table, hop_notes, hop_tables, verdict
+from morph.app.viewer.align.chain_bodies import ChainPlayer, cast
 from morph.app.viewer.align.choices import AlignChoices, choices_of
 from morph.app.viewer.align.lines import arrows, label, links, ties, unplaced
 from morph.app.viewer.align.panel import panel
 from morph.app.viewer.align.performance import Performance
 from morph.app.viewer.align.read import story
-from morph.app.viewer.align.story import Told
-from morph.app.viewer.align.told import chain_table, hop_notes, hop_tables, verdict
+from morph.app.viewer.align.transfer_record import Told
 from morph.app.viewer.content import Actor, CellTable, Colour, Content, Tie
-from morph.app.viewer.given import ViewRequest
 from morph.app.viewer.view import View
+from morph.app.viewer.view_request import ViewRequest
 from morph.arrays import JSON
 from morph.errors import ViewError
 

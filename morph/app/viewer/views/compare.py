@@ -11,9 +11,9 @@ from morph.app.viewer.compare.compare_content import lengths, told
 from morph.app.viewer.compare.panel import ComparePanel
 from morph.app.viewer.compare.simulation_cache import Cast, Troupe
 from morph.app.viewer.content import Content
-from morph.app.viewer.given import ViewRequest
 from morph.app.viewer.player import CONSTANT
 from morph.app.viewer.view import View
+from morph.app.viewer.view_request import ViewRequest
 from morph.arrays import JSON
 from morph.errors import ViewError
 

@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from morph.app.viewer.content import Content
-from morph.app.viewer.design.bench import Bench, BodyPlan, Built
+from morph.app.viewer.design.design_stage import Shown
+from morph.app.viewer.design.design_state import Bench, BodyPlan, Built
 from morph.app.viewer.design.figures import figures, headline, limits_note, motors
-from morph.app.viewer.design.latest import Latest
+from morph.app.viewer.design.latest_work import Latest
 from morph.app.viewer.design.panel import DesignPanel
-from morph.app.viewer.design.shown import Shown
-from morph.app.viewer.given import ViewRequest
 from morph.app.viewer.view import View
+from morph.app.viewer.view_request import ViewRequest
 from morph.arrays import JSON
 
 if TYPE_CHECKING:

@@ -7,13 +7,13 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from morph.app.viewer.content import Content
-from morph.app.viewer.given import ViewRequest
 from morph.app.viewer.mismatch.case import MismatchCase
 from morph.app.viewer.mismatch.choices import MismatchChoices
-from morph.app.viewer.mismatch.drawn import drawn
 from morph.app.viewer.mismatch.load_case import load_case
 from morph.app.viewer.mismatch.window import Take
+from morph.app.viewer.mismatch.window_content import drawn
 from morph.app.viewer.view import View
+from morph.app.viewer.view_request import ViewRequest
 from morph.arrays import JSON
 from morph.errors import MorphError
 

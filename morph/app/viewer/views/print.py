@@ -8,13 +8,13 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from morph.app.viewer.content import Content
-from morph.app.viewer.given import ViewRequest
 from morph.app.viewer.printed.choices import APART, PrintChoices, choices_of
+from morph.app.viewer.printed.package_cache import Works
+from morph.app.viewer.printed.package_content import notes, tables
 from morph.app.viewer.printed.panel import PrintPanel, panel
 from morph.app.viewer.printed.source import divided, packed
-from morph.app.viewer.printed.told import notes, tables
-from morph.app.viewer.printed.works import Works
 from morph.app.viewer.view import View
+from morph.app.viewer.view_request import ViewRequest
 from morph.arrays import JSON
 
 if TYPE_CHECKING:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from importlib import import_module
 
-from morph.app.viewer.given import ViewRequest
 from morph.app.viewer.view import View
+from morph.app.viewer.view_request import ViewRequest
 from morph.errors import ViewError
 
 VIEWS = ("compare", "design", "align", "mismatch", "print")

@@ -7,8 +7,8 @@ import pytest
 
 from morph.app.viewer.content import Actor, Content
 from morph.app.viewer.figure import figure
-from morph.app.viewer.given import ViewRequest
 from morph.app.viewer.motion import motion
+from morph.app.viewer.view_request import ViewRequest
 from morph.app.viewer.views.views import makers
 from morph.body.load import load
 from morph.body.robot import Robot

@@ -15,9 +15,9 @@ from scipy.spatial.transform import Rotation
 from morph.app.picture.shapes import PictureShape
 from morph.app.viewer.content import Actor
 from morph.app.viewer.layout import MOST_LETTERS, Layout, laid_out, title
+from morph.app.viewer.layout_request import lanes_of
 from morph.app.viewer.motion import RATE, MotionFrames
 from morph.app.viewer.rows import gap, in_file, in_rows
-from morph.app.viewer.standing import lanes_of
 from morph.app.viewer.swept_bounds import looked_at, matrices, room
 from morph.arrays import Array
 

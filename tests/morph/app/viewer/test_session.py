@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from morph.app.viewer.keeping import keep_page
+from morph.app.viewer.downloads import keep_page
 from morph.app.viewer.opening import Opening
 from morph.app.viewer.server import Viewer
 from morph.app.viewer.state import Saved, Sources

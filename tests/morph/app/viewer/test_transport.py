@@ -152,7 +152,7 @@ def test_what_is_saved_is_shown_again(
 def test_saving_sends_a_file(
     viewer: Viewer, people: Callable[..., Any], waits: Callable[..., Any]
 ) -> None:
-    from morph.app.viewer.keeping import keep_page, keep_view
+    from morph.app.viewer.downloads import keep_page, keep_view
 
     person = people(viewer.door.server.get_port()).enters()
     session = looked(viewer, waits)

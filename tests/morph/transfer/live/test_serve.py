@@ -19,8 +19,8 @@ from morph.search.target import Experience
 from morph.sim.closed_loop import closed_loop
 from morph.task.moved import Moved
 from morph.task.task import Task
-from morph.transfer.live.lines import Reader
 from morph.transfer.live.live import Live
+from morph.transfer.live.pipe_lines import Reader
 from morph.transfer.live.process import Process
 from morph.transfer.live.recorded import Recorded
 from morph.transfer.live.serve import Serve, main, served

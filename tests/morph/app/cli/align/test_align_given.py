@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from morph.app.cli.align_given import pairs, read
+from morph.app.cli.align_inputs import pairs, read
 from morph.app.cli.main import main
 from morph.errors import TransferError
 

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from morph.app.cli.concealed_target import LEAST, MOST, Concealed, changes, drawn
 from morph.app.cli.main import main
-from morph.app.cli.sealed import LEAST, MOST, Concealed, changes, drawn
 from morph.body.load import load
 from morph.errors import TransferError
 from morph.policy.pattern import pattern

@@ -14,8 +14,8 @@ from morph.body.load import load
 from morph.task.tasks import task
 from morph.transfer.hop_result import Crossing, Curve
 from morph.transfer.parts import Arrow, Parts
-from morph.transfer.record import GuardRecord
 from morph.transfer.relay_record import RelayRecord
+from morph.transfer.transfer_record import GuardRecord
 
 
 def curve(name: str, *rows: list[float]) -> Curve:

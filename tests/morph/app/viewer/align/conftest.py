@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from morph.app.cli.main import main
-from morph.app.viewer.given import ViewRequest
+from morph.app.viewer.view_request import ViewRequest
 from morph.app.viewer.views.align import AlignView, maker
 
 QUICK = ("--trials", "2", "--repeats", "0", "--scratch", "0", "--quiet")

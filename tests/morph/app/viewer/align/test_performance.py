@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from morph.app.viewer.align.cast import cast
+from morph.app.viewer.align.chain_bodies import cast
+from morph.app.viewer.align.joint_turns import SECONDS, SHIFT
 from morph.app.viewer.align.performance import PARTS, SOURCE, TARGET, Performance
 from morph.app.viewer.align.read import story
-from morph.app.viewer.align.turns import SECONDS, SHIFT
 from morph.app.viewer.figure import figure
 from morph.app.viewer.motion import MotionFrames
 from morph.arrays import Array

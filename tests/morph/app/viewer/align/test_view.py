@@ -13,7 +13,7 @@ import pytest
 from morph.app.viewer.align.lines import COMMANDS, FAINT, SAME, TURNED
 from morph.app.viewer.align.performance import PARTS, TARGET
 from morph.app.viewer.content import Content, Tie
-from morph.app.viewer.given import ViewRequest
+from morph.app.viewer.view_request import ViewRequest
 from morph.app.viewer.views.align import HELD, TURNED_ROUND, AlignView, maker
 from morph.errors import ViewError
 

@@ -16,9 +16,9 @@ import numpy as np
 import pytest
 
 from morph.app.cli.main import main
-from morph.app.viewer.given import ViewRequest
 from morph.app.viewer.server import Viewer
 from morph.app.viewer.view import View
+from morph.app.viewer.view_request import ViewRequest
 from morph.app.viewer.views.views import makers
 from morph.body.load import load
 

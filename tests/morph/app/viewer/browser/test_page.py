@@ -7,7 +7,7 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
-from morph.app.viewer.given import ViewRequest
+from morph.app.viewer.view_request import ViewRequest
 from morph.app.viewer.views.views import makers
 from morph.body.load import load
 

@@ -7,14 +7,14 @@ from typing import Any
 
 import pytest
 
+from morph.app.viewer.compare.body_show import at_rest
 from morph.app.viewer.compare.compare_content import told
 from morph.app.viewer.compare.figures import COST, ENERGY, MARGIN
 from morph.app.viewer.compare.panel import legend_html, states_html
-from morph.app.viewer.compare.show import at_rest
+from morph.app.viewer.compare.shared_work import Work
 from morph.app.viewer.compare.simulation_cache import named
-from morph.app.viewer.compare.work import Work
 from morph.app.viewer.content import Content, LiveCell
-from morph.app.viewer.given import ViewRequest
+from morph.app.viewer.view_request import ViewRequest
 from morph.app.viewer.views.compare import maker
 from morph.body.load import load
 from morph.errors import EffectError, TaskError, ViewError

@@ -8,8 +8,8 @@ import mujoco
 import numpy as np
 import pytest
 
+from morph.app.viewer.compare.body_show import sweeps
 from morph.app.viewer.compare.figures import MARGIN
-from morph.app.viewer.compare.show import sweeps
 from morph.app.viewer.compare.sweep import swept
 from morph.body.load import load
 from morph.body.posture import Posture

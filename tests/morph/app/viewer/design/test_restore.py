@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from morph.app.viewer.design.bench import BodyPlan
+from morph.app.viewer.design.design_state import BodyPlan
 from morph.app.viewer.views.design import DesignView
 from morph.body.robot import Robot
 from morph.errors import ViewError

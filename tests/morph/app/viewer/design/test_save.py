@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 import morph.app.viewer.design.save as saving
-from morph.app.viewer.design.bench import BodyPlan
+from morph.app.viewer.design.design_state import BodyPlan
 from morph.app.viewer.design.save import check_name, save
 from morph.body.load import load
 from morph.body.robot import Robot

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from morph.app.viewer.given import ViewRequest
 from morph.app.viewer.mismatch.load_case import load_case
+from morph.app.viewer.view_request import ViewRequest
 from morph.body.load import load
 from morph.body.robot import Robot
 from morph.errors import EffectError, MorphError, RecordingError, ViewError

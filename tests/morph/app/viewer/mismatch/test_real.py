@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from morph.app.report.files import diagnosis_text
-from morph.app.viewer.given import ViewRequest
 from morph.app.viewer.mismatch.choices import MismatchChoices
 from morph.app.viewer.mismatch.load_case import load_case
 from morph.app.viewer.mismatch.window import CORRECTED, DESCRIBED
 from morph.app.viewer.view import View
+from morph.app.viewer.view_request import ViewRequest
 from morph.app.viewer.views.mismatch import maker
 from morph.body.load import load
 from morph.inference.diagnose import diagnose

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import pytest
 
-from morph.app.viewer.printed.made import ViewedPackage
 from morph.app.viewer.printed.source import divided
+from morph.app.viewer.printed.viewed_package import ViewedPackage
 from morph.body.load import load
 
 

@@ -12,10 +12,10 @@ import pytest
 
 from morph.app.viewer.clock import PlaybackClock
 from morph.app.viewer.compare.panel import SWEEP
+from morph.app.viewer.compare.shared_work import Work
 from morph.app.viewer.compare.simulation_cache import Troupe
-from morph.app.viewer.compare.work import Work
-from morph.app.viewer.given import ViewRequest
 from morph.app.viewer.player import ARROWS
+from morph.app.viewer.view_request import ViewRequest
 from morph.app.viewer.views.compare import CompareView
 from morph.body.load import load
 

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from morph.app.viewer.design.bench import BodyPlan
-from morph.app.viewer.given import ViewRequest
+from morph.app.viewer.design.design_state import BodyPlan
+from morph.app.viewer.view_request import ViewRequest
 from morph.app.viewer.views.design import DesignView, maker
 from morph.body.load import load
 

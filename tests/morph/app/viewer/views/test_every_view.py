@@ -12,8 +12,8 @@ import pytest
 from morph.app.cli.main import main
 from morph.app.viewer.content import Content, LiveCell
 from morph.app.viewer.fragments import table_html
-from morph.app.viewer.given import ViewRequest
 from morph.app.viewer.view import View
+from morph.app.viewer.view_request import ViewRequest
 from morph.app.viewer.views.views import VIEWS, makers
 from morph.body.load import load
 from morph.errors import ViewError
