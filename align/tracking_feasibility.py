@@ -1,4 +1,4 @@
-"""How much of a trajectory a target can follow, before anything is adjusted to make it."""
+"""How much of a trajectory a target can track before any adjustment."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How a part is laid on the bed, and what on a bed must hold before it is printed."""
+"""Pose of a part on the print bed, and its constraints."""
 
 from __future__ import annotations
 

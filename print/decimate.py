@@ -1,4 +1,4 @@
-"""A mesh with fewer triangles, to be looked at only."""
+"""Decimate a mesh for display."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What it costs to print a part as it lies: time, and plastic that is thrown away."""
+"""Cost of a print orientation: time and support material."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Run another program with a limit on its time, and leave nothing of it behind."""
+"""Run a subprocess with a timeout and kill all that it started."""
 
 from __future__ import annotations
 

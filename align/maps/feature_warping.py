@@ -1,4 +1,4 @@
-"""What is done to a target's numbers before an affine map: nothing, curves, or a small network."""
+"""Invertible warpings of features before an affine map: identity, curves, or a small network."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where a search for a consistent map begins: what linear models of both bodies allow."""
+"""Initial guess of a consistent map from linear models of both bodies."""
 
 from __future__ import annotations
 

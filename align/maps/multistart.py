@@ -1,4 +1,4 @@
-"""The search for a consistent map: many starts, a cubic of the simulator, then the simulator."""
+"""Multi-start search for a consistent map: on a cubic surrogate first, then on the simulator."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Parts of what is alike: one with several copies, or two that are mirrored twins."""
+"""Merge equal solids into one part with copies, and pair mirrored ones."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a body's card says is bought, where it sits and what it weighs."""
+"""Bought parts of a body's card: where they sit and what they weigh."""
 
 from __future__ import annotations
 

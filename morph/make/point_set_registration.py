@@ -1,4 +1,4 @@
-"""Which motion, if any, lays one set of named points on another."""
+"""Rigid registration of two sets of named points, if there is one."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Shapes that a description names and that never reached the body: parts that would be missing."""
+"""Shapes of a description that no part of the printed body stands for."""
 
 from __future__ import annotations
 

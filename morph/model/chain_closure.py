@@ -1,4 +1,4 @@
-"""Positions of joints in closed chains that no sensor read: those at which the chains close."""
+"""Positions of unread joints in closed chains, from the closure constraints."""
 
 from __future__ import annotations
 

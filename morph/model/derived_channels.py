@@ -1,4 +1,4 @@
-"""What a recording does not hold and the description tells: commands, and joints that follow."""
+"""Channels that the description implies: commands by effort, and mimic joints."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What effects remember of a recording where a rollout starts within it."""
+"""Internal states of effects where a rollout starts within a recording."""
 
 from __future__ import annotations
 

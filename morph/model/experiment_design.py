@@ -1,4 +1,4 @@
-"""Which runs to record next, so that a model learns the most of what it does not know."""
+"""Experiment design: which runs to record next for the largest information gain."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a nominal description may be wrong by: its masses, centres, inertias and gains."""
+"""Figures of a description that may be wrong: masses, centres of mass, inertias and gains."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How probable transitions are when a model leaves out a force that changes slowly.
+"""Likelihood of transitions under an unmodelled Ornstein-Uhlenbeck force (Kalman filter).
 
 A model's errors along a run are not independent: noise on a state spoils the transitions on
 both sides of it, and what a model leaves out (a current, a drag that is off) lasts. Both are told

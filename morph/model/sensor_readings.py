@@ -1,4 +1,4 @@
-"""What sensors report of simulated positions."""
+"""Simulated sensor readings of positions."""
 
 from __future__ import annotations
 

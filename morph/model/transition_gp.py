@@ -1,4 +1,4 @@
-"""A learned map from a closed simulator's predictions to what really comes."""
+"""Gaussian process from a closed-loop simulator's predictions to the transitions that follow."""
 
 from __future__ import annotations
 

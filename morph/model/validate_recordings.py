@@ -1,4 +1,4 @@
-"""What recordings and settings must be for a diagnosis to start; every refusal is here."""
+"""Checks of recordings and settings before a diagnosis; every refusal is here."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What `policy.json` says of a policy, and what is made of what it says."""
+"""Write and read policy.json."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How deep a simulation begins within what it touches."""
+"""Penetration depth of contacts at the start of a simulation."""
 
 from __future__ import annotations
 

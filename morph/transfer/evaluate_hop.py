@@ -1,4 +1,4 @@
-"""One hop as the command makes it: carried over, held against its controls, and told."""
+"""Transfer a policy over one hop and score it against its controls."""
 
 from __future__ import annotations
 

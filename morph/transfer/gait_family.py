@@ -1,4 +1,4 @@
-"""The gait of one walker carried to another: what joints do to feet, learned from transitions."""
+"""Gaits of one walker transferred to another, through foot motion learned from transitions."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The hops of a relay on disk, so that a killed one goes on at the hop it was in."""
+"""Checkpoint of the hops of a chain, for resuming."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What one hop of a relay came to, for those who read it: scores, controls, learning curves."""
+"""Result of one hop of a chain: scores, controls and learning curves."""
 
 from __future__ import annotations
 

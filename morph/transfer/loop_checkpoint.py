@@ -1,4 +1,4 @@
-"""Trials on disk, so that a killed loop goes on at the trial it was in."""
+"""Checkpoint of a loop after each trial, for resuming."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What to try next on a target, by all that was tried on it."""
+"""Recommend what to try next on a target, given all trials so far."""
 
 from __future__ import annotations
 

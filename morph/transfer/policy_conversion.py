@@ -1,4 +1,4 @@
-"""Laws about rest as policies that can be stored, and policies as laws about rest."""
+"""Convert linear laws about rest to stored policies, and back."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How policies would do on the target, as far as its model is known."""
+"""Predicted return of policies on the target, given its model."""
 
 from __future__ import annotations
 

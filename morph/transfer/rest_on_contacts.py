@@ -1,4 +1,4 @@
-"""Bodies that stand on something by contacts or welds: where they come to rest."""
+"""State of rest of bodies that stand by contacts or welds."""
 
 from __future__ import annotations
 

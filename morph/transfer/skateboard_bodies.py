@@ -1,4 +1,4 @@
-"""Bodies on their feet, put on a skateboard: welded or standing free, driven or rolling."""
+"""Bodies on a skateboard: feet welded or in contact, wheels driven or free."""
 
 from __future__ import annotations
 

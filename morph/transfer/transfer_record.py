@@ -1,4 +1,4 @@
-"""What a transfer found as `transfer.json` tells it, by the schema morph.transfer/1."""
+"""Write and read transfer.json (schema morph.transfer/1)."""
 
 from __future__ import annotations
 

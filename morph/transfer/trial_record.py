@@ -1,4 +1,4 @@
-"""What was tried on a target, and what came of it."""
+"""Record of one trial on a target and its outcome."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What `morph align` learns from: transitions that bodies are made to show, or that are read."""
+"""Transitions that `morph align` learns from: simulated, or read from files."""
 
 from __future__ import annotations
 

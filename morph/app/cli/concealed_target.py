@@ -1,4 +1,4 @@
-"""What is concealed in a target: told openly, or drawn from a seed and sealed until the end."""
+"""Concealed changes of a target: given openly, or drawn from a seed and sealed."""
 
 from __future__ import annotations
 

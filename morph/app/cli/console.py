@@ -1,4 +1,4 @@
-"""Words for the terminal: tables and paragraphs as wide as it is, and names made harmless."""
+"""Console output: tables and paragraphs in its width, with control characters removed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A sign of life on the error stream where no terminal shows what is being done."""
+"""Progress on the error stream where it is no terminal."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A run in which a policy sees what it drives, as far as it is stable."""
+"""Closed-loop rollout of a policy, as far as it is stable."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Going on with an interrupted search, whose file anything may have happened to meanwhile."""
+"""Resume an interrupted search from a checkpoint that may be damaged."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a loop is aimed at: a concealed simulation, one that is sealed, a live target."""
+"""Options of the target of a loop: concealed, sealed or live."""
 
 from __future__ import annotations
 

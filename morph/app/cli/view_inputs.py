@@ -1,4 +1,4 @@
-"""What `morph view` was given: the options, and for what they leave open a saved view."""
+"""Options of `morph view`, completed from a saved view."""
 
 from __future__ import annotations
 

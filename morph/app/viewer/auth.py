@@ -1,4 +1,4 @@
-"""Who may come in: the answer to every request before viser hears of it."""
+"""Token and Host/Origin checks in front of viser."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a person takes home from a page: the page as a file, and what is shown as JSON."""
+"""Downloads of a page: the page as HTML and its state as JSON."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is to be laid out: the room of each body, and what of it must be seen."""
+"""Input of the layout: the bounds of each body and what must be visible."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Poses sent to a scene, many in each picture."""
+"""Send poses to a scene, many a frame."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The door to the viewer: where it is served, and who may come in."""
+"""Serve the viewer: address, port and access."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The room that a body takes while it moves."""
+"""Bounding box that a body sweeps during a motion."""
 
 from __future__ import annotations
 

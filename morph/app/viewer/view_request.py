@@ -1,4 +1,4 @@
-"""What the viewer was given to show, before anything is loaded from it."""
+"""What the viewer was asked to show, before anything is loaded."""
 
 from __future__ import annotations
 

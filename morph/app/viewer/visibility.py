@@ -1,4 +1,4 @@
-"""How well bodies are seen from where the camera stands."""
+"""Visibility of bodies from the camera."""
 
 from __future__ import annotations
 

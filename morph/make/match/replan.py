@@ -1,4 +1,4 @@
-"""The plan anew: what the policy does on the printed body, improved there."""
+"""Optimise the plan again on the printed body, starting from what the policy does there."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Is a model good enough where a target went: yes, no, or cannot say."""
+"""Certify a model on the transitions of a target: good enough, not good enough, or undecided."""
 
 from __future__ import annotations
 

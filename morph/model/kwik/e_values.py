@@ -1,4 +1,4 @@
-"""Bets against "good enough" and against "not good enough" that may be settled at any time."""
+"""E-values against "good enough" and "not good enough", valid at any stopping time."""
 
 from __future__ import annotations
 

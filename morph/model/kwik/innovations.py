@@ -1,4 +1,4 @@
-"""A run as independent pieces of evidence on what a model leaves out, by a filter."""
+"""Independent innovations of a run under a model with a missing force (Kalman filter)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is believed of a target that may be far from the model, linearised closer to it."""
+"""Posterior of a target far from the model, linearised again nearer to it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What runs visited: evidence on the unknowns, and the model's error at every transition."""
+"""Information of runs on the unknown parameters, and the model error of every transition."""
 
 from __future__ import annotations
 

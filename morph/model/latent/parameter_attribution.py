@@ -1,4 +1,4 @@
-"""What differs between a body and its description: changed figures and missing effects, named."""
+"""Attribute the difference of body and description to parameters and missing effects."""
 
 from __future__ import annotations
 

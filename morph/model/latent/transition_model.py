@@ -1,4 +1,4 @@
-"""Every transition of a run and its slopes, in states and in parameters: one batch of rows."""
+"""Transitions of a run with their derivatives by state and parameters, in one batch."""
 
 from __future__ import annotations
 

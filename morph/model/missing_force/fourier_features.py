@@ -1,4 +1,4 @@
-"""Features of a state whose weighted sum is a force: a Gaussian process in finite numbers."""
+"""Random Fourier features of a state: a Gaussian process force in finite dimensions."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Holding a posture: servos told where to stay, or motors that act like springs and dampers."""
+"""Policies that hold a posture: servo targets, or motors with proportional-derivative gains."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""What is believed of a learned body's future, and policies improved on it."""
+"""Rollouts of Gaussian-process dynamics, and policies optimised on them."""

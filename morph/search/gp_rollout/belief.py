@@ -1,4 +1,4 @@
-"""What is believed of a body's state, step by step: Gaussian dynamics with their adjoint."""
+"""State distribution under Gaussian-process dynamics, step by step, with its adjoint."""
 
 from __future__ import annotations
 

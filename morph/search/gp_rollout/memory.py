@@ -1,4 +1,4 @@
-"""What a search on beliefs remembers from trial to trial, also through a kill."""
+"""Checkpoint of a search on Gaussian-process dynamics."""
 
 from __future__ import annotations
 

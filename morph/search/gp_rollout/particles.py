@@ -1,4 +1,4 @@
-"""Particles: a policy in many bodies that data allow at once, with gradients by torch."""
+"""Particle rollouts of a policy in posterior samples of the dynamics, differentiated by torch."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Beliefs as vectors: how one follows from another, what it costs, and the slopes of both."""
+"""State distributions as vectors: their transition, cost and derivatives."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The numbers of a policy of radial basis functions, as a search on beliefs moves them."""
+"""Parameters of a radial basis function policy as one vector."""
 
 from __future__ import annotations
 

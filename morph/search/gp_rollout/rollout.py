@@ -1,4 +1,4 @@
-"""The expected loss of a policy on what is believed of a body, and its gradient."""
+"""Expected loss of a policy over a rollout of state distributions, with its gradient."""
 
 from __future__ import annotations
 

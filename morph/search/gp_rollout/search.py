@@ -1,4 +1,4 @@
-"""What searches share that learn a body as Gaussian processes and plan on its belief."""
+"""Shared part of the searches that plan on Gaussian-process dynamics (PILCO and its kin)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Commands from which dynamic programming on beliefs begins: the best of many by chance."""
+"""Initial commands for dynamic programming on distributions: the best of many random ones."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How a task looks to moment matching: its angles, its costs, what is seen, and its start."""
+"""A task as moment matching takes it: angles, costs, observations and start distribution."""
 
 from __future__ import annotations
 

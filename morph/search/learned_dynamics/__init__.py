@@ -1,1 +1,1 @@
-"""A model learned from trials, and plans made inside of it."""
+"""Dynamics learned from trials, and planning in them."""

@@ -1,4 +1,4 @@
-"""A body as trials showed it, stepped in place of the body itself."""
+"""Learned dynamics of a body, stepped in place of the simulator."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a search from trials remembers: what was seen, what was tried, and what it began with."""
+"""Checkpoint of a search from trials: its data, its plans and its initial settings."""
 
 from __future__ import annotations
 

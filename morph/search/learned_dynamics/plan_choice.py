@@ -1,4 +1,4 @@
-"""Which plan, with which feedback, does best on average over the bodies that the data allow."""
+"""Choose plan and feedback by expected cost over posterior samples of the dynamics."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Plans in a learned body: guesses that swing, improved, each with several feedbacks."""
+"""Plans in learned dynamics: swinging initial guesses, optimised, each with several feedback gains."""
 
 from __future__ import annotations
 

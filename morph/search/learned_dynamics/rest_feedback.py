@@ -1,4 +1,4 @@
-"""What a plan in a learned body stands on: where to rest, and what holds it there."""
+"""Equilibrium of the learned dynamics and the feedback that stabilises it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Moments of sines and cosines of Gaussian angles, and their adjoint; so also of squashing."""
+"""Moments of sines and cosines of Gaussian angles, with adjoints; used for squashing too."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Plans for bodies whose commands arrive late or gradually: made without, and then led."""
+"""Plan under actuation delay: optimise without it, then refine on the delay-augmented state."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How a search inside a simulator ends: its policy, judged by fresh noisy runs."""
+"""Evaluate the policy of a search in a simulator over fresh noisy rollouts."""
 
 from __future__ import annotations
 

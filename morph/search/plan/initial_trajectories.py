@@ -1,4 +1,4 @@
-"""First guesses of how to bring a body to a state of rest: bang-bang, and straight paths."""
+"""Initial trajectories to a state of rest: bang-bang commands and straight paths."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The best plan for a task inside a simulator, chosen by how it does in the noise."""
+"""Choose the plan with the least expected cost over noisy rollouts in the simulator."""
 
 from __future__ import annotations
 

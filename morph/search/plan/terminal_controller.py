@@ -1,4 +1,4 @@
-"""What a plan stands on: where to rest, the regulator there, and the cost with its worth."""
+"""Terminal controller of a plan: equilibrium, regulator and cost-to-go there."""
 
 from __future__ import annotations
 

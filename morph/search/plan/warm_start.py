@@ -1,4 +1,4 @@
-"""First guesses of a plan that come from an old policy: what it does now, sooner, later, harder."""
+"""Warm starts from an existing policy: its commands as they are, shifted in time, and scaled."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A body whose commands arrive late or gradually: the commands under way are part of its state."""
+"""Plant whose state includes the commands that are still in the delay line."""
 
 from __future__ import annotations
 

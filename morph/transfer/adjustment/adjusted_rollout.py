@@ -1,4 +1,4 @@
-"""What a target is taken to do, by its adjustment: a simulation told the commands that it feels."""
+"""Rollouts of an adjusted policy in the simulator, with the commands that the target would need."""
 
 from __future__ import annotations
 

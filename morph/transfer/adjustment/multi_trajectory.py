@@ -1,4 +1,4 @@
-"""One parametric policy for a target, from many trajectories of its source: the improved scheme."""
+"""One parametric policy for a target, fitted to many trajectories of its source."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""What a transfer is compared with: other ways to use a source, and none."""
+"""Baselines of transfer: other ways to use a source, and none."""

@@ -1,4 +1,4 @@
-"""Runs of the target alone: of the source nothing is kept but the first trial."""
+"""Baseline: the target's data alone; of the source the first trial's policy only."""
 
 from __future__ import annotations
 

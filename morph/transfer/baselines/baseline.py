@@ -1,4 +1,4 @@
-"""The family of rivals: ways to do on a target what was learned on a source, trial by trial."""
+"""The family of baselines: ways to use a source on a target, trial by trial."""
 
 from __future__ import annotations
 

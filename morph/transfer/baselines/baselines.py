@@ -1,4 +1,4 @@
-"""Every rival."""
+"""Every baseline."""
 
 from __future__ import annotations
 

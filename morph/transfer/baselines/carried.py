@@ -1,4 +1,4 @@
-"""Samples carried over from the source, until the target's own replace them."""
+"""Baseline: samples of the source, until the target's own are near."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A ladder of fidelities: up when sure, down when surprised."""
+"""Baseline: a ladder of fidelities (multi-fidelity reinforcement learning)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Rivals that learn accelerations, plan in them, and try the plan that promises most."""
+"""Baselines that learn accelerations, plan in them and try the most promising plan."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Runs of both worlds in one heap."""
+"""Baseline: source and target data pooled."""
 
 from __future__ import annotations
 

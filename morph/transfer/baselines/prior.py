@@ -1,4 +1,4 @@
-"""The source's accelerations as the mean of the target's."""
+"""Baseline: the source's accelerations as the prior mean of the target's."""
 
 from __future__ import annotations
 

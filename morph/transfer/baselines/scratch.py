@@ -1,4 +1,4 @@
-"""Learning from scratch on the target: as if there were no source."""
+"""Baseline: learning from scratch on the target."""
 
 from __future__ import annotations
 

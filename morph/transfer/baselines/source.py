@@ -1,4 +1,4 @@
-"""What is brought along from where a task is done already."""
+"""The source of a transfer: its task, policy and data."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The source's policy, again and again."""
+"""Baseline: the source's policy, unchanged."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What states are worth on the source, for commands that are best on the target."""
+"""Baseline: the source's value function with the target's learned dynamics."""
 
 from __future__ import annotations
 

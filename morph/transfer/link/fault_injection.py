@@ -1,4 +1,4 @@
-"""A link that does everything a link may do, to try out what is built on it."""
+"""In-process link that drops, delays, repeats and reorders messages, for tests."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What one side sends and receives over a link that is often down: nothing lost, nothing twice."""
+"""Outbox of one end of an intermittent link: at-least-once delivery, duplicates removed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How much of what commands should do a body does."""
+"""Estimate how much of the commanded force acts on a live target."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A function as a live target; and reading and writing at a fixed rate, made into one."""
+"""Live target from a Python function, or from reads and writes at a fixed rate."""
 
 from __future__ import annotations
 

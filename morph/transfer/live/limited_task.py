@@ -1,4 +1,4 @@
-"""A task whose body takes no command beyond a user's limits, so that all that plans knows them."""
+"""A task whose commands stay within a user's limits, so that planning respects them."""
 
 from __future__ import annotations
 

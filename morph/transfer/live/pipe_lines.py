@@ -1,4 +1,4 @@
-"""Lines out of and into pipes, never waiting for the other side for longer than is said."""
+"""Lines over pipes, with a timeout on every read and write."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The simulated body behind `morph.transfer.live.serve`, with the faults that it can have."""
+"""Simulated target of `morph.transfer.live.serve`, with its faults."""
 
 from __future__ import annotations
 

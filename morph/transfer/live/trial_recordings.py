@@ -1,4 +1,4 @@
-"""Trials kept as recordings, in a folder that a later diagnosis reads."""
+"""Trials saved as recordings, for a later diagnosis."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Tables and sentences about a hop, in the words of the reports."""
+"""Tables and sentences about a hop, in the reports' words."""
 
 from __future__ import annotations
 

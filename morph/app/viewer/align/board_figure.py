@@ -1,4 +1,4 @@
-"""A body on a board as its rider looks: for its balance alone it is described by its soles."""
+"""Figure of a body on a skateboard, whose balance model has only the soles."""
 
 from __future__ import annotations
 

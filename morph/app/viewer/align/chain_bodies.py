@@ -1,4 +1,4 @@
-"""The bodies of a story: found by their names, made ready to move, and drawn."""
+"""Bodies of a chain: looked up by name, posed and drawn."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A body at rest, or moved by hand: each part that a map knows in its turn."""
+"""A body at rest, posed by hand, or with each mapped joint turned in sequence."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a folder of an alignment or a transfer tells, hop by hop, once it is checked."""
+"""Contents of a folder of an alignment or transfer, checked."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is shown of one body: how it moves, what acts on it, and what is told of it."""
+"""What is shown of one body: motion, forces and figures."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which policy is which body's."""
+"""Match stored policies to bodies."""
 
 from __future__ import annotations
 

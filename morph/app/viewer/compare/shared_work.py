@@ -1,4 +1,4 @@
-"""Long work that all persons share: each done once, in a thread beside their pages."""
+"""Long computations shared by all sessions, each done once in a thread."""
 
 from __future__ import annotations
 

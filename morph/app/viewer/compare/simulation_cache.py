@@ -1,4 +1,4 @@
-"""All bodies and what they do, computed once for all persons who look."""
+"""Simulations of all bodies, computed once and shared by all sessions."""
 
 from __future__ import annotations
 

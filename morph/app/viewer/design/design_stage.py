@@ -1,4 +1,4 @@
-"""The bodies of a design on the stage: itself, and as described as a ghost."""
+"""Bodies of a design on the stage: the design, and the description as a ghost."""
 
 from __future__ import annotations
 

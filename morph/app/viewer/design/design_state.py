@@ -1,4 +1,4 @@
-"""One person's design of one body: its parameters, its pose, and what was done."""
+"""State of one session's design: parameters, pose and history."""
 
 from __future__ import annotations
 

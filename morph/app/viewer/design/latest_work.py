@@ -1,4 +1,4 @@
-"""Long work of which only the latest counts."""
+"""Long computations of which only the latest counts."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A table of a JSON file that a stranger may have written: every value is asked for by its type."""
+"""Typed access to an untrusted JSON table."""
 
 from __future__ import annotations
 

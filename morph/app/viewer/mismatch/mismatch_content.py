@@ -1,4 +1,4 @@
-"""What is told beside the picture: charts before and after the correction, errors, notes."""
+"""Charts, errors and notes beside the mismatch view."""
 
 from __future__ import annotations
 

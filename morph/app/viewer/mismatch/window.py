@@ -1,4 +1,4 @@
-"""What is shown of a recording at one time: a window of it, and each model's account of it."""
+"""Time window of a recording with each model's prediction of it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A take as content: the recording solid, simulations as ghosts, charts, errors, moments."""
+"""Content of a window: solid recording, ghost simulations, charts, errors and events."""
 
 from __future__ import annotations
 

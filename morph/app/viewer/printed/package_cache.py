@@ -1,4 +1,4 @@
-"""The work behind the view: a package is made once, however many people wait for it."""
+"""Build a print package once for all sessions."""
 
 from __future__ import annotations
 

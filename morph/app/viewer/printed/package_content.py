@@ -1,4 +1,4 @@
-"""What the page says of a package, in tables and sentences."""
+"""Tables and sentences about a print package."""
 
 from __future__ import annotations
 

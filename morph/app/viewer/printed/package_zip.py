@@ -1,4 +1,4 @@
-"""A package as one file, for who looks at it from elsewhere."""
+"""A print package as one zip file, for download."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A package as it is seen: its parts, their colours, and the body taken apart."""
+"""A print package as shown: parts, colours and exploded view."""
 
 from __future__ import annotations
 
