@@ -1,4 +1,4 @@
-"""Plans in learned dynamics: swinging initial guesses, optimised, each with several feedback gains."""
+"""Plans in learned dynamics: initial guesses, optimised, each with several feedback gains."""
 
 from __future__ import annotations
 
