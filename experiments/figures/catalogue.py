@@ -21,6 +21,8 @@ class Statement:
     """Template of the first column."""
     figure: str
     """Template of the second column."""
+    baseline: str
+    """Template of the third column: its strongest baseline."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -17,7 +17,7 @@ FOOTNOTE = (
     f"{DAGGER} measured by earlier code; `make results` prints the command that measures it anew."
 )
 BEGIN, END = "<!-- figures: begin {} -->", "<!-- figures: end {} -->"
-README = f"| question | figure | command (`{PYTHON} ...`) | measured |\n|---|---|---|---|"
+README = f"| | morph | baseline | command (`{PYTHON} ...`) |\n|---|---|---|---|"
 STUDIES = "| study | what it answers | headline | command | measured |\n|---|---|---|---|---|"
 WAITING = "| study | what it answers | command | minutes, in an earlier run |\n|---|---|---|---|"
 
@@ -58,7 +58,7 @@ def check_templates(studies: Sequence[Study], words: frozenset[str]) -> None:
                 fix="words begin with a letter",
             )
     for study in studies:
-        rows = [text for row in study.readme for text in (row.question, row.figure)]
+        rows = [text for row in study.readme for text in (row.question, row.figure, row.baseline)]
         for text in (study.answers, study.headline, *rows):
             where = f"figures.toml: {study.name}: {text!r}"
             if literal := literal_figures(text, words):
@@ -84,11 +84,12 @@ def readme_table(studies: Sequence[Study], results: Mapping[str, JSON]) -> str:
     lines = [README]
     for study in studies:
         for row in study.readme:
-            names = names_in(row.question + row.figure) | {study.name}
+            texts = (row.question, row.figure, row.baseline)
+            names = names_in("".join(texts)) | {study.name}
             if names <= results.keys():
-                cells = (render(row.question, results), render(row.figure, results))
-                source = provenance(results[study.name], stale=bool(names & old))
-                lines.append(_row(*cells, f"`{study.command}`", source))
+                cells = [render(text, results) for text in texts]
+                mark = f" {DAGGER}" if names & old else ""
+                lines.append(_row(*cells, f"`{study.command}`{mark}"))
     return _with_footnote(lines)
 
 
