@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from morph.inference.changes import likeliest_change
+from morph.inference.explained import at_noise
 from morph.inference.finalist import labels
 from morph.inference.findings import on_slide
 from morph.inference.observed import Observed, missing, settled
@@ -114,6 +115,19 @@ def confirmed(change: Change, ranking: Ranking) -> bool:
     names = {f"{name}@{law.where}" for name in (law.name, *law.twins)}
     best = ranking.best
     return bool(names & labels(best.effects)) and missing(best.refit.runs) <= BELIEVED
+
+
+def decided(whole: Ranking, side: Ranking) -> bool:
+    """Return whether evidence alone tells of a change: what else acts is explained to the noise.
+
+    A law that is weak may show in all runs together and not in those in which it acts alone, of
+    which own figures are known less well.
+
+    Args:
+        whole: Of all recordings.
+        side: Of those since the change alone, or until it.
+    """
+    return at_noise(whole.best.refit.runs) and missing(side.best.refit.runs) <= BELIEVED
 
 
 def _loudest(runs: Sequence[Observed]) -> float:
