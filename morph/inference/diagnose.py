@@ -163,13 +163,17 @@ def _since_changes(
         alone = confirmed(change, side[1])
         if not alone and not decided(ranking, side[1]):
             break
-        told = alone and change.stays
-        if change.stays and not alone:
-            # The law is too weak to be found in those: what else is said is of the others.
-            change, kept = replace(change, since=not change.since), rest
-        if not kept:
-            break
-        found, recordings = side if told else rank(kept), kept
+        if not (alone and change.stays):
+            if change.stays:
+                # The law is too weak to be found in those: what else is said is of the others.
+                change, kept = replace(change, since=not change.since), rest
+            if not kept:
+                break
+            side = rank(kept)
+            if not change.stays and confirmed(change, side[1]):
+                # It acts there as well.
+                break
+        found, recordings = side, kept
         changes.append(change)
     return found, changes
 
