@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from morph.inference.changes import likeliest_change
+from morph.inference.explained import at_noise
 from morph.inference.finalist import labels
 from morph.inference.findings import on_slide
 from morph.inference.observed import Observed, missing, settled
@@ -24,9 +25,10 @@ from morph.sim.threads import each
 ENOUGH, SOME = 6.0, 3.0
 """Seconds since a change that are diagnosed alone, also where more came before; and the least that
 are left by one that is told, and that confirm one."""
-BELIEVED, LITTLE = 0.03, 0.002
-"""Missing force over the inertial force, RMS, up to which columns tell of changes, and below which
-there is none where nothing was found."""
+ROUGHLY, BELIEVED, LITTLE = 0.3, 0.03, 0.002
+"""Missing force over the inertial force, RMS: up to the first changes are looked for, as a change
+leaves much of it; up to the second the runs on one side of a change count as explained; and below
+the last there is no change where nothing was found."""
 LOUD = 3.0
 """Mean square of a second's innovations, in their own variance, from which on something happened: a
 disturbance is that of the middle of a run. Clean runs have 2.2 at most."""
@@ -57,7 +59,7 @@ def changed(
         known: Effects whose fixed parameters are known.
     """
     best, robot = ranking.best.refit, ranking.best.refit.hypothesis.robot
-    if ranking.validation.constrained or missing(best.runs) > BELIEVED:
+    if ranking.validation.constrained or missing(best.runs) > ROUGHLY:
         return None, recordings, ()
     episodes = stretches([*train, *aside], MOST_SECONDS)
     runs = each(settled, seen(best.hypothesis, best.point, episodes))
@@ -101,7 +103,7 @@ def changed(
 
 
 def confirmed(change: Change, ranking: Ranking) -> bool:
-    """Return whether a law that changed, or a twin of it, is found where it acts.
+    """Return whether a law that changed, or a twin of it, is found where it acts, and explains it.
 
     Stretches in which other physics is missing may look like a change of any law.
 
@@ -111,7 +113,21 @@ def confirmed(change: Change, ranking: Ranking) -> bool:
     """
     law = change.before if change.ceases else change.after
     names = {f"{name}@{law.where}" for name in (law.name, *law.twins)}
-    return bool(names & labels(ranking.best.effects))
+    best = ranking.best
+    return bool(names & labels(best.effects)) and missing(best.refit.runs) <= BELIEVED
+
+
+def decided(whole: Ranking, side: Ranking) -> bool:
+    """Return whether evidence alone tells of a change: what else acts is explained to the noise.
+
+    A law that is weak may show in all runs together and not in those in which it acts alone, of
+    which own figures are known less well.
+
+    Args:
+        whole: Of all recordings.
+        side: Of those since the change alone, or until it.
+    """
+    return at_noise(whole.best.refit.runs) and missing(side.best.refit.runs) <= BELIEVED
 
 
 def _loudest(runs: Sequence[Observed]) -> float:

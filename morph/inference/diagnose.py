@@ -5,13 +5,13 @@ from __future__ import annotations
 import functools
 import math
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import mujoco
 
 from morph.body.robot import Robot
-from morph.inference.changed import changed, confirmed, in_whole
+from morph.inference.changed import changed, confirmed, decided, in_whole
 from morph.inference.contact import at_stops, touches
 from morph.inference.rank import Progress, Ranking, ranked
 from morph.inference.refit import refitted
@@ -103,35 +103,13 @@ def diagnose(
     check_distinct((*recordings, *held_out))
     say: Progress = progress or (lambda what, share: None)
     deadline = math.inf if budget is None else started + 0.9 * budget
-    changes: list[Change] = []
-    before: tuple[_Ready, Ranking] | None = None
-    looked, whole = False, {recording.name: recording for recording in recordings}
+    whole = {recording.name: recording for recording in recordings}
     rank = functools.partial(
         _ranked, robot, held_out=held_out, whole=whole, vary=vary, known=known, deadline=deadline,
         say=say,
     )  # fmt: skip
-    while True:
-        ready, ranking = rank(recordings)
-        if before is not None and not looked and not confirmed(changes[-1], ranking):
-            (ready, ranking), changes = before, changes[:-1]
-            break
-        # What comes after a change takes as long as all before it.
-        late = time.monotonic() > started + 0.5 * (deadline - started)
-        if ranking.stopped or looked or late or len(changes) == MOST_CHANGES:
-            break
-        say("looking for changes", 0.88)
-        aside = () if held_out else ready.aside
-        change, kept, rest = changed(ranking, recordings, ready.train, aside, known)
-        if change is None and kept is not recordings:
-            recordings, looked = kept, True
-            continue
-        if change is None:
-            break
-        before = (ready, ranking) if change.stays else None
-        if not change.stays and not (rest and confirmed(change, rank(rest)[1])):
-            break
-        changes.append(change)
-        recordings = kept
+    half = started + 0.5 * (deadline - started)
+    (ready, ranking), changes = _since_changes(rank, recordings, held_out, known, half, say)
     scored = scored_segments(ready.aside, horizon)
     say("opening the held-out runs", 0.9)
     return conclude(
@@ -149,6 +127,55 @@ def diagnose(
             started=started,
         ),
     )
+
+
+def _since_changes(
+    rank: Callable[[Sequence[Recording]], tuple[_Ready, Ranking]],
+    recordings: Sequence[Recording],
+    held_out: Sequence[Recording],
+    known: Sequence[Effect],
+    deadline: float,
+    say: Progress,
+) -> tuple[tuple[_Ready, Ranking], list[Change]]:
+    """Return what explains recordings of one and the same robot, and changes of it.
+
+    Args:
+        rank: What explains some recordings.
+        recordings: All but those that are held out.
+        held_out: Those.
+        known: Effects whose fixed parameters are known.
+        deadline: Time of the monotonic clock after which no change is looked for: what comes after
+            one takes as long as all before it.
+        say: Told what is being done and the share of the work behind.
+    """
+    found, changes = rank(recordings), list[Change]()
+    while len(changes) < MOST_CHANGES and not found[1].stopped and time.monotonic() < deadline:
+        say("looking for changes", 0.88)
+        ready, ranking = found
+        aside = () if held_out else ready.aside
+        change, kept, rest = changed(ranking, recordings, ready.train, aside, known)
+        if change is None:
+            # A push in a run that was set aside is fitted, and another run is set aside.
+            return (found if kept is recordings else rank(kept)), changes
+        if not (change.stays or rest):
+            break
+        side = rank(kept if change.stays else rest)
+        alone = confirmed(change, side[1])
+        if not alone and not decided(ranking, side[1]):
+            break
+        if not (alone and change.stays):
+            if change.stays:
+                # The law is too weak to be found in those: what else is said is of the others.
+                change, kept = replace(change, since=not change.since), rest
+            if not kept:
+                break
+            side = rank(kept)
+            if not change.stays and confirmed(change, side[1]):
+                # It acts there as well.
+                break
+        found, recordings = side, kept
+        changes.append(change)
+    return found, changes
 
 
 def _ranked(
