@@ -148,15 +148,15 @@ def _since_changes(
             one takes as long as all before it.
         say: Told what is being done and the share of the work behind.
     """
-    found, changes = rank(recordings), list[Change]()
-    while len(changes) < MOST_CHANGES and not found[1].stopped and time.monotonic() < deadline:
+    current, changes = rank(recordings), list[Change]()
+    while len(changes) < MOST_CHANGES and not current[1].stopped and time.monotonic() < deadline:
         say("looking for changes", 0.88)
-        ready, ranking = found
+        ready, ranking = current
         aside = () if held_out else ready.aside
         change, kept, rest = changed(ranking, recordings, ready.train, aside, known)
         if change is None:
             # A push in a run that was set aside is fitted, and another run is set aside.
-            return (found if kept is recordings else rank(kept)), changes
+            return (current if kept is recordings else rank(kept)), changes
         if not (change.stays or rest):
             break
         side = rank(kept if change.stays else rest)
@@ -173,9 +173,9 @@ def _since_changes(
             if not change.stays and confirmed(change, side[1]):
                 # It acts there as well.
                 break
-        found, recordings = side, kept
+        current, recordings = side, kept
         changes.append(change)
-    return found, changes
+    return current, changes
 
 
 def _ranked(
