@@ -122,7 +122,7 @@ class ClosedChain:
     """The two links."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Robot:
     """One body as its description and its card state it."""
 
@@ -150,6 +150,10 @@ class Robot:
     """Every closed chain."""
     findings: tuple[DescriptionFinding, ...] = ()
     """What the importer found in the description."""
+
+    def __repr__(self) -> str:
+        counts = f"{len(self.links)} links, {len(self.joints)} joints"
+        return f"Robot({self.name}: {counts}, {len(self.actuators)} actuators, {self.mass:.4g} kg)"
 
     def joint(self, name: str) -> Joint:
         """Return a joint by its name.

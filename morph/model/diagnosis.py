@@ -84,7 +84,7 @@ UNNAMED = (
 )
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Diagnosis:
     """The answer to: where do simulation and recordings part, and what was left out?"""
 
@@ -141,10 +141,14 @@ class Diagnosis:
     residual: Mapping[str, Any] = field(default_factory=dict)
     """Arrays of the learned residual that training runs speak for; empty for none."""
 
+    def __repr__(self) -> str:
+        named = [f"{each.effect.label} {each.probability:.2f}" for each in self.findings]
+        return f"Diagnosis({', '.join([f'{self.robot}: {self.verdict}', *named])})"
+
     def summary(self) -> tuple[str, ...]:
         """Return the answer in words, a sentence each."""
-        results = {finding.effect.label for finding in self.findings}
-        changed = tuple(lines for change in self.changes for lines in change.said(results))
+        labels = {finding.effect.label for finding in self.findings}
+        changed = tuple(text for change in self.changes for text in change.said(labels))
         if self.verdict == "consistent":
             return (*changed, EXPLAINED, *self.overstated)
         lines = [finding.said for finding in self.findings]

@@ -51,7 +51,7 @@ class Note:
     """Samples repaired."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Recording:
     """One episode.
 
@@ -71,6 +71,10 @@ class Recording:
     """Hash of those files' contents."""
     notes: tuple[Note, ...] = field(default=())
     """What was dropped or repaired."""
+
+    def __repr__(self) -> str:
+        seconds = f", {self.seconds:.4g} s" if self.channels else ""
+        return f"Recording({self.name}: {len(self.channels)} channels{seconds})"
 
     def __getitem__(self, channel: str) -> Array:
         """Return a channel's values, shape (samples,).
