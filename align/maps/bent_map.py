@@ -47,13 +47,13 @@ class BentMap(BodyMap):
         """Check that the parts fit each other."""
         n, k = len(self.affine.lift_shift), len(self.affine.action_shift)
         shapes = [part.shape for part in (self.middle, self.spread)]
-        command = [part.shape for part in (self.command_middle, self.command_spread)]
-        fit = shapes == [(n,)] * 2 and command == [(k,)] * 2
+        command_shapes = [part.shape for part in (self.command_middle, self.command_spread)]
+        fit = shapes == [(n,)] * 2 and command_shapes == [(k,)] * 2
         fit = fit and self.states.size == n and self.commands.size == k
         if not fit or not (self.spread.min() > 0.0 and self.command_spread.min() > 0.0):
             raise MapError(
-                f"middles and spreads have the shapes {[*shapes, *command]}, or a spread is not "
-                f"positive, where the affine part has {n} states and {k} commands",
+                f"middles and spreads have the shapes {[*shapes, *command_shapes]}, or a spread is "
+                f"not positive, where the affine part has {n} states and {k} commands",
                 where="a bent map",
                 fix="give all parts for the same numbers of the target",
             )

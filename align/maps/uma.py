@@ -40,12 +40,12 @@ class Uma(Following):
 
     def states(self, given: MapData, rng: np.random.Generator) -> StateLaw:
         """Return the law by which both embeddings are one."""
-        command = given.pairs is not None
+        paired = given.pairs is not None
         return aligned(
             given,
             rng,
             nearest=self.nearest,
-            weight=self.weight if command else 0.0,
-            free=self.geometry if command else 1.0,
+            weight=self.weight if paired else 0.0,
+            free=self.geometry if paired else 1.0,
             where=self.name,
         )

@@ -51,9 +51,9 @@ def _stiff(model: mujoco.MjModel) -> bool:
 
 def _feels_a_fluid(model: mujoco.MjModel) -> bool:
     """Return whether a fluid does anything: an effect at its neutral value writes zeros."""
-    command = model.body_user[wet_bodies(model)]
+    in_fluid = model.body_user[wet_bodies(model)]
     acting = (ADDED, DISPLACED, LINEAR, QUADRATIC, SHED)
-    return any(bool(command[:, where].any()) for where in acting)
+    return any(bool(in_fluid[:, where].any()) for where in acting)
 
 
 def _may_touch(model: mujoco.MjModel) -> bool:

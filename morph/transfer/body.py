@@ -120,8 +120,8 @@ class Body:
             return whole
         # What is seen explains other numbers of the task in part; these are left out.
         seen = whole @ np.linalg.pinv(self.sight)
-        command = np.abs(seen @ self.sight - whole).max(axis=1) < 1e-6 * np.abs(whole).max(axis=1)
-        return np.asarray(seen[command])
+        observed = np.abs(seen @ self.sight - whole).max(axis=1) < 1e-6 * np.abs(whole).max(axis=1)
+        return np.asarray(seen[observed])
 
     def _seen(self, q: Array) -> Array:
         moved = self._moved(q[:, None], np.zeros((len(q), 1, self.plant.model.nv)))

@@ -76,10 +76,10 @@ class HopsKept:
         np.savez(held, gain=done.gain, shift=done.shift, step=done.step)
         write_map(self.out / done.crossing.map, done.map)
         write_whole(folder / LAW, held.getvalue())
-        command = _told(done.crossing)
-        command["map_sha256"] = sha256(self.out / done.crossing.map)
-        command["law_sha256"] = sha256(held.getvalue())
-        write_whole(folder / TOLD, json.dumps(command) + "\n")
+        record = _told(done.crossing)
+        record["map_sha256"] = sha256(self.out / done.crossing.map)
+        record["law_sha256"] = sha256(held.getvalue())
+        write_whole(folder / TOLD, json.dumps(record) + "\n")
 
     def read(self, number: int) -> Kept | None:
         """Return a finished hop, or None if it is yet to be made, or was spoilt."""

@@ -257,9 +257,9 @@ class Live(Target):
     def _stopped(self, ended: Ended, shown: Experience | None, *, safe: bool) -> TrialStopped:
         samples = 0 if shown is None else len(shown.position)
         kept = f"{samples} of {self.task.samples} states are kept"
-        command = "said that it stopped" if safe else "did not say that it stopped, and was let go"
+        how = "said that it stopped" if safe else "did not say that it stopped, and was let go"
         return TrialStopped(
-            f"{ended.why}; {kept}, and the target {command}",
+            f"{ended.why}; {kept}, and the target {how}",
             where=f"{self.connection.name}, trial {self._trials}",
             fix="go on when it is safe to"
             if ended.pressed
