@@ -108,9 +108,9 @@ def resampled(
             where="the bootstrap of a map",
             fix="give more transitions",
         )
-    statement = np.stack(results)
-    spread = np.maximum(statement.std(axis=1).mean(axis=0), 1e-12)
-    return _size(statement.std(axis=0), spread)
+    predictions = np.stack(results)
+    spread = np.maximum(predictions.std(axis=1).mean(axis=0), 1e-12)
+    return _size(predictions.std(axis=0), spread)
 
 
 def _size(off: Array, spread: Array) -> float:

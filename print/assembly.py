@@ -138,18 +138,18 @@ def _chained(joined: Iterable[tuple[object, list[Hinge]]]) -> list[list[Hinge]]:
 
 
 def _join(results: Sequence[Hinge], parent: Mapping[str, str], *, first: bool) -> AssemblyStep:
-    statement = [CENTRED] if first else []
+    notes = [CENTRED] if first else []
     for hinge in results[:MOST_NAMED]:
         way = "turns about" if hinge.kind == "hinge" else "slides along"
         closing = " This closes a chain." if parent.get(hinge.moving) != hinge.still else ""
-        statement.append(
+        notes.append(
             f"The {short([hinge.moving])} goes onto the {short([hinge.still])}: it {way} the axis "
             f"of the joint {short([hinge.name])}.{closing}"
         )
     return AssemblyStep(
         title=f"Put on {short([hinge.moving for hinge in results])}",
         links=tuple(hinge.moving for hinge in results),
-        said=tuple(statement),
+        said=tuple(notes),
     )
 
 

@@ -68,7 +68,7 @@ def sheet(job: Job, hinges: Sequence[Hinge], *, title: str, command: str = "") -
         title: What the body is called; from a file, and escaped as all text is.
         command: What made it.
     """
-    given = exploded(job.parts, hinges)
+    explosion = exploded(job.parts, hinges)
     colours = _colours(job.parts)
     page = _environment().get_template("sheet.html.j2")
     printed = [part for part in job.parts if part.kind == "printed"]
@@ -84,7 +84,7 @@ def sheet(job: Job, hinges: Sequence[Hinge], *, title: str, command: str = "") -
         gauges=[_row(part, job, colours, len(job.gauges)) for part in job.gauges],
         bought=[part for part in job.parts if part.kind == "bought"],
         fused=[part for part in job.parts if part.kind == "fused"],
-        steps=steps(job.parts, hinges, given),
+        steps=steps(job.parts, hinges, explosion),
         needs=_needs,
         short=short,
         style=Markup((FOLDER / "sheet.css").read_text(encoding="utf-8")),

@@ -60,9 +60,9 @@ def robot_from_mjcf(tree: Element, path: Path, files: Files, card: Card | None) 
             model = spec_of(robot).compile()
     # What MuJoCo throws in its readers arrives as a RuntimeError without words.
     except (ValueError, RuntimeError, MemoryError, RobotError) as error:
-        given = error if isinstance(error, RobotError) else refused(error, path)
-        code = "duplicate-name" if "repeated name" in str(given) else "engine-refused"
-        raise refusal([*findings, about_file(given, path, code=code)]) from error
+        failure = error if isinstance(error, RobotError) else refused(error, path)
+        code = "duplicate-name" if "repeated name" in str(failure) else "engine-refused"
+        raise refusal([*findings, about_file(failure, path, code=code)]) from error
     draft = draft_of(robot, model, path, lines)
     looked = check_meshes(draft)[1]
     for look in LOOKS:

@@ -197,9 +197,9 @@ def weighs(tree: Element, body: Element, geom: Element) -> bool:
     if any(each.get("inertiafromgeom") == "false" for each in compilers):
         return False
     kind = geom.get("class") or body.get("childclass")
-    lines = [geom]
+    geoms = [geom]
     for default in tree.everything():
         if default.tag == "default" and default.get("class") == kind:
-            lines += default.children("geom")
-    given = [each.get(key, "") for each in lines for key in ("mass", "density")]
+            geoms += default.children("geom")
+    given = [each.get(key, "") for each in geoms for key in ("mass", "density")]
     return not any(word.strip() and float_or(word, 1.0) == 0.0 for word in given)

@@ -61,12 +61,12 @@ def sized(
                 where="--separate",
                 fix="name laws of joints, actuators, sensors, links or a fluid",
             )
-        # Parameters that are given stay; a law without any has the middle shape of its grid.
+        # Parameters that are law_there stay; a law without any has the middle shape of its grid.
         shape = grid[len(grid) // 2] if law == type(law).at(law.where) else law
         for seen in chain(tuple(tried), more):
             tried = tried if seen in tried else [*tried, seen]
-            given = law if law.coefficients.any() else at_share(shape, seen)
-            if _acts(given, seen):
+            law_there = law if law.coefficients.any() else at_share(shape, seen)
+            if _acts(law_there, seen):
                 break
         else:
             raise DiagnosisError(
@@ -76,7 +76,7 @@ def sized(
                 "limit or a nearer stop, or name a law of a joint that moves or an actuator that "
                 "drives",
             )
-        results.append((given, *grid))
+        results.append((law_there, *grid))
     return results
 
 

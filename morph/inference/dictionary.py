@@ -113,7 +113,7 @@ def dictionary(
     longest = max(motions, key=lambda motion: len(motion.time))
     read = np.any([run.run.valid.any(axis=0) for run in runs], axis=0)
     measured = {name for name, at in longest.channels.items() if read[at]}
-    given = {effect.label: effect for effect in known}
+    by_label = {effect.label: effect for effect in known}
     joints = [joint.name for joint in robot.joints if joint.kind in {"hinge", "slide"}]
     # A law at a joint that follows another is one at its leader.
     still = {joint.name for joint in robot.joints if joint.mimic is not None}
@@ -133,7 +133,7 @@ def dictionary(
             if kind.kind != "sensor" or place in measured:
                 with suppress(EffectError):  # It needs what the description does not tell.
                     effect = kind.at(place)
-                    effect = given.get(effect.label, effect)
+                    effect = by_label.get(effect.label, effect)
                     effect.regressor(longest)
                     most = max(effect.extent(motion) for motion in motions)
                     full = [m for m in motions if effect.extent(m) == most]
@@ -165,8 +165,8 @@ def _shapes(effect: Effect, motion: Motion) -> tuple[Effect, ...]:
 
 def _in_water(robot: Robot, known: Sequence[Effect]) -> bool:
     """Return whether a robot's card, or what else is known, puts it into water."""
-    given = robot.card is not None and robot.card.water is not None
-    return given or any(isinstance(effect, Thrust) for effect in known)
+    in_water = robot.card is not None and robot.card.water is not None
+    return in_water or any(isinstance(effect, Thrust) for effect in known)
 
 
 def _prior(grids: Sequence[tuple[Effect, ...]], joints: Set[str], *, wet: bool) -> Prior:

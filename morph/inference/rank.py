@@ -105,8 +105,8 @@ def ranked(
         deadline=deadline,
     )
     own = replace(task, deadline=math.inf).refitted(nominal, nominal.start)
-    given = _told(nominal.robot) and not validation.constrained
-    most = 0.0 if tossed else FAR if given else FARTHEST
+    measured = _told(nominal.robot) and not validation.constrained
+    most = 0.0 if tossed else FAR if measured else FARTHEST
     far = missing(own.refit.runs) >= most
     result = _searched(_by_rollouts(task, own) if far else _begun(task, own), progress)
     if not far:
@@ -172,8 +172,8 @@ def _begun(task: EffectSelection, none: Finalist) -> _Found:
 
 def _by_rollouts(task: EffectSelection, own: Finalist) -> _Found:
     """Return a ranking by errors of rollouts before its first round."""
-    given = _told(task.nominal.robot) and not task.validation.constrained
-    task = replace(task, by_rollouts=True, by_forces=given)
+    measured = _told(task.nominal.robot) and not task.validation.constrained
+    task = replace(task, by_rollouts=True, by_forces=measured)
     half = replace(task, deadline=0.5 * (time.monotonic() + task.deadline))
     return _begun(task, half.refitted(task.nominal, own.refit.point, own.refit.runs))
 

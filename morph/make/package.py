@@ -120,9 +120,9 @@ def _write_robot(folder: Path, robot: Robot, title: str, origins: tuple[Citation
         convert(replace(robot, name=name), form, folder)
     write_whole(folder / "card.toml", card_text(_card(robot, name, title, origins)))
     result = load(folder)
-    given = [joint.name for joint in result.joints] == [joint.name for joint in robot.joints]
+    same_joints = [joint.name for joint in result.joints] == [joint.name for joint in robot.joints]
     # The card's own check holds masses to 1e-9; this one holds names.
-    if not given:
+    if not same_joints:
         raise MakeError(
             f"what was written of {robot.name} has other joints than it",
             where=str(folder),

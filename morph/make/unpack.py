@@ -99,32 +99,30 @@ class _Reader:
         self.turn(result[:3, :3].ravel().tolist())
         return result
 
-    def weight(self, statement: Spread) -> Weight:
-        xx, yy, zz, xy, xz, yz = self.matrix(statement.inertia_kgm2, 6)
+    def weight(self, packed: Spread) -> Weight:
+        xx, yy, zz, xy, xz, yz = self.matrix(packed.inertia_kgm2, 6)
         inertia = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-        com = self.matrix(statement.com_m, 3)
-        if not 0 <= statement.mass_kg < np.inf or (inertia.any() and not is_physical(inertia)):
-            raise self.wrong(f"a mass of {statement.mass_kg:g} kg has an inertia that no body has")
-        return Weight(mass=statement.mass_kg, com=com, inertia=inertia)
+        com = self.matrix(packed.com_m, 3)
+        if not 0 <= packed.mass_kg < np.inf or (inertia.any() and not is_physical(inertia)):
+            raise self.wrong(f"a mass of {packed.mass_kg:g} kg has an inertia that no body has")
+        return Weight(mass=packed.mass_kg, com=com, inertia=inertia)
 
-    def part(self, statement: PackedPart, mesh: Mesh | None) -> Part:
-        if statement.kind not in ("printed", "bought", "fused") or statement.hand not in (
+    def part(self, packed: PackedPart, mesh: Mesh | None) -> Part:
+        if packed.kind not in ("printed", "bought", "fused") or packed.hand not in (
             "",
             "left",
             "right",
         ):
-            raise self.wrong(
-                f"the part {statement.name!r} is {statement.kind!r} and {statement.hand!r}"
-            )
+            raise self.wrong(f"the part {packed.name!r} is {packed.kind!r} and {packed.hand!r}")
         return Part(
-            name=statement.name,
-            kind=cast(Any, statement.kind),
+            name=packed.name,
+            kind=cast(Any, packed.kind),
             mesh=mesh,
             placements=tuple(
                 Placement(link=at.link, pose=self.pose(at.pose_mm), world=self.pose(at.world_mm))
-                for at in statement.copies
+                for at in packed.copies
             ),
-            hand=cast(Any, statement.hand),
+            hand=cast(Any, packed.hand),
             seats=tuple(
                 Seat(
                     holds=seat.holds,
@@ -132,35 +130,29 @@ class _Reader:
                     axis=self.matrix(seat.axis, 3),
                     bore_mm=seat.bore_mm,
                 )
-                for seat in statement.holds
+                for seat in packed.holds
             ),
-            weight=None if statement.weight is None else self.weight(statement.weight),
-            into=statement.into,
-            number=statement.number,
-            piece_of=statement.piece_of,
+            weight=None if packed.weight is None else self.weight(packed.weight),
+            into=packed.into,
+            number=packed.number,
+            piece_of=packed.piece_of,
         )
 
-    def orientation(self, statement: PrintedCopy) -> Orientation:
+    def orientation(self, packed: PrintedCopy) -> Orientation:
         return Orientation(
-            turn=self.turn(statement.turn),
-            support_mm3=statement.support_mm3,
-            first_support_mm3=statement.first_support_mm3,
-            height_mm=statement.height_mm,
+            turn=self.turn(packed.turn),
+            support_mm3=packed.support_mm3,
+            first_support_mm3=packed.first_support_mm3,
+            height_mm=packed.height_mm,
         )
 
-    def sliced(self, statement: PackedPart) -> Sliced:
-        printed = statement.printed
-        if (
-            printed is None
-            or statement.weight is None
-            or printed.source not in ("gcode", "estimate")
-        ):
-            raise self.wrong(
-                f"the printed part {statement.name!r} has no weight, or one from nowhere"
-            )
+    def sliced(self, packed: PackedPart) -> Sliced:
+        printed = packed.printed
+        if printed is None or packed.weight is None or printed.source not in ("gcode", "estimate"):
+            raise self.wrong(f"the printed part {packed.name!r} has no weight, or one from nowhere")
         return Sliced(
             source=cast(Any, printed.source),
-            weight=self.weight(statement.weight),
+            weight=self.weight(packed.weight),
             support_kg=printed.support_kg,
             seconds=printed.seconds,
             by_feature={each.name: each.mass_kg for each in printed.features},
@@ -175,15 +167,15 @@ class _Reader:
         )
         return Plate(name=document.name, laid=laid)
 
-    def link(self, statement: PackedLink) -> LinkMass:
-        if statement.source not in ("description", "estimate", "gcode", "scale"):
-            raise self.wrong(f"the mass of {statement.link!r} comes from {statement.source!r}")
+    def link(self, packed: PackedLink) -> LinkMass:
+        if packed.source not in ("description", "estimate", "gcode", "scale"):
+            raise self.wrong(f"the mass of {packed.link!r} comes from {packed.source!r}")
         return LinkMass(
-            link=statement.link,
-            designed=self.weight(statement.designed),
-            predicted=None if statement.predicted is None else self.weight(statement.predicted),
-            measured=None if statement.measured is None else self.weight(statement.measured),
-            source=cast(Any, statement.source),
+            link=packed.link,
+            designed=self.weight(packed.designed),
+            predicted=None if packed.predicted is None else self.weight(packed.predicted),
+            measured=None if packed.measured is None else self.weight(packed.measured),
+            source=cast(Any, packed.source),
         )
 
     def hinge(self, document: Any) -> Hinge:

@@ -149,8 +149,8 @@ class Hypothesis:
     def _bounds(self, knob: Knob) -> tuple[float, float]:
         # What an effect says of a link, its own figure need not say too: the two together
         # would be one number told twice.
-        statement = any(knob.part == e.where and knob.kind in e.stands_for for e in self.effects)
-        return (0.0, 0.0) if statement else knob.bounds
+        covered = any(knob.part == e.where and knob.kind in e.stands_for for e in self.effects)
+        return (0.0, 0.0) if covered else knob.bounds
 
     @property
     def free_knobs(self) -> int:

@@ -157,8 +157,8 @@ def _candidates(robot: Robot, vary: Mapping[str, float]) -> list[Knob]:
 
 
 def _knob(kind: str, part: str, what: str, vary: Mapping[str, float]) -> Knob:
-    lines = (vary[name] for name in (f"{what}:{part}", part, kind) if name in vary)
-    fraction = next(lines, None)
+    fractions = (vary[name] for name in (f"{what}:{part}", part, kind) if name in vary)
+    fraction = next(fractions, None)
     return Knob(
         kind=kind, part=part, what=what,
         fraction=TRUST[kind] if fraction is None else fraction,

@@ -152,7 +152,7 @@ def courses(
         For each block the likelihood up to each sample, (models, settings, periods).
     """
     nv = seen.change.shape[2]
-    given = np.median(np.mean((seen.change / seen.period) ** 2, axis=1), axis=0)
+    rates = np.median(np.mean((seen.change / seen.period) ** 2, axis=1), axis=0)
     results = []
     for block in blocks(model):
         here = np.concatenate([block.dof, block.dof + nv])
@@ -161,7 +161,7 @@ def courses(
         typical = np.empty(len(block.dof))
         for kind in block.kinds:
             of_kind = list(kind)
-            typical[of_kind] = max(np.sqrt(given[block.dof[of_kind]].mean()), STILL)
+            typical[of_kind] = max(np.sqrt(rates[block.dof[of_kind]].mean()), STILL)
         carry = seen.carry[:, :, here]
         results.append(
             likelihood(

@@ -116,10 +116,10 @@ class Mapped:
         result = np.empty((draws, runs, count + 1, start.shape[1]))
         result[:, :, 0] = now
         for at in range(count):
-            given = np.broadcast_to(command[:, at], (draws, *command[:, at].shape))
+            commands = np.broadcast_to(command[:, at], (draws, *command[:, at].shape))
             flat = now.reshape(draws * runs, -1)
-            predicted = self.simulate(flat, given.reshape(draws * runs, -1))
-            z = self.look(flat, given.reshape(draws * runs, -1), predicted)
+            predicted = self.simulate(flat, commands.reshape(draws * runs, -1))
+            z = self.look(flat, commands.reshape(draws * runs, -1), predicted)
             more = law(z.reshape(draws, runs, -1))
             now = predicted.reshape(now.shape) + more + self.jump * rng.normal(size=now.shape)
             result[:, :, at + 1] = now

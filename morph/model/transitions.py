@@ -124,14 +124,14 @@ def _ends(
     rows: Sequence[tuple[int, Array, Array]],
 ) -> tuple[Array, Array]:
     """Return where rows of a variant and its states lead: (rows, periods, nq) and (..., nv)."""
-    given = [_received(robot, variant, run, substeps) for variant in variants]
+    received = [_received(robot, variant, run, substeps) for variant in variants]
     periods = len(run.command)
     q, v = rollout(
         variants,
         np.repeat([k for k, _, _ in rows], periods),
         np.concatenate([position[:-1] for _, position, _ in rows]),
         np.concatenate([velocity[:-1] for _, _, velocity in rows]),
-        np.concatenate([given[k] for k, _, _ in rows]),
+        np.concatenate([received[k] for k, _, _ in rows]),
     )
     return tuple(end[:, -1].reshape(len(rows), periods, -1) for end in (q, v))  # type: ignore[return-value]
 

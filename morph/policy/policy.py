@@ -131,9 +131,9 @@ class Policy(ABC):
         if type(other) is not type(self):
             return NotImplemented
         mine, its = self.weights(), other.weights()
-        lines = ("action", "period", "observation")
+        fields = ("action", "period", "observation")
         return (
-            all(getattr(self, name) == getattr(other, name) for name in lines)
+            all(getattr(self, name) == getattr(other, name) for name in fields)
             and mine.keys() == its.keys()
             and all(np.array_equal(mine[name], its[name]) for name in mine)
         )

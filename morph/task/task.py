@@ -124,8 +124,8 @@ class Task:
     @property
     def sha256(self) -> str:
         """Hash of all that defines it but the body, which has a hash of its own."""
-        message = {key: repr(value) for key, value in vars(self).items() if key != "robot"}
-        return sha256(json.dumps(message, sort_keys=True))
+        document = {key: repr(value) for key, value in vars(self).items() if key != "robot"}
+        return sha256(json.dumps(document, sort_keys=True))
 
     def simulator(self, effects: tuple[Effect, ...] = ()) -> Simulator:
         """Return the body in the world of the task, under further effects if given."""
@@ -181,9 +181,9 @@ class Task:
 
 
 def _said(part: Term | Goal) -> dict[str, object]:
-    message = {
+    document = {
         key: None if value == math.inf else value
         for key, value in vars(part).items()
         if key != "quantity"
     }
-    return {**message, "quantity": {"kind": part.quantity.name, **asdict(part.quantity)}}
+    return {**document, "quantity": {"kind": part.quantity.name, **asdict(part.quantity)}}

@@ -64,11 +64,11 @@ class HopsKept:
 
     def __init__(self, out: Path, key: Mapping[str, str]) -> None:
         self.out = out
-        state, statement = out / STATE, {"schema": SCHEMA, **key}
+        state, record = out / STATE, {"schema": SCHEMA, **key}
         if state.is_file():
-            _check(state, statement)
+            _check(state, record)
         else:
-            write_whole(state, json.dumps(statement, indent=1) + "\n")
+            write_whole(state, json.dumps(record, indent=1) + "\n")
 
     def write(self, number: int, done: Kept) -> None:
         """Keep a hop; its `hop.json` makes it a finished one."""

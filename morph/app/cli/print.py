@@ -232,10 +232,10 @@ def _metadata(package: Package) -> dict[str, str]:
     """Return what each 3MF says of itself; names of our own need a namespace."""
     import morph
 
-    message = {"Title": package.title, "Application": f"morph {morph.__version__}"}
+    metadata = {"Title": package.title, "Application": f"morph {morph.__version__}"}
     if package.policy is not None:
-        message["policy_sha256"] = package.policy.sha256
-    return {**message, "robot_sha256": package.made_sha256}
+        metadata["policy_sha256"] = package.policy.sha256
+    return {**metadata, "robot_sha256": package.made_sha256}
 
 
 def _command(options: Print) -> str:

@@ -78,8 +78,8 @@ def _report(folder: Path, result: Weighed, seed: int) -> None:
     learned, now = None, None
     if result.package.policy is not None:
         learned, now = policies_in(folder, result.designed, result.printed)
-    given = margins(result.designed, result.printed, learned=learned, matched=now, seed=seed)
-    write_pages(folder, result.package, given)
+    comparison = margins(result.designed, result.printed, learned=learned, matched=now, seed=seed)
+    write_pages(folder, result.package, comparison)
 
 
 def _say(options: Weigh, new: tuple[ScaleReading, ...], result: Weighed) -> None:

@@ -47,8 +47,8 @@ def check_symmetry(draft: Draft) -> list[DescriptionFinding]:
             np.array([pair.offsets[1] for pair in pairs]),
         )
         if normal is not None:
-            known = {finding.where.name for finding in findings}
-            findings += [f for f in _copies(draft, pairs, normal) if f.where.name not in known]
+            named = {finding.where.name for finding in findings}
+            findings += [f for f in _copies(draft, pairs, normal) if f.where.name not in named]
             findings += _turns(draft, pairs, normal)
     return findings + _masses(draft)
 

@@ -141,18 +141,16 @@ def _spoken(process: subprocess.Popen[bytes], request: bytes) -> tuple[bytes, bo
     stdin, stdout = process.stdin, process.stdout
     if stdin is None or stdout is None:
         return b"", False
-    end, statement = time.monotonic() + SECONDS, bytearray()
+    end, output = time.monotonic() + SECONDS, bytearray()
     with contextlib.suppress(BrokenPipeError), selectors.DefaultSelector() as selector:
         stdin.write(request)
         stdin.close()
         selector.register(stdout, selectors.EVENT_READ)
-        while len(statement) <= 2 * MOST_BYTES and selector.select(
-            max(end - time.monotonic(), 0.0)
-        ):
+        while len(output) <= 2 * MOST_BYTES and selector.select(max(end - time.monotonic(), 0.0)):
             piece = os.read(stdout.fileno(), 2**16)
             if not piece:
-                return bytes(statement), True
-            statement += piece
+                return bytes(output), True
+            output += piece
     return b"", False
 
 

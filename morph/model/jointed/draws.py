@@ -68,8 +68,8 @@ class Draws:
         total = accelerations(model.layout, self.parts, self.law, seen)
         if any(part.scales.free > 0.0 for part in self.parts):
             total = total + torch.stack([each.waves(seen) for each in self.drawn], dim=-1)
-        given = total * model.size
-        return given if model.base is None else given + model.base(position, velocity, command)
+        count = total * model.size
+        return count if model.base is None else count + model.base(position, velocity, command)
 
     @cached_property
     def parts(self) -> tuple[AccelerationModel, ...]:

@@ -84,11 +84,11 @@ class AccelerationModel:
         if not layout.lawful:
             return replace(self, weight=weight)
         features, monomials = self.lawful(layout, data)
-        given = features.T @ (weight[..., None] * monomials)
+        information = features.T @ (weight[..., None] * monomials)
         if prior is not None:
-            given = given + prior
+            information = information + prior
         return replace(
-            self, weight=weight, coefficient=self.postures.whiten @ given * self.scales.lawful
+            self, weight=weight, coefficient=self.postures.whiten @ information * self.scales.lawful
         )
 
 

@@ -88,8 +88,8 @@ def _files(path: Path) -> tuple[list[Path], str]:
         lines = data.decode().splitlines()
     except UnicodeDecodeError as error:
         raise _metadata(metadata, f"byte {error.start} is no UTF-8") from error
-    message = {key.strip(): value for key, _, value in (line.partition(":") for line in lines)}
-    packing = [message.get(f"compression_{one}", "") for one in ("mode", "format")]
+    fields = {key.strip(): value for key, _, value in (line.partition(":") for line in lines)}
+    packing = [fields.get(f"compression_{one}", "") for one in ("mode", "format")]
     mode, codec = (one.strip().strip("'\"").lower() for one in packing)
     if mode == "file":
         raise RecordingError(
@@ -101,7 +101,7 @@ def _files(path: Path) -> tuple[list[Path], str]:
     if not names or not all(name.lower().endswith(ENDINGS) for name in names):
         raise _metadata(metadata, f"it lists the files {listed(names) or 'none'}")
     # Old bags list their files with the folder's own name before them; nothing outside is read.
-    return [path / PurePosixPath(name).name for name in names], codec if mode == "message" else ""
+    return [path / PurePosixPath(name).name for name in names], codec if mode == "fields" else ""
 
 
 def _listed_files(lines: list[str]) -> list[str]:

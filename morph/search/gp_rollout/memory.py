@@ -102,19 +102,19 @@ class Memory:
 
     def state(self) -> dict[str, Array]:
         """Return all of it as arrays by name."""
-        message = {
+        document = {
             **{name: np.stack([getattr(run, name) for run in self.runs]) for name in RUN},
             "loss": np.array([run.loss for run in self.runs]),
             "success": np.array([float(run.success) for run in self.runs]),
             "seconds": np.array(self.seconds),
         }
         if self.process is not None:
-            message |= {f"process.{name}": value for name, value in vars(self.process).items()}
+            document |= {f"process.{name}": value for name, value in vars(self.process).items()}
         if self.numbers is not None:
-            message["numbers"] = self.numbers
+            document["numbers"] = self.numbers
         for name in self.tried[0] if self.tried else ():
-            message[TRIED + name] = np.stack([each[name] for each in self.tried])
-        return message
+            document[TRIED + name] = np.stack([each[name] for each in self.tried])
+        return document
 
     @classmethod
     def of(cls, state: State | None, period: float) -> Memory:

@@ -201,8 +201,8 @@ def bounds_of(simulator: Simulator) -> tuple[Array, Array]:
     low = np.array([each.low for each in actions])
     high = np.array([each.high for each in actions])
     limited = simulator.model.actuator_ctrllimited.astype(bool)
-    statement = simulator.model.actuator_ctrlrange
+    limits = simulator.model.actuator_ctrlrange
     return (
-        np.where(limited, np.maximum(low, statement[:, 0]), low),
-        np.where(limited, np.minimum(high, statement[:, 1]), high),
+        np.where(limited, np.maximum(low, limits[:, 0]), low),
+        np.where(limited, np.minimum(high, limits[:, 1]), high),
     )

@@ -45,8 +45,8 @@ class OnlineRobot:
             shown = self._target.trial(policy, rng)
         except TrialStopped as stopped:
             if stopped.shown is not None:
-                statement = experience_said(stopped.shown, version=version, stopped=stopped.what)
-                self._post.put(EXPERIENCE, statement)
+                message = experience_said(stopped.shown, version=version, stopped=stopped.what)
+                self._post.put(EXPERIENCE, message)
             if stopped.beyond:
                 self._policies.withdraw()
             self.exchange()

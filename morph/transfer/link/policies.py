@@ -58,10 +58,10 @@ class Policies:
         """Which policies were left, and why, in words."""
         if not (folder / "0" / FILES[-1]).is_file():
             write_policy(first, folder / "0", robot)
-        statement = _state(folder / STATE)
-        self._safe: list[int] = statement["safe"]
-        self._newest: int = statement["newest"]
-        self._staged: int | None = statement["staged"]
+        state = _state(folder / STATE)
+        self._safe: list[int] = state["safe"]
+        self._newest: int = state["newest"]
+        self._staged: int | None = state["staged"]
         self.policy = self._restored()
 
     @property
@@ -150,11 +150,11 @@ class Policies:
                 self._safe.pop()
 
     def _write(self) -> None:
-        message = {"safe": self._safe, "newest": self._newest, "staged": self._staged}
-        body = json.dumps(message)
+        document = {"safe": self._safe, "newest": self._newest, "staged": self._staged}
+        body = json.dumps(document)
         write_whole(
             self._folder / STATE,
-            json.dumps({"schema": SCHEMA, "sha256": sha256(body), "state": message}) + "\n",
+            json.dumps({"schema": SCHEMA, "sha256": sha256(body), "state": document}) + "\n",
         )
 
 

@@ -133,12 +133,12 @@ class TrialSession:
         missing = self._wiring.missing(q, v)
         if missing:
             raise Ended(f"{', '.join(missing)} is no finite number: a dead sensor")
-        statement = number(heard.said["t"]) if "t" in heard.said else None
-        wrong = self.watcher.saw(np.concatenate([q, v]), statement, heard.at)
+        stamp = number(heard.said["t"]) if "t" in heard.said else None
+        wrong = self.watcher.saw(np.concatenate([q, v]), stamp, heard.at)
         first = not self.position
         self.position.append(q)
         self.velocity.append(v)
-        self.time.append(heard.at if statement is None or math.isnan(statement) else statement)
+        self.time.append(heard.at if stamp is None or math.isnan(stamp) else stamp)
         self._came = heard.at
         wrong = wrong or (self._astray(q, v) if first else None)
         if wrong:

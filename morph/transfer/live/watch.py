@@ -84,15 +84,15 @@ class Watcher:
         self.latest = 0.0
         """How late the latest state was, s, counted from the first."""
 
-    def saw(self, state: Array, statement: float | None, came: float) -> str | None:
+    def saw(self, state: Array, stamp: float | None, came: float) -> str | None:
         """Return what is wrong with the next state, in words; None if nothing is.
 
         Args:
             state: `qpos` and `qvel`, shape (nq + nv,), finite.
-            statement: The time that the target says, s; None if it says none.
+            stamp: The time that the target says, s; None if it says none.
             came: When the state came, s.
         """
-        timed = statement if statement is not None else (came if self._timed else None)
+        timed = stamp if stamp is not None else (came if self._timed else None)
         wrong = None if timed is None else self._late(timed)
         self._count += 1
         return wrong or self._dead(state[self._order])

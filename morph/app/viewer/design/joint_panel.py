@@ -94,8 +94,8 @@ class JointPanel:
             for at, limb in enumerate(groups):
                 self._group(limb, first=at == 0)
             if not handles or not any(limb.handles for limb in groups):
-                given = "no joint is found" if handles else "no joint moves by itself"
-                self._parts.append(self._gui.add_markdown(given))
+                text = "no joint is found" if handles else "no joint moves by itself"
+                self._parts.append(self._gui.add_markdown(text))
 
     def _group(self, limb: JointChain, *, first: bool) -> None:
         if limb.title:

@@ -195,8 +195,8 @@ def _print(printed: PrintTable | None, links: set[str]) -> PrintTable | None:
 
 def _same(result: Robot, robot: Robot) -> None:
     """Refuse what was written if it is not the body that was designed."""
-    given = [joint.name for joint in result.joints] == [joint.name for joint in robot.joints]
-    if abs(result.mass - robot.mass) > TOLERANCE or not given:
+    same_joints = [joint.name for joint in result.joints] == [joint.name for joint in robot.joints]
+    if abs(result.mass - robot.mass) > TOLERANCE or not same_joints:
         raise OutputError(
             f"what was written weighs {result.mass:.12g} kg, and the design {robot.mass:.12g} kg",
             where="save as a new body",

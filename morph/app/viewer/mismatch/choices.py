@@ -57,30 +57,30 @@ class MismatchChoices:
             ViewError: It names a recording, a window, a model or a way that is not here.
         """
         first = cls.of(case)
-        statement = first.state(case) | dict(state)
-        if len(statement) > len(first.state(case)):
-            unknown = next(key for key in statement if key not in first.state(case))
+        merged = first.state(case) | dict(state)
+        if len(merged) > len(first.state(case)):
+            unknown = next(key for key in merged if key not in first.state(case))
             raise _bad("key", unknown, list(first.state(case)))
         names = [recording.name for recording in case.recordings]
         models = [model.name for model in case.models]
-        episode = names.index(_one_of("recording", statement["recording"], names))
+        episode = names.index(_one_of("recording", merged["recording"], names))
         windows = range(len(case.windows(episode)))
-        horizon = statement["horizon_s"]
+        horizon = merged["horizon_s"]
         if horizon is not None and (
             isinstance(horizon, bool) or not isinstance(horizon, int | float) or not horizon >= 0.1
         ):
             raise _bad("horizon_s", horizon, ["null", "0.1 or more"])
-        if type(statement["window"]) is not int or statement["window"] not in windows:
-            raise _bad("window", statement["window"], [str(each) for each in windows])
+        if type(merged["window"]) is not int or merged["window"] not in windows:
+            raise _bad("window", merged["window"], [str(each) for each in windows])
         both = [BOTH] if len(models) > 1 else []
         return cls(
             ask=Ask(
                 episode=episode,
-                window=statement["window"],
+                window=merged["window"],
                 horizon=None if horizon is None else float(horizon),
             ),
-            models=_one_of("models", statement["models"], [*models, *both]),
-            colouring=_one_of("colouring", statement["colouring"], COLOURINGS),
+            models=_one_of("models", merged["models"], [*models, *both]),
+            colouring=_one_of("colouring", merged["colouring"], COLOURINGS),
         )
 
 

@@ -25,13 +25,13 @@ def untold(recording: Recording, robot: Robot) -> tuple[str, ...]:
 
 def span(recording: Recording, robot: Robot) -> tuple[float, float]:
     """Return when all channels that tell a pose begin and end, s on the recording's clock."""
-    lines = [
+    tracks = [
         recording.channels[name]
         for joint in robot.joints
         for name in pose_channels(joint)
         if name in recording.channels
     ]
-    return max(float(each.time[0]) for each in lines), min(float(each.time[-1]) for each in lines)
+    return max(float(each.time[0]) for each in tracks), min(float(each.time[-1]) for each in tracks)
 
 
 def poses(recording: Recording, robot: Robot, model: Any, begin: float, seconds: float) -> Array:
