@@ -263,10 +263,9 @@ class EffectSelection:
             others = [one for one in every if one[0].label not in gone]
             rivals += [(gain, at, other) for other, gain in others[:1] if gain > RIVAL]
             # The linearisation says little of a time's twins, and nothing of a push's.
-            twins = [(gain, at, o) for o, gain in others if o.name in effect.twins]
-            laws = {one[2].name: one for one in reversed(twins)} if effect.of_a_run else {}
             least = -math.inf if effect.of_a_run else -TWIN
-            rivals += [one for one in laws.values() or twins[:1] if least < one[0] <= RIVAL]
+            twins = [(gain, at, o) for o, gain in others if o.name in effect.twins]
+            rivals += [one for one in twins[:1] if least < one[0] <= RIVAL]
             simple = [o for o, _ in others if o.label == f"{effect.simpler}@{effect.where}"]
             rivals += [(math.inf, at, effect.simplified(o)) for o in simple]
         most = REPLACED + sum(gain == math.inf for gain, _, _ in rivals)
