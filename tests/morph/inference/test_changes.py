@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
@@ -193,3 +194,37 @@ def test_a_law_too_weak_to_be_found_alone_is_told_beside_the_runs_until_then(whe
     assert (change.after.label, change.episode) == ("viscous_friction@axle", "run_2")
     assert change.time == pytest.approx(1.0, abs=0.25)
     assert (change.since, found.findings) == (False, ())
+
+
+@pytest.mark.parametrize(("named", "evidence", "since", "told"), [
+    (("after",), False, True, ("after",)),
+    # Too weak to be found in the runs since then: the others follow.
+    ((), True, False, ("before",)),
+    ((), False, None, ("before", "after")),
+    # It acts in those as well, so that it did not begin then.
+    (("before",), True, None, ("before", "after")),
+])  # fmt: skip
+def test_what_is_said_follows_the_side_that_explains_a_change(
+    named: tuple[str, ...], evidence: bool, since: bool | None, told: tuple[str, ...],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    law, idle = ViscousFriction(joint="axle", b=0.1), ViscousFriction(joint="axle", b=0.0)
+    begun = Change(before=idle, after=law, episode="run", time=1.0, gain=50.0, since=True)
+    module = importlib.import_module("morph.inference.diagnose")
+    answers = iter([(begun, ("after",), ("before",)), (None, (), ())])
+
+    def rank(recordings: Any) -> Any:
+        ready = SimpleNamespace(train=(), aside=(), of=tuple(recordings))
+        return ready, SimpleNamespace(stopped=False, of=tuple(recordings))
+
+    def changed(_: Any, recordings: Any, *rest: Any) -> Any:
+        change, kept, others = next(answers)
+        return (change, kept, others) if change else (None, recordings, ())
+
+    monkeypatch.setattr(module, "changed", changed)
+    monkeypatch.setattr(module, "confirmed", lambda _, side: side.of in {(each,) for each in named})
+    monkeypatch.setattr(module, "decided", lambda whole, side: evidence)
+    runs: Any = ("before", "after")
+    (ready, _), changes = module._since_changes(rank, runs, (), (), np.inf, lambda *_: None)
+    assert ready.of == told
+    assert [each.since for each in changes] == ([] if since is None else [since])
