@@ -18,7 +18,8 @@ from experiments.openloop import from_mjcf
 from morph.arrays import JSON, Array
 from morph.body.robot import Robot
 from morph.errors import MorphError
-from morph.inference.diagnose import IMPACT, diagnose
+from morph.inference.diagnose import diagnose
+from morph.inference.prepared import IMPACT
 from morph.model.diagnosis import Diagnosis
 from morph.model.episodes import episode, step_for
 from morph.model.hypothesis import Hypothesis

@@ -9,6 +9,7 @@ from morph.inference.changes import likeliest_change
 from morph.inference.explained import at_noise
 from morph.inference.finalist import labels
 from morph.inference.findings import on_slide
+from morph.inference.intervals import estimates
 from morph.inference.observed import Observed, missing, settled
 from morph.inference.rank import Ranking
 from morph.inference.refit import seen
@@ -128,6 +129,27 @@ def decided(whole: Ranking, side: Ranking) -> bool:
         side: Of those since the change alone, or until it.
     """
     return at_noise(whole.best.refit.runs) and missing(side.best.refit.runs) <= BELIEVED
+
+
+def differs(change: Change, sides: Sequence[Ranking]) -> bool:
+    """Return whether a law that alters is found on both sides, with disjoint 90 % intervals.
+
+    Args:
+        change: A change.
+        sides: Of the recordings until then, and since then.
+    """
+    found = []
+    for best in (side.best for side in sides):
+        at = [effect.label for effect in best.effects]
+        if change.after.label not in at:
+            return False
+        entries, _ = best.refit.removal([at.index(change.after.label)])
+        known, _ = estimates(best.about)
+        found.append([known[entry] for entry in entries])
+    return any(
+        max(one.low90, other.low90) > min(one.high90, other.high90)
+        for one, other in zip(*found, strict=True)
+    )
 
 
 def _loudest(runs: Sequence[Observed]) -> float:

@@ -6,34 +6,21 @@ import functools
 import math
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
-
-import mujoco
+from dataclasses import replace
 
 from morph.body.robot import Robot
-from morph.inference.changed import changed, confirmed, decided, in_whole
-from morph.inference.contact import at_stops, touches
+from morph.inference.changed import changed, confirmed, decided, differs, in_whole
+from morph.inference.prepared import MOST_SECONDS, Prepared, completed, prepared
 from morph.inference.rank import Progress, Ranking, ranked
-from morph.inference.refit import refitted
-from morph.inference.unmeasured import with_unmeasured
 from morph.inference.verdict import DiagnosisRuns, conclude
-from morph.model.chain_closure import with_chains
-from morph.model.conventions import check_signs, check_units
-from morph.model.derived_channels import by_effort, with_followers
+from morph.model.derived_channels import by_effort
 from morph.model.diagnosis import Diagnosis
-from morph.model.episodes import Episode, longest_step, step_for
 from morph.model.finding import Change
-from morph.model.hypothesis import Hypothesis
 from morph.model.measurement import Measurement
-from morph.model.nuisance_parameters import knobs
-from morph.model.pieces import all_pieces, stretches
+from morph.model.pieces import stretches
 from morph.model.segments import scored_segments
-from morph.model.split import Split, split
-from morph.model.tracked_links import with_tracked_links
 from morph.model.validate_recordings import (
     check_channels,
-    check_falls,
-    check_motion,
     check_recordings,
     check_settings,
     check_tree,
@@ -43,14 +30,8 @@ from morph.record.distinct import check_distinct, distinct
 from morph.record.recording import Recording
 from morph.sim.threads import one_thread
 
-GUESSES = 2
-"""Times that the motion of joints that were not read is guessed anew."""
-IMPACT = 0.002
-"""Seconds of the longest step through an impact."""
 MOST_CHANGES = 2
 """Most changes that are looked for."""
-MOST_SECONDS = 60.0
-"""Seconds of training motion that are fitted; of longer recordings an even spread."""
 
 
 @one_thread()
@@ -94,7 +75,7 @@ def diagnose(
     check_recordings(recordings, held_out)
     check_tree(robot)
     recordings, held_out = (
-        [_completed(by_effort(each, robot), robot) for each in some]
+        [completed(by_effort(each, robot), robot) for each in some]
         for some in map(distinct, (recordings, held_out))
     )
     measured = Measurement.of(robot).needed
@@ -130,13 +111,13 @@ def diagnose(
 
 
 def _since_changes(
-    rank: Callable[[Sequence[Recording]], tuple[_Ready, Ranking]],
+    rank: Callable[[Sequence[Recording]], tuple[Prepared, Ranking]],
     recordings: Sequence[Recording],
     held_out: Sequence[Recording],
     known: Sequence[Effect],
     deadline: float,
     say: Progress,
-) -> tuple[tuple[_Ready, Ranking], list[Change]]:
+) -> tuple[tuple[Prepared, Ranking], list[Change]]:
     """Return what explains recordings of one and the same robot, and changes of it.
 
     Args:
@@ -157,25 +138,49 @@ def _since_changes(
         if change is None:
             # A push in a run that was set aside is fitted, and another run is set aside.
             return (current if kept is recordings else rank(kept)), changes
-        if not (change.stays or rest):
+        proven = _proven(change, kept, rest, ranking, rank)
+        if proven is None:
             break
-        side = rank(kept if change.stays else rest)
-        alone = confirmed(change, side[1])
-        if not alone and not decided(ranking, side[1]):
-            break
-        if not (alone and change.stays):
-            if change.stays:
-                # The law is too weak to be found in those: what else is said is of the others.
-                change, kept = replace(change, since=not change.since), rest
-            if not kept:
-                break
-            side = rank(kept)
-            if not change.stays and confirmed(change, side[1]):
-                # It acts there as well.
-                break
-        current, recordings = side, kept
+        change, recordings, current = proven
         changes.append(change)
     return current, changes
+
+
+def _proven(
+    change: Change,
+    kept: Sequence[Recording],
+    rest: Sequence[Recording],
+    whole: Ranking,
+    rank: Callable[[Sequence[Recording]], tuple[Prepared, Ranking]],
+) -> tuple[Change, Sequence[Recording], tuple[Prepared, Ranking]] | None:
+    """Return a change that both sides of it speak for, recordings of one side, and their ranking.
+
+    Args:
+        change: A likely change.
+        kept: Recordings of the side of which all else is said.
+        rest: The others, none where they are too short.
+        whole: What explains both.
+        rank: What explains some recordings.
+    """
+    if not (change.stays or rest):
+        return None
+    side = rank(kept if change.stays else rest)
+    if change.alters:
+        there = bool(rest) and differs(change, (side[1], rank(rest)[1]))
+        return (change, kept, side) if there else None
+    alone = confirmed(change, side[1])
+    if alone and change.stays:
+        return change, kept, side
+    if not (alone or decided(whole, side[1])):
+        return None
+    if change.stays:
+        # The law is too weak to be found in those: what else is said is of the others.
+        change, kept = replace(change, since=not change.since), rest
+    if not kept:
+        return None
+    side = rank(kept)
+    # A law that acts there as well has not changed.
+    return None if confirmed(change, side[1]) else (change, kept, side)
 
 
 def _ranked(
@@ -188,7 +193,7 @@ def _ranked(
     known: Sequence[Effect],
     deadline: float,
     say: Progress,
-) -> tuple[_Ready, Ranking]:
+) -> tuple[Prepared, Ranking]:
     """Return recordings laid on a grid, and what explains them.
 
     Args:
@@ -201,84 +206,8 @@ def _ranked(
         deadline: Time of the monotonic clock after which no refit begins.
         say: Told what is being done and the share of the work behind.
     """
-    ready = _prepared(robot, recordings, held_out, vary, deadline=deadline, say=say)
+    ready = prepared(robot, recordings, held_out, vary, deadline=deadline, say=say)
     ready = replace(ready, train=in_whole(ready.train, whole), aside=in_whole(ready.aside, whole))
     say("refitting the description's own figures", 0.05)
     episodes = stretches(ready.train, MOST_SECONDS)
     return ready, ranked(ready.nominal, episodes, known, progress=say, deadline=deadline)
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Ready:
-    """Recordings laid on a grid, and the description with its own figures."""
-
-    parts: Split
-    train: Sequence[Episode]
-    aside: Sequence[Episode]
-    nominal: Hypothesis
-    still: Sequence[str]
-    """Joints that no training run moves."""
-
-
-def _prepared(
-    robot: Robot,
-    recordings: Sequence[Recording],
-    held_out: Sequence[Recording],
-    vary: Mapping[str, float] | None,
-    *,
-    deadline: float,
-    say: Progress,
-) -> _Ready:
-    """Return recordings that were completed, split, checked and laid on a grid."""
-    started, measured = time.monotonic(), Measurement.of(robot).needed
-    say("reading motion and noise", 0.02)
-    parts = split(recordings, held_out)
-    still, every = check_motion(parts.train, measured), (*parts.train, *parts.held_out)
-    step = step_for(parts.train, robot)
-    train, aside = (all_pieces(part, robot, step) for part in (parts.train, parts.held_out))
-    for _ in range(GUESSES if any(each.guess.any() for each in train) else 0):
-        if time.monotonic() > started + 0.3 * (deadline - started):
-            break
-        # What was not read is guessed anew by figures that are refitted to the readings.
-        say("estimating joints that were not read", 0.03)
-        model = _refitted(Hypothesis(robot=robot, step=step, knobs=knobs(robot, vary)), train)
-        parts = replace(
-            parts,
-            train=tuple(_completed(each, robot, model) for each in parts.train),
-            held_out=tuple(_completed(each, robot, model) for each in parts.held_out),
-        )
-        train, aside = (all_pieces(part, robot, step) for part in (parts.train, parts.held_out))
-    touching = touches(robot, train)
-    longest = longest_step(robot, train)
-    if touching or at_stops(robot, train):
-        # What impacts do takes short steps, and is no force of inertia.
-        longest = min(longest, IMPACT)
-    if longest < step:
-        step = step_for(parts.train, robot, longest=longest)
-        train, aside = (all_pieces(part, robot, step) for part in (parts.train, parts.held_out))
-    if not touching:
-        check_falls(train, robot)
-        check_units(train, robot)
-        check_signs(train, robot)
-    held = tuple(name for name in still if name in check_motion(every, measured))
-    nominal = Hypothesis(robot=robot, step=step, knobs=knobs(robot, vary), held=held)
-    return _Ready(parts=parts, train=train, aside=aside, nominal=nominal, still=still)
-
-
-def _completed(
-    recording: Recording, robot: Robot, model: mujoco.MjModel | None = None
-) -> Recording:
-    """Return a recording with the positions of joints that were not read.
-
-    They are those of links that were tracked, those at which chains close, or guessed by a model.
-    """
-    tracked = with_tracked_links(recording, robot)
-    if robot.loops:
-        tracked = with_chains(tracked, robot)
-    return with_followers(with_unmeasured(tracked, robot, model), robot)
-
-
-def _refitted(nominal: Hypothesis, episodes: Sequence[Episode]) -> mujoco.MjModel:
-    """Return a description with its own figures refitted to some runs."""
-    result = refitted(nominal, nominal.start, stretches(episodes, MOST_SECONDS))
-    return nominal.at(result.point).model

@@ -157,6 +157,11 @@ class Change:
         return _idle(self.after, self.before)
 
     @property
+    def alters(self) -> bool:
+        """Whether the law acts before and after, with other parameters."""
+        return not (self.begins or self.ceases)
+
+    @property
     def stays(self) -> bool:
         """Whether the law acts in the runs of which all else is said."""
         return not (self.ceases if self.since else self.begins)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -13,9 +14,9 @@ import pytest
 
 from morph.body.load import load
 from morph.body.robot import Robot
-from morph.inference.changed import confirmed, decided
+from morph.inference.changed import confirmed, decided, differs
 from morph.inference.diagnose import diagnose
-from morph.model.finding import Change
+from morph.model.finding import Change, Estimate
 from morph.physics.body.external_push import ExternalPush
 from morph.physics.joint.viscous_friction import ViscousFriction
 from morph.record.recording import Channel, Recording
@@ -183,6 +184,32 @@ def test_evidence_decides_on_a_change_only_where_all_else_is_explained(
     whole: float, vibration: float, side: float, told: bool
 ) -> None:
     assert decided(ranking_of("", whole, vibration), ranking_of("", side)) == told
+
+
+@pytest.mark.parametrize(("spans", "told"), [
+    (((0.9, 1.1), (1.2, 1.4)), True), (((0.9, 1.3), (1.2, 1.4)), False),
+    (((0.9, 1.1), None), False), ((None, (1.2, 1.4)), False),
+])  # fmt: skip
+def test_a_law_alters_only_where_intervals_of_both_sides_are_disjoint(
+    spans: tuple[tuple[float, float] | None, ...], told: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    law = ViscousFriction(joint="axle", b=1.0)
+
+    def side(span: tuple[float, float] | None) -> Any:
+        own, there = Estimate(value=1.0, low90=0.9, high90=1.1, unit="-"), []
+        if span is not None:
+            there = [Estimate(value=1.0, low90=span[0], high90=span[1], unit="-")]
+        refit = SimpleNamespace(removal=lambda gone: ([1], None))
+        effects = [law] if span else []
+        best = SimpleNamespace(effects=effects, refit=refit, about=([own, *there], None))
+        return SimpleNamespace(best=best)
+
+    monkeypatch.setattr("morph.inference.changed.estimates", lambda about: about)
+    change = Change(
+        before=law, after=replace(law, b=1.3), episode="run", time=1.0, gain=50.0, since=True
+    )
+    assert (change.alters, change.stays) == (True, True)
+    assert differs(change, [side(span) for span in spans]) == told
 
 
 def test_a_law_too_weak_to_be_found_alone_is_told_beside_the_runs_until_then(wheel: Robot) -> None:
