@@ -177,8 +177,8 @@ def test_a_change_is_told_where_its_law_or_a_twin_is_found_again(
 
 
 @pytest.mark.parametrize(("whole", "vibration", "side", "told"), [
-    (0.01, 0.1, 0.01, True), (0.1, 0.1, 0.01, False), (0.01, 2.0, 0.01, False),
-    (0.01, 0.1, 0.1, False),
+    (0.001, 0.1, 0.01, True), (0.01, 0.1, 0.01, False), (0.001, 2.0, 0.01, False),
+    (0.001, 0.1, 0.1, False),
 ])  # fmt: skip
 def test_evidence_decides_on_a_change_only_where_all_else_is_explained(
     whole: float, vibration: float, side: float, told: bool
