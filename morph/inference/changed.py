@@ -26,10 +26,10 @@ from morph.sim.threads import each
 ENOUGH, SOME = 6.0, 3.0
 """Seconds since a change that are diagnosed alone, also where more came before; and the least that
 are left by one that is told, and that confirm one."""
-ROUGHLY, BELIEVED, LITTLE = 0.3, 0.03, 0.002
+ROUGHLY, BELIEVED, DECIDES, LITTLE = 0.3, 0.03, 0.004, 0.002
 """Missing force over the inertial force, RMS: up to the first changes are looked for, as a change
-leaves much of it; up to the second the runs on one side of a change count as explained; and below
-the last evidence decides, and there is no change where nothing was found."""
+leaves much of it; up to the second the runs on one side of a change count as explained; up to the
+third in all runs evidence decides; and below the last there is no change where nothing was found."""
 LOUD = 3.0
 """Mean square of a second's innovations, in their own variance, from which on something happened: a
 disturbance is that of the middle of a run. Clean runs have 2.2 at most."""
@@ -128,7 +128,7 @@ def decided(whole: Ranking, side: Ranking) -> bool:
         whole: Of all recordings.
         side: Of those since the change alone, or until it.
     """
-    little = at_noise(whole.best.refit.runs, LITTLE)
+    little = at_noise(whole.best.refit.runs, DECIDES)
     return little and missing(side.best.refit.runs) <= BELIEVED
 
 
