@@ -29,7 +29,7 @@ are left by one that is told, and that confirm one."""
 ROUGHLY, BELIEVED, DECIDES, LITTLE = 0.3, 0.03, 0.004, 0.002
 """Missing force over the inertial force, RMS: up to the first changes are looked for, as a change
 leaves much of it; up to the second the runs on one side of a change count as explained; up to the
-third in all runs evidence decides; and below the last there is no change where nothing was found."""
+third, in all runs, evidence decides; below the last nothing changed where nothing was found."""
 LOUD = 3.0
 """Mean square of a second's innovations, in their own variance, from which on something happened: a
 disturbance is that of the middle of a run. Clean runs have 2.2 at most."""
