@@ -101,7 +101,7 @@ def _files(path: Path) -> tuple[list[Path], str]:
     if not names or not all(name.lower().endswith(ENDINGS) for name in names):
         raise _metadata(metadata, f"it lists the files {listed(names) or 'none'}")
     # Old bags list their files with the folder's own name before them; nothing outside is read.
-    return [path / PurePosixPath(name).name for name in names], codec if mode == "fields" else ""
+    return [path / PurePosixPath(name).name for name in names], codec if mode == "message" else ""
 
 
 def _listed_files(lines: list[str]) -> list[str]:

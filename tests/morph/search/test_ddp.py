@@ -74,7 +74,7 @@ def test_a_search_that_goes_on_from_what_it_kept_ends_as_one_that_was_not_stoppe
     def told(trial: Trial, state: State) -> None:
         kept.append(state)
 
-    whole = search.run(problem(wanted), seed=100, trials=2, told=told)
+    whole = search.run(problem(wanted), seed=100, trials=2, progress=told)
     rest = search.run(problem(wanted), seed=100, trials=2, state=kept[0])
     assert [trial.number for trial in whole.trials] == [1, 2]
     assert [trial.number for trial in rest.trials] == [2]
@@ -89,7 +89,7 @@ def test_a_search_that_was_content_when_it_was_killed_makes_no_further_round() -
     wanted = task("swing-up", load("pendulum"))
     kept: list[State] = []
     search = Plan(rows=64, keep=2, most=8, runs=4)
-    whole = search.run(problem(wanted), seed=100, told=lambda _, state: kept.append(state))
+    whole = search.run(problem(wanted), seed=100, progress=lambda _, state: kept.append(state))
     assert len(whole.trials) < search.rounds
     rest = search.run(problem(wanted), seed=100, state=kept[-1])
     assert rest.trials == ()

@@ -61,7 +61,7 @@ def whole(swing: Task) -> tuple[Learned, Told, Counted]:
         Problem(task=swing, target=target),
         seed=100,
         trials=2,
-        told=lambda trial, state: told.append((trial, state)),
+        progress=lambda trial, state: told.append((trial, state)),
     )
     return learned, told, target
 

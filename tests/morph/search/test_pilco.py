@@ -40,7 +40,7 @@ def problem(short: Task) -> Problem:
 @pytest.mark.parametrize("search", SMALL, ids=lambda each: each.name)
 def test_a_killed_search_goes_on_to_the_same_policy(search: BeliefSearch, problem: Problem) -> None:
     states: list[tuple[Trial, State]] = []
-    whole = search.run(problem, seed=5, trials=2, told=lambda *said: states.append(said))
+    whole = search.run(problem, seed=5, trials=2, progress=lambda *said: states.append(said))
     _, after_first = states[1]
     copy = {name: np.array(value) for name, value in after_first.items()}
     resumed = search.run(problem, seed=5, trials=2, state=copy)
@@ -71,7 +71,7 @@ def test_a_search_that_goes_on_still_knows_the_best_before_the_kill(
     monkeypatch.setattr(Fading, "made", made)
     problem = Problem(task=short, target=Fading(task=short, simulator=short.simulator()))
     states: list[State] = []
-    search.run(problem, seed=8, trials=2, told=lambda _, state: states.append(state))
+    search.run(problem, seed=8, trials=2, progress=lambda _, state: states.append(state))
     found = search.run(problem, seed=8, trials=trials, state=states[-1])
     # The second one after the random commands cost more; those before it are no policy.
     assert found.policy == made[1]
@@ -81,7 +81,7 @@ def test_a_search_that_goes_on_still_knows_the_best_before_the_kill(
 
 def test_policies_that_are_missing_are_not_overlooked(problem: Problem) -> None:
     states: list[State] = []
-    SMALL[0].run(problem, seed=8, trials=1, told=lambda _, state: states.append(state))
+    SMALL[0].run(problem, seed=8, trials=1, progress=lambda _, state: states.append(state))
     spoilt = {name: each for name, each in states[1].items() if not name.startswith("tried.")}
     with pytest.raises(StateError, match="2 trials, and 0 policies"):
         SMALL[0].run(problem, seed=8, trials=2, state=spoilt)
@@ -108,7 +108,7 @@ def test_an_expected_loss_is_that_of_the_trial_once_the_body_is_known(
     search: BeliefSearch, problem: Problem
 ) -> None:
     notes: list[Trial] = []
-    search.run(problem, seed=7, trials=3, told=lambda trial, state: notes.append(trial))
+    search.run(problem, seed=7, trials=3, progress=lambda trial, state: notes.append(trial))
     expected = float(notes[-1].note.split()[-1])
     # 21 samples of at most 1; from 80 periods the body is known near where it went.
     assert expected == pytest.approx(notes[-1].loss, abs=1.5)

@@ -57,7 +57,7 @@ class Growing(Search):
         *,
         seed: int,
         trials: int | None = None,
-        told: Told = ignore,
+        progress: Told = ignore,
         state: State | None = None,
     ) -> Learned:
         type(self).seen.append(problem)
@@ -81,7 +81,7 @@ class Growing(Search):
                 seconds=0.0,
                 experience=5.0 * number if self.from_trials else 0.0,
             )
-            told(trial, {"losses": np.array(done)})
+            progress(trial, {"losses": np.array(done)})
         policy = policy or balancing(problem, len(done) / 5)
         return Learned(
             policy=policy,

@@ -48,7 +48,7 @@ def orange(picture: Any) -> Any:
 def test_a_gif_shows_the_motion_in_real_time(swing: Trajectory, tmp_path: Path) -> None:
     shares: list[float] = []
     path = film(
-        load("pendulum"), (), swing.time, swing.position, tmp_path / "a.gif", told=shares.append
+        load("pendulum"), (), swing.time, swing.position, tmp_path / "a.gif", progress=shares.append
     )
     with Image.open(path) as image:
         assert (image.n_frames, image.size) == (6, (160, 96))
@@ -101,7 +101,7 @@ def test_an_interrupted_film_leaves_the_old_one(
 
     (tmp_path / name).write_text("old")
     with pytest.raises(KeyboardInterrupt):
-        film(load("pendulum"), (), swing.time, swing.position, tmp_path / name, told=interrupt)
+        film(load("pendulum"), (), swing.time, swing.position, tmp_path / name, progress=interrupt)
     assert (tmp_path / name).read_text() == "old"
     assert list(tmp_path.iterdir()) == [tmp_path / name]
 

@@ -66,7 +66,9 @@ def test_a_search_that_was_killed_goes_on_as_if_it_had_not_been(
     search: type[Generations], far: Task
 ) -> None:
     states: list[State] = []
-    whole = quick(search).run(problem(far), seed=100, told=lambda _, state: states.append(state))
+    whole = quick(search).run(
+        problem(far), seed=100, progress=lambda _, state: states.append(state)
+    )
     assert len(states) == 4
     kept = {name: np.array(value) for name, value in states[1].items()}
     rest = quick(search).run(problem(far), seed=100, state=kept)
@@ -79,7 +81,7 @@ def test_a_search_that_was_killed_goes_on_as_if_it_had_not_been(
 def test_a_search_that_failed_says_so_and_gives_its_best(far: Task) -> None:
     told: list[Trial] = []
     learned = CmaEs(population=6, runs=1, checks=2).run(
-        problem(far), seed=101, trials=2, told=lambda trial, _: told.append(trial)
+        problem(far), seed=101, trials=2, progress=lambda trial, _: told.append(trial)
     )
     assert tuple(told) == learned.trials
     assert not learned.succeeded
@@ -101,7 +103,9 @@ def test_a_search_that_was_content_when_it_was_killed_makes_no_further_generatio
 ) -> None:
     task = reach(load("so101"))
     states: list[State] = []
-    whole = quick(search).run(problem(task), seed=100, told=lambda _, state: states.append(state))
+    whole = quick(search).run(
+        problem(task), seed=100, progress=lambda _, state: states.append(state)
+    )
     assert len(whole.trials) < 4
     rest = quick(search).run(problem(task), seed=100, state=states[-1])
     assert rest.trials == ()

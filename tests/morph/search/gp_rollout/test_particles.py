@@ -105,7 +105,7 @@ def test_a_search_improves_what_it_believes_and_goes_on_after_a_kill() -> None:
     search = McPilco(units=8, particles=20, steps=6, starts=2)
     states = []
     whole = search.run(
-        problem, seed=101, trials=2, told=lambda trial, state: states.append(dict(state))
+        problem, seed=101, trials=2, progress=lambda trial, state: states.append(dict(state))
     )
     resumed = search.run(problem, seed=101, trials=2, state=states[1])
     assert [trial.number for trial in whole.trials] == [0, 1, 2]
