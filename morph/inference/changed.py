@@ -133,20 +133,22 @@ def decided(whole: Ranking, side: Ranking) -> bool:
 
 
 def differs(change: Change, sides: Sequence[Ranking]) -> bool:
-    """Return whether a law that alters is found on both sides, with disjoint 90 % intervals.
+    """Return whether a law that alters has disjoint 90 % intervals on both sides of a change.
+
+    The same laws are found there: beside others its parameters would make up for them.
 
     Args:
         change: A change.
         sides: Of the recordings until then, and since then.
     """
+    label, sets = change.after.label, [labels(side.best.effects) for side in sides]
+    if label not in sets[0] or sets[0] != sets[1]:
+        return False
     found = []
     for best in (side.best for side in sides):
-        at = [effect.label for effect in best.effects]
-        if change.after.label not in at:
-            return False
-        entries, _ = best.refit.removal([at.index(change.after.label)])
+        at = [effect.label for effect in best.effects].index(label)
         known, _ = estimates(best.about)
-        found.append([known[entry] for entry in entries])
+        found.append([known[entry] for entry in best.refit.removal([at])[0]])
     return any(
         max(one.low90, other.low90) > min(one.high90, other.high90)
         for one, other in zip(*found, strict=True)
