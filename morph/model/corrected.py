@@ -77,8 +77,10 @@ def notes(
     ]
     if any(name.endswith(".velocity") for each in recordings for name in each.channels):
         lines.append("Velocities were recorded; a diagnosis reads positions alone.")
+    # An episode may be of the whole recording of which another part was cut.
+    used = {episode.recording.name for episode in episodes}
     for recording in recordings:
-        if not any(episode.recording is recording for episode in episodes):
+        if recording.name not in used:
             lines.append(
                 f"{recording.name}: left out; an episode takes {SHORTEST:g} s, and a piece between "
                 f"gaps {SHORTEST_PIECE:g} s"

@@ -67,7 +67,8 @@ def check_recordings(train: Sequence[Recording], held_out: Sequence[Recording]) 
         raise DiagnosisError(
             f"several recordings are called {', '.join(twice)}",
             where="the recordings",
-            fix="give each file or episode a name of its own",
+            fix="give each file once, and a held-out run of a folder by its name alone; else give "
+            "each file or episode a name of its own",
         )
 
 

@@ -119,6 +119,7 @@ def test_one_recording_that_changes_near_its_end_is_told_by_its_own_time(wheel: 
     assert (change.episode, change.since) == ("run_0", False)
     assert found.verdict == "consistent"
     assert found.summary()[1].endswith("of the runs until then.")
+    assert not any("left out" in note for note in found.notes)
     assert whole[0].end == pytest.approx(24.0 - STEP)
 
 
