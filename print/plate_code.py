@@ -18,7 +18,7 @@ def codes(
     job: Job,
     slicer: Slicer,
     *,
-    tell: Callable[[str], None] = lambda statement: None,
+    tell: Callable[[str], None] = lambda _: None,
     timeout_s: float = 300.0,
 ) -> dict[str, Code]:
     """Return the G-code of every plate by its name, each with what the slicer warned of.

@@ -35,7 +35,7 @@ def prepare(
     profile: Profile,
     *,
     slicer: Slicer | None,
-    tell: Callable[[str], None] = lambda statement: None,
+    tell: Callable[[str], None] = lambda _: None,
     timeout_s: float = 300.0,
 ) -> Job:
     """Return the job of printing parts; what cannot be printed is in it as refused.

@@ -144,14 +144,14 @@ def differs(change: Change, sides: Sequence[Ranking]) -> bool:
     label, sets = change.after.label, [labels(side.best.effects) for side in sides]
     if label not in sets[0] or sets[0] != sets[1]:
         return False
-    found = []
+    intervals = []
     for best in (side.best for side in sides):
         at = [effect.label for effect in best.effects].index(label)
         known, _ = estimates(best.about)
-        found.append([known[entry] for entry in best.refit.removal([at])[0]])
+        intervals.append([known[entry] for entry in best.refit.removal([at])[0]])
     return any(
         max(one.low90, other.low90) > min(one.high90, other.high90)
-        for one, other in zip(*found, strict=True)
+        for one, other in zip(*intervals, strict=True)
     )
 
 

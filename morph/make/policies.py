@@ -36,7 +36,7 @@ def matched_in(
     *,
     seconds: float = SECONDS,
     seed: int = 0,
-    progress: Callable[[str], None] = lambda statement: None,
+    progress: Callable[[str], None] = lambda _: None,
 ) -> tuple[Matched, PackedPolicy]:
     """Match a policy to the robot of a package, and write both into it.
 
@@ -81,7 +81,7 @@ def matched_again(
     *,
     seconds: float = SECONDS,
     seed: int = 0,
-    progress: Callable[[str], None] = lambda statement: None,
+    progress: Callable[[str], None] = lambda _: None,
 ) -> tuple[Matched, PackedPolicy]:
     """Try a package's policy on a corrected robot, and match it again if it is lost there.
 

@@ -128,7 +128,7 @@ def rematch(
     seconds: float = SECONDS,
     seed: int = 0,
     matchers: Sequence[Matcher] = MATCHERS,
-    progress: Callable[[str], None] = lambda statement: None,
+    progress: Callable[[str], None] = lambda _: None,
 ) -> Matched:
     """Return the policy that a printed body is to have.
 

@@ -63,7 +63,7 @@ def write_weighed(
     *,
     seconds: float,
     seed: int = 0,
-    progress: Callable[[str], None] = lambda statement: None,
+    progress: Callable[[str], None] = lambda _: None,
 ) -> Weighed:
     """Write a corrected copy of a package, but for its report.
 

@@ -95,7 +95,7 @@ def repaired(
     runs: Sequence[Run],
     *,
     candidates: Sequence[Effect] | None = None,
-    progress: Callable[[str], None] = lambda statement: None,
+    progress: Callable[[str], None] = lambda _: None,
 ) -> Repair:
     """Return the source's simulation as runs on the target say it should be.
 

@@ -25,10 +25,10 @@ def stages(quiet: bool) -> Iterator[Stages]:
         quiet: Whether nothing is shown.
     """
     if quiet:
-        yield Stages(now=lambda statement: None, line=lambda statement: None)
+        yield Stages(now=lambda _: None, line=lambda _: None)
         return
     if not sys.stderr.isatty():
-        yield Stages(now=lambda statement: None, line=_line)
+        yield Stages(now=lambda _: None, line=_line)
         return
     from rich.console import Console
     from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn

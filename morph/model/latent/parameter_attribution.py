@@ -81,7 +81,7 @@ def explain(
     integrator: Integrator = "implicitfast",
     effects: tuple[Effect, ...] = (),
     candidates: Sequence[Effect] | None = None,
-    progress: Callable[[str], None] = lambda statement: None,
+    progress: Callable[[str], None] = lambda _: None,
 ) -> Explained:
     """Return what differs between a body and its description, by a run or a few.
 
