@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from align.arrays import Array, Mask
-from align.errors import SamplesError
-from align.regression import apart, regression
-from align.states import features
+from morph.alignment.arrays import Array, Mask
+from morph.alignment.errors import SamplesError
+from morph.alignment.regression import apart, regression
+from morph.alignment.states import features
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from align.arrays import Array
-from align.errors import SamplesError, SettingError
-from align.samples import Transitions
+from morph.alignment.arrays import Array
+from morph.alignment.errors import SamplesError, SettingError
+from morph.alignment.samples import Transitions
 
 STEADY = (0.0, 0.5, 2.0)
 """What a step adds of its own, in standard deviations of a reading; the evidence chooses."""

@@ -10,10 +10,10 @@ from typing import ClassVar
 
 import numpy as np
 
-from align.arrays import Array
-from align.errors import MapError
-from align.maps.affine_map import AffineMap
-from align.maps.body_map import BodyMap
+from morph.alignment.arrays import Array
+from morph.alignment.errors import MapError
+from morph.alignment.maps.affine_map import AffineMap
+from morph.alignment.maps.body_map import BodyMap
 
 MOST_LINKS = 64
 """Most maps of a chain that a file may hold."""
@@ -78,7 +78,7 @@ class ChainMap(BodyMap):
     def of(cls, weights: Mapping[str, Array]) -> ChainMap:
         """Return the chain that these numbers make."""
         # The list of all maps names this one: it is asked for only now.
-        from align.maps.maps import kind_of
+        from morph.alignment.maps.maps import kind_of
 
         parts: dict[tuple[int, str], dict[str, Array]] = {}
         for name, value in weights.items():

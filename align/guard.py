@@ -8,9 +8,9 @@ from typing import Literal
 
 import numpy as np
 
-from align.arrays import Array
-from align.belief import Belief
-from align.errors import SettingError
+from morph.alignment.arrays import Array
+from morph.alignment.belief import Belief
+from morph.alignment.errors import SettingError
 
 Law = Callable[[Array, Array], Array]
 """From states about rest (m, n) and the time, s, (m,), to commands about rest, (m, k)."""

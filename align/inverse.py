@@ -8,11 +8,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from align.arrays import Array, Mask
-from align.errors import SettingError
-from align.regression import Regression, regression
-from align.samples import Transitions
-from align.states import change, features
+from morph.alignment.arrays import Array, Mask
+from morph.alignment.errors import SettingError
+from morph.alignment.regression import Regression, regression
+from morph.alignment.samples import Transitions
+from morph.alignment.states import change, features
 
 Guess = Callable[[Array, Array], Array]
 """From states (m, n) and those that follow (m, n) to commands (m, nu)."""

@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from align.arrays import Array
-from align.belief import Belief
-from align.errors import SamplesError
-from align.guard import Law, TrialTask, foreseen
+from morph.alignment.arrays import Array
+from morph.alignment.belief import Belief
+from morph.alignment.errors import SamplesError
+from morph.alignment.guard import Law, TrialTask, foreseen
 
 LINES = 64
 """Directions on which clouds of transitions are compared."""

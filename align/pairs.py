@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from align.arrays import Array, Integers
-from align.errors import SamplesError
-from align.samples import Pairs
-from align.scale import scale
+from morph.alignment.arrays import Array, Integers
+from morph.alignment.errors import SamplesError
+from morph.alignment.samples import Pairs
+from morph.alignment.scale import scale
 
 
 def spread_out(x: Array, count: int, rng: np.random.Generator) -> Integers:

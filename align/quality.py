@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from align.arrays import Array, Integers, Mask
-from align.errors import AlignError, SamplesError
-from align.maps.body_map import BodyMap, MapData, Mapper
-from align.samples import Step, Transitions
+from morph.alignment.arrays import Array, Integers, Mask
+from morph.alignment.errors import AlignError, SamplesError
+from morph.alignment.maps.body_map import BodyMap, MapData, Mapper
+from morph.alignment.samples import Step, Transitions
 
 
 @dataclass(frozen=True, kw_only=True)

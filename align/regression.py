@@ -10,8 +10,8 @@ import numpy as np
 from scipy.linalg import cho_solve, solve_triangular
 from scipy.optimize import minimize
 
-from align.arrays import Array
-from align.errors import SamplesError
+from morph.alignment.arrays import Array
+from morph.alignment.errors import SamplesError
 
 MOST_DATA = 1500
 """Most data; beyond, the covariance asks for more than a small machine's patience."""

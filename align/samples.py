@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from align.arrays import Array, Mask
-from align.errors import SamplesError
+from morph.alignment.arrays import Array, Mask
+from morph.alignment.errors import SamplesError
 
 Step = Callable[[Array, Array], Array]
 """A simulator: from states (m, n) and commands (m, nu) to the states that follow, (m, n)."""

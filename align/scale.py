@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from align.arrays import Array
-from align.errors import SamplesError
+from morph.alignment.arrays import Array
+from morph.alignment.errors import SamplesError
 
 LEAST_SPREAD = 1e-9
 """Less spread than this is none: a number that never changes is left as it is."""

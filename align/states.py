@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from align.arrays import Array, Mask
+from morph.alignment.arrays import Array, Mask
 
 
 def features(x: Array, turns: Mask) -> Array:

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from align.arrays import Array, Mask
-from align.errors import SettingError
-from align.inverse import Inverse, joint
-from align.samples import Transitions
-from align.states import change, features
+from morph.alignment.arrays import Array, Mask
+from morph.alignment.errors import SettingError
+from morph.alignment.inverse import Inverse, joint
+from morph.alignment.samples import Transitions
+from morph.alignment.states import change, features
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -30,13 +30,13 @@ from morph.arrays import JSON
 from morph.body.load import load
 from morph.files import write_whole
 from morph.make.divide import divide
-from print.bed_pose import laid, mesh_of
-from print.clearance import clearances
-from print.gate import check_part
-from print.part import Part
-from print.prepare import prepare
-from print.printer import Profile, material, printer
-from print.slicer import find_slicer
+from morph.print.bed_pose import laid, mesh_of
+from morph.print.clearance import clearances
+from morph.print.gate import check_part
+from morph.print.part import Part
+from morph.print.prepare import prepare
+from morph.print.printer import Profile, material, printer
+from morph.print.slicer import find_slicer
 
 EXAMPLE = """example:
   python -m experiments.bench_print

@@ -68,7 +68,7 @@ def _pairs(path: Path) -> object:
 
 
 def _map(path: Path) -> object:
-    from align.maps.files import read
+    from morph.alignment.maps.files import read
 
     return read(path)
 

@@ -110,7 +110,7 @@ def _read_within_limits(reader: str, path: Path, good: Path) -> Cost:
 
 def _refusal(reader: str, path: Path) -> str:
     """Return the message with which a reader refuses a file; empty if it reads it."""
-    from align.errors import AlignError
+    from morph.alignment.errors import AlignError
     from morph.errors import MorphError
 
     try:

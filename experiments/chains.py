@@ -21,8 +21,6 @@ from pathlib import Path
 
 import numpy as np
 
-from align.maps.affine_map import AffineMap
-from align.samples import Transitions
 from experiments.balance_chained.summary import ALONE, ENOUGH, GRID, summary
 from experiments.engine_options import add_engine_options, rows_of, seeds_of
 from experiments.figures.result_file import flat
@@ -30,6 +28,8 @@ from experiments.figures.save_options import parse_and_save
 from experiments.morphologies.methods import flipped, sourceless
 from experiments.morphologies.scratch import SIZES, scratch
 from experiments.needs import need_robots
+from morph.alignment.maps.affine_map import AffineMap
+from morph.alignment.samples import Transitions
 from morph.arrays import JSON, Array
 from morph.body.load import load
 from morph.errors import MorphError

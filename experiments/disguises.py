@@ -28,8 +28,6 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from align.errors import AlignError
-from align.maps.body_map import MapData
 from experiments.disguised.disguise import disguise
 from experiments.disguised.excited import SHARE, WIDE, bare, wild, worn
 from experiments.disguised.judge import Truth, judged, symmetries
@@ -37,6 +35,8 @@ from experiments.disguised.ways import WAYS
 from experiments.engine_options import add_engine_options, rows_of, seeds_of
 from experiments.figures.save_options import parse_and_save
 from experiments.interval import interval, iqm
+from morph.alignment.errors import AlignError
+from morph.alignment.maps.body_map import MapData
 from morph.arrays import JSON
 from morph.files import write_whole
 from morph.study.cell import cells_of

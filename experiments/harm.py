@@ -19,13 +19,13 @@ from pathlib import Path
 import numpy as np
 from rich.console import Console
 
-from align.guard import SAFE, UNSAFE, WEIGHTS, odds
 from experiments.engine_options import add_engine_options, rows_of, seeds_of
 from experiments.figures.result_file import flat
 from experiments.figures.save_options import parse_and_save
 from experiments.kin.harms import harms
 from experiments.kin.likeness import EACH
 from experiments.kin.measures import CLEAR, Rows, accepted, area, calibration, lines_of, within
+from morph.alignment.guard import SAFE, UNSAFE, WEIGHTS, odds
 from morph.arrays import JSON, Array, Mask
 from morph.study.cell import cells_of
 

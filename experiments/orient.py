@@ -22,15 +22,15 @@ from experiments.figures.save_options import parse_and_save
 from experiments.needs import need_robots
 from morph.arrays import JSON
 from morph.errors import MorphError
-from print.arrays import Array
-from print.bed import about_up, hull
-from print.errors import PrintError
-from print.job import Orientation
-from print.mesh import Mesh
-from print.orient import orient
-from print.part import Part, Placement
-from print.printer import Profile, material, printer
-from print.slicer import Slicer, find_slicer
+from morph.print.arrays import Array
+from morph.print.bed import about_up, hull
+from morph.print.errors import PrintError
+from morph.print.job import Orientation
+from morph.print.mesh import Mesh
+from morph.print.orient import orient
+from morph.print.part import Part, Placement
+from morph.print.printer import Profile, material, printer
+from morph.print.slicer import Slicer, find_slicer
 
 EXAMPLE = """example:
   python -m experiments.orient --skip bms board cell"""

@@ -27,10 +27,10 @@ from morph.body.mesh import read_mesh
 from morph.body.mesh.read import READERS
 from morph.errors import MorphError
 from morph.files import write_whole
-from print.gate import check_part
-from print.mesh import Mesh
-from print.part import Check, Part, Placement
-from print.printer import Profile, material, printer
+from morph.print.gate import check_part
+from morph.print.mesh import Mesh
+from morph.print.part import Check, Part, Placement
+from morph.print.printer import Profile, material, printer
 
 EXAMPLE = """example:
   python -m experiments.print_gate

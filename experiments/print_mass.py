@@ -26,18 +26,18 @@ from experiments.needs import need_robots
 from experiments.orient import add_part_options, read, stl_files
 from morph.arrays import JSON
 from morph.errors import MorphError
+from morph.print.arrays import Array
+from morph.print.errors import PrintError
+from morph.print.estimate import estimated
+from morph.print.mesh import Mesh
+from morph.print.orient import orient
+from morph.print.part import Part
+from morph.print.printer import Profile, material, printer
+from morph.print.repair import repaired
+from morph.print.sliced import Sliced
+from morph.print.slicer import find_slicer
+from morph.print.weight import Weight
 from morph.study.cell import cells_of
-from print.arrays import Array
-from print.errors import PrintError
-from print.estimate import estimated
-from print.mesh import Mesh
-from print.orient import orient
-from print.part import Part
-from print.printer import Profile, material, printer
-from print.repair import repaired
-from print.sliced import Sliced
-from print.slicer import find_slicer
-from print.weight import Weight
 
 EXAMPLE = """example:
   python -m experiments.print_mass

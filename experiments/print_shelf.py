@@ -24,12 +24,12 @@ from morph.body.load import load
 from morph.errors import MorphError
 from morph.files import write_whole
 from morph.make.divide import divide
-from print.errors import PrintError
-from print.job import Job
-from print.part import Check
-from print.prepare import prepare
-from print.printer import Profile, material, printer
-from print.slicer import Slicer, find_slicer
+from morph.print.errors import PrintError
+from morph.print.job import Job
+from morph.print.part import Check
+from morph.print.prepare import prepare
+from morph.print.printer import Profile, material, printer
+from morph.print.slicer import Slicer, find_slicer
 
 EXAMPLE = """example:
   python -m experiments.print_shelf

@@ -38,13 +38,13 @@ from morph.make.match.case import Case as Judging
 from morph.make.printed import designed, printed_robot
 from morph.make.rematch import Matched, rematch
 from morph.policy.policy import Policy
+from morph.print.weight import Weight
 from morph.search.family.parts import parts_of
 from morph.search.search import Problem
 from morph.search.searches import OTHERWISE, default, search
 from morph.study.cell import cells_of
 from morph.task.task import Task
 from morph.task.tasks import task
-from print.weight import Weight
 
 EXAMPLE = """example:
   python -m experiments.rematch --resume
@@ -117,8 +117,8 @@ def of_parts(robot: Robot) -> Robot:
     """Return a robot with the masses of its own parts, estimated without a slicer."""
     from morph.make.divide import divide
     from morph.make.masses import link_masses
-    from print.prepare import prepare
-    from print.printer import Profile, material, printer
+    from morph.print.prepare import prepare
+    from morph.print.printer import Profile, material, printer
 
     profile = Profile(printer=printer("mk4"), material=material("pla"))
     division = divide(robot, profile)

@@ -23,10 +23,10 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from align.inverse import Inverse
 from experiments.figures.result_file import figure_name
 from experiments.figures.save_options import parse_and_save
 from experiments.transfer.changed import cartpole, changed, target_of
+from morph.alignment.inverse import Inverse
 from morph.arrays import JSON, Array
 from morph.errors import MorphError
 from morph.policy.adjusted import Adjusted

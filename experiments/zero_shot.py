@@ -14,12 +14,12 @@ from pathlib import Path
 
 import numpy as np
 
-from align.samples import Transitions
 from experiments.engine_options import add_engine_options, rows_of, seeds_of
 from experiments.figures.save_options import Save, parse_and_save
 from experiments.morphologies.methods import from_kin, kin_of, mapped, sourceless
 from experiments.morphologies.scratch import SIZES, scratch
 from experiments.morphologies.summary import ENOUGH, FEW, HUMANOID, headline, in_words, summary
+from morph.alignment.samples import Transitions
 from morph.arrays import JSON, Array
 from morph.study.cell import cells_of
 from morph.transfer.balancers import PLANAR, balancer, seen_with

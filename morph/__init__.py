@@ -59,7 +59,7 @@ _HOMES = {
 
 def __getattr__(name: str) -> Any:
     if name == "__version__":
-        return importlib.import_module("importlib.metadata").version("morph")
+        return importlib.import_module("importlib.metadata").version("morph-robotics")
     if name == "record":
         return importlib.import_module("morph.record")
     if name not in _HOMES:

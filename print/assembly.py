@@ -7,8 +7,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
-from print.explode import Explosion
-from print.part import Hinge, Part
+from morph.print.explode import Explosion
+from morph.print.part import Hinge, Part
 
 Key = TypeVar("Key")
 Found = TypeVar("Found")

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from print.errors import SeatError
-from print.mesh import Mesh, from_manifold
-from print.solid import rod
+from morph.print.errors import SeatError
+from morph.print.mesh import Mesh, from_manifold
+from morph.print.solid import rod
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,7 +52,7 @@ def bearing(name: str) -> Bearing:
             return known
     raise SeatError(
         f"no bearing is called {name[:100]!r}; there are {', '.join(b.name for b in BEARINGS)}",
-        where="print.bearing",
+        where="morph.print.bearing",
         fix="name one of these",
     )
 

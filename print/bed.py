@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
-from print.arrays import Array
-from print.mesh import Mesh
-from print.printer import Profile
+from morph.print.arrays import Array
+from morph.print.mesh import Mesh
+from morph.print.printer import Profile
 
 MARGIN_MM = 5.0
 """What is left free along each edge of the bed: a skirt, a brim, and clips that hold the plate."""

@@ -6,12 +6,12 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from print.arrays import Array
-from print.errors import SlicerError
-from print.mesh import Mesh
-from print.part import Part
-from print.printer import Profile
-from print.settings import SLIM
+from morph.print.arrays import Array
+from morph.print.errors import SlicerError
+from morph.print.mesh import Mesh
+from morph.print.part import Part
+from morph.print.printer import Profile
+from morph.print.settings import SLIM
 
 
 def laid(mesh: Mesh, turn: Array, profile: Profile) -> Array:

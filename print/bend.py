@@ -12,9 +12,9 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import dijkstra
 from scipy.spatial import KDTree
 
-from print.arrays import Array, Integers, Mask
-from print.mesh import from_manifold
-from print.solid import ball, hull, union
+from morph.print.arrays import Array, Integers, Mask
+from morph.print.mesh import from_manifold
+from morph.print.solid import ball, hull, union
 
 CELLS = 60_000
 """How many cells the grid has at most."""

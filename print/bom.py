@@ -6,9 +6,9 @@ import csv
 import io
 from collections.abc import Iterable, Sequence
 
-from print.fasteners import fasteners
-from print.job import Job
-from print.part import Part
+from morph.print.fasteners import fasteners
+from morph.print.job import Job
+from morph.print.part import Part
 
 COLUMNS = (
     "number",

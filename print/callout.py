@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from print.arrays import Array
+from morph.print.arrays import Array
 
 LINE = 27.0
 """Least height between two numbers, in the drawing's units."""

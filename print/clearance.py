@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from print.errors import SolidError
-from print.joint_sweep import TOUCH_MM3, Met, Sweep, told
-from print.part import Check, Hinge, Part
-from print.printer import Profile
+from morph.print.errors import SolidError
+from morph.print.joint_sweep import TOUCH_MM3, Met, Sweep, told
+from morph.print.part import Check, Hinge, Part
+from morph.print.printer import Profile
 
 NAME = "clearance"
 BLOCKED = 0.05

@@ -7,9 +7,9 @@ from typing import Any
 
 from scipy.spatial import KDTree
 
-from print.errors import SolidError
-from print.solid import NOTHING, pieces, union
-from print.strut import points, strut
+from morph.print.errors import SolidError
+from morph.print.solid import NOTHING, pieces, union
+from morph.print.strut import points, strut
 
 CRUMB = 0.02
 """Part of the whole volume below which a piece that carries nothing is dropped."""

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from print.arrays import Array
-from print.section import section
+from morph.print.arrays import Array
+from morph.print.section import section
 
 MOST = 48
 """Pieces that a part is cut into at most."""

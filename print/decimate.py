@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from print.mesh import Mesh
+from morph.print.mesh import Mesh
 
 CLOSE = 1.6
 """As many times the triangles that were asked for are taken as well."""

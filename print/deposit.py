@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from print.arrays import Array, Mask
-from print.gcode import ExtrusionLines
-from print.printer import Profile
-from print.weight import MM, Weight
+from morph.print.arrays import Array, Mask
+from morph.print.gcode import ExtrusionLines
+from morph.print.printer import Profile
+from morph.print.weight import MM, Weight
 
 AWAY = (
     "Skirt",

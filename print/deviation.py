@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from print.arrays import Array, Mask
-from print.edges import edges
-from print.errors import SolidError
-from print.facets import merged
-from print.mesh import Mesh
-from print.samples import samples
+from morph.print.arrays import Array, Mask
+from morph.print.edges import edges
+from morph.print.errors import SolidError
+from morph.print.facets import merged
+from morph.print.mesh import Mesh
+from morph.print.samples import samples
 
 MIXERS = (0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9)
 """Odd numbers of 64 bits with no pattern, to make one number of three."""

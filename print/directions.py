@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
-from print.arrays import Array
-from print.mesh import Mesh
+from morph.print.arrays import Array
+from morph.print.mesh import Mesh
 
 FACES = 60
 """How many faces of its convex hull are tried, the largest first."""

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from print.arrays import Integers
-from print.mesh import Mesh
+from morph.print.arrays import Integers
+from morph.print.mesh import Mesh
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -11,16 +11,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from print.arrays import Array
-from print.bed_pose import back, laid, mesh_of
-from print.job import Orientation
-from print.part import Part
-from print.printer import Profile
-from print.sections import Section, inset, moments, sections
-from print.sliced import Sliced
-from print.solid_layers import shells
-from print.support import support_mm3
-from print.weight import MM, Weight
+from morph.print.arrays import Array
+from morph.print.bed_pose import back, laid, mesh_of
+from morph.print.job import Orientation
+from morph.print.part import Part
+from morph.print.printer import Profile
+from morph.print.sections import Section, inset, moments, sections
+from morph.print.sliced import Sliced
+from morph.print.solid_layers import shells
+from morph.print.support import support_mm3
+from morph.print.weight import MM, Weight
 
 ANCHORS = ((0.0, 0.1, 0.4, 0.8, 1.0), (0.0, 0.115, 0.115, 0.035, 0.03))
 """Lines of infill end in an anchor along the wall: how wide a rim that fills, mm, by infill."""

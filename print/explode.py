@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from print.arrays import Array
-from print.part import Hinge, Part
+from morph.print.arrays import Array
+from morph.print.part import Hinge, Part
 
 APART = 0.05
 """Room between parts that were taken apart, by the diagonal of the body."""

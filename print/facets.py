@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from print.arrays import Array, Integers, Mask
-from print.edges import edges
-from print.mesh import Mesh
+from morph.print.arrays import Array, Integers, Mask
+from morph.print.edges import edges
+from morph.print.mesh import Mesh
 
 CRACK_MM = 0.02
 """Corners of open edges that are closer than this are taken for one."""

@@ -9,11 +9,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from print.arrays import Array
-from print.bearing import BEARINGS
-from print.part import Part, Placement, Seat
-from print.screw import SCREWS
-from print.servos import SERVOS
+from morph.print.arrays import Array
+from morph.print.bearing import BEARINGS
+from morph.print.part import Part, Placement, Seat
+from morph.print.screw import SCREWS
+from morph.print.servos import SERVOS
 
 ACROSS_MM = 0.5
 """How far apart two holes' axes may be for one screw to pass through both."""

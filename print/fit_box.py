@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from print.arrays import Array
-from print.fitting import Fitting
-from print.mesh import Mesh
-from print.printer import Profile
-from print.solid import frame, grown, hull, placed
+from morph.print.arrays import Array
+from morph.print.fitting import Fitting
+from morph.print.mesh import Mesh
+from morph.print.printer import Profile
+from morph.print.solid import frame, grown, hull, placed
 
 WALL_MM = 1.8
 """Wall and floor of a tray."""

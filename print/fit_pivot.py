@@ -8,16 +8,16 @@ from typing import Any
 
 import numpy as np
 
-from print.arrays import Array
-from print.bearing import BEARINGS, bearing, seat
-from print.errors import SeatError
-from print.fitting import Fitting
-from print.mesh import from_manifold
-from print.part import Seat
-from print.printer import Profile
-from print.screw import SCREWS, Screw, screw
-from print.skeleton import Pivot
-from print.solid import frame, placed, rod, union
+from morph.print.arrays import Array
+from morph.print.bearing import BEARINGS, bearing, seat
+from morph.print.errors import SeatError
+from morph.print.fitting import Fitting
+from morph.print.mesh import from_manifold
+from morph.print.part import Seat
+from morph.print.printer import Profile
+from morph.print.screw import SCREWS, Screw, screw
+from morph.print.skeleton import Pivot
+from morph.print.solid import frame, placed, rod, union
 
 GAP_MM = 0.6
 """Between the two parts of a lap joint; each keeps half of it."""
@@ -74,7 +74,7 @@ def axle(name: str) -> Axle:
         return Axle(screw=result, outer_mm=result.clear_mm, seat_mm=0.0)
     raise SeatError(
         f"no bearing and no screw is called {name[:100]!r}",
-        where="print.skeleton.Pivot.bearing",
+        where="morph.print.skeleton.Pivot.bearing",
         fix=f"name one of {', '.join(each.name for each in (*BEARINGS, *SCREWS))}",
     )
 

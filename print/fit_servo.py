@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from print.fitting import Fitting
-from print.mesh import from_manifold
-from print.part import Seat
-from print.printer import Profile
-from print.screw import screw
-from print.servo import (
+from morph.print.fitting import Fitting
+from morph.print.mesh import from_manifold
+from morph.print.part import Seat
+from morph.print.printer import Profile
+from morph.print.screw import screw
+from morph.print.servo import (
     FREE_MM,
     ServoSize,
     Side,
@@ -27,8 +27,8 @@ from print.servo import (
     way_in,
     wire_room,
 )
-from print.skeleton import Mount
-from print.solid import box, placed, rod, union
+from morph.print.skeleton import Mount
+from morph.print.solid import box, placed, rod, union
 
 WALL_MM = 2.4
 """Wall and floor of a pocket: at least five lines of a nozzle of 0.4 mm."""

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from print.part import Seat
-from print.solid import union
+from morph.print.part import Seat
+from morph.print.solid import union
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from print.check.checks import CHECKS, Rule
-from print.check.subject import Subject
-from print.errors import PrintError
-from print.part import Check, Part
-from print.printer import Profile
-from print.repair import MeshRepair, repaired
+from morph.print.check.checks import CHECKS, Rule
+from morph.print.check.subject import Subject
+from morph.print.errors import PrintError
+from morph.print.part import Check, Part
+from morph.print.printer import Profile
+from morph.print.repair import MeshRepair, repaired
 
 
 def check_part(part: Part, profile: Profile) -> tuple[Part, tuple[Check, ...]]:

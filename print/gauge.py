@@ -8,14 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from print.bearing import bearing
-from print.bed import room
-from print.errors import SeatError
-from print.mesh import from_manifold
-from print.part import Part, Placement, Seat
-from print.printer import Profile
-from print.servo import servo
-from print.solid import around, frame
+from morph.print.bearing import bearing
+from morph.print.bed import room
+from morph.print.errors import SeatError
+from morph.print.mesh import from_manifold
+from morph.print.part import Part, Placement, Seat
+from morph.print.printer import Profile
+from morph.print.servo import servo
+from morph.print.solid import around, frame
 
 PLAYS_MM = (0.1, 0.2, 0.3, 0.4)
 """Play on each side of the openings of a gauge; as many notches as its place in the list."""

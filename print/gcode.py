@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from print.arrays import Array, Integers, Mask
-from print.errors import SlicerError
+from morph.print.arrays import Array, Integers, Mask
+from morph.print.errors import SlicerError
 
 MOVES = (b"G0", b"G1")
 """Straight moves."""

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from print.arrays import Array
-from print.part import Check, Part
-from print.printer import Profile
-from print.sliced import Sliced
+from morph.print.arrays import Array
+from morph.print.part import Check, Part
+from morph.print.printer import Profile
+from morph.print.sliced import Sliced
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

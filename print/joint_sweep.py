@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from print.arrays import Array
-from print.part import Hinge
-from print.solid import frame
+from morph.print.arrays import Array
+from morph.print.part import Hinge
+from morph.print.solid import frame
 
 TOUCH_MM3 = 1.0
 """Volume of two parts in each other that counts as touching: facets and rounding."""
@@ -49,7 +49,7 @@ class Sweep:
 
     def _crop(self) -> None:
         """Leave of either side only what the other can reach."""
-        from print.solid import rod
+        from morph.print.solid import rod
 
         if self.hinge.kind == "slide":
             return

@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from print.arrays import Array
-from print.cut import Plane, rotated, swapped
-from print.pin import common, pins
-from print.printer import Profile
-from print.section import section
+from morph.print.arrays import Array
+from morph.print.cut import Plane, rotated, swapped
+from morph.print.pin import common, pins
+from morph.print.printer import Profile
+from morph.print.section import section
 
 OVER = np.diag([1.0, -1.0, -1.0])
 """Half a turn about x: what lay above a plane lies below it."""

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from print.arrays import Array, Integers
-from print.errors import SolidError
+from morph.print.arrays import Array, Integers
+from morph.print.errors import SolidError
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -71,7 +71,7 @@ class Mesh:
             reason = str(result.status()).rpartition(".")[2]
             raise SolidError(
                 f"the mesh encloses no solid ({'Empty' if reason == 'NoError' else reason})",
-                where="print.mesh.Mesh.manifold",
+                where="morph.print.mesh.Mesh.manifold",
                 fix="close its surface, with each edge between two faces that wind alike",
             )
         return result
@@ -103,7 +103,7 @@ def from_manifold(solid: Any) -> Mesh:
     if solid.status() != manifold3d.Error.NoError or solid.is_empty():
         raise SolidError(
             f"nothing is left of the solid ({str(solid.status()).rpartition('.')[2]})",
-            where="print.mesh.from_manifold",
+            where="morph.print.mesh.from_manifold",
             fix="see that what is joined is solid, and that a cut does not take all of it",
         )
     surface = solid.to_mesh64()

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from print.arrays import Array
-from print.bed import about_up, hull, room
-from print.directions import resting, spread, turned_down
-from print.errors import PlateError
-from print.job import Orientation
-from print.mesh import Mesh
-from print.orientation_cost import plastic, seconds, support_plastic, wasted, ways
-from print.overhang import Standing, standing
-from print.printer import Profile
+from morph.print.arrays import Array
+from morph.print.bed import about_up, hull, room
+from morph.print.directions import resting, spread, turned_down
+from morph.print.errors import PlateError
+from morph.print.job import Orientation
+from morph.print.mesh import Mesh
+from morph.print.orientation_cost import plastic, seconds, support_plastic, wasted, ways
+from morph.print.overhang import Standing, standing
+from morph.print.printer import Profile
 
 FINALISTS = 24
 """How many of the ways that look best at first are looked at column by column."""
@@ -85,6 +85,6 @@ def _too_large(mesh: Mesh, profile: Profile) -> PlateError:
     bed = " x ".join(f"{length:.0f}" for length in room(profile))
     return PlateError(
         f"a part of {size} mm fits the {bed} mm of the {profile.printer.title} in no orientation",
-        where="print.orient",
+        where="morph.print.orient",
         fix="split it (print.split), or name a larger printer",
     )

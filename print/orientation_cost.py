@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from print.arrays import Array, Integers
-from print.mesh import Mesh
-from print.overhang import overhanging
-from print.printer import Profile
+from morph.print.arrays import Array, Integers
+from morph.print.mesh import Mesh
+from morph.print.overhang import overhanging
+from morph.print.printer import Profile
 
 DRAWN = 3000
 """Of how many faces the first look takes notice."""

@@ -6,8 +6,8 @@ import re
 import signal
 import tempfile
 
-from print.errors import SlicerError
-from print.run_with_timeout import Ran
+from morph.print.errors import SlicerError
+from morph.print.run_with_timeout import Ran
 
 TIME = re.compile(rb"^; estimated printing time \(normal mode\) = (.+)$", re.MULTILINE)
 FILAMENT = re.compile(rb"^; filament used \[mm\] = ([0-9.]+)", re.MULTILINE)

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from print.arrays import Array, Integers, Mask
-from print.printer import Profile
+from morph.print.arrays import Array, Integers, Mask
+from morph.print.printer import Profile
 
 CELLS = 4000
 """About how many columns stand on the box around what is looked at."""

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from print.arrays import Array
-from print.mesh import Mesh
-from print.weight import Weight
+from morph.print.arrays import Array
+from morph.print.mesh import Mesh
+from morph.print.weight import Weight
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

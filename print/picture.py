@@ -9,10 +9,10 @@ from itertools import groupby
 
 import numpy as np
 
-from print.arrays import Array, Integers, Mask
-from print.callout import Callout, callouts
-from print.decimate import lighter
-from print.mesh import Mesh
+from morph.print.arrays import Array, Integers, Mask
+from morph.print.callout import Callout, callouts
+from morph.print.decimate import lighter
+from morph.print.mesh import Mesh
 
 Colour = tuple[int, int, int]
 

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from print.arrays import Array
-from print.printer import Profile
-from print.section import Section, section
+from morph.print.arrays import Array
+from morph.print.printer import Profile
+from morph.print.section import Section, section
 
 RADII_MM = (5.0, 4.0, 3.5, 3.0, 2.5, 2.0, 1.75, 1.5, 1.25)
 """Radii of the thicker pin, the best first; a pin of 2.5 mm is the thinnest that stands a knock."""

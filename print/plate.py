@@ -7,12 +7,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from print.arrays import Array
-from print.bed import MARGIN_MM, hull, room
-from print.errors import PlateError
-from print.job import Laid, Orientation, Plate
-from print.part import Part
-from print.printer import Profile
+from morph.print.arrays import Array
+from morph.print.bed import MARGIN_MM, hull, room
+from morph.print.errors import PlateError
+from morph.print.job import Laid, Orientation, Plate
+from morph.print.part import Part
+from morph.print.printer import Profile
 
 SPACING_MM = 6.0
 """Between the boxes around two parts: room for both their brims, and for a knife."""

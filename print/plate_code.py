@@ -7,11 +7,11 @@ from dataclasses import replace
 from functools import partial
 from threading import Event
 
-from print.bed_pose import mesh_of
-from print.job import Job, Plate
-from print.mesh import Mesh
-from print.prepare import at_once
-from print.slicer import Code, Slicer
+from morph.print.bed_pose import mesh_of
+from morph.print.job import Job, Plate
+from morph.print.mesh import Mesh
+from morph.print.prepare import at_once
+from morph.print.slicer import Code, Slicer
 
 
 def codes(

@@ -9,19 +9,19 @@ from functools import partial
 from threading import Event
 from typing import TypeVar
 
-from print.clearance import clearances
-from print.errors import SplitError
-from print.estimate import estimated
-from print.gate import check_part
-from print.gauge import gauges
-from print.job import Job, Orientation, Plate
-from print.orient import orient
-from print.part import Check, Hinge, Part
-from print.plate import plates
-from print.printer import Profile
-from print.sliced import Sliced
-from print.slicer import Slicer
-from print.split import split
+from morph.print.clearance import clearances
+from morph.print.errors import SplitError
+from morph.print.estimate import estimated
+from morph.print.gate import check_part
+from morph.print.gauge import gauges
+from morph.print.job import Job, Orientation, Plate
+from morph.print.orient import orient
+from morph.print.part import Check, Hinge, Part
+from morph.print.plate import plates
+from morph.print.printer import Profile
+from morph.print.sliced import Sliced
+from morph.print.slicer import Slicer
+from morph.print.split import split
 
 T = TypeVar("T")
 

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TypeVar
 
-from print.errors import ProfileError
+from morph.print.errors import ProfileError
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from print import facets
-from print.deviation import deviation
-from print.edges import trouble
-from print.errors import SolidError
-from print.mesh import Mesh, from_manifold, joined
+from morph.print import facets
+from morph.print.deviation import deviation
+from morph.print.edges import trouble
+from morph.print.errors import SolidError
+from morph.print.mesh import Mesh, from_manifold, joined
 
 VOLUME = 0.01
 """Most that a repair may change the volume, as a part of it."""

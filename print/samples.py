@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from print.arrays import Array, Integers
-from print.errors import SolidError
-from print.mesh import Mesh
+from morph.print.arrays import Array, Integers
+from morph.print.errors import SolidError
+from morph.print.mesh import Mesh
 
 PLASTIC = 1.32471795724474602596
 """The real root of x3 = x + 1, of which the sequence below is made."""
@@ -44,7 +44,7 @@ def samples(mesh: Mesh, count: int) -> Samples:
     if not total > 0.0:
         raise SolidError(
             f"its {len(mesh.faces)} triangles have no area",
-            where="print.samples.samples",
+            where="morph.print.samples.samples",
             fix="give a mesh whose triangles enclose something",
         )
     stride = (np.arange(count) + 0.5) / count

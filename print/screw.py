@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from print.errors import SeatError
+from morph.print.errors import SeatError
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,6 +52,6 @@ def screw(name: str) -> Screw:
             return known
     raise SeatError(
         f"no screw is called {name[:100]!r}; there are {', '.join(s.name for s in SCREWS)}",
-        where="print.screw",
+        where="morph.print.screw",
         fix="name one of these",
     )

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from scipy.ndimage import distance_transform_edt
 
-from print.arrays import Array, Mask
+from morph.print.arrays import Array, Mask
 
 SQUARES = 250_000
 """About how many squares a section is divided into."""

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from print.arrays import Array
-from print.mesh import Mesh
+from morph.print.arrays import Array
+from morph.print.mesh import Mesh
 
 FINE_MM = 0.01
 """Corners nearer than this to a straight line are left out of sections."""

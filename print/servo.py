@@ -12,12 +12,12 @@ from typing import Any, Literal
 
 import numpy as np
 
-from print.errors import SeatError
-from print.mesh import Mesh, from_manifold
-from print.screw import screw
-from print.servos import SERVOS as SERVOS
-from print.servos import ServoSize as ServoSize
-from print.solid import box, hull, rod, union
+from morph.print.errors import SeatError
+from morph.print.mesh import Mesh, from_manifold
+from morph.print.screw import screw
+from morph.print.servos import SERVOS as SERVOS
+from morph.print.servos import ServoSize as ServoSize
+from morph.print.solid import box, hull, rod, union
 
 Side = Literal["+z", "+y", "-y"]
 """Where a pocket is open: on the horn's side, or at one flank."""
@@ -56,7 +56,7 @@ def servo(name: str) -> ServoSize:
     near = difflib.get_close_matches(name.lower()[:100], by_name, n=1, cutoff=0.4)
     raise SeatError(
         f"no servo is called {name[:100]!r}; there are {', '.join(s.name for s in SERVOS)}",
-        where="print.servo",
+        where="morph.print.servo",
         fix=f"name one of these, such as {by_name[near[0]].name if near else SERVOS[0].name}",
     )
 

@@ -6,7 +6,7 @@ it may be the slicer's default, because defaults change from version to version.
 
 from __future__ import annotations
 
-from print.printer import Profile
+from morph.print.printer import Profile
 
 SLIM = 4.0
 """Things higher than this many times their narrower side get a brim, so that they stand."""

@@ -11,12 +11,12 @@ import jinja2
 import numpy as np
 from markupsafe import Markup
 
-from print.assembly import AssemblyStep, short, steps
-from print.explode import exploded
-from print.gauge import PLAYS_MM
-from print.job import Job
-from print.part import Hinge, Part
-from print.picture import Colour, PlacedMesh, picture
+from morph.print.assembly import AssemblyStep, short, steps
+from morph.print.explode import exploded
+from morph.print.gauge import PLAYS_MM
+from morph.print.job import Job
+from morph.print.part import Hinge, Part
+from morph.print.picture import Colour, PlacedMesh, picture
 
 FOLDER = Path(__file__).parent
 

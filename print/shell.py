@@ -8,18 +8,18 @@ from typing import Any
 
 import numpy as np
 
-from print.connect import connected
-from print.errors import SeatError
-from print.fit_box import tray
-from print.fit_pivot import pivot
-from print.fit_servo import horn, pockets
-from print.fitting import Fitting, all_added, all_removed, carried
-from print.mesh import Mesh, from_manifold
-from print.part import Seat
-from print.printer import Profile
-from print.skeleton import Skeleton
-from print.solid import union
-from print.thicken import thickened
+from morph.print.connect import connected
+from morph.print.errors import SeatError
+from morph.print.fit_box import tray
+from morph.print.fit_pivot import pivot
+from morph.print.fit_servo import horn, pockets
+from morph.print.fitting import Fitting, all_added, all_removed, carried
+from morph.print.mesh import Mesh, from_manifold
+from morph.print.part import Seat
+from morph.print.printer import Profile
+from morph.print.skeleton import Skeleton
+from morph.print.solid import union
+from morph.print.thicken import thickened
 
 THIN_MM = 1.6
 """Least width of a drawn solid; thinner ones are thickened, or to twice a line if that is more."""

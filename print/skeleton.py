@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from print.arrays import Array
-from print.mesh import Mesh
+from morph.print.arrays import Array
+from morph.print.mesh import Mesh
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

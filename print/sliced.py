@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
-from print.weight import Weight
+from morph.print.weight import Weight
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

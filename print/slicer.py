@@ -10,18 +10,18 @@ import threading
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from print.bed_pose import back, edge_room, laid, mesh_of, on_bed, slim
-from print.deposit import deposit
-from print.errors import SlicerError
-from print.gcode import lines
-from print.job import Orientation
-from print.mesh import Mesh
-from print.outcome import agree, ended_well, seconds, warnings, whole
-from print.part import Part
-from print.printer import Profile
-from print.run_with_timeout import attended
-from print.settings import BRIM_MM, SKIRT_MM, settings
-from print.sliced import Sliced
+from morph.print.bed_pose import back, edge_room, laid, mesh_of, on_bed, slim
+from morph.print.deposit import deposit
+from morph.print.errors import SlicerError
+from morph.print.gcode import lines
+from morph.print.job import Orientation
+from morph.print.mesh import Mesh
+from morph.print.outcome import agree, ended_well, seconds, warnings, whole
+from morph.print.part import Part
+from morph.print.printer import Profile
+from morph.print.run_with_timeout import attended
+from morph.print.settings import BRIM_MM, SKIRT_MM, settings
+from morph.print.sliced import Sliced
 
 PROGRAMS = ("prusa-slicer", "PrusaSlicer", "prusa-slicer-console")
 """Names under which PrusaSlicer is installed."""

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from print.arrays import Array
+from morph.print.arrays import Array
 
 SAGITTA = 0.02
 """How far a flat face may lie inside the round one that it stands for, mm."""

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from print.printer import Profile
-from print.sections import Section, all_of, grown, inset, shared
+from morph.print.printer import Profile
+from morph.print.sections import Section, all_of, grown, inset, shared
 
 BARE_MM = 0.045
 """What sticks out less than twice this beyond the next layer is no surface: a tenth of a line."""

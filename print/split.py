@@ -8,15 +8,15 @@ from typing import Any
 
 import numpy as np
 
-from print.arrays import Array
-from print.bed import room
-from print.cut import Plane, chosen, cut, even, plans, rotated
-from print.errors import SolidError, SplitError
-from print.key import keyed
-from print.mesh import Mesh, from_manifold
-from print.orient import fits
-from print.part import Part, Seat
-from print.printer import Profile
+from morph.print.arrays import Array
+from morph.print.bed import room
+from morph.print.cut import Plane, chosen, cut, even, plans, rotated
+from morph.print.errors import SolidError, SplitError
+from morph.print.key import keyed
+from morph.print.mesh import Mesh, from_manifold
+from morph.print.orient import fits
+from morph.print.part import Part, Seat
+from morph.print.printer import Profile
 
 FREEDOM = (0.3, 0.12, 0.0)
 """How far planes may move to a better place, in slices; less where slices become too long."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from print.mesh import Mesh
+from morph.print.mesh import Mesh
 
 HEADER = b"binary STL in millimetres"
 """What the file says of itself; a text that began with `solid` would pass for an ASCII file."""

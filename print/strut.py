@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from scipy.spatial import KDTree
 
-from print.arrays import Array
-from print.bend import bent
-from print.solid import ball, hull, pieces
+from morph.print.arrays import Array
+from morph.print.bend import bent
+from morph.print.solid import ball, hull, pieces
 
 DENSE_MM = 3.0
 """Greatest length of an edge where pieces are measured."""

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from print.printer import Profile
-from print.sections import Section, all_of, grown
-from print.settings import SUPPORT_SPACING_MM
+from morph.print.printer import Profile
+from morph.print.sections import Section, all_of, grown
+from morph.print.settings import SUPPORT_SPACING_MM
 
 GAP_MM = 0.225
 """Distance that support keeps from the sides of the part: half a line."""

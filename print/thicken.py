@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from print.mesh import Mesh
+from morph.print.mesh import Mesh
 
 
 def thickened(mesh: Mesh, least_mm: float) -> Mesh:

@@ -12,13 +12,13 @@ from typing import Any
 
 import numpy as np
 
-from print.arrays import Array
-from print.errors import PlateError
-from print.job import Plate
-from print.mesh import Mesh
-from print.part import Part
-from print.threemf_read import read_3mf as read_3mf
-from print.threemf_read import told
+from morph.print.arrays import Array
+from morph.print.errors import PlateError
+from morph.print.job import Plate
+from morph.print.mesh import Mesh
+from morph.print.part import Part
+from morph.print.threemf_read import read_3mf as read_3mf
+from morph.print.threemf_read import told
 
 KNOWN = frozenset(
     [

@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from print.arrays import Array
-from print.errors import PlateError
-from print.mesh import Mesh
+from morph.print.arrays import Array
+from morph.print.errors import PlateError
+from morph.print.mesh import Mesh
 
 LARGEST = 1 << 28
 """Bytes of the largest file that is read; a plate of a million triangles has some ten million."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from print.arrays import Array
+from morph.print.arrays import Array
 
 MM = 1e-3
 """One millimetre, m."""

@@ -8,9 +8,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from align.arrays import Array
-from align.errors import MapError
-from align.maps.body_map import BodyMap
+from morph.alignment.arrays import Array
+from morph.alignment.errors import MapError
+from morph.alignment.maps.body_map import BodyMap
 
 SHAPES = {
     "state_law": 2, "state_shift": 1, "lift_law": 2, "lift_shift": 1, "action_law": 2,

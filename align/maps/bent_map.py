@@ -8,11 +8,11 @@ from typing import ClassVar
 
 import numpy as np
 
-from align.arrays import Array
-from align.errors import MapError
-from align.maps.affine_map import SHAPES, AffineMap
-from align.maps.body_map import BodyMap
-from align.maps.feature_warping import InvertibleWarp, straight_of
+from morph.alignment.arrays import Array
+from morph.alignment.errors import MapError
+from morph.alignment.maps.affine_map import SHAPES, AffineMap
+from morph.alignment.maps.body_map import BodyMap
+from morph.alignment.maps.feature_warping import InvertibleWarp, straight_of
 
 ABOUT = ("middle", "spread", "command_middle", "command_spread")
 """Names of what the target's numbers are moved and divided by."""

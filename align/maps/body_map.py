@@ -9,9 +9,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from align.arrays import Array
-from align.errors import MapError
-from align.samples import Pairs, Step, Transitions, Worth
+from morph.alignment.arrays import Array
+from morph.alignment.errors import MapError
+from morph.alignment.samples import Pairs, Step, Transitions, Worth
 
 
 class BodyMap(ABC):

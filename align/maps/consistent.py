@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from align.arrays import Array, Integers
-from align.maps.feature_warping import InvertibleWarp
+from morph.alignment.arrays import Array, Integers
+from morph.alignment.maps.feature_warping import InvertibleWarp
 
 Moves = Callable[[Array, Array], tuple[Array, Array, Array]]
 """From states (rows, n) and commands (rows, k), in spreads, to changes and their slopes by both."""

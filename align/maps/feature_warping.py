@@ -10,8 +10,8 @@ from typing import Self
 import numpy as np
 from scipy.special import erf
 
-from align.arrays import Array
-from align.errors import MapError
+from morph.alignment.arrays import Array
+from morph.alignment.errors import MapError
 
 LEAST_SLOPE = 0.1
 """Least slope of a curve, and least distance of a network's Lipschitz constant from 1."""

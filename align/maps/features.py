@@ -7,11 +7,11 @@ from typing import ClassVar
 
 import numpy as np
 
-from align.arrays import Array
-from align.errors import MapError
-from align.maps.body_map import MapData
-from align.maps.follow import Following
-from align.maps.state_law import StateLaw
+from morph.alignment.arrays import Array
+from morph.alignment.errors import MapError
+from morph.alignment.maps.body_map import MapData
+from morph.alignment.maps.follow import Following
+from morph.alignment.maps.state_law import StateLaw
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from align.arrays import Array
-from align.errors import MapError
-from align.maps.body_map import BodyMap
-from align.maps.maps import kind_of
+from morph.alignment.arrays import Array
+from morph.alignment.errors import MapError
+from morph.alignment.maps.body_map import BodyMap
+from morph.alignment.maps.maps import kind_of
 
 MOST_BYTES = 16_000_000
 """Most bytes of a map's numbers, unpacked."""

@@ -12,12 +12,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from align.arrays import Array
-from align.errors import MapError, SamplesError, SettingError
-from align.maps.affine_map import AffineMap
-from align.maps.body_map import MapData, Mapper
-from align.maps.state_law import StateLaw
-from align.samples import Transitions
+from morph.alignment.arrays import Array
+from morph.alignment.errors import MapError, SamplesError, SettingError
+from morph.alignment.maps.affine_map import AffineMap
+from morph.alignment.maps.body_map import MapData, Mapper
+from morph.alignment.maps.state_law import StateLaw
+from morph.alignment.samples import Transitions
 
 RIDGE = 1e-3
 """What a slope of one spread costs in the linear models, as a share of the data."""

@@ -6,8 +6,8 @@ from itertools import permutations
 
 import numpy as np
 
-from align.arrays import Array
-from align.regression import apart
+from morph.alignment.arrays import Array
+from morph.alignment.regression import apart
 
 
 def neighbours(z: Array, nearest: int) -> Array:

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from align.arrays import Array
-from align.maps.consistent import Guess, ScaledTransitions
-from align.maps.feature_warping import no_curves
+from morph.alignment.arrays import Array
+from morph.alignment.maps.consistent import Guess, ScaledTransitions
+from morph.alignment.maps.feature_warping import no_curves
 
 FAINT = 1e-3
 """What of a target's variance is none: directions in which redundant numbers agree."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.linalg import eigh
 
-from align.arrays import Array
-from align.errors import MapError
+from morph.alignment.arrays import Array
+from morph.alignment.errors import MapError
 
 
 def together(

@@ -8,10 +8,10 @@ from typing import ClassVar
 
 import numpy as np
 
-from align.errors import SettingError
-from align.maps.body_map import BodyMap, MapData, Mapper
-from align.maps.feature_warping import flat_curves
-from align.maps.multistart import Bends, FitBudget, consistent
+from morph.alignment.errors import SettingError
+from morph.alignment.maps.body_map import BodyMap, MapData, Mapper
+from morph.alignment.maps.feature_warping import flat_curves
+from morph.alignment.maps.multistart import Bends, FitBudget, consistent
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,14 +7,14 @@ from typing import ClassVar
 
 import numpy as np
 
-from align.arrays import Array
-from align.errors import SamplesError, SettingError
-from align.maps.body_map import MapData
-from align.maps.follow import Following
-from align.maps.graph import alike, neighbours, patterns
-from align.maps.joint import across, together
-from align.maps.state_law import StateLaw, labelled, unscaled
-from align.scale import LEAST_SPREAD, scale
+from morph.alignment.arrays import Array
+from morph.alignment.errors import SamplesError, SettingError
+from morph.alignment.maps.body_map import MapData
+from morph.alignment.maps.follow import Following
+from morph.alignment.maps.graph import alike, neighbours, patterns
+from morph.alignment.maps.joint import across, together
+from morph.alignment.maps.state_law import StateLaw, labelled, unscaled
+from morph.alignment.scale import LEAST_SPREAD, scale
 
 MOST = 150
 """Most states of a body that have a say in a graph."""

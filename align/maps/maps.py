@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from align.chain import ChainMap
-from align.errors import MapError
-from align.maps.affine_map import AffineMap
-from align.maps.bent_map import BentMap
-from align.maps.body_map import BodyMap, Mapper
-from align.maps.features import Features
-from align.maps.kernel import KernelMapper
-from align.maps.manifold import Manifold, ManifoldFree
-from align.maps.network import NetworkMapper
-from align.maps.pca_affine import PcaAffine
-from align.maps.sparse import Sparse
-from align.maps.transition import TransitionMapper
-from align.maps.transport import Transport
-from align.maps.uma import Uma
+from morph.alignment.chain import ChainMap
+from morph.alignment.errors import MapError
+from morph.alignment.maps.affine_map import AffineMap
+from morph.alignment.maps.bent_map import BentMap
+from morph.alignment.maps.body_map import BodyMap, Mapper
+from morph.alignment.maps.features import Features
+from morph.alignment.maps.kernel import KernelMapper
+from morph.alignment.maps.manifold import Manifold, ManifoldFree
+from morph.alignment.maps.network import NetworkMapper
+from morph.alignment.maps.pca_affine import PcaAffine
+from morph.alignment.maps.sparse import Sparse
+from morph.alignment.maps.transition import TransitionMapper
+from morph.alignment.maps.transport import Transport
+from morph.alignment.maps.uma import Uma
 
 MAPPERS: tuple[Mapper, ...] = (
     TransitionMapper(),

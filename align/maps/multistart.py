@@ -7,17 +7,24 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from align.arrays import Array
-from align.errors import MapError, SamplesError, SettingError
-from align.maps.affine_map import AffineMap
-from align.maps.bent_map import BentMap
-from align.maps.body_map import MapData
-from align.maps.consistent import Agreement, Guess, MapGuess, Moves, ScaledTransitions, descended
-from align.maps.feature_warping import InvertibleWarp
-from align.maps.initial_guess import beginnings
-from align.maps.surrogate import LEAST_SPREAD, Surrogate, surrogate
-from align.samples import Step, Transitions
-from align.states import change
+from morph.alignment.arrays import Array
+from morph.alignment.errors import MapError, SamplesError, SettingError
+from morph.alignment.maps.affine_map import AffineMap
+from morph.alignment.maps.bent_map import BentMap
+from morph.alignment.maps.body_map import MapData
+from morph.alignment.maps.consistent import (
+    Agreement,
+    Guess,
+    MapGuess,
+    Moves,
+    ScaledTransitions,
+    descended,
+)
+from morph.alignment.maps.feature_warping import InvertibleWarp
+from morph.alignment.maps.initial_guess import beginnings
+from morph.alignment.maps.surrogate import LEAST_SPREAD, Surrogate, surrogate
+from morph.alignment.samples import Step, Transitions
+from morph.alignment.states import change
 
 NEAR = 1e-4
 """Length of a finite difference of the simulator, in spreads."""

@@ -7,10 +7,10 @@ from typing import ClassVar
 
 import numpy as np
 
-from align.maps.body_map import MapData
-from align.maps.follow import Following
-from align.maps.state_law import StateLaw, components, labelled, ridged, unscaled
-from align.scale import scale
+from morph.alignment.maps.body_map import MapData
+from morph.alignment.maps.follow import Following
+from morph.alignment.maps.state_law import StateLaw, components, labelled, ridged, unscaled
+from morph.alignment.scale import scale
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,14 +7,14 @@ from typing import ClassVar
 
 import numpy as np
 
-from align.arrays import Array
-from align.errors import SettingError
-from align.maps.body_map import MapData
-from align.maps.follow import Following
-from align.maps.manifold import some
-from align.maps.state_law import StateLaw, labelled, ridged, unscaled
-from align.scale import scale
-from align.states import change
+from morph.alignment.arrays import Array
+from morph.alignment.errors import SettingError
+from morph.alignment.maps.body_map import MapData
+from morph.alignment.maps.follow import Following
+from morph.alignment.maps.manifold import some
+from morph.alignment.maps.state_law import StateLaw, labelled, ridged, unscaled
+from morph.alignment.scale import scale
+from morph.alignment.states import change
 
 TURNS = 10
 """How often codes and atoms take turns."""

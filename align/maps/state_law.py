@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from align.arrays import Array
-from align.errors import MapError, SamplesError
-from align.maps.body_map import MapData
-from align.samples import Pairs
-from align.scale import Standardizer
+from morph.alignment.arrays import Array
+from morph.alignment.errors import MapError, SamplesError
+from morph.alignment.maps.body_map import MapData
+from morph.alignment.samples import Pairs
+from morph.alignment.scale import Standardizer
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -7,9 +7,9 @@ from itertools import combinations_with_replacement
 
 import numpy as np
 
-from align.arrays import Array
-from align.errors import SamplesError
-from align.samples import Step, Transitions
+from morph.alignment.arrays import Array
+from morph.alignment.errors import SamplesError
+from morph.alignment.samples import Step, Transitions
 
 ASKED = 2400
 """How many steps the simulator is asked for."""

@@ -7,10 +7,10 @@ from typing import ClassVar
 
 import numpy as np
 
-from align.maps.affine_map import AffineMap
-from align.maps.bent_map import BentMap
-from align.maps.body_map import MapData, Mapper
-from align.maps.multistart import FitBudget, consistent
+from morph.alignment.maps.affine_map import AffineMap
+from morph.alignment.maps.bent_map import BentMap
+from morph.alignment.maps.body_map import MapData, Mapper
+from morph.alignment.maps.multistart import FitBudget, consistent
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,14 +9,14 @@ from typing import ClassVar
 
 import numpy as np
 
-from align.arrays import Array
-from align.errors import SettingError
-from align.maps.body_map import MapData
-from align.maps.follow import Following
-from align.maps.manifold import some
-from align.maps.state_law import StateLaw, labelled, unscaled
-from align.regression import apart
-from align.scale import scale
+from morph.alignment.arrays import Array
+from morph.alignment.errors import SettingError
+from morph.alignment.maps.body_map import MapData
+from morph.alignment.maps.follow import Following
+from morph.alignment.maps.manifold import some
+from morph.alignment.maps.state_law import StateLaw, labelled, unscaled
+from morph.alignment.regression import apart
+from morph.alignment.scale import scale
 
 
 @dataclass(frozen=True, kw_only=True)

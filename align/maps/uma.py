@@ -7,10 +7,10 @@ from typing import ClassVar
 
 import numpy as np
 
-from align.maps.body_map import MapData
-from align.maps.follow import Following
-from align.maps.manifold import aligned, check_graph
-from align.maps.state_law import StateLaw
+from morph.alignment.maps.body_map import MapData
+from morph.alignment.maps.follow import Following
+from morph.alignment.maps.manifold import aligned, check_graph
+from morph.alignment.maps.state_law import StateLaw
 
 
 @dataclass(frozen=True, kw_only=True)

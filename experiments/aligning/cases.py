@@ -8,13 +8,13 @@ from functools import cache
 
 import numpy as np
 
-from align.arrays import Array
-from align.maps.affine_map import AffineMap
-from align.maps.body_map import MapData
-from align.maps.follow import linear
-from align.pairs import posed
 from experiments.aligning.formula import CartPole, plain, worn
 from experiments.aligning.ways import measures, shown_by
+from morph.alignment.arrays import Array
+from morph.alignment.maps.affine_map import AffineMap
+from morph.alignment.maps.body_map import MapData
+from morph.alignment.maps.follow import linear
+from morph.alignment.pairs import posed
 from morph.arrays import JSON
 from morph.search.regulator.lqr import noise_aware
 from morph.transfer.balancers import balancer

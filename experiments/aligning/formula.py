@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import solve_discrete_are
 
-from align.arrays import Array
-from align.maps.affine_map import AffineMap
-from align.samples import Transitions
+from morph.alignment.arrays import Array
+from morph.alignment.maps.affine_map import AffineMap
+from morph.alignment.samples import Transitions
 
 PERIOD = 0.02
 """Of control, s."""

@@ -8,22 +8,22 @@ from typing import ClassVar
 
 import numpy as np
 
-from align.arrays import Array, Mask
-from align.errors import AlignError
-from align.maps.affine_map import AffineMap
-from align.maps.body_map import MapData
-from align.maps.features import Features
-from align.maps.follow import Following, linear
-from align.maps.manifold import Manifold, ManifoldFree
-from align.maps.pca_affine import PcaAffine
-from align.maps.sparse import Sparse
-from align.maps.state_law import StateLaw, labelled, ridged, unscaled
-from align.maps.transport import Transport
-from align.maps.uma import Uma
-from align.pairs import shuffled
-from align.samples import Pairs
-from align.scale import scale
-from align.states import change
+from morph.alignment.arrays import Array, Mask
+from morph.alignment.errors import AlignError
+from morph.alignment.maps.affine_map import AffineMap
+from morph.alignment.maps.body_map import MapData
+from morph.alignment.maps.features import Features
+from morph.alignment.maps.follow import Following, linear
+from morph.alignment.maps.manifold import Manifold, ManifoldFree
+from morph.alignment.maps.pca_affine import PcaAffine
+from morph.alignment.maps.sparse import Sparse
+from morph.alignment.maps.state_law import StateLaw, labelled, ridged, unscaled
+from morph.alignment.maps.transport import Transport
+from morph.alignment.maps.uma import Uma
+from morph.alignment.pairs import shuffled
+from morph.alignment.samples import Pairs
+from morph.alignment.scale import scale
+from morph.alignment.states import change
 from morph.arrays import JSON
 
 FAMILY: tuple[Following, ...] = (Manifold(), Uma(), Sparse(), PcaAffine(), Transport())

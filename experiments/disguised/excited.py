@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from align.samples import Transitions
 from experiments.disguised.disguise import Disguise
+from morph.alignment.samples import Transitions
 from morph.arrays import Array
 from morph.body.load import load
 from morph.search.trajectory.plant import Plant

@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from align.maps.body_map import MapData
-from align.maps.maps import mapper
+from morph.alignment.maps.body_map import MapData
+from morph.alignment.maps.maps import mapper
 from morph.arrays import Array
 
 Read = Callable[[Array, Array], tuple[Array, Array]]

@@ -6,13 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from align.belief import Belief
-from align.guard import PredictedScores, TrialTask, foreseen
-from align.samples import Transitions
 from experiments.kin.bodies import kin
 from experiments.kin.carried import agreement, wanted_of
 from experiments.kin.pairs import pairs
 from experiments.kin.seen import belief, seen, trial
+from morph.alignment.belief import Belief
+from morph.alignment.guard import PredictedScores, TrialTask, foreseen
+from morph.alignment.samples import Transitions
 from morph.arrays import JSON, Array
 from morph.transfer.body import Law, linear_law, still_law
 

@@ -6,13 +6,13 @@ from functools import lru_cache
 
 import numpy as np
 
-from align.metric import apart, certain, mean_only, promise
-from align.samples import Transitions
-from align.tracking_feasibility import following
 from experiments.kin.bodies import FAMILIES, Kin, Source, described, kin, source
 from experiments.kin.carried import agreement, by_features, wanted_of
 from experiments.kin.pairs import PLANAR
 from experiments.kin.seen import WAYS, belief, moved, seen, trial
+from morph.alignment.metric import apart, certain, mean_only, promise
+from morph.alignment.samples import Transitions
+from morph.alignment.tracking_feasibility import following
 from morph.arrays import JSON, Array
 from morph.transfer.body import linear_law, still_law
 

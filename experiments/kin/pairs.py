@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from align.errors import AlignError
-from align.samples import Transitions
 from experiments.kin.bodies import Kin, Source, described, source
 from experiments.kin.carried import by_features, flipped, scaled, shuffled
 from experiments.kin.seen import belief
+from morph.alignment.errors import AlignError
+from morph.alignment.samples import Transitions
 from morph.arrays import Array
 from morph.errors import MorphError
 from morph.transfer.hop import hop

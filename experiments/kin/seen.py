@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from align.belief import Belief, believed, mechanical
-from align.errors import SamplesError
-from align.guard import TrialTask
-from align.samples import Transitions
 from experiments.kin.bodies import Kin
+from morph.alignment.belief import Belief, believed, mechanical
+from morph.alignment.errors import SamplesError
+from morph.alignment.guard import TrialTask
+from morph.alignment.samples import Transitions
 from morph.transfer.body import Body
 
 MOST = 60

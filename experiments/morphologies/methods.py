@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from align.maps.affine_map import AffineMap
-from align.samples import Transitions
+from morph.alignment.maps.affine_map import AffineMap
+from morph.alignment.samples import Transitions
 from morph.arrays import Array
 from morph.body.load import load
 from morph.body.vary import Heavier, Operation, Scale, vary

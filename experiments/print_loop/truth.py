@@ -18,9 +18,9 @@ from morph.make.printed import designed, printed_robot
 from morph.physics.actuator.torque_scale import TorqueScale
 from morph.physics.effect import Effect
 from morph.physics.joint.coulomb_friction import CoulombFriction
+from morph.print.weight import Weight
 from morph.record.recording import Channel, Recording
 from morph.sim.simulator import Simulator
-from print.weight import Weight
 
 KINDS = ("all", "one", "none", "friction")
 """All links printed; one of them; none; none, and dry friction left out in one joint."""

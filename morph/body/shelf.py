@@ -17,9 +17,9 @@ LONGEST = 100
 def builtin_shelf() -> Path:
     """Return the folder of the bodies that come with morph.
 
-    It lies beside the package `morph`, in the repository as in an installation.
+    In a checkout `morph/robots` is a link to the folder `robots`.
     """
-    return Path(morph.__file__).resolve().parent.parent / "robots"
+    return (Path(morph.__file__).parent / "robots").resolve()
 
 
 def user_shelf() -> Path:

@@ -8,8 +8,8 @@ from pathlib import Path
 
 from morph.make.link_mass import LinkMass
 from morph.make.packed import PackedPolicy
-from print.job import Job
-from print.part import Hinge
+from morph.print.job import Job
+from morph.print.part import Hinge
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -11,12 +11,12 @@ from morph.arrays import Array
 from morph.make.drawing import Drawing
 from morph.make.groups import PieceGroup
 from morph.make.names import UniqueNames, shared, sided
-from print.errors import PrintError
-from print.mesh import Mesh
-from print.part import Check, Part, Placement, Seat
-from print.printer import Profile
-from print.shell import Shell, shell
-from print.skeleton import Skeleton
+from morph.print.errors import PrintError
+from morph.print.mesh import Mesh
+from morph.print.part import Check, Part, Placement, Seat
+from morph.print.printer import Profile
+from morph.print.shell import Shell, shell
+from morph.print.skeleton import Skeleton
 
 TRIES = 4
 """How many rooms are left out one by one, before all are."""

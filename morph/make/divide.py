@@ -19,8 +19,8 @@ from morph.make.pieces import pieces, printed_links
 from morph.make.room import spared
 from morph.make.skeletons import skeletons
 from morph.make.unmatched_geometry import lost, lost_links
-from print.part import Part
-from print.printer import Profile
+from morph.print.part import Part
+from morph.print.printer import Profile
 
 
 def divide(robot: Robot, profile: Profile) -> Division:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from morph.body.robot import Robot
-from print.part import Check, Hinge, Part
+from morph.print.part import Check, Hinge, Part
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

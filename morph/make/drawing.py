@@ -16,7 +16,7 @@ from morph.body.robot import Robot
 from morph.body.spec import bare_spec
 from morph.errors import MeshError
 from morph.make.solids import placed, solid
-from print.mesh import Mesh
+from morph.print.mesh import Mesh
 
 SHOWN_GROUPS = 3
 """Geoms of lower groups are drawn; the others are for collisions only, by MuJoCo's custom."""

@@ -10,8 +10,8 @@ from morph.make.drawing import Drawing
 from morph.make.names import UniqueNames, safe
 from morph.make.off_the_shelf_parts import Item
 from morph.make.pieces import fusions, plastic, printed_links
-from print.mesh import joined
-from print.part import Part, Placement
+from morph.print.mesh import joined
+from morph.print.part import Part, Placement
 
 
 def fused(

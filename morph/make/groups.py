@@ -11,7 +11,7 @@ from morph.arrays import Array
 from morph.make.moments import laid
 from morph.make.pieces import Piece
 from morph.make.point_set_registration import motion
-from print.mesh import Mesh
+from morph.print.mesh import Mesh
 
 
 @dataclass(kw_only=True, eq=False)

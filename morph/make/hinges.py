@@ -6,7 +6,7 @@ import math
 
 from morph.make.drawing import MM, Drawing
 from morph.make.reach import reach
-from print.part import Hinge
+from morph.print.part import Hinge
 
 
 def hinges(drawing: Drawing) -> tuple[Hinge, ...]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from print.weight import Weight
+from morph.print.weight import Weight
 
 Source = Literal["description", "estimate", "gcode", "scale"]
 """Where a mass comes from, the least to be trusted first."""

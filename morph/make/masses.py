@@ -7,9 +7,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from morph.body.robot import Robot
 from morph.make.link_mass import LinkMass, Source
 from morph.make.printed import designed
-from print.job import Job
-from print.part import Part
-from print.weight import Weight, together
+from morph.print.job import Job
+from morph.print.part import Part
+from morph.print.weight import Weight, together
 
 
 def link_masses(

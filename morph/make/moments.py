@@ -9,8 +9,8 @@ import numpy as np
 from morph.arrays import Array
 from morph.body.mesh import Mesh as Surface
 from morph.make.solids import placed
-from print.errors import SolidError
-from print.mesh import Mesh
+from morph.print.errors import SolidError
+from morph.print.mesh import Mesh
 
 ALIKE = 2e-4
 """How much volumes and moments may differ, as a part of them."""

@@ -11,7 +11,7 @@ import numpy as np
 from morph.arrays import Array
 from morph.make.drawing import MM, Drawing, LinkShape
 from morph.make.solids import placed
-from print.servos import ServoSize
+from morph.print.servos import ServoSize
 
 LEVEL = 0.5
 """How far off the box's middle, in halves of its height, the joint tells which way is out."""

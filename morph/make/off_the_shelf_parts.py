@@ -12,12 +12,12 @@ from morph.body.card import Bought
 from morph.make.drawing import MM, Drawing, LinkShape
 from morph.make.mounts import Seated, seated
 from morph.make.printed import designed
-from print.errors import SeatError
-from print.mesh import Mesh
-from print.part import Check, Part, Placement
-from print.servo import case, servo
-from print.servos import ServoSize
-from print.weight import Weight, box
+from morph.print.errors import SeatError
+from morph.print.mesh import Mesh
+from morph.print.part import Check, Part, Placement
+from morph.print.servo import case, servo
+from morph.print.servos import ServoSize
+from morph.print.weight import Weight, box
 
 SAME = 0.1
 """How much two things of one name may differ in size and be the same, mm."""

@@ -25,9 +25,9 @@ from morph.make.packed import (
     PrintedCopy,
     Spread,
 )
-from print.job import Job, Plate
-from print.part import Check, Hinge, Part
-from print.weight import Weight
+from morph.print.job import Job, Plate
+from morph.print.part import Check, Hinge, Part
+from morph.print.weight import Weight
 
 
 def packed(package: Package, files: Mapping[str, str]) -> Packed:

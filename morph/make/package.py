@@ -22,13 +22,13 @@ from morph.make.content import Package
 from morph.make.pack import packed
 from morph.make.packed import FILE
 from morph.make.printed import printed_robot
-from print.bom import bill
-from print.errors import PrintError
-from print.job import Job
-from print.mesh import Mesh
-from print.part import Part
-from print.stl import stl
-from print.threemf import write_3mf
+from morph.print.bom import bill
+from morph.print.errors import PrintError
+from morph.print.job import Job
+from morph.print.mesh import Mesh
+from morph.print.part import Part
+from morph.print.stl import stl
+from morph.print.threemf import write_3mf
 
 ROBOT, DESIGNED, POLICY = "robot", "designed", "policy"
 """Folders of the robot as it will be, as it was designed, and of its policy."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from print.printer import Profile
+from morph.print.printer import Profile
 
 SCHEMA = "morph.package/1"
 """Name and version of `package.json`."""

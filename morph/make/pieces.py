@@ -13,9 +13,9 @@ from morph.make.names import of_file
 from morph.make.off_the_shelf_parts import Item
 from morph.make.point_set_registration import cloud
 from morph.make.seats import seats
-from print.mesh import Mesh
-from print.part import Seat
-from print.skeleton import Mount, Skeleton
+from morph.print.mesh import Mesh
+from morph.print.part import Seat
+from morph.print.skeleton import Mount, Skeleton
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

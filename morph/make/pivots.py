@@ -11,8 +11,8 @@ import numpy as np
 from morph.arrays import Array
 from morph.make.drawing import MM, Drawing
 from morph.make.rigid import roots
-from print.mesh import Mesh
-from print.skeleton import Pivot
+from morph.print.mesh import Mesh
+from morph.print.skeleton import Pivot
 
 AXLES = ((13.5, "608"), (7.5, "623"), (4.0, "M3"), (0.0, "M2"))
 """Least radius of the thinner of the two links at the joint, mm, and its bearing or screw."""
@@ -159,7 +159,7 @@ def _along(axis: Axis, solids: Sequence[Mesh]) -> tuple[float, float] | None:
 
 def _contains(mesh: Mesh, axis: Axis) -> bool:
     """Return whether the axis goes through a convex solid near the joint."""
-    from print.solid import frame, placed, rod
+    from morph.print.solid import frame, placed, rod
 
     pin = placed(rod(0.5, -200.0, 200.0), frame(axis.position, axis.direction))
     return bool((pin ^ mesh.manifold).volume() > 0.0)
@@ -190,7 +190,7 @@ def _plane(
 
 def _freer(axis: Axis, middle: float, solids: Solids, links: tuple[str, str]) -> int:
     """Return the side for what moves on which less is in the way; 1 if both are equal."""
-    from print.solid import frame, placed, rod, union
+    from morph.print.solid import frame, placed, rod, union
 
     pose = frame(axis.position + middle * axis.direction, axis.direction)
     cost = []

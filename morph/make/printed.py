@@ -15,7 +15,7 @@ from morph.body.vary.apply import edited
 from morph.errors import MakeError
 from morph.files import sha256
 from morph.make.link_mass import LinkMass
-from print.weight import Weight
+from morph.print.weight import Weight
 
 
 def printed_robot(robot: Robot, masses: Sequence[LinkMass], *, name: str = "") -> Robot:

@@ -14,8 +14,8 @@ from morph.errors import MakeError, MeshError, RobotError
 from morph.make.content import Package
 from morph.make.packed import FILE, SCHEMA, Packed, PackedPart
 from morph.make.unpack import unpacked
+from morph.print.mesh import Mesh
 from morph.regular_file import open_regular, read_regular
-from print.mesh import Mesh
 
 MOST_BYTES = 8 * 2**20
 """Largest `package.json`; that of the humanoid has about one million bytes."""

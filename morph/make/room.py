@@ -12,13 +12,13 @@ from morph.arrays import Array
 from morph.make.drawing import Drawing
 from morph.make.rigid import roots
 from morph.make.sweep import rough, swept
-from print.fit_pivot import FREE_MM, axle
-from print.joint_sweep import Sweep
-from print.mesh import Mesh, from_manifold
-from print.part import Hinge
-from print.servo import DISC_MM, case, disc_radius, servo, turning_room
-from print.skeleton import Mount, Skeleton
-from print.solid import box, frame, placed, rod, union
+from morph.print.fit_pivot import FREE_MM, axle
+from morph.print.joint_sweep import Sweep
+from morph.print.mesh import Mesh, from_manifold
+from morph.print.part import Hinge
+from morph.print.servo import DISC_MM, case, disc_radius, servo, turning_room
+from morph.print.skeleton import Mount, Skeleton
+from morph.print.solid import box, frame, placed, rod, union
 
 GAP_MM = 0.6
 """Room between what moves and what stays."""

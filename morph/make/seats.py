@@ -8,8 +8,8 @@ import numpy as np
 
 from morph.make.drawing import LinkShape
 from morph.make.off_the_shelf_parts import Item
-from print.part import Seat
-from print.servo import case
+from morph.print.part import Seat
+from morph.print.servo import case
 
 
 def seats(

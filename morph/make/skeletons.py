@@ -10,8 +10,8 @@ from morph.make.off_the_shelf_parts import Item
 from morph.make.pieces import fusions, plastic, printed_links
 from morph.make.pivots import Axis, passive, pivots
 from morph.make.rigid import between, roots
-from print.mesh import Mesh
-from print.skeleton import Mount, Pivot, Skeleton
+from morph.print.mesh import Mesh
+from morph.print.skeleton import Mount, Pivot, Skeleton
 
 
 @dataclass(kw_only=True, eq=False)

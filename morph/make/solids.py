@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from morph.arrays import Array
-from print.mesh import Mesh, from_manifold
-from print.solid import around
+from morph.print.mesh import Mesh, from_manifold
+from morph.print.solid import around
 
 
 def solid(kind: str, size: Array) -> Mesh | None:

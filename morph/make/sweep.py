@@ -11,9 +11,9 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.make.solids import placed
-from print.part import Hinge
-from print.solid import hull, union
-from print.solid import placed as moved
+from morph.print.part import Hinge
+from morph.print.solid import hull, union
+from morph.print.solid import placed as moved
 
 STEP = math.radians(20.0)
 """Turn between two poses whose hull is taken, with a third between them, moved outward."""

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from morph.body.finding import DescriptionFinding
 from morph.body.robot import Robot
 from morph.make.names import safe
-from print.part import Check
+from morph.print.part import Check
 
 LEFT_OUT = "left out"
 """How the importer says that a shape is not there."""

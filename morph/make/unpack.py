@@ -14,11 +14,11 @@ from morph.errors import MakeError
 from morph.make.content import Package
 from morph.make.link_mass import LinkMass
 from morph.make.packed import Packed, PackedLink, PackedPart, PrintedCopy, Spread
-from print.job import Job, Laid, Orientation, Plate
-from print.mesh import Mesh
-from print.part import Check, Hinge, Part, Placement, Seat
-from print.sliced import Sliced
-from print.weight import Weight
+from morph.print.job import Job, Laid, Orientation, Plate
+from morph.print.mesh import Mesh
+from morph.print.part import Check, Hinge, Part, Placement, Seat
+from morph.print.sliced import Sliced
+from morph.print.weight import Weight
 
 
 def unpacked(packed: Packed, folder: Path, mesh_of: Callable[[PackedPart], Mesh | None]) -> Package:

@@ -34,7 +34,7 @@ class Adjusted(Policy):
 
     v is what the source's policy commands and f(o) are features, as in `Feedback`, of the newest
     that is seen of each channel. In the law W z numbers beyond their reach count as their reach;
-    the radial functions fade out by themselves. `align.adjust` finds these numbers.
+    the radial functions fade out by themselves. `morph.alignment.adjust` finds these numbers.
 
     Source: Gamboa Higuera 2015, section 3.3, where it is called pi_adj.
     """

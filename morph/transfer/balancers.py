@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from align.samples import Transitions
+from morph.alignment.samples import Transitions
 from morph.body.load import load
 from morph.body.robot import Robot
 from morph.body.spec import bare_spec

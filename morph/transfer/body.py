@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from align.samples import Transitions
+from morph.alignment.samples import Transitions
 from morph.arrays import Array
 from morph.search.regulator.rest import Rest, off_rest, rest
 from morph.search.trajectory.linearise import linearise

@@ -7,8 +7,8 @@ from itertools import permutations
 
 import numpy as np
 
-from align.maps.affine_map import AffineMap
-from align.maps.body_map import BodyMap
+from morph.alignment.maps.affine_map import AffineMap
+from morph.alignment.maps.body_map import BodyMap
 from morph.arrays import Array, Integers
 from morph.transfer.body import Body, Law
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from align.errors import AlignError
-from align.quality import quality
-from align.samples import Step, Transitions
+from morph.alignment.errors import AlignError
+from morph.alignment.quality import quality
+from morph.alignment.samples import Step, Transitions
 from morph.arrays import Array
 from morph.errors import MorphError
 from morph.transfer.body import Body, linear_law, still_law

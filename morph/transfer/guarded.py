@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from align.belief import Belief, believed, mechanical
-from align.guard import TrialTask, foreseen, judge
-from align.samples import Transitions
+from morph.alignment.belief import Belief, believed, mechanical
+from morph.alignment.guard import TrialTask, foreseen, judge
+from morph.alignment.samples import Transitions
 from morph.transfer.body import Body, Law
 from morph.transfer.transfer_record import GuardRecord
 

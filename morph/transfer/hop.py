@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from align.guard import Verdict
-from align.maps.affine_map import AffineMap
-from align.maps.body_map import BodyMap
-from align.samples import Transitions
+from morph.alignment.guard import Verdict
+from morph.alignment.maps.affine_map import AffineMap
+from morph.alignment.maps.body_map import BodyMap
+from morph.alignment.samples import Transitions
 from morph.arrays import Array
 from morph.errors import TransferError
 from morph.transfer.body import Body, linear_law

@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from align.maps.body_map import BodyMap
-from align.maps.files import read
+from morph.alignment.maps.body_map import BodyMap
+from morph.alignment.maps.files import read
 from morph.arrays import JSON, Array
 from morph.errors import OutputError
 from morph.files import sha256, write_whole
@@ -119,7 +119,7 @@ def map_name(number: int) -> str:
 
 
 def write_map(path: Path, body_map: BodyMap) -> None:
-    """Write a map whole or not at all, as `align.maps.files` reads it.
+    """Write a map whole or not at all, as `morph.alignment.maps.files` reads it.
 
     Raises:
         OutputError: The folder cannot be written to.

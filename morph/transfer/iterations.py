@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from align.samples import Transitions
+from morph.alignment.samples import Transitions
 from morph.arrays import Array
 from morph.body.robot import Robot
 from morph.body.vary import Heavier, Operation, Scale, vary

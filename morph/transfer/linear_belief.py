@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from align.samples import Transitions
+from morph.alignment.samples import Transitions
 from morph.arrays import Array
 from morph.errors import MorphError, SearchError, TransferError
 from morph.search.regulator.lqr import noise_aware

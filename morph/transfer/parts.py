@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from align.maps.body_map import BodyMap
+from morph.alignment.maps.body_map import BodyMap
 from morph.arrays import Array
 from morph.transfer.body import Body
 

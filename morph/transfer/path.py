@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from align.guard import TrialTask
-from align.metric import certain, promise
+from morph.alignment.guard import TrialTask
+from morph.alignment.metric import certain, promise
 from morph.errors import TransferError
 from morph.transfer.body import Body, linear_law
 from morph.transfer.mapped.belief import read

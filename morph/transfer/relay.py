@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from align.maps.affine_map import AffineMap
-from align.samples import Transitions
+from morph.alignment.maps.affine_map import AffineMap
+from morph.alignment.samples import Transitions
 from morph.arrays import Array
 from morph.errors import TransferError
 from morph.transfer.balancers import explored, seen_with

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from print.bed import hull, room
-from print.check.subject import Subject
-from print.orient import fits
-from print.part import Check
+from morph.print.bed import hull, room
+from morph.print.check.subject import Subject
+from morph.print.orient import fits
+from morph.print.part import Check
 
 
 def bed_fit(subject: Subject) -> Check:

@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from print.check.bed_fit import bed_fit
-from print.check.extent import extent
-from print.check.manifold import manifold
-from print.check.one_solid import one_solid
-from print.check.overlap import overlap
-from print.check.seat_fit import seat_fit
-from print.check.subject import Subject
-from print.check.wall import wall
-from print.part import Check
+from morph.print.check.bed_fit import bed_fit
+from morph.print.check.extent import extent
+from morph.print.check.manifold import manifold
+from morph.print.check.one_solid import one_solid
+from morph.print.check.overlap import overlap
+from morph.print.check.seat_fit import seat_fit
+from morph.print.check.subject import Subject
+from morph.print.check.wall import wall
+from morph.print.part import Check
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from print.check.subject import Subject
-from print.part import Check
+from morph.print.check.subject import Subject
+from morph.print.part import Check
 
 LEAST_MM, MOST_MM = 1.0, 2000.0
 """The largest side of a part lies between these; a part in metres is a thousand times too small."""

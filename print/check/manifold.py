@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from print.check.subject import Subject
-from print.edges import trouble
-from print.errors import SolidError
-from print.part import Check
+from morph.print.check.subject import Subject
+from morph.print.edges import trouble
+from morph.print.errors import SolidError
+from morph.print.part import Check
 
 
 def manifold(subject: Subject) -> Check:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from print.check.subject import Subject
-from print.mesh import Mesh
-from print.part import Check
+from morph.print.check.subject import Subject
+from morph.print.mesh import Mesh
+from morph.print.part import Check
 
 NAMED = 5
 """How many pieces are told with their size."""

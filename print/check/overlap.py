@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from print.check.subject import Subject
-from print.part import Check
+from morph.print.check.subject import Subject
+from morph.print.part import Check
 
 SHARE, TOLD = 0.01, 0.002
 """Of the surface, inside the part or with it on both sides: more than `SHARE` refuses a part, more

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from print.arrays import Array
-from print.check.subject import Subject
-from print.errors import SolidError
-from print.mesh import Mesh
-from print.part import Check, Seat
-from print.samples import samples
-from print.solid import frame
+from morph.print.arrays import Array
+from morph.print.check.subject import Subject
+from morph.print.errors import SolidError
+from morph.print.mesh import Mesh
+from morph.print.part import Check, Seat
+from morph.print.samples import samples
+from morph.print.solid import frame
 
 NAME = "seat fit"
 CLOSED_MM, NARROW_MM = 1.2, 2.0

@@ -8,12 +8,12 @@ from typing import Literal
 
 import numpy as np
 
-from print.arrays import Array
-from print.errors import SolidError
-from print.mesh import Mesh
-from print.part import Check, Part
-from print.printer import Profile
-from print.samples import Samples, samples
+from morph.print.arrays import Array
+from morph.print.errors import SolidError
+from morph.print.mesh import Mesh
+from morph.print.part import Check, Part
+from morph.print.printer import Profile
+from morph.print.samples import Samples, samples
 
 RAYS = 1500
 """Points of the surface at which is looked."""

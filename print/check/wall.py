@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
-from print.check.subject import Subject
-from print.part import Check
+from morph.print.check.subject import Subject
+from morph.print.part import Check
 
 NARROWEST = 0.85
 """How narrow a line can be laid, by the nozzle's bore: the default of PrusaSlicer's

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from align.adjust import adjustment
-from align.errors import SamplesError
+from morph.alignment.adjust import adjustment
+from morph.alignment.errors import SamplesError
 
 TURNS = np.array([False, True])
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from align.arrays import Array
-from align.belief import Belief, believed, mechanical
-from align.errors import SamplesError, SettingError
-from align.samples import Transitions
+from morph.alignment.arrays import Array
+from morph.alignment.belief import Belief, believed, mechanical
+from morph.alignment.errors import SamplesError, SettingError
+from morph.alignment.samples import Transitions
 
 PERIOD = 0.02
 NOISE = np.full(2, 0.01)

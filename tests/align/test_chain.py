@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from align.chain import ChainMap, composed
-from align.errors import MapError
-from align.maps.affine_map import AffineMap
-from align.maps.bent_map import BentMap
-from align.maps.feature_warping import flat_curves
+from morph.alignment.chain import ChainMap, composed
+from morph.alignment.errors import MapError
+from morph.alignment.maps.affine_map import AffineMap
+from morph.alignment.maps.bent_map import BentMap
+from morph.alignment.maps.feature_warping import flat_curves
 
 RNG = np.random.default_rng(100)
 

@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from align.arrays import Array
-from align.belief import mechanical
-from align.errors import SettingError
-from align.guard import GONE, Law, PredictedScores, TrialTask, foreseen, judge
-from align.metric import apart, certain, promise
+from morph.alignment.arrays import Array
+from morph.alignment.belief import mechanical
+from morph.alignment.errors import SettingError
+from morph.alignment.guard import GONE, Law, PredictedScores, TrialTask, foreseen, judge
+from morph.alignment.metric import apart, certain, promise
 
 PERIOD = 0.02
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from align.guard import LEAST, PredictedScores, TrialTask, foreseen, judge
-from align.metric import certain
+from morph.alignment.guard import LEAST, PredictedScores, TrialTask, foreseen, judge
+from morph.alignment.metric import certain
 
 
 def alike(ratio: float) -> PredictedScores:

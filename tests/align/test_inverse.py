@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from align.arrays import Array
-from align.errors import SamplesError, SettingError
-from align.inverse import gaussian_inverse, local_inverse
-from align.samples import Transitions
+from morph.alignment.arrays import Array
+from morph.alignment.errors import SamplesError, SettingError
+from morph.alignment.inverse import gaussian_inverse, local_inverse
+from morph.alignment.samples import Transitions
 
 DT, MASS, FRICTION = 0.05, 2.0, 1.5
 PLAIN = np.array([False, False])

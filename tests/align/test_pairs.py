@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from align.errors import SamplesError
-from align.pairs import posed, shuffled, spread_out
-from align.samples import Pairs
+from morph.alignment.errors import SamplesError
+from morph.alignment.pairs import posed, shuffled, spread_out
+from morph.alignment.samples import Pairs
 
 
 def test_rows_to_label_lie_far_apart() -> None:

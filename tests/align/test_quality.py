@@ -8,12 +8,12 @@ from typing import ClassVar
 import numpy as np
 import pytest
 
-from align.arrays import Array
-from align.errors import SamplesError
-from align.maps.affine_map import AffineMap
-from align.maps.body_map import BodyMap, MapData, Mapper
-from align.quality import quality, resampled
-from align.samples import Transitions
+from morph.alignment.arrays import Array
+from morph.alignment.errors import SamplesError
+from morph.alignment.maps.affine_map import AffineMap
+from morph.alignment.maps.body_map import BodyMap, MapData, Mapper
+from morph.alignment.quality import quality, resampled
+from morph.alignment.samples import Transitions
 
 LEVEL = np.array([False, False])
 A = np.array([[1.0, 0.1], [-0.2, 0.9]])

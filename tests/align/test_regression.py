@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from align.errors import SamplesError
-from align.regression import MOST_DATA, _Evidence, regression
+from morph.alignment.errors import SamplesError
+from morph.alignment.regression import MOST_DATA, _Evidence, regression
 
 
 def test_a_linear_law_goes_on_far_beyond_the_data() -> None:

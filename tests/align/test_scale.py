@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from align.errors import SamplesError
-from align.scale import scale
+from morph.alignment.errors import SamplesError
+from morph.alignment.scale import scale
 
 
 def test_scaled_numbers_have_no_mean_and_unit_spread_and_come_back() -> None:

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from align.errors import SettingError
-from align.inverse import GaussianInverse
-from align.samples import Transitions
-from align.tracking_feasibility import following
+from morph.alignment.errors import SettingError
+from morph.alignment.inverse import GaussianInverse
+from morph.alignment.samples import Transitions
+from morph.alignment.tracking_feasibility import following
 
 PLAIN = np.array([False, False])
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from align.maps.maps import MAPPERS
+from morph.alignment.maps.maps import MAPPERS
 
 TEXT = (Path(__file__).resolve().parents[2] / "docs" / "maps.md").read_text(encoding="utf-8")
 

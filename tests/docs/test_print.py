@@ -17,10 +17,10 @@ from morph.app.viewer.view_request import ViewRequest
 from morph.app.viewer.views.views import makers
 from morph.make.link_mass import Source
 from morph.make.packed import SCHEMA
-from print.check.checks import CHECKS
-from print.gauge import PLAYS_MM
-from print.repair import DISTANCE_MM, VOLUME
-from print.servos import SERVOS
+from morph.print.check.checks import CHECKS
+from morph.print.gauge import PLAYS_MM
+from morph.print.repair import DISTANCE_MM, VOLUME
+from morph.print.servos import SERVOS
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 TEXT = (DOCS / "print.md").read_text(encoding="utf-8")

@@ -94,7 +94,7 @@ def put(kind: str, path: Path) -> None:
 TRY = """
 import json, resource, signal, sys
 from pathlib import Path
-from align.errors import AlignError
+from morph.alignment.errors import AlignError
 from experiments.bomb_readers import READERS
 from experiments.bombs import limit_memory
 from morph.errors import MorphError

@@ -7,9 +7,9 @@ import json
 import numpy as np
 import pytest
 
-from align.maps.affine_map import AffineMap
 from experiments.balance_chained.summary import first, from_nothing
 from experiments.chains import Shuffled, main
+from morph.alignment.maps.affine_map import AffineMap
 from morph.arrays import JSON
 from morph.transfer.balancers import balancer
 from morph.transfer.relay import same

@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from align.maps.body_map import MapData
-from align.maps.features import Features
 from experiments.aligning.cases import LEVELS, Case, cases_of, measured
 from experiments.aligning.formula import PERIOD, SPREAD, CartPole, plain, worn
 from experiments.aligning.report import drawn
 from experiments.interval import interval, mean_interval
 from experiments.manifolds import clear, figures, foretold, main, shown, worse
+from morph.alignment.maps.body_map import MapData
+from morph.alignment.maps.features import Features
 
 TRUE = """
 <mujoco>

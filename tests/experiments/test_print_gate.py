@@ -10,7 +10,7 @@ import pytest
 import trimesh
 
 from experiments import print_gate
-from print.printer import Profile, material, printer
+from morph.print.printer import Profile, material, printer
 
 PROFILE = Profile(printer=printer("mk4"), material=material("pla"))
 

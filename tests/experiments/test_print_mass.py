@@ -8,11 +8,11 @@ import pytest
 import trimesh
 
 from experiments.print_mass import compared, main, solid, summary
-from print.mesh import Mesh
-from print.printer import Profile, material, printer
-from print.sliced import Sliced
-from print.slicer import find_slicer
-from print.weight import box
+from morph.print.mesh import Mesh
+from morph.print.printer import Profile, material, printer
+from morph.print.sliced import Sliced
+from morph.print.slicer import find_slicer
+from morph.print.weight import box
 
 PROFILE = Profile(printer=printer("mk4"), material=material("pla"))
 

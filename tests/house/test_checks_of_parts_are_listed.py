@@ -6,8 +6,8 @@ import ast
 import re
 from pathlib import Path
 
-from print.check.checks import CHECKS
-from print.clearance import NAME
+from morph.print.check.checks import CHECKS
+from morph.print.clearance import NAME
 
 ROOT = Path(__file__).parents[2]
 

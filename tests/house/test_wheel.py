@@ -18,7 +18,7 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
     copy = tmp_path_factory.mktemp("copy")
     unwanted = shutil.ignore_patterns("__pycache__")
     for folder in ("align", "experiments", "morph", "print", "robots", "tests"):
-        shutil.copytree(ROOT / folder, copy / folder, ignore=unwanted)
+        shutil.copytree(ROOT / folder, copy / folder, symlinks=True, ignore=unwanted)
     for file in ("LICENSE", "NOTICE", "README.md", "pyproject.toml"):
         shutil.copy(ROOT / file, copy)
     run([sys.executable, "-m", "build", "--wheel", "--no-isolation", "--outdir", "dist"], copy)
@@ -57,15 +57,17 @@ def installed(site: Path, away: Path, *command: str) -> str:
 def test_the_wheel_holds_the_packages_and_the_shelf_and_nothing_else(wheel: Path) -> None:
     names = {Path(name) for name in zipfile.ZipFile(wheel).namelist()}
     tops = {name.parts[0] for name in names}
-    assert tops == {"align", "morph", "print", "robots", "morph-0.1.0.dist-info"}
-    for package in ("align", "morph", "print"):
+    assert tops == {"morph", "morph_robotics-0.1.0.dist-info"}
+    for package in ("morph", "morph/alignment", "morph/print"):
         assert Path(package, "py.typed") in names
 
 
 def test_the_wheel_holds_every_file_of_the_shelf(wheel: Path) -> None:
     names = set(zipfile.ZipFile(wheel).namelist())
     shelf = {
-        path.relative_to(ROOT).as_posix() for path in (ROOT / "robots").rglob("*") if path.is_file()
+        f"morph/{path.relative_to(ROOT).as_posix()}"
+        for path in (ROOT / "robots").rglob("*")
+        if path.is_file()
     }
     assert shelf
     assert shelf <= names

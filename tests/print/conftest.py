@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 import trimesh
 
-from print.job import Orientation
-from print.mesh import Mesh
-from print.part import Part
-from print.printer import Profile, material, printer
-from print.slicer import PROGRAMS, Slicer, find_slicer
+from morph.print.job import Orientation
+from morph.print.mesh import Mesh
+from morph.print.part import Part
+from morph.print.printer import Profile, material, printer
+from morph.print.slicer import PROGRAMS, Slicer, find_slicer
 
 
 @pytest.fixture(scope="session")

@@ -4,9 +4,9 @@ import math
 
 import pytest
 
-from print.bearing import BEARINGS, bearing, seat
-from print.errors import SeatError
-from print.screw import SCREWS, screw
+from morph.print.bearing import BEARINGS, bearing, seat
+from morph.print.errors import SeatError
+from morph.print.screw import SCREWS, screw
 
 
 def test_bearings_have_the_sizes_of_iso_15() -> None:

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 import trimesh
 
-from print.arrays import Array
-from print.bed import about_up, room
-from print.printer import Profile, material, printer
+from morph.print.arrays import Array
+from morph.print.bed import about_up, room
+from morph.print.printer import Profile, material, printer
 
 PROFILE = Profile(printer=printer("ender3"), material=material("pla"))
 """Its bed is 220 x 220 mm, of which 210 x 210 are used, and 250 high."""

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 import trimesh
 
-from print.bom import COLUMNS, bill, harmless
-from print.job import Job
-from print.mesh import Mesh
-from print.part import Part, Placement, Seat
-from print.printer import Profile, material, printer
-from print.weight import box
+from morph.print.bom import COLUMNS, bill, harmless
+from morph.print.job import Job
+from morph.print.mesh import Mesh
+from morph.print.part import Part, Placement, Seat
+from morph.print.printer import Profile, material, printer
+from morph.print.weight import box
 
 BOX = trimesh.creation.box(extents=(10.0, 20.0, 30.0))
 ARM = Part(

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 import trimesh
 
-from print.clearance import clearances
-from print.joint_sweep import MOST_STEPS, Sweep
-from print.mesh import Mesh
-from print.part import Check, Hinge, Part, Placement
-from print.printer import Profile, material, printer
+from morph.print.clearance import clearances
+from morph.print.joint_sweep import MOST_STEPS, Sweep
+from morph.print.mesh import Mesh
+from morph.print.part import Check, Hinge, Part, Placement
+from morph.print.printer import Profile, material, printer
 
 PROFILE = Profile(printer=printer("ender3"), material=material("pla"))
 

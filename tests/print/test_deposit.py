@@ -3,9 +3,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from print.deposit import deposit
-from print.gcode import lines
-from print.printer import Profile
+from morph.print.deposit import deposit
+from morph.print.gcode import lines
+from morph.print.printer import Profile
 
 AREA = np.pi / 4 * 1.75**2
 """Of the filament, mm2; with 1.24e-6 kg/mm3 one millimetre weighs 2.98 mg."""

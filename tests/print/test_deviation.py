@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import trimesh
 
-from print.deviation import deviation
-from print.mesh import Mesh
+from morph.print.deviation import deviation
+from morph.print.mesh import Mesh
 
 
 def cube(side: float = 20.0) -> Mesh:

@@ -3,8 +3,8 @@ from __future__ import annotations
 import numpy as np
 import trimesh
 
-from print.directions import resting, spread, turned_down
-from print.mesh import Mesh
+from morph.print.directions import resting, spread, turned_down
+from morph.print.mesh import Mesh
 
 
 def mesh(shape: trimesh.Trimesh) -> Mesh:

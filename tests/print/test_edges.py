@@ -3,8 +3,8 @@ from __future__ import annotations
 import numpy as np
 import trimesh
 
-from print.edges import edges, trouble
-from print.mesh import Mesh
+from morph.print.edges import edges, trouble
+from morph.print.mesh import Mesh
 
 
 def cube() -> Mesh:

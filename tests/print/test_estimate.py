@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 import trimesh
 
-from print.errors import SolidError
-from print.estimate import divided, estimated, spacing
-from print.job import Orientation
-from print.mesh import Mesh
-from print.part import Part
-from print.printer import Profile
-from print.sections import sections
-from print.slicer import Slicer
+from morph.print.errors import SolidError
+from morph.print.estimate import divided, estimated, spacing
+from morph.print.job import Orientation
+from morph.print.mesh import Mesh
+from morph.print.part import Part
+from morph.print.printer import Profile
+from morph.print.sections import sections
+from morph.print.slicer import Slicer
 
 Make = Callable[[trimesh.Trimesh], Part]
 

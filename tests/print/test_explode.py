@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 import trimesh
 
-from print.explode import Explosion, carried, exploded
-from print.mesh import Mesh
-from print.part import Hinge, Part, Placement, Seat
+from morph.print.explode import Explosion, carried, exploded
+from morph.print.mesh import Mesh
+from morph.print.part import Hinge, Part, Placement, Seat
 
 
 def block(size: float = 10.0) -> Mesh:

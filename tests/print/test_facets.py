@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 import trimesh
 
-from print import facets
-from print.edges import edges
-from print.mesh import Mesh
+from morph.print import facets
+from morph.print.edges import edges
+from morph.print.mesh import Mesh
 
 
 def mesh_of(shape: trimesh.Trimesh) -> Mesh:

@@ -2,8 +2,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from print.fasteners import fasteners
-from print.part import Part, Placement, Seat
+from morph.print.fasteners import fasteners
+from morph.print.part import Part, Placement, Seat
 
 
 def seat(holds: str, bore_mm: float, x: float, z: float = 0.0) -> Seat:

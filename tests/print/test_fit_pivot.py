@@ -3,14 +3,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from print.bearing import BEARINGS, bearing
-from print.errors import SeatError
-from print.fit_pivot import GAP_MM, axle
-from print.mesh import Mesh, from_manifold
-from print.printer import Profile, material, printer
-from print.shell import Shell, shell
-from print.skeleton import Pivot, Skeleton
-from print.solid import box, frame, placed, rod
+from morph.print.bearing import BEARINGS, bearing
+from morph.print.errors import SeatError
+from morph.print.fit_pivot import GAP_MM, axle
+from morph.print.mesh import Mesh, from_manifold
+from morph.print.printer import Profile, material, printer
+from morph.print.shell import Shell, shell
+from morph.print.skeleton import Pivot, Skeleton
+from morph.print.solid import box, frame, placed, rod
 
 PROFILE = Profile(printer=printer("mk4"), material=material("pla"))
 

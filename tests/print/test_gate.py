@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 import trimesh
 
-from print import gate
-from print.check.checks import CHECKS
-from print.gate import check_part
-from print.mesh import Mesh
-from print.part import Check, Part, Placement
-from print.printer import Profile, material, printer
+from morph.print import gate
+from morph.print.check.checks import CHECKS
+from morph.print.gate import check_part
+from morph.print.mesh import Mesh
+from morph.print.part import Check, Part, Placement
+from morph.print.printer import Profile, material, printer
 
 PROFILE = Profile(printer=printer("ender3"), material=material("pla"))
 

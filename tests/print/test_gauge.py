@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 import trimesh
 
-from print.gate import check_part
-from print.gauge import NOTCH_MM, PLAYS_MM, THICK_MM, gauges
-from print.mesh import Mesh
-from print.part import Part, Placement, Seat
-from print.printer import PRINTERS, Profile, material, printer
-from print.servo import SERVOS
+from morph.print.gate import check_part
+from morph.print.gauge import NOTCH_MM, PLAYS_MM, THICK_MM, gauges
+from morph.print.mesh import Mesh
+from morph.print.part import Part, Placement, Seat
+from morph.print.printer import PRINTERS, Profile, material, printer
+from morph.print.servo import SERVOS
 
 PROFILE = Profile(printer=printer("ender3"), material=material("pla"))
 

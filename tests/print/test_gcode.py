@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from print.errors import SlicerError
-from print.gcode import lines
+from morph.print.errors import SlicerError
+from morph.print.gcode import lines
 
 ABSOLUTE = b"""G28
 M82

@@ -6,10 +6,10 @@ import manifold3d
 import numpy as np
 import pytest
 
-from print.estimate import spacing
-from print.printer import Profile, material, printer
-from print.settings import SUPPORT_SPACING_MM
-from print.support import DENSE_SPACING_MM, support_mm3
+from morph.print.estimate import spacing
+from morph.print.printer import Profile, material, printer
+from morph.print.settings import SUPPORT_SPACING_MM
+from morph.print.support import DENSE_SPACING_MM, support_mm3
 
 
 @pytest.fixture

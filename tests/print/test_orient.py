@@ -5,11 +5,11 @@ import numpy as np
 import pytest
 import trimesh
 
-from print.errors import PlateError
-from print.mesh import Mesh, from_manifold
-from print.orient import fits, orient
-from print.overhang import standing
-from print.printer import Profile, material, printer
+from morph.print.errors import PlateError
+from morph.print.mesh import Mesh, from_manifold
+from morph.print.orient import fits, orient
+from morph.print.overhang import standing
+from morph.print.printer import Profile, material, printer
 
 PROFILE = Profile(printer=printer("mk4"), material=material("pla"))
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 import trimesh
 
-from print.mesh import Mesh
-from print.orientation_cost import COOL_S, DRAWN, plastic, seconds, ways
-from print.printer import Profile, material, printer
+from morph.print.mesh import Mesh
+from morph.print.orientation_cost import COOL_S, DRAWN, plastic, seconds, ways
+from morph.print.printer import Profile, material, printer
 
 PROFILE = Profile(printer=printer("mk4"), material=material("pla"))
 DOWN = np.array([[0.0, 0.0, -1.0], [1.0, 0.0, 0.0]])

@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 import trimesh
 
-from print.arrays import Array
-from print.overhang import overhanging, standing
-from print.printer import Profile, material, printer
+from morph.print.arrays import Array
+from morph.print.overhang import overhanging, standing
+from morph.print.printer import Profile, material, printer
 
 PROFILE = Profile(printer=printer("mk4"), material=material("pla"))
 

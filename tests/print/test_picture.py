@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 import trimesh
 
-from print.callout import LINE, callouts, spread
-from print.decimate import lighter
-from print.mesh import Mesh
-from print.picture import PlacedMesh, picture
+from morph.print.callout import LINE, callouts, spread
+from morph.print.decimate import lighter
+from morph.print.mesh import Mesh
+from morph.print.picture import PlacedMesh, picture
 
 FRONT = np.array([0.0, -1.0, 1e-9])
 

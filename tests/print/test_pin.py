@@ -4,8 +4,8 @@ import manifold3d
 import numpy as np
 import pytest
 
-from print.pin import Pin, pins
-from print.printer import Profile, material, printer
+from morph.print.pin import Pin, pins
+from morph.print.printer import Profile, material, printer
 
 PROFILE = Profile(printer=printer("mk4"), material=material("pla"))
 PLAY = PROFILE.clearance_mm

@@ -8,13 +8,13 @@ import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from print.arrays import Array
-from print.errors import PlateError
-from print.job import Orientation, Plate
-from print.mesh import Mesh
-from print.part import Part, Placement
-from print.plate import plates
-from print.printer import Profile, material, printer
+from morph.print.arrays import Array
+from morph.print.errors import PlateError
+from morph.print.job import Orientation, Plate
+from morph.print.mesh import Mesh
+from morph.print.part import Part, Placement
+from morph.print.plate import plates
+from morph.print.printer import Profile, material, printer
 
 PROFILE = Profile(printer=printer("mk4"), material=material("pla"))
 """Its bed is 250 x 210 mm, of which 240 x 200 are used."""

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 import trimesh
 
-from print.errors import SolidError
-from print.mesh import Mesh
-from print.repair import DISTANCE_MM, repaired
+from morph.print.errors import SolidError
+from morph.print.mesh import Mesh
+from morph.print.repair import DISTANCE_MM, repaired
 
 
 def box(*sides: float, at: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Mesh:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from print.run_with_timeout import Ran, attended
+from morph.print.run_with_timeout import Ran, attended
 
 PATH = {"PATH": os.environ["PATH"]}
 

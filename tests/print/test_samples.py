@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 import trimesh
 
-from print.errors import SolidError
-from print.mesh import Mesh
-from print.samples import samples
+from morph.print.errors import SolidError
+from morph.print.mesh import Mesh
+from morph.print.samples import samples
 
 
 def mesh_of(shape: trimesh.Trimesh) -> Mesh:

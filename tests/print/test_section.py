@@ -4,7 +4,7 @@ import manifold3d
 import numpy as np
 import pytest
 
-from print.section import section
+from morph.print.section import section
 
 circle, square = manifold3d.CrossSection.circle, manifold3d.CrossSection.square
 

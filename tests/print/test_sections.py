@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 import trimesh
 
-from print.errors import SolidError
-from print.mesh import Mesh
-from print.sections import all_of, inset, moments, sections, shared
+from morph.print.errors import SolidError
+from morph.print.mesh import Mesh
+from morph.print.sections import all_of, inset, moments, sections, shared
 
 
 def of(solid: trimesh.Trimesh) -> Mesh:

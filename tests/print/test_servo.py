@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from morph.body.servo import SERVOS as MOTORS
-from print.errors import SeatError
-from print.mesh import Mesh
-from print.screw import screw
-from print.servo import (
+from morph.print.errors import SeatError
+from morph.print.mesh import Mesh
+from morph.print.screw import screw
+from morph.print.servo import (
     SERVOS,
     ServoSize,
     body,

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from print.printer import MATERIALS, PRINTERS, Profile
-from print.settings import settings
-from print.slicer import Slicer
+from morph.print.printer import MATERIALS, PRINTERS, Profile
+from morph.print.settings import settings
+from morph.print.slicer import Slicer
 
 Said = dict[str, str]
 

@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 import trimesh
 
-from print.assembly import steps
-from print.explode import exploded
-from print.job import Job, Laid, Orientation, Plate
-from print.mesh import Mesh
-from print.part import Hinge, Part, Placement, Seat
-from print.printer import Profile, material, printer
-from print.sheet import sheet
-from print.sliced import Sliced
-from print.weight import box
+from morph.print.assembly import steps
+from morph.print.explode import exploded
+from morph.print.job import Job, Laid, Orientation, Plate
+from morph.print.mesh import Mesh
+from morph.print.part import Hinge, Part, Placement, Seat
+from morph.print.printer import Profile, material, printer
+from morph.print.sheet import sheet
+from morph.print.sliced import Sliced
+from morph.print.weight import box
 
 EVIL = '<script>alert("x")</script>&'
 

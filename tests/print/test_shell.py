@@ -6,16 +6,16 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from print.arrays import Array
-from print.errors import SeatError, SolidError
-from print.gate import check_part
-from print.mesh import Mesh, from_manifold
-from print.part import Part
-from print.printer import Profile, material, printer
-from print.servo import SERVOS, ServoSize, case, servo
-from print.shell import HAIR_MM, Shell, shell
-from print.skeleton import Mount, Skeleton
-from print.solid import box, frame, placed
+from morph.print.arrays import Array
+from morph.print.errors import SeatError, SolidError
+from morph.print.gate import check_part
+from morph.print.mesh import Mesh, from_manifold
+from morph.print.part import Part
+from morph.print.printer import Profile, material, printer
+from morph.print.servo import SERVOS, ServoSize, case, servo
+from morph.print.shell import HAIR_MM, Shell, shell
+from morph.print.skeleton import Mount, Skeleton
+from morph.print.solid import box, frame, placed
 
 PROFILE = Profile(printer=printer("mk4"), material=material("pla"))
 PLAY = PROFILE.clearance_mm

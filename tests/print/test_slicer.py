@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 import trimesh
 
-from print.job import Orientation
-from print.mesh import Mesh
-from print.part import Part
-from print.printer import Profile
-from print.slicer import Slicer
+from morph.print.job import Orientation
+from morph.print.mesh import Mesh
+from morph.print.part import Part
+from morph.print.printer import Profile
+from morph.print.slicer import Slicer
 
 Make = Callable[[trimesh.Trimesh], Part]
 

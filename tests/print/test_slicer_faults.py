@@ -10,12 +10,12 @@ from pathlib import Path
 import pytest
 import trimesh
 
-from print.errors import SlicerError
-from print.job import Orientation
-from print.part import Part
-from print.printer import Profile
-from print.sliced import Sliced
-from print.slicer import Slicer, find_slicer
+from morph.print.errors import SlicerError
+from morph.print.job import Orientation
+from morph.print.part import Part
+from morph.print.printer import Profile
+from morph.print.sliced import Sliced
+from morph.print.slicer import Slicer, find_slicer
 
 WHOLE = "printf 'G1 X1 E1\\n; filament used [mm] = 1.00\\n; prusaslicer_config = end\\n'"
 OUT = 'while [ "$1" != --output ]; do shift; done; out="$2"'

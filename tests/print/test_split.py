@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 import trimesh
 
-from print.errors import SplitError
-from print.mesh import Mesh, from_manifold, joined
-from print.orient import fits
-from print.part import Part, Placement, Seat
-from print.printer import Profile, material, printer
-from print.split import split
+from morph.print.errors import SplitError
+from morph.print.mesh import Mesh, from_manifold, joined
+from morph.print.orient import fits
+from morph.print.part import Part, Placement, Seat
+from morph.print.printer import Profile, material, printer
+from morph.print.split import split
 
 PROFILE = Profile(printer=printer("ender3"), material=material("pla"))
 """Its bed is 220 x 220 mm and 250 high."""

@@ -5,8 +5,8 @@ import io
 import numpy as np
 import trimesh
 
-from print.mesh import Mesh
-from print.stl import stl
+from morph.print.mesh import Mesh
+from morph.print.stl import stl
 
 
 def test_a_second_library_reads_the_same_solid() -> None:

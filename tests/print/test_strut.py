@@ -2,8 +2,8 @@ from __future__ import annotations
 
 import pytest
 
-from print.solid import box, pieces, union
-from print.strut import strut
+from morph.print.solid import box, pieces, union
+from morph.print.strut import strut
 
 ONE = ((0.0, 0.0, 0.0), (10.0, 10.0, 10.0))
 OTHER = ((30.0, 0.0, 0.0), (40.0, 10.0, 10.0))

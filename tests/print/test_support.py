@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 import trimesh
 
-from print.mesh import Mesh
-from print.printer import Profile
-from print.sections import sections
-from print.support import support_mm3
+from morph.print.mesh import Mesh
+from morph.print.printer import Profile
+from morph.print.sections import sections
+from morph.print.support import support_mm3
 
 
 def needed(solid: trimesh.Trimesh, profile: Profile) -> float:

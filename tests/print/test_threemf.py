@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 import trimesh
 
-from print.errors import PlateError
-from print.job import Laid, Plate
-from print.mesh import Mesh
-from print.part import Part, Placement
-from print.threemf import bytes_3mf, read_3mf, write_3mf
+from morph.print.errors import PlateError
+from morph.print.job import Laid, Plate
+from morph.print.mesh import Mesh
+from morph.print.part import Part, Placement
+from morph.print.threemf import bytes_3mf, read_3mf, write_3mf
 
 ABOUT = {"Title": "a <robot> & more", "policy_sha256": "ab" * 32, "Application": "morph 0.1.0"}
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from print.arrays import Array
-from print.weight import Weight, box, together
+from morph.print.arrays import Array
+from morph.print.weight import Weight, box, together
 
 
 def cloud(points: Array, mass: float) -> Weight:

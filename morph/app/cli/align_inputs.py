@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from align.errors import SamplesError
-from align.samples import Pairs, Transitions
+from morph.alignment.errors import SamplesError
+from morph.alignment.samples import Pairs, Transitions
 from morph.app.cli.console import harmless
 from morph.errors import TransferError
 from morph.files import sha256

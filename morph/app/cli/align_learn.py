@@ -9,12 +9,12 @@ from typing import ClassVar
 
 import numpy as np
 
-from align.errors import AlignError
-from align.maps.body_map import BodyMap, MapData, Mapper
-from align.maps.features import Features
-from align.maps.maps import MAPPERS
-from align.quality import quality
-from align.samples import Pairs, Step, Worth
+from morph.alignment.errors import AlignError
+from morph.alignment.maps.body_map import BodyMap, MapData, Mapper
+from morph.alignment.maps.features import Features
+from morph.alignment.maps.maps import MAPPERS
+from morph.alignment.quality import quality
+from morph.alignment.samples import Pairs, Step, Worth
 from morph.app.cli.align_arguments import Align
 from morph.app.cli.align_inputs import Side, pairs
 from morph.app.cli.stages import Stages

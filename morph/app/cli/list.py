@@ -94,7 +94,7 @@ def _searches() -> list[dict[str, Any]]:
 
 
 def _printers() -> list[dict[str, Any]]:
-    from print.printer import PRINTERS
+    from morph.print.printer import PRINTERS
 
     return [
         {
@@ -108,7 +108,7 @@ def _printers() -> list[dict[str, Any]]:
 
 
 def _materials() -> list[dict[str, Any]]:
-    from print.printer import MATERIALS
+    from morph.print.printer import MATERIALS
 
     return [
         {

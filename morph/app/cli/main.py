@@ -12,7 +12,7 @@ from typing import Annotated
 import tyro
 
 import morph
-from align.errors import AlignError
+from morph.alignment.errors import AlignError
 from morph.app.cli.align_arguments import Align, Transfer
 from morph.app.cli.arguments import (
     Compare,

@@ -18,8 +18,8 @@ from morph.errors import MakeError, OutputError
 if TYPE_CHECKING:
     from morph.body.robot import Robot
     from morph.make.content import Package
-    from print.printer import Profile
-    from print.slicer import Slicer
+    from morph.print.printer import Profile
+    from morph.print.slicer import Slicer
 
 CHOSEN = (
     *("policy", "seconds", "slicer", "timeout", "layer", "walls", "infill", "play"),
@@ -46,8 +46,8 @@ def run_print(options: Print) -> int:
     """
     from morph.make.package_folder import check_out, package_folder
     from morph.make.packed import FILE
+    from morph.print.errors import PrintError
     from morph.run_folder import lock_run_folder
-    from print.errors import PrintError
 
     if not options.out.strip():
         # As a path it would be the folder where one stands.
@@ -102,7 +102,7 @@ def _check_policy(options: Print, robot: Robot) -> None:
 
 
 def _profile(options: Print) -> Profile:
-    from print.printer import Profile, material, printer
+    from morph.print.printer import Profile, material, printer
 
     return Profile(
         printer=printer(options.printer),
@@ -115,7 +115,7 @@ def _profile(options: Print) -> Profile:
 
 
 def _slicer(options: Print) -> Slicer | None:
-    from print.slicer import find_slicer
+    from morph.print.slicer import find_slicer
 
     result = None if options.slicer == "none" else find_slicer()
     if result is None and options.slicer == "needed":
@@ -144,7 +144,7 @@ def _package(
     from morph.make.content import Package
     from morph.make.divide import divide
     from morph.make.masses import link_masses
-    from print.prepare import prepare
+    from morph.print.prepare import prepare
 
     tell("dividing it into parts")
     division = divide(robot, profile)
@@ -214,7 +214,7 @@ def _sliced(
 ) -> tuple[Package, dict[str, str]]:
     """Write the G-code of every plate; what the slicer warned of becomes a note."""
     from morph.files import write_whole
-    from print.plate_code import codes
+    from morph.print.plate_code import codes
 
     result = codes(package.job, slicer, tell=tell, timeout_s=options.timeout)
     files = {f"{name}.gcode": f"plates/{name}.gcode" for name in result}

@@ -8,7 +8,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from align.errors import AlignError
+from morph.alignment.errors import AlignError
 from morph.app.cli.align_arguments import Transfer
 from morph.errors import MorphError, OutputError, TransferError
 

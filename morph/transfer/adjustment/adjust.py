@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from align.adjust import Adjustment, adjustment
-from align.inverse import GaussianInverse, Inverse, gaussian_inverse, local_inverse
-from align.regression import MOST_DATA
-from align.tracking_feasibility import TrackingFeasibility, following
+from morph.alignment.adjust import Adjustment, adjustment
+from morph.alignment.inverse import GaussianInverse, Inverse, gaussian_inverse, local_inverse
+from morph.alignment.regression import MOST_DATA
+from morph.alignment.tracking_feasibility import TrackingFeasibility, following
 from morph.errors import TransferError
 from morph.policy.adjusted import Adjusted, newest
 from morph.policy.angles import turning

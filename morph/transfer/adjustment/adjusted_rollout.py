@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from align.adjust import Adjustment
+from morph.alignment.adjust import Adjustment
 from morph.arrays import Array
 from morph.errors import TransferError
 from morph.policy.adjusted import Adjusted

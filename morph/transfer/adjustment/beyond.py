@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from align.states import change
+from morph.alignment.states import change
 from morph.search.target import Experience
 from morph.search.trajectory.linearise import linearise
 from morph.transfer.adjustment.source import SimulatedTask

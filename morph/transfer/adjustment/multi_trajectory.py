@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from align.adjust import Adjustment
+from morph.alignment.adjust import Adjustment
 from morph.arrays import Array
 from morph.errors import TransferError
 from morph.policy.adjusted import newest

@@ -8,8 +8,8 @@ from functools import cached_property
 
 import numpy as np
 
-from align.samples import Transitions
-from align.states import change
+from morph.alignment.samples import Transitions
+from morph.alignment.states import change
 from morph.arrays import Array, Mask
 from morph.errors import TransferError
 from morph.policy.observing import Observer

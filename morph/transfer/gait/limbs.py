@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from align.samples import Transitions
+from morph.alignment.samples import Transitions
 from morph.arrays import Array
 from morph.errors import TransferError
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from align.samples import Transitions
+from morph.alignment.samples import Transitions
 from morph.arrays import Array
 from morph.body.robot import Robot
 from morph.errors import TransferError

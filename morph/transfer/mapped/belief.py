@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from align.maps.affine_map import AffineMap
-from align.samples import Transitions
+from morph.alignment.maps.affine_map import AffineMap
+from morph.alignment.samples import Transitions
 from morph.arrays import Array
 from morph.transfer.body import Body
 

@@ -6,9 +6,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from align.maps.affine_map import AffineMap
-from align.maps.body_map import BodyMap
-from align.samples import Transitions
+from morph.alignment.maps.affine_map import AffineMap
+from morph.alignment.maps.body_map import BodyMap
+from morph.alignment.samples import Transitions
 from morph.arrays import Array
 from morph.transfer.body import Body
 from morph.transfer.mapped.belief import read

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from align.arrays import Array
-from align.maps.body_map import MapData
-from align.samples import Pairs, Transitions
+from morph.alignment.arrays import Array
+from morph.alignment.maps.body_map import MapData
+from morph.alignment.samples import Pairs, Transitions
 
 LEVEL = np.array([False, False])
 

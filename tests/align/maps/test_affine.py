@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from align.arrays import Array
-from align.maps.affine_map import SHAPES, AffineMap
-from align.maps.bent_map import BentMap
-from align.maps.feature_warping import Curves
-from align.maps.follow import LinearDynamics, linear
-from align.maps.state_law import unscaled
-from align.samples import Transitions
-from align.scale import Standardizer
+from morph.alignment.arrays import Array
+from morph.alignment.maps.affine_map import SHAPES, AffineMap
+from morph.alignment.maps.bent_map import BentMap
+from morph.alignment.maps.feature_warping import Curves
+from morph.alignment.maps.follow import LinearDynamics, linear
+from morph.alignment.maps.state_law import unscaled
+from morph.alignment.samples import Transitions
+from morph.alignment.scale import Standardizer
 
 
 @pytest.fixture

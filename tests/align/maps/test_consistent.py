@@ -7,15 +7,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from align.arrays import Array
-from align.errors import SamplesError, SettingError
-from align.maps.body_map import MapData
-from align.maps.consistent import Agreement, Guess, ScaledTransitions, descended
-from align.maps.feature_warping import InvertibleWarp, flat_curves, idle_network, no_curves
-from align.maps.maps import mapper
-from align.maps.multistart import FitBudget
-from align.maps.surrogate import surrogate
-from align.samples import Transitions
+from morph.alignment.arrays import Array
+from morph.alignment.errors import SamplesError, SettingError
+from morph.alignment.maps.body_map import MapData
+from morph.alignment.maps.consistent import Agreement, Guess, ScaledTransitions, descended
+from morph.alignment.maps.feature_warping import (
+    InvertibleWarp,
+    flat_curves,
+    idle_network,
+    no_curves,
+)
+from morph.alignment.maps.maps import mapper
+from morph.alignment.maps.multistart import FitBudget
+from morph.alignment.maps.surrogate import surrogate
+from morph.alignment.samples import Transitions
 
 from .conftest import LEVEL, Planted, draw, swing, wear
 

@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from align.errors import AlignError, MapError, SamplesError
-from align.maps.body_map import BodyMap, Mapper
-from align.maps.features import Features
-from align.maps.files import read, write
-from align.maps.maps import KINDS, MAPPERS, kind_of, mapper
-from align.samples import Transitions
+from morph.alignment.errors import AlignError, MapError, SamplesError
+from morph.alignment.maps.body_map import BodyMap, Mapper
+from morph.alignment.maps.features import Features
+from morph.alignment.maps.files import read, write
+from morph.alignment.maps.maps import KINDS, MAPPERS, kind_of, mapper
+from morph.alignment.samples import Transitions
 
 from .conftest import Planted
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from align.errors import MapError
-from align.maps.feature_warping import (
+from morph.alignment.errors import MapError
+from morph.alignment.maps.feature_warping import (
     Curves,
     InvertibleWarp,
     NetworkWarp,

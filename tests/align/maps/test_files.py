@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from align.errors import MapError
-from align.maps.affine_map import AffineMap
-from align.maps.files import MOST_BYTES, read, write
+from morph.alignment.errors import MapError
+from morph.alignment.maps.affine_map import AffineMap
+from morph.alignment.maps.files import MOST_BYTES, read, write
 
 
 def one() -> AffineMap:

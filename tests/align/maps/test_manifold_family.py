@@ -7,21 +7,21 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from align.errors import MapError, SamplesError, SettingError
-from align.maps.affine_map import AffineMap
-from align.maps.body_map import MapData, Mapper
-from align.maps.features import Features
-from align.maps.follow import followed, linear
-from align.maps.graph import alike, neighbours, patterns
-from align.maps.joint import across, together
-from align.maps.manifold import Manifold, ManifoldFree
-from align.maps.pca_affine import PcaAffine
-from align.maps.sparse import Sparse, coded, dictionary
-from align.maps.state_law import StateLaw
-from align.maps.transport import Transport, fused
-from align.maps.uma import Uma
-from align.pairs import posed, shuffled
-from align.samples import Pairs, Transitions
+from morph.alignment.errors import MapError, SamplesError, SettingError
+from morph.alignment.maps.affine_map import AffineMap
+from morph.alignment.maps.body_map import MapData, Mapper
+from morph.alignment.maps.features import Features
+from morph.alignment.maps.follow import followed, linear
+from morph.alignment.maps.graph import alike, neighbours, patterns
+from morph.alignment.maps.joint import across, together
+from morph.alignment.maps.manifold import Manifold, ManifoldFree
+from morph.alignment.maps.pca_affine import PcaAffine
+from morph.alignment.maps.sparse import Sparse, coded, dictionary
+from morph.alignment.maps.state_law import StateLaw
+from morph.alignment.maps.transport import Transport, fused
+from morph.alignment.maps.uma import Uma
+from morph.alignment.pairs import posed, shuffled
+from morph.alignment.samples import Pairs, Transitions
 
 PAIRED: tuple[Mapper, ...] = (PcaAffine(), Manifold(), Uma(), Sparse(), Transport())
 

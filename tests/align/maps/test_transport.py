@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from align.maps.body_map import MapData
-from align.maps.transport import Transport
-from align.samples import Transitions
+from morph.alignment.maps.body_map import MapData
+from morph.alignment.maps.transport import Transport
+from morph.alignment.samples import Transitions
 
 
 def test_a_turned_cloud_is_mapped_back_in_its_whole_width() -> None:

@@ -10,12 +10,12 @@ from morph.body.load import load
 from morph.body.robot import Robot
 from morph.make.content import Package
 from morph.make.masses import link_masses
-from print.job import Job, Laid, Orientation, Plate
-from print.mesh import Mesh, from_manifold
-from print.part import Check, Hinge, Part, Placement, Seat
-from print.printer import Profile, material, printer
-from print.sliced import Sliced
-from print.weight import box
+from morph.print.job import Job, Laid, Orientation, Plate
+from morph.print.mesh import Mesh, from_manifold
+from morph.print.part import Check, Hinge, Part, Placement, Seat
+from morph.print.printer import Profile, material, printer
+from morph.print.sliced import Sliced
+from morph.print.weight import box
 
 
 def cube(*size: float) -> Mesh:

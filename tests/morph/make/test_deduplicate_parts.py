@@ -8,11 +8,11 @@ from morph.make.drawing import drawing
 from morph.make.groups import PieceGroup
 from morph.make.names import UniqueNames
 from morph.make.pieces import Piece
-from print.mesh import Mesh, from_manifold
-from print.part import Part
-from print.printer import Profile, material, printer
-from print.skeleton import Skeleton
-from print.solid import box
+from morph.print.mesh import Mesh, from_manifold
+from morph.print.part import Part
+from morph.print.printer import Profile, material, printer
+from morph.print.skeleton import Skeleton
+from morph.print.solid import box
 
 PROFILE = Profile(printer=printer("mk4"), material=material("pla"))
 

@@ -17,10 +17,10 @@ from morph.make.divide import divide
 from morph.make.division import Division
 from morph.make.drawing import drawing
 from morph.make.off_the_shelf_parts import axes, items
-from print.clearance import clearances
-from print.gate import check_part
-from print.part import Part
-from print.printer import Profile, material, printer
+from morph.print.clearance import clearances
+from morph.print.gate import check_part
+from morph.print.part import Part
+from morph.print.printer import Profile, material, printer
 
 PROFILE = Profile(printer=printer("mk4"), material=material("pla"))
 

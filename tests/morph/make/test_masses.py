@@ -7,7 +7,7 @@ import pytest
 
 from morph.body.robot import Robot
 from morph.make.masses import link_masses
-from print.job import Job
+from morph.print.job import Job
 
 
 def test_a_link_weighs_what_its_parts_do_about_their_common_centre(

@@ -12,7 +12,7 @@ from morph.body.robot import Robot
 from morph.make.drawing import drawing
 from morph.make.off_the_shelf_parts import items, parts
 from morph.make.printed import designed
-from print.weight import together
+from morph.print.weight import together
 
 
 def without_shapes(robot: Robot) -> Robot:

@@ -9,7 +9,7 @@ from morph.body.load import load
 from morph.make.drawing import drawing
 from morph.make.off_the_shelf_parts import items
 from morph.make.skeletons import skeletons
-from print.skeleton import Skeleton
+from morph.print.skeleton import Skeleton
 
 
 def grown(name: str) -> dict[str, Skeleton]:

@@ -10,7 +10,7 @@ from morph.arrays import Array
 from morph.make.moments import laid
 from morph.make.point_set_registration import cloud, motion
 from morph.make.solids import placed
-from print.mesh import Mesh, from_manifold
+from morph.print.mesh import Mesh, from_manifold
 
 
 def turn(rng: np.random.Generator, *, mirrored: bool) -> Array:

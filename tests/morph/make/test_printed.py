@@ -10,7 +10,7 @@ from morph.body.spec import spec_of
 from morph.errors import MakeError
 from morph.make.link_mass import LinkMass
 from morph.make.printed import designed, printed_robot
-from print.weight import Weight, box
+from morph.print.weight import Weight, box
 
 
 @pytest.fixture(scope="module")

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from align.maps.affine_map import AffineMap
+from morph.alignment.maps.affine_map import AffineMap
 from morph.transfer.controls import flipped, mixed, shuffled, through, turned
 
 GAIN, SHIFT = np.array([[1.0, 10.0, 100.0, 1000.0]]), np.array([0.25])

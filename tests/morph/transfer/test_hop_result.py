@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import morph.transfer
-from align.maps.affine_map import AffineMap
+from morph.alignment.maps.affine_map import AffineMap
 from morph.body.load import load
 from morph.errors import OutputError, TransferError
 from morph.task.tasks import task

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from align.samples import Transitions
+from morph.alignment.samples import Transitions
 from morph.errors import TransferError
 from morph.transfer.linear_belief import LinearBelief, anew, readings, regressed, regulator
 

@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from align.maps.affine_map import AffineMap
+from morph.alignment.maps.affine_map import AffineMap
 from morph.body.load import load
 from morph.task.tasks import task
 from morph.transfer.body import body

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from align.samples import Transitions
+from morph.alignment.samples import Transitions
 from morph.errors import TransferError
 from morph.transfer.balancers import balancer, seen_with
 from morph.transfer.body import Body, linear_law

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 import trimesh
 
-from print.check.subject import Subject
-from print.mesh import Mesh
-from print.part import Part, Placement, Seat
-from print.printer import Profile, material, printer
+from morph.print.check.subject import Subject
+from morph.print.mesh import Mesh
+from morph.print.part import Part, Placement, Seat
+from morph.print.printer import Profile, material, printer
 
 
 @pytest.fixture

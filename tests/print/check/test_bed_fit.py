@@ -4,11 +4,11 @@ from collections.abc import Callable
 
 import pytest
 
-from print.check.bed_fit import bed_fit
-from print.check.subject import Subject
-from print.mesh import Mesh
-from print.orient import fits
-from print.split import split
+from morph.print.check.bed_fit import bed_fit
+from morph.print.check.subject import Subject
+from morph.print.mesh import Mesh
+from morph.print.orient import fits
+from morph.print.split import split
 
 
 @pytest.mark.parametrize(

@@ -5,9 +5,9 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from print.check.checks import CHECKS, Rule
-from print.check.subject import Subject
-from print.mesh import Mesh
+from morph.print.check.checks import CHECKS, Rule
+from morph.print.check.subject import Subject
+from morph.print.mesh import Mesh
 
 Make = Callable[..., Mesh]
 

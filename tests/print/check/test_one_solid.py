@@ -4,10 +4,10 @@ from collections.abc import Callable
 
 import pytest
 
-from print.check.one_solid import one_solid
-from print.check.overlap import overlap
-from print.check.subject import Subject
-from print.mesh import Mesh
+from morph.print.check.one_solid import one_solid
+from morph.print.check.overlap import overlap
+from morph.print.check.subject import Subject
+from morph.print.mesh import Mesh
 
 Make = Callable[..., Mesh]
 

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 import trimesh
 
-from print.check.seat_fit import seat_fit
-from print.check.subject import Subject
-from print.mesh import Mesh
-from print.part import Seat
+from morph.print.check.seat_fit import seat_fit
+from morph.print.check.subject import Subject
+from morph.print.mesh import Mesh
+from morph.print.part import Seat
 
 Make = Callable[..., Mesh]
 

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 import trimesh
 
-from print.check.subject import Subject
-from print.check.wall import wall
-from print.mesh import Mesh
+from morph.print.check.subject import Subject
+from morph.print.check.wall import wall
+from morph.print.mesh import Mesh
 
 Make = Callable[..., Mesh]
 

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.metadata import version
 
-from align.maps.body_map import BodyMap
+from morph.alignment.maps.body_map import BodyMap
 from morph.arrays import JSON
 from morph.transfer.hop_result import parts_said
 from morph.transfer.parts import BodyNames, Parts

@@ -9,7 +9,7 @@ from morph.app.report.print.page import print_page
 from morph.files import write_whole
 from morph.make.content import Package
 from morph.make.margins import Margin
-from print.sheet import sheet
+from morph.print.sheet import sheet
 
 REPORT, ASSEMBLY = "report.html", "assembly.html"
 """Their names in the package."""

@@ -8,10 +8,10 @@ import numpy as np
 
 from morph.arrays import JSON, Array
 from morph.make.content import Package
-from print.decimate import lighter
-from print.explode import exploded
-from print.mesh import Mesh
-from print.part import Part
+from morph.print.decimate import lighter
+from morph.print.explode import exploded
+from morph.print.mesh import Mesh
+from morph.print.part import Part
 
 FACES = 600
 """Most faces of a copy on the page: twenty parts stay under half a megabyte."""

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from morph.app.report.print.words import counted, hours, refusals
 from morph.make.content import Package
-from print.job import Job, Plate
-from print.part import Check
+from morph.print.job import Job, Plate
+from morph.print.part import Check
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -10,8 +10,8 @@ import numpy as np
 from morph.make.content import Package
 from morph.make.link_mass import LinkMass
 from morph.make.margins import Margin
-from print.part import Check, Part
-from print.weight import Weight
+from morph.print.part import Check, Part
+from morph.print.weight import Weight
 
 FROM = {
     "gcode": "sliced",

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from align.maps.body_map import BodyMap
+from morph.alignment.maps.body_map import BodyMap
 from morph.app.viewer.align.chain_bodies import ChainPlayer
 from morph.app.viewer.align.joint_turns import moving
 from morph.app.viewer.align.read import inside

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
-from align.errors import AlignError
-from align.maps.body_map import BodyMap
-from align.maps.files import read
+from morph.alignment.errors import AlignError
+from morph.alignment.maps.body_map import BodyMap
+from morph.alignment.maps.files import read
 from morph.app.viewer.align.chain_bodies import ChainPlayer
 from morph.app.viewer.align.transfer_record import Story
 from morph.errors import ViewError

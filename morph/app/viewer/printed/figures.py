@@ -15,9 +15,9 @@ from morph.app.viewer.motion import RATE, MotionFrames
 from morph.app.viewer.printed.skin import MM, Skin
 from morph.arrays import Array
 from morph.body.robot import Robot
-from print.explode import Explosion
-from print.job import Plate
-from print.part import Part
+from morph.print.explode import Explosion
+from morph.print.job import Plate
+from morph.print.part import Part
 
 PARTING, HELD, CLOSING, CLOSED = 2.0, 1.5, 1.5, 0.5
 """How long a body takes to come apart, stays so, comes together and stays so, s."""

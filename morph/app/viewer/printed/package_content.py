@@ -13,8 +13,8 @@ from morph.app.viewer.printed.skin import HOT, PAINTERS, PLAIN, WARM, legend
 from morph.app.viewer.printed.viewed_package import ViewedPackage
 from morph.arrays import Array
 from morph.make.link_mass import LinkMass
-from print.part import Check, Part
-from print.weight import Weight
+from morph.print.part import Check, Part
+from morph.print.weight import Weight
 
 VERDICTS: dict[str, Colour] = {
     "refused": (213, 30, 20),

@@ -10,12 +10,12 @@ import numpy as np
 from morph.app.picture.shapes import PictureShape
 from morph.app.viewer.web_shapes import web_shapes
 from morph.arrays import Array, Integers
-from print.errors import PrintError
-from print.job import Job
-from print.mesh import Mesh
-from print.overhang import overhanging
-from print.part import Part
-from print.printer import Profile
+from morph.print.errors import PrintError
+from morph.print.job import Job
+from morph.print.mesh import Mesh
+from morph.print.overhang import overhanging
+from morph.print.part import Part
+from morph.print.printer import Profile
 
 MM = 1e-3
 """One millimetre, m."""

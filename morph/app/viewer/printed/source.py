@@ -13,9 +13,9 @@ from morph.make.divide import divide
 from morph.make.masses import link_masses
 from morph.make.package import ROBOT
 from morph.make.reading import read_package
-from print.errors import PrintError
-from print.prepare import prepare
-from print.printer import MATERIALS, PRINTERS, Profile
+from morph.print.errors import PrintError
+from morph.print.prepare import prepare
+from morph.print.printer import MATERIALS, PRINTERS, Profile
 
 
 def packed(folder: Path) -> tuple[Robot, Package]:

@@ -13,8 +13,8 @@ from morph.app.viewer.printed.skin import HOT, PAINTERS, PLAIN, Skin, mixed, ski
 from morph.arrays import Array
 from morph.body.robot import Robot
 from morph.make.content import Package
-from print.explode import Explosion, exploded
-from print.job import Plate
+from morph.print.explode import Explosion, exploded
+from morph.print.job import Plate
 
 PARTS: tuple[Colour, ...] = (
     (116, 169, 207),

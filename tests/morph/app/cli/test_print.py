@@ -15,8 +15,8 @@ import morph.make
 from morph.app.cli.main import main
 from morph.body.load import load
 from morph.make.reading import read_package
+from morph.print.threemf import read_3mf
 from morph.run_folder import OWNED
-from print.threemf import read_3mf
 
 SCHEMA = json.loads((Path(morph.make.__file__).parent / "package.schema.json").read_text())
 WORDS = ("--printer", "mk4", "--material", "pla", "--slicer", "none", "--quiet")

@@ -16,7 +16,7 @@ import trimesh
 
 from morph.app.cli.main import main
 from morph.body.load import load
-from print.threemf import read_3mf
+from morph.print.threemf import read_3mf
 
 INERTIA = '<inertia ixx="1e-3" iyy="1e-3" izz="1e-3" ixy="0" ixz="0" iyz="0"/>'
 WORDS = ("--printer", "mk4", "--material", "pla", "--slicer", "none", "--quiet")

@@ -23,13 +23,13 @@ from morph.policy.linear import Linear
 from morph.policy.observing import observations_of
 from morph.policy.policy import actions_of
 from morph.policy.store import write_policy
+from morph.print.job import Job, Laid, Orientation, Plate
+from morph.print.mesh import Mesh
+from morph.print.part import Part, Placement
+from morph.print.printer import Profile, material, printer
+from morph.print.sliced import Sliced
+from morph.print.weight import Weight
 from morph.task.tasks import task
-from print.job import Job, Laid, Orientation, Plate
-from print.mesh import Mesh
-from print.part import Part, Placement
-from print.printer import Profile, material, printer
-from print.sliced import Sliced
-from print.weight import Weight
 
 CORNERS = np.array([[0.0, 0, 0], [30, 0, 0], [0, 30, 0], [0, 0, 30]])
 WEDGE = Mesh(vertices=CORNERS, faces=np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]))

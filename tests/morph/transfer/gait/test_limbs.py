@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from align.samples import Transitions
+from morph.alignment.samples import Transitions
 from morph.body.load import load
 from morph.body.robot import Robot
 from morph.body.spec import spec_of

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import morph.app.report.align
-from align.maps.files import read
+from morph.alignment.maps.files import read
 from morph.app.cli.main import main
 
 SCHEMA = json.loads(

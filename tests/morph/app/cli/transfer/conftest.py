@@ -13,7 +13,7 @@ import pytest
 from jsonschema import Draft202012Validator
 
 import morph.transfer
-from align.maps.affine_map import AffineMap
+from morph.alignment.maps.affine_map import AffineMap
 from morph.app.cli.main import main
 from morph.app.cli.transfer_bodies import body_of
 from morph.transfer.body import Body

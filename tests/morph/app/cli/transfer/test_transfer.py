@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
-from align.errors import SamplesError
-from align.maps.files import read
+from morph.alignment.errors import SamplesError
+from morph.alignment.maps.files import read
 from morph.app.cli.main import main
 from morph.body.load import load
 from morph.policy.store import load_policy, write_policy

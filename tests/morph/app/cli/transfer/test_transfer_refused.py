@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from align.errors import MapError
+from morph.alignment.errors import MapError
 from morph.body.load import load
 from morph.policy.pattern import pattern
 from morph.policy.store import write_policy

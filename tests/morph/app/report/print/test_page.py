@@ -14,11 +14,11 @@ from morph.app.report.print.words import summary
 from morph.body.load import load
 from morph.make.content import Package
 from morph.make.masses import link_masses
-from print.job import Job
-from print.mesh import from_manifold
-from print.part import Check, Part, Placement
-from print.prepare import prepare
-from print.printer import Profile, material, printer
+from morph.print.job import Job
+from morph.print.mesh import from_manifold
+from morph.print.part import Check, Part, Placement
+from morph.print.prepare import prepare
+from morph.print.printer import Profile, material, printer
 
 HOSTILE = "<script>alert(1)</script>\"'&{{7*7}}"
 

@@ -11,7 +11,7 @@ import pytest
 from morph.app.report.print.words import hours, link_rows, margin_row
 from morph.make.link_mass import LinkMass
 from morph.make.margins import Margin
-from print.weight import Weight
+from morph.print.weight import Weight
 
 
 def weight(mass: float, x_mm: float = 0.0, stretch: float = 1.0) -> Weight:

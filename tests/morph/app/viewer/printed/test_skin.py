@@ -8,10 +8,10 @@ import trimesh
 
 from morph.app.viewer.printed.skin import BED, HOT, PLAIN, WARM, Skin, overhang, thickness, wall
 from morph.arrays import Array
-from print.job import Job, Orientation
-from print.mesh import Mesh
-from print.part import Part
-from print.printer import Profile, material, printer
+from morph.print.job import Job, Orientation
+from morph.print.mesh import Mesh
+from morph.print.part import Part
+from morph.print.printer import Profile, material, printer
 
 
 def skin_of(mesh: Mesh) -> Skin:

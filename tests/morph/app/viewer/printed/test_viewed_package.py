@@ -16,7 +16,7 @@ from morph.app.viewer.printed.package_content import notes, tables
 from morph.app.viewer.printed.package_zip import zipped
 from morph.app.viewer.printed.viewed_package import HELD, ViewedPackage
 from morph.errors import OutputError
-from print.part import Check
+from morph.print.part import Check
 
 EVIL = "<script>alert(1)</script>"
 
