@@ -132,3 +132,7 @@ class OutputError(MorphError):
 
 class ViewError(MorphError):
     """What is to be viewed cannot be used, or does not fit what it is viewed with."""
+
+
+class MissingPackage(MorphError):
+    """An optional dependency is not installed."""

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from importlib.metadata import version
 from typing import Any
 
+import morph
 from morph.arrays import JSON, Array
 from morph.body.fulltext import fulltext
 from morph.body.robot import Robot
@@ -105,7 +106,7 @@ def notes(
 def provenance(robot: Robot, recordings: Sequence[Recording]) -> dict[str, Any]:
     """Return versions and hashes."""
     return {
-        "morph": version("morph"),
+        "morph": morph.__version__,
         "mujoco": version("mujoco"),
         "robot_sha256": robot.sha256,
         "recordings_sha256": {recording.name: recording.sha256 for recording in recordings},

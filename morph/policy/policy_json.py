@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import cache
 from importlib import metadata
 
+import morph
 from morph.arrays import JSON
 from morph.body.robot import Robot
 from morph.errors import PolicyError
@@ -40,7 +41,7 @@ def said_of(
         "hold": "zero-order",
         "parts": _parts(policy),
         "learned": learned,
-        "provenance": {"morph": version("morph"), "mujoco": version("mujoco")},
+        "provenance": {"morph": morph.__version__, "mujoco": version("mujoco")},
     }
 
 

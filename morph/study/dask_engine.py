@@ -10,6 +10,7 @@ from contextlib import ExitStack, suppress
 from typing import Any, ClassVar, ParamSpec, TypeVar
 
 from morph.errors import StudyError
+from morph.extras import install_command
 from morph.study.engine import Engine, EngineName, WorkerDied
 
 try:
@@ -20,7 +21,7 @@ except ImportError as error:
     raise StudyError(
         f"engine dask needs a library that is not installed: {error}",
         where="--engine dask",
-        fix="pip install 'morph[cluster]'",
+        fix=install_command("cluster"),
     ) from error
 
 P = ParamSpec("P")

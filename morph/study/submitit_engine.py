@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any, ClassVar, ParamSpec, TypeVar
 
 from morph.errors import StudyError
+from morph.extras import install_command
 from morph.study.engine import Engine, WorkerDied
 
 try:
@@ -21,7 +22,7 @@ except ImportError as error:
     raise StudyError(
         f"engine slurm needs a library that is not installed: {error}",
         where="--engine slurm",
-        fix="pip install 'morph[cluster]'",
+        fix=install_command("cluster"),
     ) from error
 
 P = ParamSpec("P")

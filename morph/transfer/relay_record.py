@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from importlib.metadata import version
 
+import morph
 from morph.arrays import JSON
 from morph.files import sha256
 from morph.task.task import Task
@@ -55,7 +56,7 @@ class RelayRecord:
             "seconds": self.seconds,
             "notes": list(self.notes),
             "provenance": {
-                "morph": version("morph"),
+                "morph": morph.__version__,
                 "mujoco": version("mujoco"),
                 "command": self.command,
                 "inputs": dict(self.inputs),

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from importlib.metadata import version
 from typing import Literal
 
+import morph
 from morph.arrays import JSON
 from morph.errors import OutputError
 from morph.files import sha256
@@ -183,7 +184,7 @@ class Record:
             "seconds": self.seconds,
             "notes": list(self.notes),
             "provenance": {
-                "morph": version("morph"),
+                "morph": morph.__version__,
                 "mujoco": version("mujoco"),
                 "command": self.command,
             },

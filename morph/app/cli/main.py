@@ -6,6 +6,7 @@ import logging
 import os
 import sys
 from collections.abc import Sequence
+from importlib import import_module
 from io import TextIOWrapper
 from typing import Annotated
 
@@ -31,6 +32,7 @@ from morph.app.cli.study_arguments import Study
 from morph.app.cli.view_arguments import ViewCommand
 from morph.app.cli.weigh_arguments import Weigh
 from morph.errors import MorphError
+from morph.extras import extra_of, install_command, require
 
 DONE, UNUSABLE, STOPPED_SHORT, INTERRUPTED = 0, 2, 3, 130
 """Exit statuses, the same for every command."""
@@ -71,6 +73,25 @@ Asked = (
     | Annotated[Study, tyro.conf.subcommand("study")]
     | Annotated[List, tyro.conf.subcommand("list")]
 )
+
+# The name of each command, whose module and function are called after it, and the extra it needs.
+_COMMANDS: dict[type, tuple[str, str | None]] = {
+    Diagnose: ("diagnose", None),
+    Compare: ("compare", None),
+    Excite: ("excite", None),
+    Inspect: ("inspect", None),
+    Convert: ("convert", None),
+    Simulate: ("simulate", None),
+    Learn: ("learn", "learn"),
+    Loop: ("loop", "learn"),
+    Align: ("align", "learn"),
+    Transfer: ("transfer", "learn"),
+    Print: ("print", "print"),
+    Weigh: ("weigh", "print"),
+    ViewCommand: ("view", "view"),
+    Study: ("study", None),
+    List: ("list", None),
+}
 
 SUMMARY = """Compare the robot you think you have with what your robot did.
 
@@ -129,6 +150,15 @@ def main(argv: Sequence[str] | None = None) -> int:
         where, what, fix = (harmless(text) for text in (error.where, error.what, error.fix))
         sys.stderr.write(f"error: {where}: {what}\n  fix: {fix}\n")
         return UNUSABLE
+    except ModuleNotFoundError as error:
+        extra = extra_of(error.name or "")
+        if extra is None:
+            raise
+        sys.stderr.write(
+            f"error: {error.name} is not installed, which this needs\n"
+            f"  fix: {install_command(extra)}\n"
+        )
+        return UNUSABLE
     except KeyboardInterrupt:
         sys.stderr.write("interrupted; nothing was written\n")
         return INTERRUPTED
@@ -170,65 +200,13 @@ def _asked(given: Sequence[str]) -> Command:
 
 
 def _run(options: Command) -> int:
-    if isinstance(options, List):
-        from morph.app.cli.list import run_list
-
-        return run_list(options)
-    if isinstance(options, Compare):
-        from morph.app.cli.compare import run_compare
-
-        return run_compare(options)
-    if isinstance(options, Excite):
-        from morph.app.cli.excite import run_excite
-
-        return run_excite(options)
-    if isinstance(options, Inspect):
-        from morph.app.cli.inspect import run_inspect
-
-        return run_inspect(options)
-    if isinstance(options, Convert):
-        from morph.app.cli.convert import run_convert
-
-        return run_convert(options)
-    if isinstance(options, Simulate):
-        from morph.app.cli.simulate import run_simulate
-
-        return run_simulate(options)
-    if isinstance(options, Learn):
-        from morph.app.cli.learn import run_learn
-
-        return run_learn(options)
-    if isinstance(options, Loop):
-        from morph.app.cli.loop import run_loop
-
-        return run_loop(options)
-    if isinstance(options, Align):
-        from morph.app.cli.align import run_align
-
-        return run_align(options)
-    if isinstance(options, Transfer):
-        from morph.app.cli.transfer import run_transfer
-
-        return run_transfer(options)
-    if isinstance(options, Weigh):
-        from morph.app.cli.weigh import run_weigh
-
-        return run_weigh(options)
-    if isinstance(options, Print):
-        from morph.app.cli.print import run_print
-
-        return run_print(options)
-    if isinstance(options, ViewCommand):
-        from morph.app.cli.view import run_view
-
-        return run_view(options)
-    if isinstance(options, Study):
-        from morph.app.cli.study import run_study
-
-        return run_study(options)
-    from morph.app.cli.diagnose import run_diagnose
-
-    return run_diagnose(options)
+    name, extra = _COMMANDS[type(options)]
+    if extra is not None:
+        # Before the work: a search whose policy cannot be written would be lost.
+        require(extra, f"morph {name}")
+    module = import_module(f"morph.app.cli.{name}")
+    status: int = getattr(module, f"run_{name}")(options)
+    return status
 
 
 def entry() -> None:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 from morph.app.cli.arguments import Simulate
 from morph.errors import MorphError, OutputError, SimulationFailed
+from morph.extras import require
 
 if TYPE_CHECKING:
     from morph.app.cli.summary import Done
@@ -237,6 +238,9 @@ def _outputs(options: Simulate) -> tuple[Path | None, Path | None]:
         if name is not None:
             _check(option, name, endings)
         checked.append(None if name is None else Path(name))
+    for option, asked in (("--video", options.video), ("--view", options.view)):
+        if asked:
+            require("view", f"morph simulate {option}")
     return checked[0], checked[1]
 
 

@@ -8,6 +8,7 @@ from importlib.metadata import version
 
 import numpy as np
 
+import morph
 from morph.app.cli.console import harmless, paragraph, table
 from morph.app.cli.effects import shown
 from morph.arrays import JSON
@@ -88,7 +89,7 @@ def as_json(done: Done) -> JSON:
         },
         "files": dict(done.files),
         # Nothing in a simulation is drawn by chance, so it has no seed.
-        "provenance": {"morph": version("morph"), "mujoco": version("mujoco"), "seed": None},
+        "provenance": {"morph": morph.__version__, "mujoco": version("mujoco"), "seed": None},
     }
 
 

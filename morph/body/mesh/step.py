@@ -13,6 +13,7 @@ import numpy as np
 
 from morph.body.mesh.limits import unreadable
 from morph.body.mesh.solid import Mesh
+from morph.extras import install_command
 
 SECONDS = 120
 """Longest that the conversion may take."""
@@ -42,7 +43,7 @@ def read_step(content: bytes, where: str) -> Mesh:
         raise unreadable(
             "reading STEP needs cascadio, which is not installed",
             where,
-            "run .venv/bin/pip install -e '.[step]' in morph's repository; or export it as STL",
+            f"{install_command('step')}; or export it as STL",
         )
     if not content.lstrip()[:12] == b"ISO-10303-21":
         raise unreadable("does not begin as STEP does, with ISO-10303-21", where)

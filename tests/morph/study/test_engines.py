@@ -250,7 +250,7 @@ def test_a_missing_library_is_named_with_the_way_to_get_it(
     monkeypatch.setitem(sys.modules, library, None)
     for name in (module, "slurm"):
         monkeypatch.delitem(sys.modules, f"morph.study.{name}", raising=False)
-    with pytest.raises(StudyError, match=rf"{library}.*\n.*pip install 'morph\[cluster\]'"):
+    with pytest.raises(StudyError, match=rf"{library}.*\n.*'morph-robotics\[cluster\]'"):
         EngineOptions(engine=engine).start(tmp_path)
 
 

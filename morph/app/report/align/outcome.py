@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.metadata import version
 
+import morph
 from morph.alignment.maps.body_map import BodyMap
 from morph.arrays import JSON
 from morph.transfer.hop_result import parts_said
@@ -75,7 +76,7 @@ class Aligned:
             "seconds": self.seconds,
             "notes": list(self.notes),
             "provenance": {
-                "morph": version("morph"),
+                "morph": morph.__version__,
                 "mujoco": version("mujoco"),
                 "inputs": dict(self.inputs),
                 "command": self.command,

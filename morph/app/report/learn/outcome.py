@@ -10,6 +10,7 @@ from importlib.metadata import version
 
 import numpy as np
 
+import morph
 from morph.app.report.learn.judge import JudgedPolicy
 from morph.arrays import JSON, Array
 from morph.errors import OutputError
@@ -135,7 +136,7 @@ def as_json(outcome: LearnOutcome) -> JSON:
         },
         "notes": list(outcome.notes),
         "provenance": {
-            "morph": version("morph"),
+            "morph": morph.__version__,
             "mujoco": version("mujoco"),
             "command": outcome.command,
         },

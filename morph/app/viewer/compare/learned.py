@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
-from importlib.metadata import version
 from pathlib import Path
 
+import morph
 from morph.arrays import JSON
 from morph.body.pieces import cache_folder
 from morph.errors import MorphError, PolicyError
@@ -36,7 +36,7 @@ def kept_in(task: Task, seed: int) -> Path:
     """Return where the policy of a body's task is kept: by all that it depends on."""
     name = default(task.name, task.robot)
     settings = repr(search(name)())
-    key = sha256(hash_of(task.robot), task.sha256, settings, str(seed), version("morph"))
+    key = sha256(hash_of(task.robot), task.sha256, settings, str(seed), morph.__version__)
     return cache_folder() / "policies" / key
 
 

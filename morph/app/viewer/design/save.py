@@ -8,9 +8,9 @@ import shutil
 import tempfile
 from collections.abc import Mapping
 from dataclasses import replace
-from importlib.metadata import version
 from pathlib import Path
 
+import morph
 from morph.app.viewer.design.design_state import BodyPlan, Built
 from morph.app.viewer.design.parameters import effective, usable
 from morph.body.card import SCHEMA, Card, CardParameter, Checks, Citation, Motor, PrintTable
@@ -125,7 +125,7 @@ def origins(plan: BodyPlan, values: Mapping[str, float]) -> tuple[Citation, ...]
     robot = plan.robot
     first = Citation(
         what="everything that no parameter below changed",
-        from_=f"the robot {robot.name} (sha256 {robot.sha256[:16]}), by morph {version('morph')}",
+        from_=f"the robot {robot.name} (sha256 {robot.sha256[:16]}), by morph {morph.__version__}",
     )
     by = {parameter.name: parameter for parameter in plan.parameters}
     values = effective(plan.parameters, values)

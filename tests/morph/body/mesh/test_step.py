@@ -118,5 +118,5 @@ def test_what_is_no_step_is_refused(content: bytes) -> None:
 
 def test_without_the_extra_the_error_names_it(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
-    with pytest.raises(MeshError, match=r"pip install -e '\.\[step\]'"):
+    with pytest.raises(MeshError, match=r"pip install 'morph-robotics\[step\]'"):
         read_mesh(HEAD.encode(), "stp", "box")
