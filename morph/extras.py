@@ -13,6 +13,7 @@ EXTRAS = {
     "learn": ("cmaes", "gymnasium", "onnx", "ot", "sklearn", "torch"),
     "view": ("fast_simplification", "imageio_ffmpeg", "PIL", "viser", "websockets", "zstandard"),
     "print": ("fast_simplification", "lib3mf", "manifold3d", "onnx"),
+    "check": ("pinocchio",),
     "step": ("cascadio",),
     "cluster": ("dask", "distributed", "submitit"),
     "compiler": ("ziglang",),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from importlib.util import find_spec
 from typing import Any
 
 import mujoco
@@ -14,6 +15,7 @@ from morph.body.quiet import quiet
 from morph.body.robot import Robot
 from morph.body.spec import spec_of
 from morph.errors import RobotError
+from morph.extras import install_command
 
 TOLERANCE = 1e-9
 """Greatest relative difference of mass, centre of mass and inertia."""
@@ -28,6 +30,9 @@ MOST_DOF = 150
 
 READ = "it read what morph made of it, and agrees with MuJoCo"
 """What is done where Pinocchio cannot read the file itself."""
+
+FIX = "look at what Pinocchio names or leaves out; tell morph if the file is right"
+"""What a reader may do about a disagreement."""
 
 UNREAD = "Pinocchio cannot read it: "
 """How `morph.body.twin` begins."""
@@ -50,7 +55,11 @@ def disagreement(robot: Robot) -> list[DescriptionFinding]:
 
     Pinocchio reads the robot's own file. Where that cannot be, or where a repair or
     a scale explains the difference, it reads what MuJoCo is given instead, repairs and all.
+    Where it is not installed the finding says so.
     """
+    if find_spec("pinocchio") is None:
+        missing = "Pinocchio, which would check MuJoCo's reading, is not installed"
+        return [_finding(robot, missing, fix=install_command("check"))]
     ours, findings = read_by_mujoco(robot), []
     if len(ours.eigenvalues) > MOST_DOF:
         many = f"it has {len(ours.eigenvalues)} degrees of freedom, above {MOST_DOF}"
@@ -76,14 +85,14 @@ def disagreement(robot: Robot) -> list[DescriptionFinding]:
     return [_finding(robot, what)]
 
 
-def _finding(robot: Robot, what: str, done: str = "nothing") -> DescriptionFinding:
+def _finding(robot: Robot, what: str, done: str = "nothing", fix: str = FIX) -> DescriptionFinding:
     return DescriptionFinding(
         code="agreement",
         severity="info",
         where=Where(kind="robot", name=robot.name, file=str(robot.source or "")),
         what=what,
         done=done,
-        fix="look at what Pinocchio names or leaves out; tell morph if the file is right",
+        fix=fix,
     )
 
 

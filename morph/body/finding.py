@@ -103,6 +103,7 @@ CODES: dict[str, str] = {
     "engine-refused": "MuJoCo cannot use what was read.",
     "engine-warning": "MuJoCo warns of something in what was read.",
     "unsupported": "A part of the description that morph does not model was left out.",
-    "agreement": "MuJoCo and Pinocchio disagree about the robot, or Pinocchio cannot read it.",
+    "agreement": "MuJoCo and Pinocchio disagree about the robot, or Pinocchio cannot read it or is "
+    "not installed.",
 }
 """Every code, with what it says."""
