@@ -28,8 +28,8 @@ from experiments.figures.result_file import figure_name
 from experiments.figures.save_options import parse_and_save
 from morph.arrays import JSON
 from morph.body.load import load
+from morph.fabrication.divide import divide
 from morph.files import write_whole
-from morph.make.divide import divide
 from morph.print.bed_pose import laid, mesh_of
 from morph.print.clearance import clearances
 from morph.print.gate import check_part

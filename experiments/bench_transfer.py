@@ -1,10 +1,10 @@
 """First-trial transfer in figures: the loop beside adjusting, doing nothing, and the oracle.
 
 A policy is planned on a body as described and tried on one that was changed: a figure of it, or
-physics that its description does not have. The loop (`morph/transfer/loop.py`) has some trials
-on the target. Beside it: adjusting alone (thesis 3.3), learning from scratch on the target, the
-policy as it is, and a plan on the true body. Every policy is judged by 64 noisy runs that nobody
-learns from. The seeds 0 to 19 judge; all was built on seeds from 100 on.
+physics that its description does not have. The loop (`morph/policy_transfer/loop.py`) has some
+trials on the target. Beside it: adjusting alone (thesis 3.3), learning from scratch on the target,
+the policy as it is, and a plan on the true body. Every policy is judged by 64 noisy runs that
+nobody learns from. The seeds 0 to 19 judge; all was built on seeds from 100 on.
 """
 
 from __future__ import annotations

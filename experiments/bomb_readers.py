@@ -37,7 +37,7 @@ def _view(path: Path) -> object:
 
 
 def _package(path: Path) -> object:
-    from morph.make.reading import read_packed
+    from morph.fabrication.reading import read_packed
 
     return read_packed(path)
 

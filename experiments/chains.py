@@ -34,13 +34,13 @@ from morph.arrays import JSON, Array
 from morph.body.load import load
 from morph.errors import MorphError
 from morph.files import write_whole
+from morph.policy_transfer.balancers import balancer, seen_with
+from morph.policy_transfer.body import Body, linear_law, still_law
+from morph.policy_transfer.mapped.belief import read
+from morph.policy_transfer.mapped.feedback import plain
+from morph.policy_transfer.relay import Relayed, as_believed, carry, relay, through_map, tried
+from morph.policy_transfer.riders import RIDERS, rider, riding
 from morph.study.cell import cells_of
-from morph.transfer.balancers import balancer, seen_with
-from morph.transfer.body import Body, linear_law, still_law
-from morph.transfer.mapped.belief import read
-from morph.transfer.mapped.feedback import plain
-from morph.transfer.relay import Relayed, as_believed, carry, relay, through_map, tried
-from morph.transfer.riders import RIDERS, rider, riding
 
 EXAMPLE = """example:
   python -m experiments.chains --seeds 0:10 --json out/chains.json

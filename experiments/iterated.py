@@ -9,13 +9,13 @@ import numpy as np
 
 from morph.arrays import JSON, Array
 from morph.body.load import load
+from morph.policy_transfer.body import Body, linear_law
+from morph.policy_transfer.iterations import Drift, PrintedBody, first_of, iterations, nearby
+from morph.policy_transfer.linear_belief import LinearBelief, anew, regressed, regulator
 from morph.search.cmaes import Adapting
 from morph.sim.threads import one_thread
 from morph.task.balance import balance
 from morph.task.push import Push
-from morph.transfer.body import Body, linear_law
-from morph.transfer.iterations import Drift, PrintedBody, first_of, iterations, nearby
-from morph.transfer.linear_belief import LinearBelief, anew, regressed, regulator
 
 BODIES = {"cartpole": 0.4, "rider_rigid_driven": 0.4, "cart_two_links": 0.2}
 """Each body and the push on its lowest swinging link, N s per kg of the whole body."""

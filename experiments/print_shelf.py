@@ -22,8 +22,8 @@ from morph.arrays import JSON
 from morph.body import shelf
 from morph.body.load import load
 from morph.errors import MorphError
+from morph.fabrication.divide import divide
 from morph.files import write_whole
-from morph.make.divide import divide
 from morph.print.errors import PrintError
 from morph.print.job import Job
 from morph.print.part import Check

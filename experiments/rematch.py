@@ -33,10 +33,10 @@ from morph.body.inertia import spread
 from morph.body.load import load
 from morph.body.robot import Robot
 from morph.errors import MorphError
-from morph.make.link_mass import LinkMass
-from morph.make.match.case import Case as Judging
-from morph.make.printed import designed, printed_robot
-from morph.make.rematch import Matched, rematch
+from morph.fabrication.link_mass import LinkMass
+from morph.fabrication.match.case import Case as Judging
+from morph.fabrication.printed import designed, printed_robot
+from morph.fabrication.rematch import Matched, rematch
 from morph.policy.policy import Policy
 from morph.print.weight import Weight
 from morph.search.family.parts import parts_of
@@ -115,8 +115,8 @@ def _mass(link: str, weight: Weight, drawn: tuple[float, Array, Array], mirror: 
 
 def of_parts(robot: Robot) -> Robot:
     """Return a robot with the masses of its own parts, estimated without a slicer."""
-    from morph.make.divide import divide
-    from morph.make.masses import link_masses
+    from morph.fabrication.divide import divide
+    from morph.fabrication.masses import link_masses
     from morph.print.prepare import prepare
     from morph.print.printer import Profile, material, printer
 

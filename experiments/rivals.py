@@ -1,10 +1,10 @@
 """What a transfer is compared with, in figures: losses of five trials on changed cart-poles.
 
 A swing-up is planned and seen on the cart-pole as it is; then every rival of
-`morph/transfer/baselines/` has five trials on one with a longer or shorter pole, more friction or
-more mass, and, as a control, on the same cart-pole. Beside them: doing nothing, and a plan on the
-target's true parameters. Losses are interquartile means over seeds with bootstrap intervals
-(Agarwal and others 2021, Deep RL at the edge of the statistical precipice, NeurIPS).
+`morph/policy_transfer/baselines/` has five trials on one with a longer or shorter pole, more
+friction or more mass, and, as a control, on the same cart-pole. Beside them: doing nothing, and a
+plan on the target's true parameters. Losses are interquartile means over seeds with bootstrap
+intervals (Agarwal and others 2021, Deep RL at the edge of the statistical precipice, NeurIPS).
 """
 
 from __future__ import annotations
@@ -27,12 +27,12 @@ from experiments.figures.result_file import flat
 from experiments.figures.save_options import parse_and_save
 from experiments.transfer.changed import changed, target_of
 from morph.arrays import JSON, Array
+from morph.policy_transfer.baselines.baselines import BASELINES
+from morph.policy_transfer.baselines.source import Source
 from morph.search.ddp import Plan
 from morph.search.evaluate import evaluate
 from morph.search.search import Problem
 from morph.study.cell import cells_of
-from morph.transfer.baselines.baselines import BASELINES
-from morph.transfer.baselines.source import Source
 
 EXAMPLE = """example:
   python -m experiments.rivals --seeds 5 --resume --json > out/rivals.json

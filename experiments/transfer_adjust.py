@@ -31,14 +31,15 @@ from morph.arrays import JSON, Array
 from morph.errors import MorphError
 from morph.policy.adjusted import Adjusted
 from morph.policy.policy import Policy
+from morph.policy_transfer.adjustment import adjust
+from morph.policy_transfer.adjustment.adjust import AdjustedPolicy, AdjustSettings
+from morph.policy_transfer.adjustment.adjusted_rollout import most_promising
+from morph.policy_transfer.adjustment.rounds import sources
+from morph.policy_transfer.adjustment.source import SimulatedTask
 from morph.search.evaluate import evaluate
 from morph.search.target import Experience, Simulated
 from morph.sim.threads import one_thread
 from morph.task.swing_up import swing_up
-from morph.transfer.adjustment.adjust import AdjustedPolicy, AdjustSettings, adjusted, applied
-from morph.transfer.adjustment.adjusted_rollout import most_promising
-from morph.transfer.adjustment.rounds import sources
-from morph.transfer.adjustment.source import SimulatedTask
 
 EXAMPLE = """example:
   python -m experiments.transfer_adjust --only friction --seed 100 --seeds 5 --save-as friction.json
@@ -46,7 +47,6 @@ EXAMPLE = """example:
 
 FRICTION = (("b", 3.0), ("b", 11.0))
 """Friction +200 % and +1000 %."""
-
 FACTORS = (0.25, 0.5, 2.0, 4.0, 10.0)
 """Factors of each parameter, as in figures 7 and 8 of the thesis."""
 FIGURE = tuple((name, factor) for name in ("g", "l", "m", "M", "b") for factor in FACTORS)
@@ -126,7 +126,7 @@ class Case:
         inverse: Inverse | None = None,
     ) -> AdjustedPolicy:
         """Return what is made of one run."""
-        return adjusted(
+        return adjust.adjusted(
             self.source,
             self.plans[0],
             [run or self.run],
@@ -155,7 +155,7 @@ class Case:
         if controls:
             rng = np.random.default_rng([self.seed, 6])
             mixed = replace(self.run, command=rng.permutation(self.run.command))
-            flipped = applied(made.adjustment.times(-1.0), policy.source)
+            flipped = adjust.applied(made.adjustment.times(-1.0), policy.source)
             ways["shuffled"] = self.tried(self.chosen(self.made(mixed)))
             ways["flipped"] = self.tried(flipped)
             ways["oracle"] = self.tried(self.chosen(self.made(inverse=Known(self.target))))

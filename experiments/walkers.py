@@ -8,6 +8,14 @@ import numpy as np
 
 from morph.arrays import JSON, Array
 from morph.body.load import load
+from morph.policy_transfer.gait_family import (
+    Response,
+    Told,
+    TransferredGaits,
+    carried,
+    joint_map,
+    tried,
+)
 from morph.search.cmaes import Adapting
 from morph.search.evaluate import evaluate
 from morph.search.family.family import Family
@@ -20,7 +28,6 @@ from morph.task.crouch import crouch
 from morph.task.stand import stand
 from morph.task.task import Task
 from morph.task.walk import walk
-from morph.transfer.gait_family import Response, Told, TransferredGaits, carried, joint_map, tried
 
 DISTANCE, HORIZON = 0.5, 5.0
 """How far both are to walk, m, and how long they have, s."""

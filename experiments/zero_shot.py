@@ -21,13 +21,13 @@ from experiments.morphologies.scratch import SIZES, scratch
 from experiments.morphologies.summary import ENOUGH, FEW, HUMANOID, headline, in_words, summary
 from morph.alignment.samples import Transitions
 from morph.arrays import JSON, Array
+from morph.policy_transfer.balancers import PLANAR, balancer, seen_with
+from morph.policy_transfer.body import linear_law, still_law
+from morph.policy_transfer.mapped.belief import read
+from morph.policy_transfer.mapped.feedback import plain
+from morph.policy_transfer.relay import tried
+from morph.policy_transfer.riders import rider
 from morph.study.cell import cells_of
-from morph.transfer.balancers import PLANAR, balancer, seen_with
-from morph.transfer.body import linear_law, still_law
-from morph.transfer.mapped.belief import read
-from morph.transfer.mapped.feedback import plain
-from morph.transfer.relay import tried
-from morph.transfer.riders import rider
 
 EXAMPLE = """example:
   python -m experiments.zero_shot --seeds 0:10 --json out/zero_shot.json

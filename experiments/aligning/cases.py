@@ -16,11 +16,11 @@ from morph.alignment.maps.body_map import MapData
 from morph.alignment.maps.follow import linear
 from morph.alignment.pairs import posed
 from morph.arrays import JSON
+from morph.policy_transfer.balancers import balancer
+from morph.policy_transfer.body import Body, linear_law, still_law
+from morph.policy_transfer.mapped.feedback import holding
+from morph.policy_transfer.mapped.feedback import plain as plain_feedback
 from morph.search.regulator.lqr import noise_aware
-from morph.transfer.balancers import balancer
-from morph.transfer.body import Body, linear_law, still_law
-from morph.transfer.mapped.feedback import holding
-from morph.transfer.mapped.feedback import plain as plain_feedback
 
 SHELF = (
     ("cartpole", "rider_rigid_driven"),

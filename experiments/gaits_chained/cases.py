@@ -12,16 +12,16 @@ import numpy as np
 
 from experiments.swim.water import aqua_water
 from morph.errors import MorphError
+from morph.policy_transfer.gait.controls import CONTROLS, control
+from morph.policy_transfer.gait.direct import direct
+from morph.policy_transfer.gait.free import free
+from morph.policy_transfer.gait.hop import Budget, family_of, felt
+from morph.policy_transfer.gait.mover import Mover
+from morph.policy_transfer.gait.relay import Chained, relay
+from morph.policy_transfer.gait.swimmers import swimmer
+from morph.policy_transfer.gait.walkers import walker
 from morph.search.family.family import Family
 from morph.search.family.gait import gait
-from morph.transfer.gait.controls import CONTROLS, control
-from morph.transfer.gait.direct import direct
-from morph.transfer.gait.free import free
-from morph.transfer.gait.hop import Budget, family_of, felt
-from morph.transfer.gait.mover import Mover
-from morph.transfer.gait.relay import Chained, relay
-from morph.transfer.gait.swimmers import swimmer
-from morph.transfer.gait.walkers import walker
 
 CHAINS: Mapping[str, tuple[str, ...]] = {
     "aqua": ("swimmer_three_links", "sea_snake_planar", "sea_snake", "hexapod_swimmer"),

@@ -16,12 +16,12 @@ from morph.body.vary import Heavier, Operation, Scale, Stiffen, vary
 from morph.body.vary.apply import edited
 from morph.errors import SearchError
 from morph.files import sha256
+from morph.policy_transfer.body import Body, body, linear_law, still_law
 from morph.search.regulator.lqr import lqr
 from morph.sim.start import started
 from morph.task.balance import balance
 from morph.task.chain import posture
 from morph.task.push import Push
-from morph.transfer.body import Body, body, linear_law, still_law
 
 FAMILIES = (
     "cartpole",

@@ -7,7 +7,7 @@ import numpy as np
 from experiments.kin.bodies import Kin, Source, regulator
 from morph.arrays import Array
 from morph.errors import SearchError
-from morph.transfer.body import Body
+from morph.policy_transfer.body import Body
 
 
 def by_features(source: Source, target: Kin, law: Array) -> Array | None:

@@ -14,7 +14,7 @@ from morph.alignment.belief import Belief
 from morph.alignment.guard import PredictedScores, TrialTask, foreseen
 from morph.alignment.samples import Transitions
 from morph.arrays import JSON, Array
-from morph.transfer.body import Law, linear_law, still_law
+from morph.policy_transfer.body import Law, linear_law, still_law
 
 ROWS = 16
 """Runs of the target by which a policy is measured; they begin alike for all policies."""

@@ -14,7 +14,7 @@ from morph.alignment.metric import apart, certain, mean_only, promise
 from morph.alignment.samples import Transitions
 from morph.alignment.tracking_feasibility import following
 from morph.arrays import JSON, Array
-from morph.transfer.body import linear_law, still_law
+from morph.policy_transfer.body import linear_law, still_law
 
 EACH = 4
 """Bodies of a seed."""

@@ -13,7 +13,7 @@ from morph.alignment.errors import AlignError
 from morph.alignment.samples import Transitions
 from morph.arrays import Array
 from morph.errors import MorphError
-from morph.transfer.hop import hop
+from morph.policy_transfer.hop import hop
 
 FEW = 20
 """Transitions of the target that a hasty map is learned from."""

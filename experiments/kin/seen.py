@@ -9,7 +9,7 @@ from morph.alignment.belief import Belief, believed, mechanical
 from morph.alignment.errors import SamplesError
 from morph.alignment.guard import TrialTask
 from morph.alignment.samples import Transitions
-from morph.transfer.body import Body
+from morph.policy_transfer.body import Body
 
 MOST = 60
 """Transitions of the target that the guard may see."""

@@ -12,13 +12,13 @@ from morph.arrays import Array
 from morph.body.load import load
 from morph.body.vary import Heavier, Operation, Scale, vary
 from morph.errors import MorphError, SearchError
-from morph.transfer.balancers import PUSHED, pushed
-from morph.transfer.body import Body, linear_law
-from morph.transfer.hop import hop
-from morph.transfer.mapped.belief import carried, learned, read
-from morph.transfer.mapped.feedback import cautious, chosen, plain
-from morph.transfer.mapped.lift import lift
-from morph.transfer.relay import same
+from morph.policy_transfer.balancers import PUSHED, pushed
+from morph.policy_transfer.body import Body, linear_law
+from morph.policy_transfer.hop import hop
+from morph.policy_transfer.mapped.belief import carried, learned, read
+from morph.policy_transfer.mapped.feedback import cautious, chosen, plain
+from morph.policy_transfer.mapped.lift import lift
+from morph.policy_transfer.relay import same
 
 LONGER, HEAVIER = 0.25, 0.5
 """Deviations of the logarithms of a kin's size and of each mass of its links."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from morph.arrays import Array
-from morph.transfer.body import Body, linear_law
+from morph.policy_transfer.body import Body, linear_law
 
 SIZES = (0.03, 0.1, 0.3)
 """Sizes of the moves that are tried: shares of half a range per unit of state."""

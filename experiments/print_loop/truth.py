@@ -13,8 +13,8 @@ from morph.arrays import Array
 from morph.body.load import load
 from morph.body.robot import Robot
 from morph.body.spec import spec_of
-from morph.make.link_mass import LinkMass
-from morph.make.printed import designed, printed_robot
+from morph.fabrication.link_mass import LinkMass
+from morph.fabrication.printed import designed, printed_robot
 from morph.physics.actuator.torque_scale import TorqueScale
 from morph.physics.effect import Effect
 from morph.physics.joint.coulomb_friction import CoulombFriction

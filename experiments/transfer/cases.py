@@ -16,6 +16,9 @@ from morph.model.latent.unknowns import turned
 from morph.physics import EFFECTS
 from morph.physics.effect import Effect
 from morph.policy.policy import Policy
+from morph.policy_transfer.adjustment.rounds import rounds, sources
+from morph.policy_transfer.adjustment.source import SimulatedTask
+from morph.policy_transfer.loop import TransferLoop
 from morph.search.ddp import Plan
 from morph.search.evaluate import Score, evaluate
 from morph.search.gp_ddp import LearnedPlans
@@ -24,9 +27,6 @@ from morph.search.target import Simulated
 from morph.sim.threads import one_thread
 from morph.task.swing_up import swing_up
 from morph.task.task import Task
-from morph.transfer.adjustment.rounds import rounds, sources
-from morph.transfer.adjustment.source import SimulatedTask
-from morph.transfer.loop import TransferLoop
 
 ROWS = 64
 """Noisy runs by which each policy is judged."""

@@ -23,7 +23,7 @@ def test_its_blocks_run_one_after_another(capsys: pytest.CaptureFixture[str]) ->
 
 
 def test_what_it_names_is_there() -> None:
-    named = re.findall(r"`(morph\.transfer\.[\w.]+)`", TEXT)
+    named = re.findall(r"`(morph\.policy_transfer\.[\w.]+)`", TEXT)
     assert len(named) == 4
     for each in named:
         module, _, name = each.rpartition(".")

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from experiments.rivals import WORLDS
-from morph.transfer.baselines.baselines import BASELINES
+from morph.policy_transfer.baselines.baselines import BASELINES
 
 TEXT = (Path(__file__).resolve().parents[2] / "docs" / "baselines.md").read_text(encoding="utf-8")
 

@@ -12,13 +12,13 @@ import pytest
 
 from morph.body.load import load
 from morph.errors import TrialStopped
+from morph.policy_transfer.live.live import Live
+from morph.policy_transfer.live.process import Process
+from morph.policy_transfer.live.protocol import hello_of, parsed
+from morph.policy_transfer.live.serve import Serve
+from morph.policy_transfer.live.watch import Watch
+from morph.policy_transfer.live.wiring import Wiring
 from morph.task.tasks import task
-from morph.transfer.live.live import Live
-from morph.transfer.live.process import Process
-from morph.transfer.live.protocol import hello_of, parsed
-from morph.transfer.live.serve import Serve
-from morph.transfer.live.watch import Watch
-from morph.transfer.live.wiring import Wiring
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 BRIDGE = DOCS / "live_ros2.py"

@@ -7,11 +7,11 @@ import re
 from dataclasses import fields
 from pathlib import Path
 
-import morph.transfer
+import morph.policy_transfer
 from morph.app.cli.arguments import Loop
 from morph.app.cli.outputs import LOOP, RECORDED
 from morph.app.report.loop.words import FIGURES
-from morph.transfer.loop_checkpoint import STATE, TRIALS
+from morph.policy_transfer.loop_checkpoint import STATE, TRIALS
 
 TEXT = (Path(__file__).resolve().parents[2] / "docs" / "loop.md").read_text(encoding="utf-8")
 
@@ -33,7 +33,7 @@ def test_every_file_and_every_figure_is_on_the_page() -> None:
 
 
 def test_every_field_of_the_record_is_on_the_page() -> None:
-    path = Path(morph.transfer.__file__).parent / "transfer.schema.json"
+    path = Path(morph.policy_transfer.__file__).parent / "transfer.schema.json"
     schema = json.loads(path.read_text())
     hop = set(schema["$defs"]["hop"]["properties"])
     plain = {"source", "target", "map", "quality", "samples", "succeeded", "why"}

@@ -15,8 +15,8 @@ from morph.app.cli.weigh_arguments import Weigh
 from morph.app.report.print.files import ASSEMBLY, REPORT
 from morph.app.viewer.view_request import ViewRequest
 from morph.app.viewer.views.views import makers
-from morph.make.link_mass import Source
-from morph.make.packed import SCHEMA
+from morph.fabrication.link_mass import Source
+from morph.fabrication.packed import SCHEMA
 from morph.print.check.checks import CHECKS
 from morph.print.gauge import PLAYS_MM
 from morph.print.repair import DISTANCE_MM, VOLUME

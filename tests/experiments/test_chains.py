@@ -11,8 +11,8 @@ from experiments.balance_chained.summary import first, from_nothing
 from experiments.chains import Shuffled, main
 from morph.alignment.maps.affine_map import AffineMap
 from morph.arrays import JSON
-from morph.transfer.balancers import balancer
-from morph.transfer.relay import same
+from morph.policy_transfer.balancers import balancer
+from morph.policy_transfer.relay import same
 
 
 @pytest.fixture(scope="module")

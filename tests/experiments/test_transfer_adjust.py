@@ -11,9 +11,9 @@ from experiments import transfer_adjust
 from experiments.transfer.changed import changed, target_of
 from experiments.transfer_adjust import Known, main, measured, report
 from morph.policy.policy import Policy
+from morph.policy_transfer.adjustment.source import SimulatedTask
 from morph.search.ddp import Plan
 from morph.search.search import Problem
-from morph.transfer.adjustment.source import SimulatedTask
 
 
 def cheap(source: SimulatedTask, *, seed: int) -> tuple[Policy, ...]:

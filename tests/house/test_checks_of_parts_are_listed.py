@@ -14,7 +14,7 @@ ROOT = Path(__file__).parents[2]
 
 def made() -> set[str]:
     """Return the names that checks are given outside the list of rules."""
-    files = [*(ROOT / "print").glob("*.py"), *(ROOT / "morph" / "make").glob("*.py")]
+    files = [*(ROOT / "print").glob("*.py"), *(ROOT / "morph" / "fabrication").glob("*.py")]
     calls = (
         node
         for file in files

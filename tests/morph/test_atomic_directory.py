@@ -13,13 +13,13 @@ import pytest
 from morph import atomic_directory as atomic
 from morph.atomic_directory import atomic_directory
 from morph.errors import OutputError
-from morph.make.package_folder import package_folder
-from morph.make.packed import FILE, SCHEMA
+from morph.fabrication.package_folder import package_folder
+from morph.fabrication.packed import FILE, SCHEMA
 
 HELD = """
 import sys, time
 from pathlib import Path
-from morph.make.package_folder import package_folder
+from morph.fabrication.package_folder import package_folder
 with package_folder(Path(sys.argv[1])) as made:
     (made / "half").write_text("half")
     print(made.name, flush=True)

@@ -15,9 +15,9 @@ from morph.app.cli.console import harmless
 from morph.errors import TransferError
 from morph.files import sha256
 from morph.npz import load_npz
-from morph.transfer.body import Body
-from morph.transfer.parts import BodyNames, Spreads, names_of
-from morph.transfer.relay import tried
+from morph.policy_transfer.body import Body
+from morph.policy_transfer.parts import BodyNames, Spreads, names_of
+from morph.policy_transfer.relay import tried
 
 ARRAYS = ("state", "command", "after")
 """What a file of transitions must hold."""

@@ -21,16 +21,16 @@ from morph.app.cli.stages import Stages
 from morph.app.report.align.outcome import Aligned
 from morph.arrays import Array
 from morph.errors import TransferError
+from morph.policy_transfer.body import Body
+from morph.policy_transfer.controls import through
+from morph.policy_transfer.evaluate_hop import stepping
+from morph.policy_transfer.guarded import guarded
+from morph.policy_transfer.mapped.feedback import holding
+from morph.policy_transfer.mapped.lift import lift
+from morph.policy_transfer.parts import parts
+from morph.policy_transfer.relay_record import hashes
+from morph.policy_transfer.transfer_record import GuardRecord
 from morph.record.nearest import nearest
-from morph.transfer.body import Body
-from morph.transfer.controls import through
-from morph.transfer.evaluate_hop import stepping
-from morph.transfer.guarded import guarded
-from morph.transfer.mapped.feedback import holding
-from morph.transfer.mapped.lift import lift
-from morph.transfer.parts import parts
-from morph.transfer.relay_record import hashes
-from morph.transfer.transfer_record import GuardRecord
 
 UNKNOWN = GuardRecord(verdict="unsure", probability=None)
 """Of a map through which no policy can be seen."""

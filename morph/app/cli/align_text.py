@@ -8,7 +8,7 @@ from morph.app.cli.align_arguments import Align
 from morph.app.cli.console import harmless, paragraph, table, width
 from morph.app.report.align.outcome import Aligned
 from morph.app.report.align.words import headline, lost_said, quality_rows, summary
-from morph.transfer.parts import Arrow, Parts
+from morph.policy_transfer.parts import Arrow, Parts
 
 BAR = 10
 """Letters of an arrow whose share is one."""

@@ -15,12 +15,12 @@ from morph.model.latent.candidates import places
 from morph.model.latent.unknowns import turned, unknowns
 from morph.physics.effect import Effect, Parameter
 from morph.policy.policy import UNLIMITED, Policy, actions_of
+from morph.policy_transfer.retask import task_for
 from morph.search.evaluate import attempt
 from morph.search.target import Simulated
 from morph.task.moved import Moved
 from morph.task.run import run
 from morph.task.task import Task
-from morph.transfer.retask import task_for
 
 LEAST, MOST = 1.25, 2.0
 """A drawn figure is off by a factor of so much, up or down."""

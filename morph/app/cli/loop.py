@@ -15,9 +15,9 @@ if TYPE_CHECKING:
     from morph.app.cli.target_options import TargetOptions
     from morph.app.report.loop.outcome import LoopOutcome
     from morph.policy.policy import Policy
+    from morph.policy_transfer.loop import LoopRound, Transferred
+    from morph.policy_transfer.loop_checkpoint import Keep
     from morph.task.task import Task
-    from morph.transfer.loop import LoopRound, Transferred
-    from morph.transfer.loop_checkpoint import Keep
 
 DONE, STOPPED_SHORT, INTERRUPTED = 0, 3, 130
 
@@ -105,7 +105,7 @@ def _task(options: Loop) -> Task:
     if not options.limit:
         return result
     from morph.app.cli.target_options import limits
-    from morph.transfer.live.limited_task import within
+    from morph.policy_transfer.live.limited_task import within
 
     # What is searched and foreseen knows the limits of what will be tried.
     return within(result, limits(options.limit))
@@ -149,8 +149,8 @@ def _carried(
     from morph.app.cli.target_options import conduct_notes, live_of, sealed_aim
     from morph.app.report.loop.files import write_loop
     from morph.app.report.loop.words import round_said
-    from morph.transfer.loop import TransferLoop as Trials
-    from morph.transfer.loop import concluded
+    from morph.policy_transfer.loop import TransferLoop as Trials
+    from morph.policy_transfer.loop import concluded
 
     policy, notes = source(options, task, given, progress)
     aim = sealed_aim(options, task, policy) if aim is None else aim
@@ -201,8 +201,8 @@ def _judged(
 
     from morph.app.cli.loop_text import command
     from morph.app.report.loop.outcome import LoopOutcome
+    from morph.policy_transfer.score import JUDGING, judged
     from morph.search.evaluate import evaluate
-    from morph.transfer.score import JUDGING, judged
 
     advice = done.rounds[-1].advice
     there, concealed = aim.simulated, aim.concealed

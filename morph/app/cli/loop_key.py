@@ -13,9 +13,9 @@ from morph.errors import OutputError
 if TYPE_CHECKING:
     from morph.app.cli.target_options import TargetOptions
     from morph.policy.policy import Policy
+    from morph.policy_transfer.loop_checkpoint import Keep
     from morph.record.recording import Recording
     from morph.task.task import Task
-    from morph.transfer.loop_checkpoint import Keep
 
 
 def key_of(
@@ -48,7 +48,7 @@ def keep_of(out: Path, task: Task, key: Mapping[str, str]) -> Keep:
     Raises:
         OutputError: The folder holds another loop.
     """
-    from morph.transfer.loop_checkpoint import Keep
+    from morph.policy_transfer.loop_checkpoint import Keep
 
     try:
         return Keep(out, task, key)

@@ -18,13 +18,13 @@ from morph.model.hypothesis import Hypothesis
 from morph.model.kwik.certify import ModelVerdict, judge
 from morph.model.latent.run import Run
 from morph.model.latent.unknowns import unknowns
+from morph.policy_transfer.live.recorded import Recorded
+from morph.policy_transfer.repair import MOST_RUNS, noise_of, repaired
 from morph.record.load import load
 from morph.run_folder import lock_run_folder
 from morph.search.target import Experience
 from morph.sim.threads import one_thread
 from morph.task.task import Task
-from morph.transfer.live.recorded import Recorded
-from morph.transfer.repair import MOST_RUNS, noise_of, repaired
 
 
 def run_recorded(options: Loop, task: Task, out: Path) -> int:

@@ -57,7 +57,7 @@ def already(options: Loop, out: Path, task: Task) -> int | None:
 def _finished(out: Path, task: Task) -> tuple[str, bool, int] | None:
     """Return a whole record's text, whether it succeeded, and how many trials it tells of."""
     from morph.policy.store import load_policy
-    from morph.transfer.transfer_record import SCHEMA
+    from morph.policy_transfer.transfer_record import SCHEMA
 
     try:
         text = read_regular(out / "transfer.json", MOST_BYTES).decode()

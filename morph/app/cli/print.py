@@ -17,7 +17,7 @@ from morph.errors import MakeError, OutputError
 
 if TYPE_CHECKING:
     from morph.body.robot import Robot
-    from morph.make.content import Package
+    from morph.fabrication.content import Package
     from morph.print.printer import Profile
     from morph.print.slicer import Slicer
 
@@ -44,8 +44,8 @@ def run_print(options: Print) -> int:
     Raises:
         MorphError: An input cannot be used, or the package cannot be written.
     """
-    from morph.make.package_folder import check_out, package_folder
-    from morph.make.packed import FILE
+    from morph.fabrication.package_folder import check_out, package_folder
+    from morph.fabrication.packed import FILE
     from morph.print.errors import PrintError
     from morph.run_folder import lock_run_folder
 
@@ -94,7 +94,7 @@ def _check_policy(options: Print, robot: Robot) -> None:
     """Refuse a policy that cannot be used now, not after all the parts were sliced."""
     if options.policy is None:
         return
-    from morph.make.policies import task_of
+    from morph.fabrication.policies import task_of
     from morph.policy.store import load_policy
 
     load_policy(Path(options.policy), robot)
@@ -141,9 +141,9 @@ def _package(
     tell: Callable[[str], None],
 ) -> Package:
     """Return what is to be written, but for the policy."""
-    from morph.make.content import Package
-    from morph.make.divide import divide
-    from morph.make.masses import link_masses
+    from morph.fabrication.content import Package
+    from morph.fabrication.divide import divide
+    from morph.fabrication.masses import link_masses
     from morph.print.prepare import prepare
 
     tell("dividing it into parts")
@@ -180,15 +180,15 @@ def _write(
 ) -> Package:
     """Write all of it into a folder, `package.json` last."""
     from morph.app.report.print.files import write_pages
-    from morph.make.margins import margins
-    from morph.make.package import write_content, write_parts, write_robots
+    from morph.fabrication.margins import margins
+    from morph.fabrication.package import write_content, write_parts, write_robots
 
     tell("writing the robot as it comes off the printer")
     made = write_robots(folder, robot, package)
     package = replace(package, made_sha256=made.sha256)
     learned, matched = None, None
     if options.policy is not None:
-        from morph.make.policies import matched_in, task_of
+        from morph.fabrication.policies import matched_in, task_of
         from morph.policy.store import load_policy
 
         source = Path(options.policy)

@@ -17,8 +17,8 @@ from morph.search.target import Simulated, Target
 from morph.task.task import Task
 
 if TYPE_CHECKING:
-    from morph.transfer.live.limits import Limits
-    from morph.transfer.live.live import Live
+    from morph.policy_transfer.live.limits import Limits
+    from morph.policy_transfer.live.live import Live
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -113,9 +113,9 @@ def live_aim(options: Loop, task: Task, keep: Path) -> TargetOptions:
     Raises:
         TransferError: The command is none, or a limit cannot be used.
     """
-    from morph.transfer.live.live import Live
-    from morph.transfer.live.process import Process
-    from morph.transfer.live.stop import Stop
+    from morph.policy_transfer.live.live import Live
+    from morph.policy_transfer.live.process import Process
+    from morph.policy_transfer.live.stop import Stop
 
     try:
         argv = shlex.split(options.live or "")
@@ -147,7 +147,7 @@ def limits(texts: Sequence[str]) -> Limits:
     Raises:
         TransferError: One is none of these.
     """
-    from morph.transfer.live.limits import Limits
+    from morph.policy_transfer.live.limits import Limits
 
     spans: dict[str, dict[str, tuple[float, float]]] = {"command": {}, "position": {}}
     most: dict[str, dict[str, float]] = {"rate": {}, "speed": {}}
@@ -183,7 +183,7 @@ def _number(text: str) -> float:
 
 def live_of(aim: TargetOptions) -> Live | None:
     """Return the live target of an aim; None if it is simulated."""
-    from morph.transfer.live.live import Live
+    from morph.policy_transfer.live.live import Live
 
     return aim.target if isinstance(aim.target, Live) else None
 

@@ -17,9 +17,9 @@ if TYPE_CHECKING:
 
     from morph.app.cli.stages import Stages
     from morph.app.cli.transfer_bodies import SourcePolicy
-    from morph.transfer.body import Body
-    from morph.transfer.hop_checkpoint import HopsKept, Kept
-    from morph.transfer.relay_record import RelayRecord
+    from morph.policy_transfer.body import Body
+    from morph.policy_transfer.hop_checkpoint import HopsKept, Kept
+    from morph.policy_transfer.relay_record import RelayRecord
 
 DONE, STOPPED_SHORT, INTERRUPTED = 0, 3, 130
 
@@ -40,8 +40,8 @@ def run_transfer(options: Transfer) -> int:
     from morph.app.cli.outputs import TRANSFER, check_out
     from morph.app.cli.transfer_bodies import body_of, check_task, given
     from morph.app.cli.transfer_way import check_over, chosen_way
+    from morph.policy_transfer.balancers import seen_with
     from morph.run_folder import lock_run_folder
-    from morph.transfer.balancers import seen_with
 
     # Whatever the command line got wrong is told before any work is done.
     began = time.monotonic()
@@ -134,7 +134,7 @@ def _run(
     from morph.app.cli.outputs import TRANSFER, claim, clear
     from morph.app.cli.transfer_text import say_outcome
     from morph.app.report.transfer.words import done
-    from morph.transfer.hop_checkpoint import HopsKept
+    from morph.policy_transfer.hop_checkpoint import HopsKept
 
     if options.fresh:
         clear(out, TRANSFER, progress=True)
@@ -168,8 +168,8 @@ def _hops(
         AlignError: No map of it can be learned.
     """
     from morph.app.report.transfer.words import hop_said
-    from morph.transfer.evaluate_hop import Asked, crossed
-    from morph.transfer.relay import as_believed
+    from morph.policy_transfer.evaluate_hop import Asked, crossed
+    from morph.policy_transfer.relay import as_believed
 
     gain, shift, source = start.gain, start.shift, bodies[0]
     counts = options.samples if len(options.samples) > 1 else options.samples * (len(bodies) - 1)
@@ -222,7 +222,7 @@ def _written(
     from morph.app.cli.transfer_bodies import hash_of, notes_of
     from morph.app.cli.transfer_text import command
     from morph.app.report.transfer.files import write_transfer
-    from morph.transfer.relay_record import RelayRecord, hashes
+    from morph.policy_transfer.relay_record import RelayRecord, hashes
 
     inputs = [(each.task.robot.name, hash_of(each.task.robot)) for each in bodies]
     notes = (*notes_of(options.chain), *((stopped,) if stopped else ()))

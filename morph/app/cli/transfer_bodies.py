@@ -15,12 +15,12 @@ from morph.errors import SearchError, TaskError, TransferError
 from morph.files import sha256
 from morph.policy.policy import Policy
 from morph.policy.store import load_policy
+from morph.policy_transfer.balancers import PUSHED, balancer
+from morph.policy_transfer.body import Body, body
+from morph.policy_transfer.mapped.feedback import holding
+from morph.policy_transfer.policy_conversion import gain_of
+from morph.policy_transfer.riders import PUSHES, RIDERS, rider, riding
 from morph.task.tasks import check_name
-from morph.transfer.balancers import PUSHED, balancer
-from morph.transfer.body import Body, body
-from morph.transfer.mapped.feedback import holding
-from morph.transfer.policy_conversion import gain_of
-from morph.transfer.riders import PUSHES, RIDERS, rider, riding
 
 TASKS = ("balance",)
 """Tasks about a state of rest that bodies share: what a relay carries so far."""

@@ -11,7 +11,7 @@ from morph.app.cli.align_text import arrows
 from morph.app.cli.console import harmless, paragraph, say, table, width
 from morph.app.report.transfer.page import chain_rows
 from morph.app.report.transfer.words import done, headline, saved, summary
-from morph.transfer.relay_record import RelayRecord
+from morph.policy_transfer.relay_record import RelayRecord
 
 HEAD = ("hop", "transitions", "through map", "made anew", "no source", "guard")
 """Of the table of hops."""

@@ -11,7 +11,7 @@ from morph.app.cli.console import harmless
 from morph.errors import TransferError
 
 if TYPE_CHECKING:
-    from morph.transfer.body import Body
+    from morph.policy_transfer.body import Body
 
 MOST_OVER = 12
 """Most bodies that a way may be chosen from: every pair of them is looked at."""
@@ -51,7 +51,7 @@ def chosen_way(options: Transfer) -> tuple[Transfer, list[Body]]:
         MorphError: A body cannot be used.
     """
     from morph.app.cli.transfer_bodies import body_of
-    from morph.transfer.path import path
+    from morph.policy_transfer.path import path
 
     first, last = options.chain
     names = (first, *options.over, last)

@@ -12,8 +12,8 @@ from morph.app.cli.weigh_arguments import Weigh
 from morph.errors import MakeError
 
 if TYPE_CHECKING:
-    from morph.make.scale import ScaleReading
-    from morph.make.weigh import Weighed
+    from morph.fabrication.scale import ScaleReading
+    from morph.fabrication.weigh import Weighed
 
 DONE, STOPPED_SHORT = 0, 3
 
@@ -34,11 +34,11 @@ def run_weigh(options: Weigh) -> int:
     Raises:
         MorphError: A reading makes no sense, or the package cannot be used or written.
     """
-    from morph.make.package_folder import package_folder
-    from morph.make.packed import FILE
-    from morph.make.reading import read_package
-    from morph.make.scale import readings, taken
-    from morph.make.weigh import write_weighed
+    from morph.fabrication.package_folder import package_folder
+    from morph.fabrication.packed import FILE
+    from morph.fabrication.reading import read_package
+    from morph.fabrication.scale import readings, taken
+    from morph.fabrication.weigh import write_weighed
     from morph.run_folder import lock_run_folder
 
     if not 0.0 <= options.seconds < float("inf"):
@@ -72,8 +72,8 @@ def run_weigh(options: Weigh) -> int:
 
 def _report(folder: Path, result: Weighed, seed: int) -> None:
     from morph.app.report.print.files import write_pages
-    from morph.make.margins import margins
-    from morph.make.policies import policies_in
+    from morph.fabrication.margins import margins
+    from morph.fabrication.policies import policies_in
 
     learned, now = None, None
     if result.package.policy is not None:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from markupsafe import Markup, escape
 
-from morph.transfer.parts import Arrow, Parts
+from morph.policy_transfer.parts import Arrow, Parts
 
 ROW, HEAD = 23.0, 22.0
 """Height of a row and of the titles, in units of the drawing; the page scales it."""

@@ -7,7 +7,7 @@ from pathlib import Path
 from morph.app.report.align.outcome import MAP, Aligned
 from morph.app.report.align.page import align_page
 from morph.files import write_whole
-from morph.transfer.hop_checkpoint import write_map
+from morph.policy_transfer.hop_checkpoint import write_map
 
 RECORD, REPORT = "align.json", "report.html"
 """What an alignment writes beside its map."""

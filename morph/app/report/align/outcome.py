@@ -11,9 +11,9 @@ from importlib.metadata import version
 import morph
 from morph.alignment.maps.body_map import BodyMap
 from morph.arrays import JSON
-from morph.transfer.hop_result import parts_said
-from morph.transfer.parts import BodyNames, Parts
-from morph.transfer.transfer_record import GuardRecord
+from morph.policy_transfer.hop_result import parts_said
+from morph.policy_transfer.parts import BodyNames, Parts
+from morph.policy_transfer.transfer_record import GuardRecord
 
 SCHEMA = "morph.align/1"
 """Name and version of `align.json` and of what `--json` prints."""

@@ -10,7 +10,7 @@ from morph.app.report.align import arrows, words
 from morph.app.report.align.outcome import Aligned
 from morph.app.report.learn.page import POLICY
 from morph.app.report.templates import environment
-from morph.transfer.parts import Parts
+from morph.policy_transfer.parts import Parts
 
 FOLDER = Path(__file__).parent
 

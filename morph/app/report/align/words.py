@@ -7,8 +7,8 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from morph.app.report.align.outcome import Aligned
 from morph.app.report.words import counted, percent
-from morph.transfer.parts import Arrow, Parts
-from morph.transfer.transfer_record import GuardRecord
+from morph.policy_transfer.parts import Arrow, Parts
+from morph.policy_transfer.transfer_record import GuardRecord
 
 QUALITY: Mapping[str, str] = {
     "round_trip": "states there and back, off by so many spreads",

@@ -14,8 +14,8 @@ from morph.model.corrected import split
 from morph.physics.store import effects_text
 from morph.policy.export import export_policy
 from morph.policy.store import write_policy
-from morph.transfer.repair import Repair, TaskModel
-from morph.transfer.retask import task_for
+from morph.policy_transfer.repair import Repair, TaskModel
+from morph.policy_transfer.retask import task_for
 
 RECORD, REPORT, POLICY = "transfer.json", "report.html", "policy"
 """What a loop writes; the first makes it a finished one."""

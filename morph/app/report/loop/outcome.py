@@ -9,12 +9,12 @@ from morph.arrays import JSON
 from morph.model.kwik.certify import ModelVerdict
 from morph.model.latent.parameter_attribution import Difference
 from morph.policy.policy import Policy
+from morph.policy_transfer.loop import LoopRound, Transferred
+from morph.policy_transfer.repair import Repair
+from morph.policy_transfer.score import UNMEASURED, PolicyScores
+from morph.policy_transfer.transfer_record import GuardRecord, Hop, Record, guard
 from morph.search.target import Experience
 from morph.task.task import Task
-from morph.transfer.loop import LoopRound, Transferred
-from morph.transfer.repair import Repair
-from morph.transfer.score import UNMEASURED, PolicyScores
-from morph.transfer.transfer_record import GuardRecord, Hop, Record, guard
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

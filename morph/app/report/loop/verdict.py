@@ -9,7 +9,7 @@ from morph.app.report.words import counted, percent, plain
 from morph.arrays import JSON
 from morph.model.latent.parameter_attribution import Difference
 from morph.physics import effect_class
-from morph.transfer.score import SEARCHED
+from morph.policy_transfer.score import SEARCHED
 
 FAINT = 0.1
 """Share of a concealed value below which what was found of it is as good as nothing."""

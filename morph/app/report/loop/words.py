@@ -11,8 +11,8 @@ from morph.model.kwik.certify import ModelVerdict
 from morph.model.latent.parameter_attribution import Difference
 from morph.physics import effect_class
 from morph.physics.effect import SLIDING, Parameter
-from morph.transfer.loop import LoopRound
-from morph.transfer.predicted_return import PredictedReturn
+from morph.policy_transfer.loop import LoopRound
+from morph.policy_transfer.predicted_return import PredictedReturn
 
 FIGURES: Mapping[str, str] = {
     "length": "{part} is {factor} times as long",

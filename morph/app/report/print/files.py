@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from morph.app.report.print.page import print_page
+from morph.fabrication.content import Package
+from morph.fabrication.margins import Margin
 from morph.files import write_whole
-from morph.make.content import Package
-from morph.make.margins import Margin
 from morph.print.sheet import sheet
 
 REPORT, ASSEMBLY = "report.html", "assembly.html"

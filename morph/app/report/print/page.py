@@ -17,10 +17,10 @@ from morph.app.report.print import words
 from morph.app.report.print.solids import solids
 from morph.app.report.print.steps import advised, plate_rows, steps
 from morph.app.report.templates import environment
-from morph.make.content import Package
+from morph.fabrication.content import Package
 
 if TYPE_CHECKING:
-    from morph.make.margins import Margin
+    from morph.fabrication.margins import Margin
 
 
 FOLDER = Path(__file__).parent

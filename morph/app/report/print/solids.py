@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from morph.arrays import JSON, Array
-from morph.make.content import Package
+from morph.fabrication.content import Package
 from morph.print.decimate import lighter
 from morph.print.explode import exploded
 from morph.print.mesh import Mesh

@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 
 from morph.app.report.print.words import counted, hours, refusals
-from morph.make.content import Package
+from morph.fabrication.content import Package
 from morph.print.job import Job, Plate
 from morph.print.part import Check
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from morph.make.content import Package
-from morph.make.link_mass import LinkMass
-from morph.make.margins import Margin
+from morph.fabrication.content import Package
+from morph.fabrication.link_mass import LinkMass
+from morph.fabrication.margins import Margin
 from morph.print.part import Check, Part
 from morph.print.weight import Weight
 

@@ -6,8 +6,8 @@ import numpy as np
 
 from morph.app.report.learn.plots import Plot, PlottedLine
 from morph.app.report.transfer.words import NAMED
-from morph.transfer.hop_result import Crossing, Curve
-from morph.transfer.relay_record import RelayRecord
+from morph.policy_transfer.hop_result import Crossing, Curve
+from morph.policy_transfer.relay_record import RelayRecord
 
 LOOKS = {
     "transfer": "main",

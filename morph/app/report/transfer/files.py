@@ -10,10 +10,10 @@ from morph.errors import MorphError
 from morph.files import write_whole
 from morph.policy.export import export_policy
 from morph.policy.store import write_policy
-from morph.transfer.body import Body
-from morph.transfer.hop_checkpoint import Kept
-from morph.transfer.policy_conversion import stored
-from morph.transfer.relay_record import RelayRecord
+from morph.policy_transfer.body import Body
+from morph.policy_transfer.hop_checkpoint import Kept
+from morph.policy_transfer.policy_conversion import stored
+from morph.policy_transfer.relay_record import RelayRecord
 
 RECORD, REPORT, POLICY = "transfer.json", "report.html", "policy"
 """What a transfer writes beside its maps; the first makes it a finished one."""

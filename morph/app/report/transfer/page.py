@@ -14,8 +14,8 @@ from morph.app.report.learn.page import POLICY
 from morph.app.report.templates import environment
 from morph.app.report.transfer import drawn, words
 from morph.arrays import JSON
-from morph.transfer.hop_result import Crossing
-from morph.transfer.relay_record import RelayRecord
+from morph.policy_transfer.hop_result import Crossing
+from morph.policy_transfer.relay_record import RelayRecord
 
 FOLDER = Path(__file__).parent
 

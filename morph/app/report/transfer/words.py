@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 
 from morph.app.report.align.words import VERDICTS
 from morph.app.report.words import counted, percent
-from morph.transfer.hop_result import ENOUGH, Crossing
-from morph.transfer.relay_record import RelayRecord
+from morph.policy_transfer.hop_result import ENOUGH, Crossing
+from morph.policy_transfer.relay_record import RelayRecord
 
 NAMED: Mapping[str, str] = {
     "zero_shot": "the source's policy through the map",

@@ -10,8 +10,8 @@ from morph.app.report.words import percent
 from morph.app.viewer.align.lines import COMMANDS, SAME, STATES, TURNED, arrows
 from morph.app.viewer.align.transfer_record import Story, Told
 from morph.app.viewer.content import CellTable, Colour, Marked
-from morph.transfer.parts import Arrow
-from morph.transfer.transfer_record import GuardRecord
+from morph.policy_transfer.parts import Arrow
+from morph.policy_transfer.transfer_record import GuardRecord
 
 WORDS = {"safe": "safe", "unsafe": "unsafe", "unsure": "cannot tell"}
 """The guard's verdicts, for those who have not read its page."""

@@ -13,10 +13,10 @@ from morph.body.load import load
 from morph.body.robot import Robot
 from morph.errors import MorphError, TransferError
 from morph.files import sha256
-from morph.transfer.balancers import PUSHED, pushed, seen_with
-from morph.transfer.body import Body, body
-from morph.transfer.riders import FEET, PUSHES, RIDERS, riding
-from morph.transfer.skateboard_bodies import Board
+from morph.policy_transfer.balancers import PUSHED, pushed, seen_with
+from morph.policy_transfer.body import Body, body
+from morph.policy_transfer.riders import FEET, PUSHES, RIDERS, riding
+from morph.policy_transfer.skateboard_bodies import Board
 
 TASK = "balance"
 """What bodies of a relay do."""

@@ -10,8 +10,8 @@ from morph.app.viewer.align.transfer_record import Told
 from morph.app.viewer.content import Moment
 from morph.app.viewer.motion import RATE, MotionFrames, posed
 from morph.arrays import Array
-from morph.transfer.body import Body
-from morph.transfer.parts import names_of
+from morph.policy_transfer.body import Body
+from morph.policy_transfer.parts import names_of
 
 SWING, SECONDS = 0.35, 2.0
 """How far a part is moved in its turn, rad, and for how long, s."""

@@ -16,10 +16,10 @@ from morph.arrays import Array
 from morph.errors import MorphError, ViewError
 from morph.npz import load_npz
 from morph.policy.store import load_policy
-from morph.transfer.body import Body, Law, linear_law
-from morph.transfer.controls import through
-from morph.transfer.mapped.feedback import holding
-from morph.transfer.policy_conversion import law_of
+from morph.policy_transfer.body import Body, Law, linear_law
+from morph.policy_transfer.controls import through
+from morph.policy_transfer.mapped.feedback import holding
+from morph.policy_transfer.policy_conversion import law_of
 
 MOST_BYTES = 20_000_000
 """Largest file of a law, packed or not."""

@@ -10,7 +10,7 @@ from morph.app.viewer.align.chain_bodies import ChainPlayer
 from morph.app.viewer.align.links import middle, parts_of, spoken
 from morph.app.viewer.align.transfer_record import Told
 from morph.app.viewer.content import Colour, Tie
-from morph.transfer.parts import Arrow
+from morph.policy_transfer.parts import Arrow
 
 SAME: Colour = (0, 114, 178)
 """Of parts that move the same way: blue."""

@@ -10,8 +10,8 @@ import numpy as np
 
 from morph.app.viewer.figure import Figure
 from morph.arrays import Array
-from morph.transfer.body import Body
-from morph.transfer.parts import names_of
+from morph.policy_transfer.body import Body
+from morph.policy_transfer.parts import names_of
 
 STRONG = 0.5
 """Share of a reading's greatest coefficient from which a joint counts to it."""

@@ -14,7 +14,7 @@ from morph.alignment.maps.files import read
 from morph.app.viewer.align.chain_bodies import ChainPlayer
 from morph.app.viewer.align.transfer_record import Story
 from morph.errors import ViewError
-from morph.transfer.body import Body
+from morph.policy_transfer.body import Body
 
 
 def maps_of(story: Story, players: Sequence[ChainPlayer]) -> tuple[BodyMap | None, ...]:

@@ -15,10 +15,10 @@ import numpy as np
 from morph.app.viewer.align.transfer_record import Story, Told
 from morph.app.viewer.align.values import RecordValues
 from morph.errors import ViewError
+from morph.policy_transfer.hop_result import Crossing, Curve
+from morph.policy_transfer.parts import Arrow, Parts
+from morph.policy_transfer.transfer_record import GuardRecord
 from morph.regular_file import read_regular
-from morph.transfer.hop_result import Crossing, Curve
-from morph.transfer.parts import Arrow, Parts
-from morph.transfer.transfer_record import GuardRecord
 
 RECORDS = {"transfer.json": "morph.transfer/1", "align.json": "morph.align/1"}
 """What a folder may hold, and by which schema."""

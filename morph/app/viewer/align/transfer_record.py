@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from morph.transfer.hop_result import Crossing
-from morph.transfer.parts import Parts
-from morph.transfer.transfer_record import GuardRecord
+from morph.policy_transfer.hop_result import Crossing
+from morph.policy_transfer.parts import Parts
+from morph.policy_transfer.transfer_record import GuardRecord
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

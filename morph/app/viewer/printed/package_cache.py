@@ -14,7 +14,7 @@ from morph.app.viewer.printed.source import excuse
 from morph.app.viewer.printed.viewed_package import ViewedPackage
 from morph.body.robot import Robot
 from morph.errors import MorphError
-from morph.make.content import Package
+from morph.fabrication.content import Package
 
 
 class Works:

@@ -12,7 +12,7 @@ from morph.app.viewer.printed.choices import PrintChoices
 from morph.app.viewer.printed.skin import HOT, PAINTERS, PLAIN, WARM, legend
 from morph.app.viewer.printed.viewed_package import ViewedPackage
 from morph.arrays import Array
-from morph.make.link_mass import LinkMass
+from morph.fabrication.link_mass import LinkMass
 from morph.print.part import Check, Part
 from morph.print.weight import Weight
 

@@ -8,11 +8,11 @@ from pathlib import Path
 from morph.body.load import load
 from morph.body.robot import Robot
 from morph.errors import MakeError, MorphError, ViewError
-from morph.make.content import Package
-from morph.make.divide import divide
-from morph.make.masses import link_masses
-from morph.make.package import ROBOT
-from morph.make.reading import read_package
+from morph.fabrication.content import Package
+from morph.fabrication.divide import divide
+from morph.fabrication.masses import link_masses
+from morph.fabrication.package import ROBOT
+from morph.fabrication.reading import read_package
 from morph.print.errors import PrintError
 from morph.print.prepare import prepare
 from morph.print.printer import MATERIALS, PRINTERS, Profile

@@ -12,7 +12,7 @@ from morph.app.viewer.printed.choices import APART, PLATES, STEPS, PrintChoices
 from morph.app.viewer.printed.skin import HOT, PAINTERS, PLAIN, Skin, mixed, skins
 from morph.arrays import Array
 from morph.body.robot import Robot
-from morph.make.content import Package
+from morph.fabrication.content import Package
 from morph.print.explode import Explosion, exploded
 from morph.print.job import Plate
 

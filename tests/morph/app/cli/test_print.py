@@ -11,14 +11,14 @@ import mujoco
 import numpy as np
 import pytest
 
-import morph.make
+import morph.fabrication
 from morph.app.cli.main import main
 from morph.body.load import load
-from morph.make.reading import read_package
+from morph.fabrication.reading import read_package
 from morph.print.threemf import read_3mf
 from morph.run_folder import OWNED
 
-SCHEMA = json.loads((Path(morph.make.__file__).parent / "package.schema.json").read_text())
+SCHEMA = json.loads((Path(morph.fabrication.__file__).parent / "package.schema.json").read_text())
 WORDS = ("--printer", "mk4", "--material", "pla", "--slicer", "none", "--quiet")
 
 

@@ -58,7 +58,7 @@ def test_a_policy_that_cannot_be_used_is_refused_at_once(
     def never(*_: object) -> None:
         raise AssertionError("it was divided before its policy was looked at")
 
-    monkeypatch.setattr("morph.make.divide.divide", never)
+    monkeypatch.setattr("morph.fabrication.divide.divide", never)
     change(learned)
     capsys.readouterr()
     words = ["--printer", "mk4", "--material", "pla", "--slicer", "none", "--quiet"]

@@ -13,12 +13,12 @@ import pytest
 
 from morph.app.cli.main import main
 from morph.body.load import load
-from morph.make.content import Package
-from morph.make.link_mass import LinkMass
-from morph.make.package import write_content, write_parts, write_robots
-from morph.make.package_folder import package_folder
-from morph.make.policies import matched_in
-from morph.make.printed import designed
+from morph.fabrication.content import Package
+from morph.fabrication.link_mass import LinkMass
+from morph.fabrication.package import write_content, write_parts, write_robots
+from morph.fabrication.package_folder import package_folder
+from morph.fabrication.policies import matched_in
+from morph.fabrication.printed import designed
 from morph.policy.linear import Linear
 from morph.policy.observing import observations_of
 from morph.policy.policy import actions_of
@@ -63,7 +63,7 @@ def job(weight: Weight) -> Job:
 def few_runs() -> Iterator[None]:
     """Policies are judged by 20 runs, not by 100: what holds a pendulum holds it in every one."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("morph.make.match.case.MOST", 20)
+        patch.setattr("morph.fabrication.match.case.MOST", 20)
         yield
 
 

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from jsonschema import Draft202012Validator
 
-import morph.transfer
+import morph.policy_transfer
 from morph.app.cli.main import main
 from morph.body.load import load
 from morph.model.kwik.certify import ModelVerdict
@@ -23,16 +23,18 @@ from morph.policy.linear import Linear
 from morph.policy.observing import observations_of
 from morph.policy.policy import Policy, actions_of
 from morph.policy.store import write_policy
+from morph.policy_transfer.next_action import NextAction
+from morph.policy_transfer.predicted_return import PredictedReturn
+from morph.policy_transfer.repair import Repair, TaskModel
+from morph.policy_transfer.retask import task_for
+from morph.policy_transfer.score import judged
 from morph.search.evaluate import evaluate
 from morph.task.task import Task
 from morph.task.tasks import task
-from morph.transfer.next_action import NextAction
-from morph.transfer.predicted_return import PredictedReturn
-from morph.transfer.repair import Repair, TaskModel
-from morph.transfer.retask import task_for
-from morph.transfer.score import judged
 
-SCHEMA = json.loads((Path(morph.transfer.__file__).parent / "transfer.schema.json").read_text())
+SCHEMA = json.loads(
+    (Path(morph.policy_transfer.__file__).parent / "transfer.schema.json").read_text()
+)
 VALIDATOR = Draft202012Validator(SCHEMA)
 """Made once: the schema itself is checked elsewhere, and that takes 0.1 s each time."""
 MESSAGE = re.compile(r"error: (?P<where>.+?): (?P<what>.+)\n  fix: (?P<fix>.+)\n")
@@ -158,7 +160,7 @@ def bench(
     knowing = Knowing()
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "100")
-    monkeypatch.setattr("morph.transfer.loop.advise", knowing)
+    monkeypatch.setattr("morph.policy_transfer.loop.advise", knowing)
     # Two runs are told apart from a hundred by nothing that is tested here.
     for judging in (evaluate, judged):
         monkeypatch.setattr(judging, "__kwdefaults__", {"rows": 2})

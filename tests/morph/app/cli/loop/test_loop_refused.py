@@ -13,7 +13,7 @@ from morph.body.load import load
 from morph.errors import TransferError
 from morph.task.tasks import task
 
-SERVE = shlex.join([sys.executable, "-m", "morph.transfer.live.serve", "--task", "balance"])
+SERVE = shlex.join([sys.executable, "-m", "morph.policy_transfer.live.serve", "--task", "balance"])
 WEAK = ("--policy", "weak")
 
 
@@ -99,7 +99,7 @@ def test_recordings_are_diagnosed_and_nothing_is_tried_or_learned(
     capsys: pytest.CaptureFixture[str], bench: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     bench.loop("--live", SERVE, "--trials", "1", "--quiet", status=3)
-    monkeypatch.setattr("morph.transfer.repair.explain", explained_without_effects)
+    monkeypatch.setattr("morph.policy_transfer.repair.explain", explained_without_effects)
     capsys.readouterr()
     assert main(bench.words("--recorded", "out/recorded", out="said")) == 0
     told = capsys.readouterr()

@@ -12,16 +12,18 @@ import numpy as np
 import pytest
 from jsonschema import Draft202012Validator
 
-import morph.transfer
+import morph.policy_transfer
 from morph.alignment.maps.affine_map import AffineMap
 from morph.app.cli.main import main
 from morph.app.cli.transfer_bodies import body_of
-from morph.transfer.body import Body
-from morph.transfer.hop import Hopped
-from morph.transfer.mapped.belief import LinearPosterior, read
-from morph.transfer.mapped.feedback import holding
+from morph.policy_transfer.body import Body
+from morph.policy_transfer.hop import Hopped
+from morph.policy_transfer.mapped.belief import LinearPosterior, read
+from morph.policy_transfer.mapped.feedback import holding
 
-SCHEMA = json.loads((Path(morph.transfer.__file__).parent / "transfer.schema.json").read_text())
+SCHEMA = json.loads(
+    (Path(morph.policy_transfer.__file__).parent / "transfer.schema.json").read_text()
+)
 VALIDATOR = Draft202012Validator(SCHEMA)
 """Made once: the schema itself is checked elsewhere, and that takes 0.1 s each time."""
 MESSAGE = re.compile(r"error: (?P<where>.+?): (?P<what>.+)\n  fix: (?P<fix>.+)\n")
@@ -138,6 +140,6 @@ def bench(
     knowing = Knowing()
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "100")
-    monkeypatch.setattr("morph.transfer.evaluate_hop.carry", knowing)
+    monkeypatch.setattr("morph.policy_transfer.evaluate_hop.carry", knowing)
     monkeypatch.setattr("morph.app.cli.transfer_bodies.body_of", shorter)
     return Bench(capsys, knowing)

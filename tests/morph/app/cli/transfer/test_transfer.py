@@ -12,9 +12,9 @@ from morph.alignment.maps.files import read
 from morph.app.cli.main import main
 from morph.body.load import load
 from morph.policy.store import load_policy, write_policy
-from morph.transfer.balancers import balancer
-from morph.transfer.mapped.feedback import holding
-from morph.transfer.policy_conversion import gain_of, stored
+from morph.policy_transfer.balancers import balancer
+from morph.policy_transfer.mapped.feedback import holding
+from morph.policy_transfer.policy_conversion import gain_of, stored
 
 CHAIN = ("--chain", "cartpole", "rider_rigid_driven", "rider_two_links_driven")
 

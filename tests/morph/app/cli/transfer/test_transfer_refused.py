@@ -9,9 +9,9 @@ from morph.alignment.errors import MapError
 from morph.body.load import load
 from morph.policy.pattern import pattern
 from morph.policy.store import write_policy
-from morph.transfer.balancers import balancer
-from morph.transfer.mapped.feedback import holding
-from morph.transfer.policy_conversion import stored
+from morph.policy_transfer.balancers import balancer
+from morph.policy_transfer.mapped.feedback import holding
+from morph.policy_transfer.policy_conversion import stored
 
 
 def words(*more: str) -> list[str]:

@@ -5,7 +5,7 @@ from xml.etree import ElementTree
 import pytest
 
 from morph.app.report.align.arrows import drawn, told
-from morph.transfer.parts import Arrow, Parts
+from morph.policy_transfer.parts import Arrow, Parts
 
 PARTS = Parts(
     states=(

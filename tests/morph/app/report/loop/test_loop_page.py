@@ -13,10 +13,10 @@ from morph.app.report.loop.page import loop_page
 from morph.body.load import load
 from morph.model.latent.parameter_attribution import Difference, Explained
 from morph.model.latent.unknowns import turned
+from morph.policy_transfer.repair import Repair, TaskModel
+from morph.policy_transfer.retask import task_for
 from morph.search.target import Experience, Simulated
 from morph.task.tasks import task
-from morph.transfer.repair import Repair, TaskModel
-from morph.transfer.retask import task_for
 
 HOSTILE = "</svg><script>alert(1)</script>\" onload='x' {{ 7 * 7 }}"
 LOADING = {"href", "src", "srcset", "data", "action", "poster", "background", "xlink:href"}

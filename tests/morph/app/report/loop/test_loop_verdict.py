@@ -19,11 +19,11 @@ from morph.model.missing_force.fourier_features import FourierFeatures
 from morph.physics.joint.coulomb_friction import CoulombFriction
 from morph.physics.joint.stribeck_friction import StribeckFriction
 from morph.physics.store import load_effects
+from morph.policy_transfer.repair import Repair, TaskModel
+from morph.policy_transfer.retask import task_for
+from morph.policy_transfer.score import KEPT, SEARCHED, PolicyScores
 from morph.search.evaluate import Score
 from morph.task.tasks import task
-from morph.transfer.repair import Repair, TaskModel
-from morph.transfer.retask import task_for
-from morph.transfer.score import KEPT, SEARCHED, PolicyScores
 
 SWING = task("swing-up", load("cartpole"))
 

@@ -12,8 +12,8 @@ from morph.app.report.print.page import print_page
 from morph.app.report.print.steps import advised, steps
 from morph.app.report.print.words import summary
 from morph.body.load import load
-from morph.make.content import Package
-from morph.make.masses import link_masses
+from morph.fabrication.content import Package
+from morph.fabrication.masses import link_masses
 from morph.print.job import Job
 from morph.print.mesh import from_manifold
 from morph.print.part import Check, Part, Placement

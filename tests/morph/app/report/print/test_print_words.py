@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from morph.app.report.print.words import hours, link_rows, margin_row
-from morph.make.link_mass import LinkMass
-from morph.make.margins import Margin
+from morph.fabrication.link_mass import LinkMass
+from morph.fabrication.margins import Margin
 from morph.print.weight import Weight
 
 

@@ -11,11 +11,11 @@ import pytest
 from morph.app.report.transfer.page import transfer_page
 from morph.app.report.transfer.words import credit, headline, saved, summary
 from morph.body.load import load
+from morph.policy_transfer.hop_result import Crossing, Curve
+from morph.policy_transfer.parts import Arrow, Parts
+from morph.policy_transfer.relay_record import RelayRecord
+from morph.policy_transfer.transfer_record import GuardRecord
 from morph.task.tasks import task
-from morph.transfer.hop_result import Crossing, Curve
-from morph.transfer.parts import Arrow, Parts
-from morph.transfer.relay_record import RelayRecord
-from morph.transfer.transfer_record import GuardRecord
 
 
 def curve(name: str, *rows: list[float]) -> Curve:

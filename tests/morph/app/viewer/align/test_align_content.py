@@ -21,8 +21,8 @@ from morph.app.viewer.align.read import story
 from morph.app.viewer.align.transfer_record import Told
 from morph.app.viewer.content import Marked
 from morph.app.viewer.fragments import notes_html, table_html
-from morph.transfer.parts import Arrow, Parts
-from morph.transfer.transfer_record import GuardRecord
+from morph.policy_transfer.parts import Arrow, Parts
+from morph.policy_transfer.transfer_record import GuardRecord
 
 Copy = Callable[..., Path]
 
