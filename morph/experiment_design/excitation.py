@@ -81,7 +81,7 @@ def excitations(robot: Robot, seconds: float, step: float, seed: int) -> list[Ex
             motion is safe.
     """
     simulator = Simulator(robot, step=step)
-    low, home, high = _room(simulator)
+    low, home, high = command_ranges(simulator)
     servos = np.array([each.kind == "position" for each in robot.actuators])
     inside = np.clip(home, low + INSIDE * (high - low), high - INSIDE * (high - low))
     middle = np.where(servos, inside, home)
@@ -112,10 +112,13 @@ def excitations(robot: Robot, seconds: float, step: float, seed: int) -> list[Ex
     return results
 
 
-def _room(simulator: Simulator) -> tuple[Array, Array, Array]:
+def command_ranges(simulator: Simulator) -> tuple[Array, Array, Array]:
     """Return each actuator's least command, the one at home and its greatest, (actuators,) each.
 
     At home a servo holds its joint, and a motor gives no force.
+
+    Raises:
+        DiagnosisError: There is no actuator, one has no range, or the robot does not rest at home.
     """
     robot, model = simulator.robot, simulator.model
     if not robot.actuators:

@@ -76,6 +76,6 @@ def world(name: str, robot: Robot) -> World:
     near = difflib.get_close_matches(name, world_names(), n=1)
     raise EffectError(
         f"there is no world {name!r}; there are {', '.join(world_names())}",
-        where="morph.physics.worlds",
+        where=f"world {name}",
         fix=f"did you mean {near[0]!r}?" if near else "name one of these worlds",
     )

@@ -15,10 +15,12 @@ from morph.app.report import words
 from morph.body.load import load as load_robot
 from morph.body.robot import Robot
 from morph.errors import DiagnosisError
+from morph.experiment_design.excitation import command_ranges
 from morph.model.diagnosis import Diagnosis
 from morph.physics import EFFECTS
 from morph.record.load import load as load_recordings
 from morph.record.recording import Recording
+from morph.sim.simulator import Simulator
 
 MOST_NOTES = 5
 """Notes on recordings that are printed."""
@@ -116,6 +118,10 @@ def _planned(options: Diagnose, result: Diagnosis) -> list[str]:
             f"{known.name}={getattr(effect, known.name):.4g}" for known in effect.free()
         )
         pair = [f"{effect.label}:{size}", f"{rivals[0].effect}@{rivals[0].where}"]
+        try:
+            command_ranges(Simulator(load_robot(options.robot)))
+        except DiagnosisError as error:
+            return [f"  to plan how to tell them apart, {error.fix}: {error.what}"]
         words = ["morph", "excite", options.robot, "--separate", *pair, "--out", "DIR"]
         return [f"  to plan how to tell them apart: {shlex.join(words)}"]
     return []

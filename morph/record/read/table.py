@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -99,10 +100,13 @@ class Table:
         )
 
     def _not_numbers(self, which: str | int, text: Text) -> RecordingError:
+        european = re.fullmatch(r"[+-]?\d+,\d+([eE][+-]?\d+)?", text.cell.strip())
         return RecordingError(
             f"the cell {text.cell!r} in column {which!r} is not a number",
             where=self.place(text.row),
-            fix="correct the cell, leave it empty if the sample is missing, "
+            fix="write decimals with a point, as 0.5, instead of a comma"
+            if european
+            else "correct the cell, leave it empty if the sample is missing, "
             "or bind another column; cells that hold lists must all be equally long",
         )
 

@@ -171,3 +171,22 @@ def test_a_folder_of_something_else_is_not_touched(tmp_path: Path, capsys: Out) 
     assert main(["excite", "pendulum", *TWO, "--out", str(tmp_path), "--quiet"]) == 2
     assert "holds no earlier experiment" in capsys.readouterr().err
     assert (tmp_path / "mine.txt").read_text() == "mine"
+
+
+def test_a_diagnosis_says_what_a_plan_lacks_where_an_actuator_has_no_range(
+    tmp_path: Path, capsys: Out
+) -> None:
+    robot, run = tmp_path / "rod.xml", tmp_path / "run.csv"
+    robot.write_text(
+        '<mujoco><worldbody><body name="rod"><joint name="hinge" axis="0 1 0"/>'
+        '<geom type="capsule" fromto="0 0 0 0 0 -0.4" size="0.02" mass="0.5"/></body></worldbody>'
+        '<actuator><motor name="motor" joint="hinge"/></actuator></mujoco>'
+    )
+    law = ["--effect", "viscous_friction@hinge:b=0.02"]
+    simulate = ["simulate", str(robot), "--start", "hinge=1", "--seconds", "8", *law]
+    assert main([*simulate, "--out", str(run), "--quiet"]) == 0
+    capsys.readouterr()
+    assert main(["diagnose", str(robot), str(run), "--out", str(tmp_path / "d"), "--quiet"]) == 0
+    (line,) = [line for line in capsys.readouterr().out.splitlines() if "to plan how" in line]
+    assert "give it a ctrlrange" in line
+    assert "actuator motor has no limit" in line
