@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 
 import numpy as np
 
 from morph.body.robot import Robot
 from morph.inference.finalist import reduces
-from morph.inference.intervals import TEMPERATURE, estimates, in_units, shifted, widened
+from morph.inference.intervals import TEMPERATURE, Uncertainty, in_units, shifted, widened
 from morph.inference.rank import Ranking
 from morph.inference.remains import Remains
 from morph.inference.streaming import acting_together
-from morph.model.finding import Estimate, Finding, Rival
+from morph.model.finding import Finding, Rival
 from morph.model.segments import Segments
 from morph.physics import EFFECTS
 from morph.physics.body.external_push import ExternalPush
@@ -41,7 +41,8 @@ def findings(ranking: Ranking, remains: Remains) -> tuple[Finding, ...]:
     """
     best, channels = ranking.best, len(ranking.validation.segments.read)
     robot = best.refit.hypothesis.robot
-    estimated, sure = estimates(best.about)
+    uncertainty = Uncertainty.of(best.about)
+    estimated, sure = uncertainty.estimates()
     unread = _unread(ranking.validation.segments, robot)
     listed = []
     for at, effect in enumerate(best.effects):
@@ -81,7 +82,11 @@ def findings(ranking: Ranking, remains: Remains) -> tuple[Finding, ...]:
             }
         most = SURE if sure[entries].all() else DOUBTED
         estimated_there = remains.probability > 0.5 and effect.where in unread
-        most = UNSURE if estimated_there or _idle_within(effect, parameters) else most
+        most = (
+            UNSURE
+            if estimated_there or _may_be_idle(effect, entries.tolist(), uncertainty)
+            else most
+        )
         chance = min(most, (1.0 - 0.5 * remains.probability) / (1.0 + float(odds.sum())))
         rivals = [
             Rival(effect=o.name, kind=o.kind, where=o.where, probability=chance * float(odd))
@@ -152,17 +157,16 @@ def on_slide(robot: Robot, effect: Effect) -> bool:
     return any(joint.name == name and joint.kind == "slide" for joint in robot.joints)
 
 
-def _idle_within(effect: Effect, parameters: Mapping[str, Estimate]) -> bool:
-    """Return whether the interval of every strength holds the value that does nothing.
+def _may_be_idle(effect: Effect, entries: Sequence[int], uncertainty: Uncertainty) -> bool:
+    """Return whether all strengths may have the value that does nothing.
 
-    Strengths without such a value, as a wave's phase or where a weight is, do not count.
+    Strengths without such a value, as a wave's phase or where a weight is, do not count. Of a
+    limit or a stiffness without end it is the greatest, whose reciprocal is the entry.
     """
-    free = [each for each in effect.free() if each.name in effect.strengths]
-    strengths = [each for each in free if each.neutral is not None]
-    idle = []
-    for each in strengths:
-        result, neutral = parameters[each.name], each.neutral or 0.0
-        # Of a limit or a stiffness without end, that is its greatest.
-        held = result.low90 <= neutral <= result.high90
-        idle.append(result.high90 >= 0.99 * each.high if each.reciprocal else held)
-    return bool(idle) and all(idle)
+    low = uncertainty.about.hypothesis.low
+    idle = {
+        entry: float(low[entry]) if each.reciprocal else each.neutral
+        for entry, each in zip(entries, effect.free(), strict=True)
+        if each.name in effect.strengths and each.neutral is not None
+    }
+    return bool(idle) and uncertainty.may_be([*idle], np.array([*idle.values()]))

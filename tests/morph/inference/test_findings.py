@@ -7,9 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from morph.arrays import Array
 from morph.body.robot import Robot
-from morph.inference.findings import _idle_within
-from morph.inference.intervals import estimates, in_units, shifted
+from morph.inference.findings import _may_be_idle
+from morph.inference.intervals import Uncertainty, in_units, shifted
 from morph.inference.quadratic import LogPosterior
 from morph.model.finding import Estimate
 from morph.model.hypothesis import Hypothesis
@@ -17,6 +18,7 @@ from morph.model.nuisance_parameters import Knob
 from morph.physics.actuator.torque_saturation import TorqueSaturation
 from morph.physics.body.external_push import ExternalPush
 from morph.physics.body.payload import Payload
+from morph.physics.effect import Effect
 from morph.physics.joint.coulomb_friction import CoulombFriction
 from morph.physics.joint.stribeck_friction import StribeckFriction
 
@@ -39,23 +41,58 @@ def test_intervals_of_an_event_shift_with_its_times() -> None:
     assert shifted(entry, push, push, "start") is entry
 
 
-def test_a_finding_may_be_nothing_where_all_its_strengths_may_be_none() -> None:
-    def entry(low: float, high: float) -> Estimate:
-        return Estimate(value=0.5 * (low + high), low90=low, high90=high, unit="")
+def uncertainty(robot: Robot, law: Effect, precision: Array, folds: int = 4) -> Uncertainty:
+    """A quadratic about a law's parameters, of which each fold says the same."""
+    hypothesis = Hypothesis(robot=robot, step=0.004, knobs=(), effects=(law,))
+    gram = np.zeros((1 + len(precision), 1 + len(precision)))
+    gram[1:, 1:] = precision / folds
+    return Uncertainty.of(
+        LogPosterior(
+            hypothesis=hypothesis,
+            point=hypothesis.start,
+            grams=np.stack([gram] * folds),
+            readings=400,
+        )
+    )
 
-    push = ExternalPush(body="disc", x=1.0)
-    sides = {name: entry(-1.0, 2.0) for name in "xyz"} | {"start": entry(1, 2), "end": entry(2, 3)}
-    assert _idle_within(push, sides)
-    # One strength that is surely there is enough.
-    assert not _idle_within(push, sides | {"x": entry(0.5, 2.0)})
-    limit = TorqueSaturation(actuator="motor", limit=1.0)
-    assert not _idle_within(limit, {"limit": entry(0.9, 1.1)})
-    assert _idle_within(limit, {"limit": entry(0.9, 1e9)})
-    # Where a weight is says nothing of whether there is one.
-    place = {name: entry(0.1, 0.2) for name in "xyz"}
-    weight = Payload(body="disc", m=1.0)
-    assert _idle_within(weight, {"m": entry(0.0, 9.0), **place})
-    assert not _idle_within(weight, {"m": entry(0.5, 1.5), **place})
+
+@pytest.mark.parametrize(("deviation", "idle"), [(0.02, False), (0.03, True)])
+def test_a_push_of_which_one_component_shows_is_there_however_wide_the_others_are(
+    pendulum: Robot, deviation: float, idle: bool
+) -> None:
+    push = ExternalPush(body=pendulum.links[-1].name, run="r1", y=0.1)
+    entries = [each.name for each in push.free()]
+    # x and y show as one force alone: 0.1 N with the deviation, at a temperature of 2.
+    both = np.array([float(name in ("x", "y")) for name in entries])
+    precision = np.outer(both, both) / deviation**2
+    for name in ("start", "end"):
+        precision[entries.index(name), entries.index(name)] = 1e8
+    doubt = uncertainty(pendulum, push, precision)
+    found, _ = doubt.estimates()
+    # Their difference may be anything within the bounds, as may z.
+    for known, entry in zip(push.free(), found, strict=True):
+        if known.name in ("x", "y", "z"):
+            assert entry.low90 < 0.5 * known.low
+            assert entry.high90 > 0.5 * known.high
+    # (0.1 / deviation)^2 / 2 beside 6.25, the 90 % point of chi square with 3 degrees of freedom.
+    assert _may_be_idle(push, [*range(len(entries))], doubt) == idle
+
+
+@pytest.mark.parametrize(("limit", "idle"), [(1.0, False), (1e9, True)])
+def test_a_limit_without_end_may_be_none(pendulum: Robot, limit: float, idle: bool) -> None:
+    law = TorqueSaturation(actuator="motor", limit=limit)
+    assert _may_be_idle(law, [0], uncertainty(pendulum, law, np.array([[1e3]]))) == idle
+
+
+def test_where_a_weight_is_says_nothing_of_whether_there_is_one(pendulum: Robot) -> None:
+    weight = Payload(body=pendulum.links[-1].name, m=0.1, x=0.2)
+    entries = [each.name for each in weight.free()]
+    surely = np.diag([1e8 if name != "m" else 100.0 for name in entries])
+    # A mass of 0.1 kg, off by 0.1: one deviation of 1.645, at a temperature of 2 less.
+    assert _may_be_idle(weight, [*range(len(entries))], uncertainty(pendulum, weight, surely))
+    assert not _may_be_idle(
+        weight, [*range(len(entries))], uncertainty(pendulum, weight, 1e4 * surely)
+    )
 
 
 @pytest.mark.parametrize("run", ["r1", ""])
@@ -69,7 +106,7 @@ def test_the_interval_of_what_acts_once_is_that_of_its_run(pendulum: Robot, run:
     grams[1:, 1:, 1:] = 1e-4 * np.eye(entries)
     grams[1:, 0, 1:] = grams[1:, 1:, 0] = 30e-4
     about = LogPosterior(hypothesis=hypothesis, point=hypothesis.start, grams=grams, readings=1000)
-    (*_, last), _ = estimates(about)
+    (*_, last), _ = Uncertainty.of(about).estimates()
     # A standard deviation of 0.01 at a temperature of 2, or of tens.
     width = 1.645 * np.sqrt(2.0) * 0.01
     if run:
@@ -85,7 +122,7 @@ def test_what_no_reading_tells_may_be_anything_within_its_bounds(pendulum: Robot
     about = LogPosterior(
         hypothesis=hypothesis, point=hypothesis.start, grams=np.stack([gram] * 4), readings=400
     )
-    found, sure = estimates(about)
+    found, sure = Uncertainty.of(about).estimates()
     assert [known.name for known in law.free()] == ["c", "s", "vs"]
     assert sure.tolist() == [True, True, False]
     assert found[0].high90 - found[0].low90 < 0.01
@@ -105,6 +142,6 @@ def test_a_figure_at_its_bound_is_still_as_uncertain_as_beforehand(pendulum: Rob
     gram[1:, 1:] = inner
     grams, at = np.stack([gram / 4.0] * 4), np.array([hypothesis.high[0], 1.0])
     about = LogPosterior(hypothesis=hypothesis, point=at, grams=grams, readings=400)
-    found, _ = estimates(about)
+    found, _ = Uncertainty.of(about).estimates()
     # The friction is as uncertain as the gain, 5 %, at a temperature of 2: sqrt(2) 1.645 5 %.
     assert found[1].high90 - found[1].value == pytest.approx(np.sqrt(2.0) * 1.645 * 0.05, rel=0.02)
