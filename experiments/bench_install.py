@@ -126,7 +126,11 @@ def main(arguments: list[str] | None = None) -> int:
     )
     parser.add_argument("--pythons", nargs="+", default=list(PYTHONS), help="those on the path")
     asked, save = parse_and_save(parser, arguments, module="experiments.bench_install")
-    pythons = [each for each in asked.pythons if shutil.which(each)]
+    # A shim of pyenv is on the path for versions that are not active, and only says so.
+    there = [[each, "-c", "pass"] for each in asked.pythons if shutil.which(each)]
+    pythons = [
+        words[0] for words in there if not subprocess.run(words, capture_output=True).returncode
+    ]
     if not pythons:
         print(f"error: none of {', '.join(asked.pythons)} is on the path", file=sys.stderr)
         return 2
