@@ -124,7 +124,7 @@ def _diagnosed(case: Path, out: Path, console: Console) -> Path:
     from morph.app.report.files import write_diagnosis
     from morph.body.load import load as load_robot
     from morph.inference.diagnose import diagnose
-    from morph.record.load import load as load_recordings
+    from morph.record.load import load_recordings
 
     stamp, report = out / "stamp", out / "diagnosis" / "report.html"
     description, recorded = case / "robot.xml", case / "recordings"

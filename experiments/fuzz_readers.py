@@ -94,9 +94,9 @@ def _mesh() -> Callable[[Path], Any]:
 
 
 def _recording() -> Callable[[Path], Any]:
-    from morph.record.load import load
+    from morph.record.load import load_recordings
 
-    return load
+    return load_recordings
 
 
 TARGETS = {

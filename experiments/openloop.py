@@ -16,7 +16,7 @@ from morph.model.hypothesis import Hypothesis
 from morph.model.score import rmse, rollouts
 from morph.model.segments import scored_segments
 from morph.physics.effect import Effect
-from morph.record.load import load as load_recordings
+from morph.record.load import load_recordings
 from morph.record.recording import Recording
 
 BINDINGS = Path(__file__).resolve().parent / "bindings"

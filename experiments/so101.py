@@ -25,7 +25,7 @@ from morph.body.load import load as load_robot
 from morph.errors import MorphError
 from morph.inference.diagnose import diagnose
 from morph.model.diagnosis import Diagnosis, Trace
-from morph.record.load import load as load_recordings
+from morph.record.load import load_recordings
 from morph.record.recording import Recording
 
 EXAMPLE = """example:

@@ -34,7 +34,7 @@ from morph.model.nuisance_parameters import knobs
 from morph.model.residual import learned
 from morph.physics import EFFECTS
 from morph.physics.effect import Effect
-from morph.record.load import load as load_recordings
+from morph.record.load import load_recordings
 
 FELT = 0.1
 """Least share of the explained torque's RMS that an effect of LASSO must have to be named."""

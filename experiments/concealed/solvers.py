@@ -34,7 +34,7 @@ from morph.model.episodes import episode, step_for
 from morph.model.hypothesis import Hypothesis
 from morph.model.nuisance_parameters import knobs
 from morph.physics.fluid.thrust import Thrust
-from morph.record.load import load as load_recordings
+from morph.record.load import load_recordings
 
 Solver = Callable[[Path, int], JSON]
 

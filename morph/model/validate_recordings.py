@@ -215,7 +215,7 @@ def _within(recording: Recording, name: str, channel: Channel, most: float) -> N
         raise RecordingError(
             "it holds NaN or infinity",
             where=f"recording {recording.name}, {name}",
-            fix="read it with morph.record.load, which counts and drops single bad samples",
+            fix="read it with morph.load_recordings, which counts and drops single bad samples",
         )
     worst = int(np.argmax(np.abs(channel.value)))
     if abs(channel.value[worst]) > most:

@@ -1,1 +1,5 @@
 """Policies: what tells a body's actuators what to do, on disk and in memory."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -20,7 +20,7 @@ BINDING = "recording.toml"
 """The binding that is looked for in a folder."""
 
 
-def load(
+def load_recordings(
     path: str | Path, *, robot: Robot | None = None, root: Path | None = None
 ) -> tuple[Recording, ...]:
     """Return every recording that a path stands for, less copies, of which there are notes.

@@ -1,1 +1,5 @@
 """The simulator: a robot under effects, one run or many at once."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -165,8 +165,8 @@ def _imports(name: str, file: Path, roots: Roots) -> tuple[tuple[str, bool], ...
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         # Python cannot import it either: `try: import old` / `except SyntaxError` may use another.
         return ()
-    names: list[str] = []
-    strings = set[int]()
+    names = _lazy(file, package)
+    strings = set(range(len(names)))
     # Few files hold such a word at all: only there every node is looked at.
     words = any(each.encode() in source for each in (*LOADERS, "importlib"))
     by_name = words and any(map(_mentions_loader, nodes))
@@ -188,6 +188,19 @@ def _imports(name: str, file: Path, roots: Roots) -> tuple[tuple[str, bool], ...
                 strings.add(len(names))
                 names.append(_absolute(text, package))
     return tuple((each, at in strings) for at, each in enumerate(names))
+
+
+def _lazy(file: Path, package: str) -> list[str]:
+    """Return the modules whose names a package gives on first use, by the stub beside it."""
+    stub = file.with_suffix(".pyi")
+    if not stub.is_file():
+        return []
+    nodes = ast.walk(ast.parse(stub.read_bytes(), filename=str(stub)))
+    return [
+        _absolute("." * node.level + (node.module or ""), package)
+        for node in nodes
+        if isinstance(node, ast.ImportFrom)
+    ]
 
 
 def _absolute(name: str, package: str) -> str:

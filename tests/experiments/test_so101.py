@@ -18,7 +18,7 @@ from morph.model.score import rmse
 from morph.model.segments import cut, scored_segments
 from morph.model.shooting import predict
 from morph.physics.joint.coulomb_friction import CoulombFriction
-from morph.record.load import load as load_recordings
+from morph.record.load import load_recordings
 
 
 def test_dry_friction_halves_the_error_of_a_linear_servo_on_a_motion_it_never_saw(

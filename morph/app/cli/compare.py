@@ -33,7 +33,7 @@ def run_compare(options: Compare) -> int:
     from morph.model.derived_channels import by_effort, told_zero
     from morph.physics.worlds import world
     from morph.record.distinct import distinct
-    from morph.record.load import load as load_recordings
+    from morph.record.load import load_recordings
 
     # Whatever the command line got wrong is told before any work is done.
     horizon = horizon_of(options.horizon)

@@ -18,7 +18,7 @@ from morph.errors import DiagnosisError
 from morph.experiment_design.excitation import command_ranges
 from morph.model.diagnosis import Diagnosis
 from morph.physics import EFFECTS
-from morph.record.load import load as load_recordings
+from morph.record.load import load_recordings
 from morph.record.recording import Recording
 from morph.sim.simulator import Simulator
 

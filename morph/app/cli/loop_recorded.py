@@ -20,7 +20,7 @@ from morph.model.latent.run import Run
 from morph.model.latent.unknowns import unknowns
 from morph.policy_transfer.live.recorded import Recorded
 from morph.policy_transfer.repair import MOST_RUNS, noise_of, repaired
-from morph.record.load import load
+from morph.record.load import load_recordings
 from morph.run_folder import lock_run_folder
 from morph.search.target import Experience
 from morph.sim.threads import one_thread
@@ -33,7 +33,9 @@ def run_recorded(options: Loop, task: Task, out: Path) -> int:
     Raises:
         MorphError: A recording cannot be used or the result cannot be written.
     """
-    recordings = [each for path in options.recorded for each in load(path, robot=task.robot)]
+    recordings = [
+        each for path in options.recorded for each in load_recordings(path, robot=task.robot)
+    ]
     recorded = Recorded(task=task, recordings=tuple(recordings))
     runs = recorded.runs()
     with lock_run_folder(out):

@@ -173,9 +173,9 @@ def _timed(options: Simulate, robot: Robot) -> dict[str, Command]:
         )
     from dataclasses import replace
 
-    from morph.record.load import load
+    from morph.record.load import load_recordings
 
-    recording, *more = load(options.commands, robot=robot)
+    recording, *more = load_recordings(options.commands, robot=robot)
     results: dict[str, Command] = {
         name.removesuffix(".command"): replace(each, time=each.time - recording.start)
         for name, each in recording.channels.items()

@@ -23,7 +23,7 @@ from experiments.concealed.ties import are_distinct, ties_of
 from experiments.concealed.truth import Effect, Truth, replayed
 from morph.body.load import load as load_robot
 from morph.files import sha256
-from morph.record.load import load as load_recordings
+from morph.record.load import load_recordings
 
 SECONDS = 3.0
 BY_NAME = {law.name: law for law in LAWS}

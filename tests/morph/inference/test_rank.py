@@ -28,7 +28,7 @@ from morph.model.hypothesis import Hypothesis
 from morph.model.nuisance_parameters import knobs
 from morph.physics.effect import Effect
 from morph.physics.joint.end_stop import EndStop
-from morph.record.load import load as load_recordings
+from morph.record.load import load_recordings
 from morph.sim.simulator import compiled
 
 

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from morph.errors import RecordingError
-from morph.record.load import load
+from morph.record.load import load_recordings
 
 
 def npz() -> bytes:
@@ -72,7 +72,9 @@ WHOLE = {
 def test_each_file_is_read_as_long_as_it_is_whole(ending: str, tmp_path: Path) -> None:
     path = tmp_path / f"a{ending}"
     path.write_bytes(WHOLE[ending])
-    assert list(load(path)[0].channels) == ["hip.position" if ending == ".npz" else "a.position"]
+    assert list(load_recordings(path)[0].channels) == [
+        "hip.position" if ending == ".npz" else "a.position"
+    ]
 
 
 @pytest.mark.parametrize("ending", sorted(WHOLE.keys() - {".h5"}))
@@ -99,7 +101,7 @@ def check(ending: str, data: st.DataObject) -> None:
         path.write_bytes(whole[:at] + junk + rest)
         runs, refused = (), None
         try:
-            runs = load(path)
+            runs = load_recordings(path)
         except RecordingError as error:
             refused = error
         assert refused is None or (folder in refused.where and refused.fix)

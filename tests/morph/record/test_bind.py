@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from morph.errors import RecordingError
-from morph.record.load import load
+from morph.record.load import load_recordings
 
 MS = 1_000_000
 JOINTS, ARRAY = "sensor_msgs/JointState", "std_msgs/Float64MultiArray"
@@ -44,7 +44,7 @@ def bound(folder: Path, ros: SimpleNamespace, write_bag: Write, text: str = BIND
 def test_a_binding_names_columns_by_topic_each_on_its_own_clock(
     tmp_path: Path, ros: SimpleNamespace, write_bag: Write
 ) -> None:
-    (run,) = load(bound(tmp_path, ros, write_bag))
+    (run,) = load_recordings(bound(tmp_path, ros, write_bag))
     assert list(run.channels) == ["elbow.position", "elbow.command"]
     assert np.array_equal(run.channel("elbow.position").time, np.arange(40) / 100)
     assert np.array_equal(run["elbow.position"], np.arange(40) / 8)
@@ -64,9 +64,9 @@ def test_commands_may_come_from_a_second_file_with_a_column_for_its_clock(
     text = text.replace('"/commands", element = 1', '"u"')
     path.write_text(text)
     with pytest.raises(RecordingError, match="there is no clock"):
-        load(path)
+        load_recordings(path)
     path.write_text(text + 'time = { column = "ms", unit = "ms" }\n')
-    (run,) = load(path)
+    (run,) = load_recordings(path)
     assert np.array_equal(run["elbow.command"], 3.0 * np.arange(20))
     assert len(run.channel("elbow.position").time) == 40
 
@@ -115,7 +115,7 @@ def test_a_binding_that_does_not_fit_its_bag_is_refused(
     assert old in BINDING
     path = bound(tmp_path, ros, write_bag, BINDING.replace(old, new, 1))
     with pytest.raises(RecordingError, match=what) as caught:
-        load(path)
+        load_recordings(path)
     assert str(tmp_path) in caught.value.where
     assert fix in caught.value.fix
 
@@ -129,5 +129,5 @@ def test_columns_of_one_channel_must_share_a_clock(
     new = f'"hull.linear_velocity" = {{ column = {sources}, unit = "m/s" }}'
     path.write_text(BINDING.replace(old, new))
     with pytest.raises(RecordingError, match="do not share a clock") as caught:
-        load(path)
+        load_recordings(path)
     assert caught.value.where.startswith(f"{path}:6")

@@ -8,7 +8,7 @@ import pytest
 
 from morph.errors import RecordingError
 from morph.record.binding import load_binding
-from morph.record.load import load
+from morph.record.load import load_recordings
 
 BINDING = """\
 root = "logs"
@@ -37,7 +37,7 @@ def rig(folder: Path, text: str = BINDING) -> Path:
 
 def test_columns_are_scaled_offset_and_turned_into_si(tmp_path: Path) -> None:
     rig(tmp_path)
-    (run,) = load(tmp_path)
+    (run,) = load_recordings(tmp_path)
     assert (run.name, run.session) == ("run", "monday")
     # Sample 5: 5 * 20000 us = 0.1 s; (5 * 2 - 90) deg = -80 deg; 5 / 8.
     assert run.channel("hip.position").time[5] == pytest.approx(0.1, rel=1e-12)
@@ -61,14 +61,14 @@ def test_the_root_given_by_the_caller_wins(tmp_path: Path) -> None:
     rig(tmp_path)
     moved = tmp_path / "moved.toml"
     moved.write_text(BINDING.replace('"logs"', '"/nowhere"'))
-    assert load(moved, root=tmp_path / "logs")[0].samples == 12
+    assert load_recordings(moved, root=tmp_path / "logs")[0].samples == 12
     with pytest.raises(RecordingError, match="cannot be read"):
-        load(moved)
+        load_recordings(moved)
 
 
 def test_a_rate_stands_in_for_a_clock(tmp_path: Path) -> None:
     text = "rate_hz = 50.0\n" + BINDING.replace('time = { column = "stamp", unit = "us" }', "")
-    (run,) = load(rig(tmp_path, text))
+    (run,) = load_recordings(rig(tmp_path, text))
     # 12 samples at 50 Hz end 11 / 50 s after the first.
     assert run.seconds == pytest.approx(0.22, rel=1e-12)
 
@@ -134,7 +134,7 @@ def test_a_binding_that_does_not_fit_its_file_is_refused(
 ) -> None:
     path = rig(tmp_path, BINDING.replace(old, new, 1))
     with pytest.raises(RecordingError, match=what) as caught:
-        load(path)
+        load_recordings(path)
     assert str(tmp_path / "logs") in caught.value.where
     assert fix in caught.value.fix
 
@@ -145,7 +145,7 @@ def test_commands_come_from_their_own_file_and_clock(tmp_path: Path) -> None:
     )
     sent = "\n".join(f"{50000 * at},{-at}" for at in range(12))
     (tmp_path / "logs" / "sent.csv").write_text(f"stamp,tau\n{sent}\n")
-    (run,) = load(path)
+    (run,) = load_recordings(path)
     command = run.channel("hip.command")
     assert len(run.sources) == 2
     # At 0.12 s the command of 0.10 s, its third, still holds; it would be 6 in the first file.
@@ -161,5 +161,5 @@ def test_commands_at_another_time_are_refused(tmp_path: Path) -> None:
     sent = "\n".join(f"{9_000_000 + 50000 * at},{at}" for at in range(12))
     (tmp_path / "logs" / "sent.csv").write_text(f"stamp,tau\n{sent}\n")
     with pytest.raises(RecordingError, match="share no time") as caught:
-        load(path)
+        load_recordings(path)
     assert "sent.csv" in caught.value.where

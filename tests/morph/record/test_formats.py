@@ -8,7 +8,7 @@ import h5py
 import numpy as np
 import pytest
 
-from morph.record.load import load
+from morph.record.load import load_recordings
 from morph.record.recording import Channel, Recording
 from morph.record.write import write
 
@@ -81,7 +81,7 @@ def test_the_same_motion_is_the_same_recording_in_every_form(
         path = as_bag(motion, tmp_path / "run", storage, ros, write_bag)
         path = path if form == storage else next(path.glob(f"*.{form.split()[1]}"))
     before = sorted(tmp_path.rglob("*"))
-    (run,) = load(path)
+    (run,) = load_recordings(path)
     assert sorted(tmp_path.rglob("*")) == before
     assert run.name == "run"
     assert run.notes == ()
@@ -99,4 +99,4 @@ def test_a_folder_of_bags_and_files_is_read_in_order_of_name(
     less = {name: one for name, one in motion.channels.items() if name != "hip.command"}
     as_hdf5(Recording(name="a", channels=less), tmp_path / "a.h5")
     (tmp_path / "notes").mkdir()
-    assert [run.name for run in load(tmp_path)] == ["a", "b"]
+    assert [run.name for run in load_recordings(tmp_path)] == ["a", "b"]

@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from morph.errors import RecordingError
 from morph.record.frames import quaternion, turn
-from morph.record.load import load
+from morph.record.load import load_recordings
 
 BINDING = """\
 rate_hz = 10.0
@@ -47,7 +47,7 @@ def test_a_tracked_body_is_bound_from_one_array_of_an_npz(tmp_path: Path) -> Non
     samples = np.random.default_rng(3).normal(size=(30, 9))
     np.savez(tmp_path / "swim.npz", **{"6": samples[:20], "7": samples})
     (tmp_path / "recording.toml").write_text(BINDING)
-    (run,) = load(tmp_path)
+    (run,) = load_recordings(tmp_path)
     assert run.name == "swim_7"
     world = Rotation.from_euler("xyz", samples[:, :3]).apply(samples[:, 3:6])
     assert np.allclose(run["hull.linear_velocity.y"], world[:, 1], atol=1e-13)
@@ -60,7 +60,7 @@ def test_the_same_array_under_two_keys_is_one_episode_twice(tmp_path: Path) -> N
     np.savez(tmp_path / "swim.npz", **{"6": samples, "7": samples})
     again = '[[episode]]\nfile = "swim.npz"\nkey = "6"\n\n[columns]'
     (tmp_path / "recording.toml").write_text(BINDING.replace("[columns]", again))
-    (run,) = load(tmp_path)
+    (run,) = load_recordings(tmp_path)
     assert (
         "'swim_6' is identical to 'swim_7' in all its values, and was left out"
         in run.notes[-1].what
@@ -72,7 +72,7 @@ def test_a_velocity_in_the_body_frame_needs_an_orientation(tmp_path: Path) -> No
     text = "\n".join(line for line in BINDING.split("\n") if "orientation" not in line)
     (tmp_path / "recording.toml").write_text(text)
     with pytest.raises(RecordingError, match="needs the body's orientation") as caught:
-        load(tmp_path)
+        load_recordings(tmp_path)
     assert caught.value.where == f"{tmp_path / 'recording.toml'}:8"
     assert "hull.orientation" in caught.value.fix
 
@@ -86,11 +86,11 @@ def test_a_quaternion_that_is_none_is_refused_and_a_loose_one_repaired(tmp_path:
     samples = np.tile([1.0, 0, 0, 0, 0, 0, 0, 0, 0], (30, 1))
     samples[4, 0] = 1.05
     np.savez(tmp_path / "swim.npz", **{"7": samples})
-    (run,) = load(tmp_path)
+    (run,) = load_recordings(tmp_path)
     assert run["hull.orientation.w"][4] == pytest.approx(1.0)
     assert [note.repaired for note in run.notes] == [1]
     samples[4, 0] = 3.0
     np.savez(tmp_path / "swim.npz", **{"7": samples})
     with pytest.raises(RecordingError, match="its quaternion has length 3") as caught:
-        load(tmp_path)
+        load_recordings(tmp_path)
     assert caught.value.where.endswith("sample 4")

@@ -10,7 +10,7 @@ import pytest
 
 from morph.body.robot import Actuator, Joint, Link, Robot
 from morph.errors import RecordingError
-from morph.record.load import check_distinct, load
+from morph.record.load import check_distinct, load_recordings
 from morph.record.recording import Channel, Recording
 
 HEADER = "time,hinge.position,hinge.command"
@@ -41,7 +41,7 @@ def changed(row: int, text: str) -> Callable[[list[str]], list[str]]:
 
 
 def test_a_canonical_csv_is_read_and_its_command_holds(tmp_path: Path, pendulum: Robot) -> None:
-    (run,) = load(save(tmp_path / "run_1.csv", lines()), robot=pendulum)
+    (run,) = load_recordings(save(tmp_path / "run_1.csv", lines()), robot=pendulum)
     assert run.name == "run_1"
     assert run.notes == ()
     # Half way from sample 3 to 4: the position, 0.1 a sample, is 0.35; the command still is 3.
@@ -69,7 +69,7 @@ def test_a_spoilt_file_is_refused_at_its_line(
 ) -> None:
     path = save(tmp_path / "run.csv", spoil(lines()))
     with pytest.raises(RecordingError, match=what) as caught:
-        load(path)
+        load_recordings(path)
     assert str(path) in caught.value.where
     assert caught.value.where.endswith(place)
     assert caught.value.fix
@@ -79,7 +79,7 @@ def test_rare_missing_samples_and_repeated_stamps_are_dropped_and_counted(tmp_pa
     rows = lines(300)
     rows[8], rows[101] = "0.07,nan,7", "1.00,,100"
     rows[200] = "1.98,3.0,3"  # The line before has 1.98 too.
-    (run,) = load(save(tmp_path / "run.csv", rows))
+    (run,) = load_recordings(save(tmp_path / "run.csv", rows))
     # 1 % of 300 is 3 missing samples at most; 2 are.
     assert run.samples == 300 - 2 - 1
     missing, repeated = run.notes
@@ -93,7 +93,7 @@ def test_more_missing_samples_than_one_percent_are_refused(tmp_path: Path) -> No
     rows = lines(300)
     rows[10:14] = [f"0.{at:02d},nan,1" for at in range(9, 13)]
     with pytest.raises(RecordingError, match="in 4 of 300 samples; at most 3") as caught:
-        load(save(tmp_path / "run.csv", rows))
+        load_recordings(save(tmp_path / "run.csv", rows))
     assert caught.value.where.endswith("lines 11, 12, 13, 14")
     assert "remove these samples" in caught.value.fix
 
@@ -103,7 +103,7 @@ def test_blank_lines_do_not_shift_the_line_that_an_error_names(tmp_path: Path) -
     rows.insert(3, "")
     rows[9] = "0.07,inf,7"
     with pytest.raises(RecordingError, match="infinite") as caught:
-        load(save(tmp_path / "run.csv", rows))
+        load_recordings(save(tmp_path / "run.csv", rows))
     assert caught.value.where.endswith("line 10")
 
 
@@ -112,7 +112,7 @@ def test_a_truncated_gzip_is_refused(tmp_path: Path, kept: int) -> None:
     path = tmp_path / "run.csv.gz"
     path.write_bytes(gzip.compress("\n".join(lines()).encode())[:kept])
     with pytest.raises(RecordingError, match="truncated or damaged") as caught:
-        load(path)
+        load_recordings(path)
     assert caught.value.where == str(path)
     assert "copy the file again" in caught.value.fix
 
@@ -130,47 +130,47 @@ def test_a_channel_that_names_no_part_of_the_robot_is_refused(
 ) -> None:
     path = save(tmp_path / "run.csv", lines(header=f"time,hinge.position,{channel}"))
     with pytest.raises(RecordingError, match=what) as caught:
-        load(path, robot=pendulum)
+        load_recordings(path, robot=pendulum)
     assert caught.value.where == str(path)
     assert near in caught.value.fix
-    assert len(load(path)) == 1
+    assert len(load_recordings(path)) == 1
 
 
 def test_the_sites_of_a_robot_are_not_checked(tmp_path: Path, pendulum: Robot) -> None:
     path = save(tmp_path / "run.csv", lines(header="time,imu.gyro.x,imu.gyro.y"))
-    assert len(load(path, robot=pendulum)) == 1
+    assert len(load_recordings(path, robot=pendulum)) == 1
 
 
 def test_a_folder_is_read_in_order_of_name(tmp_path: Path) -> None:
     for at in (2, 1):
         save(tmp_path / f"run_{at}.csv", lines(20 + at))
     (tmp_path / "README.md").write_text("notes")
-    assert [run.name for run in load(tmp_path)] == ["run_1", "run_2"]
+    assert [run.name for run in load_recordings(tmp_path)] == ["run_1", "run_2"]
 
 
 def test_of_two_identical_episodes_one_is_kept_even_if_one_is_compressed(tmp_path: Path) -> None:
     save(tmp_path / "a.csv", lines())
     copy = save(tmp_path / "b.csv", lines())
     save(tmp_path / "c.csv", lines(30))
-    one, other = load(tmp_path)
+    one, other = load_recordings(tmp_path)
     assert [one.name, other.name] == ["a", "c"]
     (note,) = one.notes
     assert "'b' is identical to 'a' in all its values, and was left out" in note.what
     assert note.where == str(copy)
     (tmp_path / "b.csv.gz").write_bytes(gzip.compress(copy.read_bytes()))
     copy.unlink()
-    assert [each.name for each in load(tmp_path)] == ["a", "c"]
+    assert [each.name for each in load_recordings(tmp_path)] == ["a", "c"]
 
 
 def test_a_torn_last_line_is_left_out_and_told(tmp_path: Path) -> None:
-    (run,) = load(save(tmp_path / "run.csv", changed(20, "0.19,1.")(lines())))
+    (run,) = load_recordings(save(tmp_path / "run.csv", changed(20, "0.19,1.")(lines())))
     assert len(run["hinge.position"]) == 19
     assert any("was left out: the file seems to be truncated" in note.what for note in run.notes)
 
 
 def test_the_same_recording_in_two_loads_is_found(tmp_path: Path) -> None:
-    (one,) = load(save(tmp_path / "a.csv", lines()))
-    (other,) = load(save(tmp_path / "b.csv", lines(30)))
+    (one,) = load_recordings(save(tmp_path / "a.csv", lines()))
+    (other,) = load_recordings(save(tmp_path / "b.csv", lines(30)))
     check_distinct((one, other))
     with pytest.raises(RecordingError, match="identical"):
         check_distinct((one, other, replace(one, name="again")))
@@ -180,7 +180,7 @@ def test_the_same_recording_in_two_loads_is_found(tmp_path: Path) -> None:
 def test_what_cannot_be_read_is_refused(tmp_path: Path, name: str) -> None:
     (tmp_path / "empty").mkdir()
     with pytest.raises(RecordingError) as caught:
-        load(tmp_path / name)
+        load_recordings(tmp_path / name)
     assert caught.value.where == str(tmp_path / name)
     assert caught.value.fix
 
@@ -197,4 +197,4 @@ def test_a_copy_on_another_clock_is_a_copy() -> None:
 
 def test_a_path_without_anything_is_told_as_that(tmp_path: Path) -> None:
     with pytest.raises(RecordingError, match="there is no such file or folder"):
-        load(tmp_path / "nothing")
+        load_recordings(tmp_path / "nothing")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from morph.record.distinct import check_distinct
-from morph.record.load import load
+from morph.record.load import load_recordings
 
 BINDINGS = Path(__file__).resolve().parents[3] / "experiments" / "bindings"
 
@@ -23,14 +23,14 @@ BINDINGS = Path(__file__).resolve().parents[3] / "experiments" / "bindings"
 def test_our_bindings_read_every_real_episode(
     recordings: Path, binding: str, folder: str, episodes: int
 ) -> None:
-    runs = load(BINDINGS / binding, root=recordings / folder)
+    runs = load_recordings(BINDINGS / binding, root=recordings / folder)
     assert len(runs) == episodes
     assert all(run.seconds > 5.0 and not run.notes for run in runs)
 
 
 def test_the_double_pendulum_is_read_as_numpy_reads_it(recordings: Path) -> None:
     folder = recordings / "dfki_double_pendulum"
-    runs = {run.name: run for run in load(BINDINGS / "dfki_c0.toml", root=folder)}
+    runs = {run.name: run for run in load_recordings(BINDINGS / "dfki_c0.toml", root=folder)}
     file = folder / "design_C.0_20220914" / "trajectory_03.csv.gz"
     theirs = np.genfromtxt(file, delimiter=",", names=True)
     run = runs["run_03"]
@@ -43,7 +43,7 @@ def test_the_double_pendulum_is_read_as_numpy_reads_it(recordings: Path) -> None
 def test_sessions_of_two_bindings_are_distinct(recordings: Path) -> None:
     root = recordings / "dfki_double_pendulum"
     files = ("dfki_c0", "dfki_a0", "dfki_a0_long")
-    runs = [run for file in files for run in load(BINDINGS / f"{file}.toml", root=root)]
+    runs = [run for file in files for run in load_recordings(BINDINGS / f"{file}.toml", root=root)]
     check_distinct(runs)
     assert {run.session for run in runs} == {"2022-09-14", "2022-08-15", "2022-08-12"}
 
@@ -62,7 +62,7 @@ time = {{ column = "timestamp", unit = "us" }}
 "Elbow.position" = {{ column = "positions", element = 2, unit = "rad" }}
 "Elbow.command" = {{ column = "positions", element = 2, unit = "rad" }}
 """)
-    (run,) = load(path)
+    (run,) = load_recordings(path)
     # The first lines of the two files, by eye.
     assert run["Elbow.position"][0] == pytest.approx(0.6097573631845423, rel=1e-15)
     assert run["Elbow.command"][0] == pytest.approx(0.539468, rel=1e-15)
@@ -86,7 +86,7 @@ time = {{ column = "timestamps", unit = "ns" }}
 "r.linear_velocity" = {{ column = "velocities", element = [0, 1, 2], unit = "m/s", frame = "body" }}
 "heave.command" = {{ column = "scaled_controls", element = 2 }}
 """)
-    (run,) = load(path)
+    (run,) = load_recordings(path)
     # The file has 1384 time stamps and 1383 rows of commands.
     assert run.samples == 1383
     assert [note.dropped for note in run.notes] == [1]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from morph.errors import OutputError
-from morph.record.load import load
+from morph.record.load import load_recordings
 from morph.record.recording import Channel, Recording
 from morph.record.write import write
 
@@ -27,7 +27,7 @@ def recording(*, same_clock: bool) -> Recording:
 @pytest.mark.parametrize("ending", [".csv", ".csv.gz", ".parquet", ".npz"])
 def test_what_is_written_reads_back_bit_by_bit(tmp_path: Path, ending: str) -> None:
     wrote = recording(same_clock=True)
-    (read,) = load(write(wrote, tmp_path / f"run{ending}"))
+    (read,) = load_recordings(write(wrote, tmp_path / f"run{ending}"))
     assert list(read.channels) == list(wrote.channels)
     for name, channel in wrote.channels.items():
         assert np.array_equal(read.channel(name).time, channel.time)
@@ -37,13 +37,13 @@ def test_what_is_written_reads_back_bit_by_bit(tmp_path: Path, ending: str) -> N
 
 def test_an_npz_keeps_every_clock(tmp_path: Path) -> None:
     wrote = recording(same_clock=False)
-    (read,) = load(write(wrote, tmp_path / "run.npz"))
+    (read,) = load_recordings(write(wrote, tmp_path / "run.npz"))
     assert np.array_equal(read.channel("hip.command").time, wrote.channel("hip.command").time)
 
 
 def test_a_csv_holds_commands_on_the_clock_of_what_is_measured(tmp_path: Path) -> None:
     wrote = recording(same_clock=False)
-    (read,) = load(write(wrote, tmp_path / "run.csv"))
+    (read,) = load_recordings(write(wrote, tmp_path / "run.csv"))
     # Commands are sent at every second sample, just before it, and hold for the next.
     assert np.array_equal(read["hip.command"], np.repeat(wrote["hip.command"], 2))
 

@@ -10,7 +10,7 @@ from morph.body.load import load
 from morph.body.robot import Robot
 from morph.physics.fluid.buoyancy import Buoyancy
 from morph.physics.joint.stribeck_friction import StribeckFriction
-from morph.record.load import load as load_recordings
+from morph.record.load import load_recordings
 from morph.record.write import write
 from morph.sim.simulator import Simulator
 

@@ -157,7 +157,7 @@ def test_rows_of_a_source_that_changes_while_it_is_hashed_are_marked(
             file.write("\n")
         return path
 
-    monkeypatch.setattr("morph.study.run.save_manifest", edited)
+    monkeypatch.setattr(sys.modules["morph.study.run"], "save_manifest", edited)
     cells = cells_of(toy.square, [{"x": 1}, {"x": 2}])
     results = run(cells, folder=tmp_path / "out")
     assert [each.stale for each in results] == [True, True]

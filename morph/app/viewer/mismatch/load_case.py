@@ -12,7 +12,7 @@ from morph.body.robot import Robot
 from morph.errors import ViewError
 from morph.physics.worlds import world
 from morph.record.distinct import distinct
-from morph.record.load import load
+from morph.record.load import load_recordings
 from morph.record.quantities import pose_channels
 from morph.record.recording import Recording
 
@@ -29,7 +29,9 @@ def load_case(given: ViewRequest) -> MismatchCase:
     if not given.recordings:
         raise _no_recordings(given.diagnosis)
     recordings = distinct(
-        each for path in given.recordings for each in load(path, robot=robot, root=given.root)
+        each
+        for path in given.recordings
+        for each in load_recordings(path, robot=robot, root=given.root)
     )
     _check(recordings, robot)
     diagnosed = None if given.diagnosis is None else load_diagnosed(given.diagnosis, robot)

@@ -13,7 +13,7 @@ import pytest
 from morph.app.cli import excite
 from morph.app.cli.main import main
 from morph.body.load import load
-from morph.record.load import load as load_recordings
+from morph.record.load import load_recordings
 
 SCHEMA = json.loads(Path(excite.__file__).with_name("experiment.schema.json").read_text())
 TWO = ["--separate", "coulomb_friction@hinge", "viscous_friction@hinge"]

@@ -13,7 +13,7 @@ import pytest
 from morph.app.cli.main import main
 from morph.body.load import load
 from morph.policy.store import load_policy
-from morph.record.load import load as load_recordings
+from morph.record.load import load_recordings
 from morph.search.evaluate import attempt
 from morph.search.search import Learned
 from morph.task.tasks import task

@@ -17,7 +17,7 @@ from morph.policy.linear import Linear
 from morph.policy.observing import observations_of
 from morph.policy.policy import actions_of
 from morph.policy.store import write_policy
-from morph.record.load import load as load_recordings
+from morph.record.load import load_recordings
 
 GAIN = np.array([[-2.7, 27.2, -3.3, 4.3]])
 """Feedback that balances the cart-pole; where it is from stands in `test_learn.py`."""

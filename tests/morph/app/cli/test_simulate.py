@@ -19,7 +19,7 @@ from morph.physics.store import effects_text
 from morph.physics.worlds import world_names
 from morph.policy.pattern import Swing, pattern
 from morph.policy.store import write_policy
-from morph.record.load import load as load_recordings
+from morph.record.load import load_recordings
 from morph.sim.simulator import Simulator
 
 SCHEMA = json.loads(

@@ -20,7 +20,7 @@ from morph.policy_transfer.live.process import Process
 from morph.policy_transfer.live.recorded import Recorded
 from morph.policy_transfer.live.serve import Serve, main, served
 from morph.policy_transfer.live.watch import Watch
-from morph.record.load import load as load_recordings
+from morph.record.load import load_recordings
 from morph.search.target import Experience
 from morph.sim.closed_loop import closed_loop
 from morph.task.moved import Moved

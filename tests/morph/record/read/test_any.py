@@ -14,8 +14,8 @@ import sys
 import morph
 assert not {"rosbags", "h5py", "apsw", "pyarrow"} & set(sys.modules)
 from pathlib import Path
-from morph.record.load import load
-load(Path(sys.argv[1]))
+from morph.record.load import load_recordings
+load_recordings(Path(sys.argv[1]))
 assert not {"rosbags", "h5py", "apsw"} & set(sys.modules)
 """
 

@@ -295,9 +295,3 @@ def test_tall_and_wide_files_are_read_fast(
     with processor(0.3):
         table = read(b'0,"x"\n' * 300_000)
     assert table.columns[1] == Text(cell="x", row=0)
-
-
-def test_a_decimal_comma_is_named_as_what_it_is() -> None:
-    table = read("time;hinge.position\n0,0;0,1\n0,1;0,2\n")
-    with pytest.raises(RecordingError, match="write decimals with a point"):
-        table.column("time")

@@ -1,4 +1,4 @@
-"""CSV files that unpack to far more than they are."""
+"""CSV files that unpack to far more than they are, or are written for another country."""
 
 from __future__ import annotations
 
@@ -46,3 +46,10 @@ def test_a_row_of_blanks_is_no_sample(tmp_path: Path) -> None:
     path.write_text("time,a\n,")
     with pytest.raises(RecordingError, match="a header and no samples"):
         read_csv(path)
+
+
+def test_a_decimal_comma_is_named_as_what_it_is(tmp_path: Path) -> None:
+    path = tmp_path / "german.csv"
+    path.write_text("time;hinge.position\n0,0;0,1\n0,1;0,2\n")
+    with pytest.raises(RecordingError, match="write decimals with a point"):
+        read_csv(path).column("time")

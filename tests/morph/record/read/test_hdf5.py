@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from morph.errors import RecordingError
-from morph.record.load import load
+from morph.record.load import load_recordings
 from morph.record.read import hdf5
 
 TIME = np.arange(20) / 8
@@ -43,7 +43,7 @@ def test_numbers_of_any_kind_and_packing_are_read(
     with h5py.File(tmp_path / "run.h5", "w") as file:
         canonical(file)
         file.create_dataset("hip.command", data=numbers, **settings)
-    (run,) = load(tmp_path / "run.h5")
+    (run,) = load_recordings(tmp_path / "run.h5")
     assert np.array_equal(run["hip.command"], numbers.astype(np.float64))
     assert np.array_equal(run["hip.position"], np.sin(TIME))
 
@@ -53,7 +53,7 @@ def test_a_channel_may_have_a_clock_of_its_own(tmp_path: Path) -> None:
         canonical(file)
         file["hip.command"] = np.arange(12.0)
         file["hip.command.time"] = np.arange(12.0) / 4
-    (run,) = load(tmp_path / "run.hdf5")
+    (run,) = load_recordings(tmp_path / "run.hdf5")
     assert np.array_equal(run.channel("hip.command").time, np.arange(12.0) / 4)
     assert np.array_equal(run.channel("hip.position").time, TIME)
 
@@ -63,7 +63,7 @@ def test_a_file_of_groups_is_a_recording_for_each(tmp_path: Path) -> None:
         for at in (1, 2):
             canonical(file.create_group(f"day_{at}"), knee_position=np.arange(20.0) * at)
         file["about"] = "two days"
-    runs = load(tmp_path / "run.h5")
+    runs = load_recordings(tmp_path / "run.h5")
     assert [run.name for run in runs] == ["run_day_1", "run_day_2"]
     assert np.array_equal(runs[1]["knee.position"], 2.0 * np.arange(20))
 
@@ -76,7 +76,7 @@ def test_a_key_names_the_group_of_an_episode(tmp_path: Path) -> None:
         file["rig/17/camera"] = np.zeros((20, 4, 4, 3), dtype=np.uint8)
     path = tmp_path / "recording.toml"
     path.write_text(BINDING)
-    (run,) = load(path)
+    (run,) = load_recordings(path)
     assert run.name == "run_rig/17"
     # Two products of floats, each rounded by 1.1e-16, may differ in order; 1e-15 is 4 such steps.
     assert np.allclose(run["hip.position"], np.radians(angles[:, 1]), rtol=1e-15, atol=0)
@@ -89,7 +89,7 @@ def test_a_key_may_name_one_block_of_columns(tmp_path: Path) -> None:
         file["rig/17"] = block
     path = tmp_path / "recording.toml"
     path.write_text(BINDING.replace('"clock"', "0").replace('"arm/q", element = 1', "2"))
-    (run,) = load(path)
+    (run,) = load_recordings(path)
     assert np.allclose(run["hip.position"], np.radians(block[:, 2]), rtol=1e-15, atol=0)
 
 
@@ -99,7 +99,7 @@ def test_what_is_no_column_is_noted(tmp_path: Path) -> None:
         file["about"] = "a text"
         file["camera"] = np.zeros((20, 4, 4))
         file["again"] = h5py.SoftLink("/time")
-    (run,) = load(tmp_path / "run.h5")
+    (run,) = load_recordings(tmp_path / "run.h5")
     assert list(run.channels) == ["hip.position"]
     (note,) = run.notes
     assert "about (it holds text or objects" in note.what
@@ -207,7 +207,7 @@ def test_a_file_that_cannot_be_used_is_refused_at_once(
     before = sorted(tmp_path.iterdir())
     # The 2^45 numbers of one would be read for ever.
     with processor(3.0), pytest.raises(RecordingError, match=what) as caught:
-        load(path)
+        load_recordings(path)
     assert str(path) in caught.value.where
     assert caught.value.fix
     assert sorted(tmp_path.iterdir()) == before
@@ -236,10 +236,10 @@ def test_a_binding_that_does_not_fit_its_file_is_refused(
         file["away"] = h5py.ExternalLink("other.h5", "q")
     path = tmp_path / "recording.toml"
     path.write_text(BINDING)
-    assert len(load(path)) == 1
+    assert len(load_recordings(path)) == 1
     path.write_text(BINDING.replace(old, new, 1))
     with pytest.raises(RecordingError, match=what) as caught:
-        load(path)
+        load_recordings(path)
     assert str(tmp_path / "run.h5") in caught.value.where
     assert fix in caught.value.fix
 
@@ -248,7 +248,7 @@ def test_a_group_within_itself_ends(tmp_path: Path) -> None:
     with h5py.File(tmp_path / "run.h5", "w") as file:
         canonical(file)
         file["loop"] = file["/"]
-    (run,) = load(tmp_path / "run.h5")
+    (run,) = load_recordings(tmp_path / "run.h5")
     assert "loop (it is a group within itself" in run.notes[0].what
 
 
@@ -260,7 +260,7 @@ def test_a_truncated_file_is_refused(tmp_path: Path, kept: float) -> None:
     data = path.read_bytes()
     path.write_bytes(data[: int(kept * len(data))])
     with pytest.raises(RecordingError, match=r"truncated, damaged or not HDF5|file is empty"):
-        load(path)
+        load_recordings(path)
 
 
 @pytest.mark.parametrize(
@@ -281,6 +281,6 @@ def test_what_ends_the_process_that_reads_does_not_end_ours(
         canonical(file)
     monkeypatch.setattr(hdf5, "COMMAND", end)
     with pytest.raises(RecordingError, match="damaged or not HDF5: HDF5 gives up on it") as caught:
-        load(path)
+        load_recordings(path)
     assert caught.value.where == str(path)
     assert "copy the file again" in caught.value.fix

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from morph.errors import RecordingError
-from morph.record.load import load
+from morph.record.load import load_recordings
 from morph.record.read import hdf5_file
 
 TIME = np.arange(20) / 8
@@ -43,7 +43,7 @@ def test_a_file_of_too_many_is_refused(
         file["time"] = TIME
         spoil(file)
     with pytest.raises(RecordingError, match=f"{what}.* than are read at once") as caught:
-        load(path)
+        load_recordings(path)
     assert caught.value.where == str(path)
     assert "key in a recording.toml" in caught.value.fix
 
@@ -80,5 +80,5 @@ def test_episodes_that_share_their_bytes_are_counted_together(tmp_path: Path) ->
         for day in "123":
             file[f"{day}/time"] = made
     with pytest.raises(RecordingError, match="the columns take more than") as caught:
-        load(path)
+        load_recordings(path)
     assert caught.value.where == f"{path}, time"

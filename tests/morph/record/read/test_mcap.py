@@ -13,7 +13,7 @@ import pyarrow
 import pytest
 
 from morph.errors import RecordingError
-from morph.record.load import load
+from morph.record.load import load_recordings
 
 MAGIC = b"\x89MCAP0\r\n"
 JOINTS = "sensor_msgs/msg/JointState"
@@ -74,7 +74,7 @@ def test_messages_are_read_from_chunks_and_without_them(
     data = data.replace(record(15, bytes(4)), record(0x7F, b"new") + record(15, bytes(4)))
     path = tmp_path / "run.mcap"
     path.write_bytes(data)
-    (run,) = load(path)
+    (run,) = load_recordings(path)
     assert np.array_equal(run["hip.position"], np.arange(20) / 3)
     assert np.array_equal(run.channel("hip.position").time, np.arange(20) / 1e3)
 
@@ -85,14 +85,14 @@ def test_a_channel_of_another_encoding_is_no_topic_of_ours(
     path = tmp_path / "run.mcap"
     path.write_bytes(whole(schema(), channel(encoding="json"), message(1, b"{}")))
     with pytest.raises(RecordingError, match=r"topics are /joint_states \(sensor_msgs"):
-        load(path)
+        load_recordings(path)
     binding = tmp_path / "recording.toml"
     binding.write_text(
         '[[episode]]\nfile = "run.mcap"\n[columns]\n"hip.position" = '
         '{ column = "/joint_states:hip.position", unit = "rad" }\n'
     )
     with pytest.raises(RecordingError, match="packed as 'json', not 'cdr'") as caught:
-        load(binding)
+        load_recordings(binding)
     assert caught.value.where.endswith("run.mcap, topic /joint_states")
 
 
@@ -147,7 +147,7 @@ def test_a_spoilt_file_is_refused_at_its_byte_in_little_memory(
     path.write_bytes(data)
     tracemalloc.start()
     with processor(2.0), pytest.raises(RecordingError, match=what) as caught:
-        load(path)
+        load_recordings(path)
     taken = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert str(path) in caught.value.where
@@ -163,11 +163,11 @@ def test_a_truncated_file_is_refused(tmp_path: Path, packed: list[bytes], cut: f
     data = whole(chunk(inner))
     path = tmp_path / "run.mcap"
     path.write_bytes(data)
-    assert len(load(path)) == 1
+    assert len(load_recordings(path)) == 1
     # What ends the data stands in the last 50 of about 2700 bytes: 99 % still cut within it.
     path.write_bytes(data[: int(cut * (len(data) - 50))])
     with pytest.raises(RecordingError, match="truncated, damaged or not MCAP") as caught:
-        load(path)
+        load_recordings(path)
     assert "mcap recover" in caught.value.fix
 
 
@@ -178,5 +178,5 @@ def test_a_bomb_of_zeros_is_never_unpacked(tmp_path: Path) -> None:
     path.write_bytes(whole(START, *([one] * 32)))
     assert path.stat().st_size < 500_000
     with pytest.raises(RecordingError, match=r"a chunk declares 671088\d\d bytes") as caught:
-        load(path)
+        load_recordings(path)
     assert caught.value.fix

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from morph.errors import RecordingError
-from morph.record.load import load
+from morph.record.load import load_recordings
 
 MS = 1_000_000
 JOINTS, IMU, POSE, ARRAY = (
@@ -45,7 +45,7 @@ def test_joints_go_by_their_names_in_any_order_and_any_subset(
     path = write_bag(
         tmp_path / "run", [("/joint_states", JOINTS, messages)], storage=storage, pack=pack
     )
-    (run,) = load(path)
+    (run,) = load_recordings(path)
     assert run.notes == ()
     assert set(run.channels) == {
         f"{name}.{what}" for name in ("hip", "knee", "toe") for what in ("position", "velocity")
@@ -64,7 +64,7 @@ def test_stamps_since_1970_are_rounded_once(
     start = 1_760_000_000_123_456_789
     stamps = [start + at * 1_234_567 for at in range(12)]
     messages = [(stamp + 9 * MS, ros.joints(stamp, ["hip"], [0.5])) for stamp in stamps]
-    (run,) = load(write_bag(tmp_path / "run", [("/joint_states", JOINTS, messages)]))
+    (run,) = load_recordings(write_bag(tmp_path / "run", [("/joint_states", JOINTS, messages)]))
     # Seconds and nanoseconds apart are floats to 1e-16 s; a float near 1.8e9 has steps of 2.4e-7 s.
     exact = np.array([stamp // 10**9 + (stamp % 10**9) / 1e9 for stamp in stamps])
     assert np.array_equal(run.channel("hip.position").time, exact)
@@ -78,7 +78,7 @@ def test_where_stamps_are_missing_the_log_is_the_clock(
         (at * 10 * MS + 5 * MS, ros.joints((at + 1) * MS if at < stamped else None, ["hip"], [1.0]))
         for at in range(20)
     ]
-    (run,) = load(write_bag(tmp_path / "run", [("/joint_states", JOINTS, messages)]))
+    (run,) = load_recordings(write_bag(tmp_path / "run", [("/joint_states", JOINTS, messages)]))
     assert np.array_equal(
         run.channel("hip.position").time, np.array([at * 10 + 5 for at in range(20)]) / 1e3
     )
@@ -102,7 +102,7 @@ def test_an_imu_goes_by_its_frame_and_leaves_out_what_it_does_not_measure(
         )
         for name, frame, known in (("a", "/torso", 0.0), ("b", "", -1.0))
     ]
-    (run,) = load(write_bag(tmp_path / "run", topics))
+    (run,) = load_recordings(write_bag(tmp_path / "run", topics))
     # A first covariance of -1 says that there is no accelerometer.
     assert set(run.channels) == {
         *(f"torso.{one}.{axis}" for one in ("gyro", "accelerometer") for axis in "xyz"),
@@ -122,7 +122,7 @@ def test_a_pose_goes_by_the_body_in_its_topic(
     messages = [
         (at * MS, ros.pose(at * MS, "world", row[:3], row[3:])) for at, row in enumerate(rows)
     ]
-    (run,) = load(write_bag(tmp_path / "run", [(topic, POSE, messages)]))
+    (run,) = load_recordings(write_bag(tmp_path / "run", [(topic, POSE, messages)]))
     names = [f"hull.position.{axis}" for axis in "xyz"]
     names += [f"hull.orientation.{axis}" for axis in "wxyz"]
     assert list(run.channels) == names
@@ -140,7 +140,7 @@ def test_what_a_bag_holds_beside_the_channels_is_noted(
         ("/commands", ARRAY, [(at * MS, ros.array([1.0, 2.0])) for at in range(12)]),
         ("/log", "std_msgs/String", [(MS, ros.text("hello"))]),
     ]
-    (run,) = load(write_bag(tmp_path / "run", topics))
+    (run,) = load_recordings(write_bag(tmp_path / "run", topics))
     assert list(run.channels) == ["hip.position"]
     said = " | ".join(note.what for note in run.notes)
     assert "hip.effort: NaN in every message" in said
@@ -203,7 +203,7 @@ def test_a_bag_that_cannot_be_used_is_refused_at_its_message(
 ) -> None:
     path = write_bag(tmp_path / "run", spoilt(ros, how), storage=storage)
     with pytest.raises(RecordingError, match=what) as caught:
-        load(path)
+        load_recordings(path)
     assert str(path) in caught.value.where
     assert caught.value.where.endswith(place)
     assert caught.value.fix
@@ -229,10 +229,10 @@ def test_only_files_that_lie_in_the_folder_are_read(
     metadata.write_text(text.replace(old, new))
     if not what:
         # Old recorders list files with the folder's own name before them.
-        assert len(load(folder)) == 1
+        assert len(load_recordings(folder)) == 1
         return
     with pytest.raises(RecordingError, match=what) as caught:
-        load(folder)
+        load_recordings(folder)
     assert str(folder) in caught.value.where
 
 
@@ -248,5 +248,5 @@ def test_a_bag_in_two_files_is_one_recording(
     metadata.write_text(
         metadata.read_text().replace("  - run.mcap\n", "  - run.mcap\n  - first.mcap\n")
     )
-    (run,) = load(folder)
+    (run,) = load_recordings(folder)
     assert np.array_equal(run["hip.position"], np.arange(40) / 7)

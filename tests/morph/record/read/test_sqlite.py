@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from morph.errors import RecordingError
-from morph.record.load import load
+from morph.record.load import load_recordings
 
 Write = Callable[..., Path]
 
@@ -34,14 +34,14 @@ def change(path: Path, *statements: str) -> None:
 def test_a_name_with_signs_of_an_address_is_only_a_name(bag: Path) -> None:
     path = bag.rename(bag.with_name("run?mode=rwc#%41 1.db3"))
     before = sorted(path.parent.iterdir())
-    (run,) = load(path)
+    (run,) = load_recordings(path)
     assert np.array_equal(run["hip.position"], np.arange(20) / 3)
     assert sorted(path.parent.iterdir()) == before
 
 
 def test_messages_out_of_order_are_read_by_their_time(bag: Path) -> None:
     change(bag, "UPDATE messages SET id = 100 - id")
-    (run,) = load(bag)
+    (run,) = load_recordings(bag)
     assert np.array_equal(run["hip.position"], np.arange(20) / 3)
 
 
@@ -88,7 +88,7 @@ def test_a_data_base_that_is_no_bag_is_refused(
     change(bag, *statements)
     before = sorted(bag.parent.iterdir())
     with pytest.raises(RecordingError, match=what) as caught:
-        load(bag)
+        load_recordings(bag)
     assert str(bag) in caught.value.where
     assert caught.value.fix
     assert sorted(bag.parent.iterdir()) == before
@@ -99,13 +99,13 @@ def test_a_truncated_file_is_refused(bag: Path, kept: float) -> None:
     data = bag.read_bytes()
     bag.write_bytes(data[: int(kept * len(data))])
     with pytest.raises(RecordingError, match="truncated, damaged or no ROS 2 bag"):
-        load(bag)
+        load_recordings(bag)
 
 
 def test_a_file_whose_last_messages_stand_in_a_journal_is_refused(bag: Path) -> None:
     bag.with_name("run.db3-wal").write_bytes(b"1")
     with pytest.raises(RecordingError, match=r"run\.db3-wal beside it is not empty") as caught:
-        load(bag)
+        load_recordings(bag)
     assert "wal_checkpoint" in caught.value.fix
 
 
@@ -131,4 +131,4 @@ def test_topics_that_share_the_pages_of_a_name_are_refused(tmp_path: Path) -> No
     shared = content[:28] + pages + content[32:size] + split.sub(lambda _: first, rows)
     path.write_bytes(shared + content[2 * size : sizes[0]])
     with pytest.raises(RecordingError, match="longer names than its bytes can hold"):
-        load(path)
+        load_recordings(path)

@@ -19,7 +19,7 @@ from morph.app.viewer.views.mismatch import maker
 from morph.body.load import load
 from morph.inference.diagnose import diagnose
 from morph.physics.store import effects_text
-from morph.record.load import load as load_recordings
+from morph.record.load import load_recordings
 
 BINDING = Path(__file__).resolve().parents[5] / "experiments" / "bindings" / "dfki_c0.toml"
 

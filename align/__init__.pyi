@@ -1,0 +1,11 @@
+from .belief import believed as believed
+from .belief import mechanical as mechanical
+from .guard import TrialTask as TrialTask
+from .guard import foreseen as foreseen
+from .guard import judge as judge
+from .maps.body_map import MapData as MapData
+from .maps.maps import mapper as mapper
+from .metric import certain as certain
+from .metric import promise as promise
+from .quality import quality as quality
+from .samples import Transitions as Transitions

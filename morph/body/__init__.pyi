@@ -1,0 +1,11 @@
+from .vary import Heavier as Heavier
+from .vary import Lock as Lock
+from .vary import Scale as Scale
+from .vary import from_vector as from_vector
+from .vary import interpolate as interpolate
+from .vary import operation_of as operation_of
+from .vary import removed as removed
+from .vary import sweep as sweep
+from .vary import tunable as tunable
+from .vary import vary as vary
+from .vary import with_parameters as with_parameters

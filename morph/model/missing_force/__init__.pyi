@@ -1,0 +1,2 @@
+from .calibrate import calibrated as calibrated
+from .fit import fit as fit

@@ -1,0 +1,12 @@
+from .angles import turning as turning
+from .bound import limits as limits
+from .export import export_policy as export_policy
+from .linear import Linear as Linear
+from .observing import Observer as Observer
+from .observing import observations_of as observations_of
+from .pattern import Swing as Swing
+from .pattern import pattern as pattern
+from .policy import actions_of as actions_of
+from .store import load_policy as load_policy
+from .store import write_policy as write_policy
+from .track import Track as Track

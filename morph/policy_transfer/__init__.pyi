@@ -1,0 +1,9 @@
+from .balancers import balancer as balancer
+from .balancers import seen_with as seen_with
+from .iterations import Drift as Drift
+from .iterations import PrintedBody as PrintedBody
+from .iterations import iterations as iterations
+from .iterations import nearby as nearby
+from .linear_belief import regulator as regulator
+from .path import path as path
+from .relay import relay as relay

@@ -1,0 +1,2 @@
+from .rounds import rounds as rounds
+from .source import SimulatedTask as SimulatedTask

@@ -1,0 +1,2 @@
+from .alone import Alone as Alone
+from .source import Source as Source

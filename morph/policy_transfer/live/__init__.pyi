@@ -1,0 +1,10 @@
+from .callable_target import Called as Called
+from .callable_target import Paced as Paced
+from .limited_task import within as within
+from .limits import Limits as Limits
+from .live import Live as Live
+from .process import Process as Process
+from .recorded import Recorded as Recorded
+from .stop import Stop as Stop
+from .watch import Watch as Watch
+from .wiring import hello_for as hello_for
