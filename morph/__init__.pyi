@@ -1,3 +1,9 @@
+from .app.api.align import align as align
+from .app.api.learn import learn as learn
+from .app.api.loop import loop as loop
+from .app.api.print_package import print_package as print_package
+from .app.api.transfer import transfer as transfer
+from .app.api.view import view as view
 from .body.load import load as load
 from .inference.diagnose import diagnose as diagnose
 from .model.comparison import compare as compare

@@ -14,6 +14,7 @@ EXTRAS = {
     "view": ("fast_simplification", "imageio_ffmpeg", "PIL", "viser", "websockets", "zstandard"),
     "print": ("fast_simplification", "lib3mf", "manifold3d", "onnx"),
     "check": ("pinocchio",),
+    "notebook": ("pandas",),
     "step": ("cascadio",),
     "cluster": ("dask", "distributed", "submitit"),
     "compiler": ("ziglang",),

@@ -5,15 +5,18 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import ClassVar
 
+from morph.arrays import JSON
 from morph.fabrication.link_mass import LinkMass
 from morph.fabrication.packed import PackedPolicy
 from morph.print.job import Job
 from morph.print.part import Hinge
+from morph.tabular import Tabular
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Package:
+class Package(Tabular):
     """What `morph print` writes and `morph weigh` corrects."""
 
     name: str
@@ -42,6 +45,25 @@ class Package:
     """The command that made it."""
     folder: Path | None = None
     """Where it lies; None before it is written."""
+
+    axes: ClassVar[tuple[str, ...]] = ("part", "grams")
+
+    def __repr__(self) -> str:
+        count = sum(part.count for part in self.job.parts if part.name in self.job.sliced)
+        return f"Package({self.name}: {count} parts, {self.job.grams:.0f} g)"
+
+    def rows(self) -> list[JSON]:
+        """Return one row a printed part: copies, and mass and time of one copy."""
+        return [
+            {
+                "part": part.name,
+                "copies": part.count,
+                "grams": 1e3 * self.job.sliced[part.name].weight.mass,
+                "seconds": self.job.sliced[part.name].seconds,
+            }
+            for part in self.job.parts
+            if part.name in self.job.sliced
+        ]
 
     @property
     def designed_kg(self) -> float:

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 
 from morph.arrays import JSON
 from morph.body.robot import Robot
+from morph.files import write_whole
 from morph.model.derived_channels import by_effort, told_zero
 from morph.model.episodes import Episode, step_for
 from morph.model.hypothesis import Hypothesis
@@ -21,6 +25,7 @@ from morph.model.tracked_links import with_tracked_links
 from morph.model.validate_recordings import check_channels, check_recordings
 from morph.physics.effect import Effect
 from morph.record.recording import Recording
+from morph.tabular import Tabular
 
 SCHEMA = "morph.comparison/1"
 
@@ -69,9 +74,11 @@ class ChannelError:
         return self.error > max(PARTED * self.noise, LITTLE * self.motion)
 
 
-@dataclass(frozen=True, kw_only=True)
-class RolloutComparison:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class RolloutComparison(Tabular):
     """A description held against recordings."""
+
+    axes: ClassVar[tuple[str, ...]] = ("channel", "error", "noise")
 
     robot: str
     """The robot's name."""
@@ -89,6 +96,23 @@ class RolloutComparison:
     """Each channel, the farthest off in units of its noise first."""
     notes: tuple[str, ...]
     """What was dropped, repaired or put in, in words."""
+
+    def __repr__(self) -> str:
+        parting = sum(each.parts for each in self.channels)
+        return f"RolloutComparison({self.robot}: {parting} of {len(self.channels)} channels part)"
+
+    def rows(self) -> list[JSON]:
+        """Return one row a channel, the farthest off first; errors in its unit."""
+        names = ("channel", "unit", "error", "noise", "motion", "missing", "parts")
+        return [{name: getattr(each, name) for name in names} for each in self.channels]
+
+    def save(self, path: str | Path) -> None:
+        """Write it as JSON, by the schema morph.comparison/1.
+
+        Raises:
+            OutputError: The file cannot be written.
+        """
+        write_whole(Path(path), json.dumps(self.as_json(), indent=2) + "\n")
 
     def as_json(self) -> JSON:
         """Return it by the schema morph.comparison/1."""

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
+from importlib import import_module
+from pathlib import Path
 from typing import Any
 
 from morph.arrays import JSON, Array
 from morph.model.finding import Change, Estimate, Finding
 from morph.physics.effect import Effect
+from morph.tabular import Tabular
 
 SCHEMA = "morph.diagnosis/1"
 """Name and version of the JSON."""
@@ -85,7 +88,7 @@ UNNAMED = (
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
-class Diagnosis:
+class Diagnosis(Tabular):
     """The answer to: where do simulation and recordings part, and what was left out?"""
 
     robot: str
@@ -144,6 +147,41 @@ class Diagnosis:
     def __repr__(self) -> str:
         named = [f"{each.effect.label} {each.probability:.2f}" for each in self.findings]
         return f"Diagnosis({', '.join([f'{self.robot}: {self.verdict}', *named])})"
+
+    def rows(self) -> list[JSON]:
+        """Return one row for each parameter of each finding, with its 90 % interval."""
+        return [
+            {
+                "effect": finding.effect.name,
+                "where": finding.effect.where,
+                "probability": finding.probability,
+                "parameter": name,
+                "value": each.value,
+                "low90": each.low90,
+                "high90": each.high90,
+                "unit": each.unit,
+            }
+            for finding in self.findings
+            for name, each in finding.parameters.items()
+        ]
+
+    def plotted(self) -> list[JSON]:
+        """Return held-out errors, one row a channel and one column a model."""
+        channels = dict.fromkeys(name for errors in self.held_out_rmse.values() for name in errors)
+        return [
+            {"channel": name}
+            | {model: float(errors[name]) for model, errors in self.held_out_rmse.items()}
+            for name in channels
+        ]
+
+    def save(self, folder: str | Path) -> None:
+        """Write the report, the corrected model and diagnosis.json, as `morph diagnose` does.
+
+        Raises:
+            OutputError: The folder cannot be written, or holds something else.
+        """
+        # The report belongs to the layer of what users meet, above this one.
+        import_module("morph.app.report.files").write_diagnosis(self, Path(folder))
 
     def summary(self) -> tuple[str, ...]:
         """Return the answer in words, a sentence each."""

@@ -5,17 +5,19 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from importlib.metadata import version
+from typing import ClassVar
 
 import morph
 from morph.arrays import JSON
 from morph.files import sha256
 from morph.policy_transfer.hop_result import Crossing
 from morph.policy_transfer.transfer_record import SCHEMA, text_of
+from morph.tabular import Tabular
 from morph.task.task import Task
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class RelayRecord:
+class RelayRecord(Tabular):
     """A policy carried along a chain, one hop after another."""
 
     task: Task
@@ -34,6 +36,24 @@ class RelayRecord:
     """Hashes of the bodies and of the policy that were given."""
     notes: tuple[str, ...] = ()
     """What else is to be known."""
+
+    axes: ClassVar[tuple[str, ...]] = ("target", "final", "no_source")
+
+    def __repr__(self) -> str:
+        return f"RelayRecord({' > '.join([self.hops[0].source, *(h.target for h in self.hops)])})"
+
+    def rows(self) -> list[JSON]:
+        """Return one row a hop: transitions, the guard's verdict, scores relative to the oracle."""
+        return [
+            {
+                "source": hop.source,
+                "target": hop.target,
+                "samples": hop.samples,
+                "guard": hop.guard.verdict,
+                **hop.scores,
+            }
+            for hop in self.hops
+        ]
 
     @property
     def samples(self) -> int:

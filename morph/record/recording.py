@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from morph.arrays import Array
+from morph.arrays import JSON, Array
 from morph.errors import RecordingError
+from morph.extras import require
+from morph.tabular import Tabular
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,7 +55,7 @@ class Note:
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
-class Recording:
+class Recording(Tabular):
     """One episode.
 
     Channels are named `<part>.<quantity>[.<axis>]`, in SI units: for example
@@ -75,6 +78,57 @@ class Recording:
     def __repr__(self) -> str:
         seconds = f", {self.seconds:.4g} s" if self.channels else ""
         return f"Recording({self.name}: {len(self.channels)} channels{seconds})"
+
+    def rows(self) -> list[JSON]:
+        """Return one row a channel: samples, their rate in Hz, least and greatest value."""
+        return [
+            {
+                "channel": name,
+                "samples": len(each.time),
+                "rate": (len(each.time) - 1) / max(float(each.time[-1] - each.time[0]), 1e-300),
+                "least": float(np.min(each.value)),
+                "greatest": float(np.max(each.value)),
+            }
+            for name, each in self.channels.items()
+        ]
+
+    def to_pandas(self) -> Any:
+        """Return a column for each channel over all times, s; empty where it has no sample.
+
+        Raises:
+            MissingPackage: pandas is not installed.
+        """
+        require("notebook", "Recording.to_pandas")
+        import pandas
+
+        columns = [
+            pandas.Series(each.value, index=each.time, name=name)
+            for name, each in self.channels.items()
+        ]
+        return pandas.concat(columns, axis=1).sort_index().rename_axis("time")
+
+    def plot(self) -> Any:
+        """Return a `plotly.graph_objects.Figure` of all channels over time."""
+        from plotly import graph_objects
+
+        figure = graph_objects.Figure()
+        for name, each in self.channels.items():
+            shape = "hv" if each.hold else "linear"
+            figure.add_trace(
+                graph_objects.Scatter(x=each.time, y=each.value, name=name, line_shape=shape)
+            )
+        figure.update_layout(title=repr(self), xaxis_title="time, s")
+        return figure
+
+    def save(self, path: str | Path) -> None:
+        """Write it as CSV, Parquet or NPZ, by the path's ending.
+
+        Raises:
+            OutputError: The ending is unknown, or the file cannot be written.
+        """
+        from morph.record.write import write
+
+        write(self, Path(path))
 
     def __getitem__(self, channel: str) -> Array:
         """Return a channel's values, shape (samples,).

@@ -44,6 +44,8 @@ def simulate(
         SimulationFailed: An effect has no such part, or the simulation became unstable.
     """
     body = robot if isinstance(robot, Robot) else load(robot)
+    # What is told nothing is told zero, and the recording says so.
+    told = {actuator.name: 0.0 for actuator in body.actuators} | dict(command or {})
     return Simulator(body, tuple(effects), step=step, integrator=integrator).run(
-        seconds=seconds, start=start, speed=speed, command=command
+        seconds=seconds, start=start, speed=speed, command=told
     )

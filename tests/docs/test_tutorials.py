@@ -23,6 +23,7 @@ PAGES = [
     DOCS / "ensemble.md",
     DOCS / "gym.md",
     DOCS / "latent.md",
+    DOCS / "python.md",
     DOCS / "tasks.md",
     DOCS / "vary.md",
     DOCS.parent / "README.md",

@@ -43,6 +43,7 @@ def test_help_loads_nothing_heavy() -> None:
 PUBLIC = {
     *("Channel", "EFFECTS", "Recording", "Simulator", "__version__", "compare", "diagnose"),
     *("load", "load_policy", "load_recordings", "simulate", "world"),
+    *("align", "learn", "loop", "print_package", "transfer", "view"),
 }
 STUBS = sorted({*ROOT.glob("morph/**/__init__.pyi"), *ROOT.glob("align/__init__.pyi")})
 DEEP = re.compile(r"^\s*(from morph\.\w+\.[\w.]+ import .*)$", re.MULTILINE)

@@ -29,6 +29,18 @@ def run_align(options: Align) -> int:
         MorphError: An input cannot be used, or the result cannot be written.
         AlignError: No map can be learned from what was given.
     """
+    result = aligned(options)
+    _say(options, result)
+    return UNSAFE if result.guard.verdict == "unsafe" else DONE
+
+
+def aligned(options: Align) -> Aligned:
+    """Learn a map, write it where a folder is named, and return it.
+
+    Raises:
+        MorphError: An input cannot be used, or the result cannot be written.
+        AlignError: No map can be learned from what was given.
+    """
     from morph.app.cli.align_learn import check_map, learned
     from morph.app.cli.heartbeat import beating
     from morph.run_folder import lock_run_folder
@@ -48,8 +60,7 @@ def run_align(options: Align) -> int:
             )
         if out is not None:
             _write(result, out, fresh=options.fresh)
-    _say(options, result)
-    return UNSAFE if result.guard.verdict == "unsafe" else DONE
+    return result
 
 
 def _check_numbers(options: Align) -> None:

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import sys
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from morph.app.cli.arguments import Loop
-from morph.errors import MorphError, TransferError, TrialStopped
+from morph.errors import MorphError, TrialStopped
 
 if TYPE_CHECKING:
     from morph.app.cli.stages import Stages
@@ -29,113 +28,99 @@ def run_loop(options: Loop) -> int:
         MorphError: An input cannot be used, the target cannot be tried, or a result cannot be
             written.
     """
-    from morph.app.cli.loop_key import check_fresh
-    from morph.app.cli.outputs import LOOP, RECORDED, check_out
-    from morph.app.cli.target_options import check_choice, live_aim, told_aim
+    from morph.app.cli.loop_text import already
     from morph.run_folder import lock_run_folder
 
-    # Whatever the command line got wrong is told before any work is done.
-    _check_numbers(options)
-    kind = check_choice(options)
-    out = check_out(options.out, LOOP)
-    check_fresh(options, out)
-    task = _task(options)
-    if kind == "recorded":
+    task, out = _prepared(options)
+    if options.recorded:
         from morph.app.cli.loop_recorded import run_recorded
 
         return run_recorded(options, task, out)
-    _check_body(task)
-    given = _given(options, task)
-    aim: TargetOptions | None = None
-    if kind == "told":
-        aim = told_aim(options, task)
-    elif kind == "live":
-        aim = live_aim(options, task, out / RECORDED)
+    given, aim = _target(options, task, out)
     with lock_run_folder(out):
-        return _run(options, task, given, aim, out)
+        keep = _kept(options, task, given, aim, out)
+        status = already(options, out, task)
+        if status is not None:
+            return status
+        try:
+            outcome = _carried(options, task, given, aim, keep)
+        except BaseException as error:
+            return _ended(error, out)
+    return _said(options, outcome)
 
 
-def _run(
+def looped(options: Loop) -> LoopOutcome:
+    """Carry a policy to a target and return what came of it, which is written to `out` too.
+
+    Raises:
+        MorphError: An input cannot be used, the target cannot be tried, or a result cannot be
+            written.
+    """
+    from morph.run_folder import lock_run_folder
+
+    task, out = _prepared(options)
+    given, aim = _target(options, task, out)
+    with lock_run_folder(out):
+        keep = _kept(options, task, given, aim, out)
+        try:
+            return _carried(options, task, given, aim, keep)
+        except BaseException:
+            _forget(out)
+            raise
+
+
+def _prepared(options: Loop) -> tuple[Task, Path]:
+    """Return the source's task and the folder, once both can be used."""
+    from morph.app.cli.loop_inputs import check_numbers, task_of
+    from morph.app.cli.loop_key import check_fresh
+    from morph.app.cli.outputs import LOOP, check_out
+    from morph.app.cli.target_options import check_choice
+
+    # Whatever the command line got wrong is told before any work is done.
+    check_numbers(options)
+    check_choice(options)
+    out = check_out(options.out, LOOP)
+    check_fresh(options, out)
+    return task_of(options), out
+
+
+def _target(options: Loop, task: Task, out: Path) -> tuple[Policy | None, TargetOptions | None]:
+    """Return the policy that is given, and the target, which is None while it is sealed."""
+    from morph.app.cli.loop_inputs import check_body, policy_of
+    from morph.app.cli.outputs import RECORDED
+    from morph.app.cli.target_options import check_choice, live_aim, told_aim
+
+    check_body(task)
+    given, kind = policy_of(options, task), check_choice(options)
+    if kind == "told":
+        return given, told_aim(options, task)
+    return given, live_aim(options, task, out / RECORDED) if kind == "live" else None
+
+
+def _kept(
     options: Loop, task: Task, given: Policy | None, aim: TargetOptions | None, out: Path
-) -> int:
-    """Carry a policy in a folder that nobody else works in, and return the exit status."""
-    from morph.app.cli.heartbeat import beating
+) -> Keep:
+    """Return the checkpoint in a folder that nobody else works in."""
     from morph.app.cli.loop_key import keep_of, key_of
-    from morph.app.cli.loop_text import already
     from morph.app.cli.outputs import LOOP, claim, clear
 
     if options.fresh:
         clear(out, LOOP, progress=True)
     claim(out, LOOP, results=False)
-    keep = keep_of(out, task, key_of(options, task, given, aim))
-    status = already(options, out, task)
-    if status is not None:
-        return status
-    try:
-        with beating(options.quiet) as progress:
-            outcome = _carried(options, task, given, aim, keep, progress)
-    except BaseException as error:
-        return _ended(error, out)
-    return _said(options, outcome)
-
-
-def _check_numbers(options: Loop) -> None:
-    if options.trials < 1:
-        raise TransferError(
-            f"a loop of {options.trials} trials shows nothing",
-            where="--trials",
-            fix="give 1 or more",
-        )
-    if options.seed < 0:
-        raise TransferError(f"{options.seed} is no seed", where="--seed", fix="give 0 or more")
-
-
-def _task(options: Loop) -> Task:
-    """Return the source's task in the world that is asked for."""
-    from morph.body.load import load
-    from morph.task.tasks import check_name, task
-
-    check_name(options.task)
-    robot = load(options.robot, base=options.base, folder=options.folder)
-    result = task(options.task, robot)
-    if options.world is not None:
-        from morph.physics.worlds import world
-
-        result = replace(result, world=options.world, effects=world(options.world, robot).effects)
-    if not options.limit:
-        return result
-    from morph.app.cli.target_options import limits
-    from morph.policy_transfer.live.limited_task import within
-
-    # What is searched and foreseen knows the limits of what will be tried.
-    return within(result, limits(options.limit))
-
-
-def _check_body(task: Task) -> None:
-    """Refuse a body whose simulation cannot be repaired, before anything is tried."""
-    others = [each.name for each in task.robot.joints if each.kind not in {"hinge", "slide"}]
-    if others:
-        raise TransferError(
-            f"its joint {others[0]} is neither a hinge nor a slide, and what differs in such a "
-            "body is not found by its runs yet",
-            where=f"robot {task.robot.name}",
-            fix="take a body that stands fixed; `morph diagnose` compares recordings of others",
-        )
-
-
-def _given(options: Loop, task: Task) -> Policy | None:
-    """Return the policy that is named, once it fits the body and the task."""
-    if options.policy is None:
-        return None
-    from morph.policy.store import load_policy
-    from morph.search.evaluate import check_period
-
-    policy = load_policy(options.policy, task.robot)
-    check_period(policy, task)
-    return policy
+    return keep_of(out, task, key_of(options, task, given, aim))
 
 
 def _carried(
+    options: Loop, task: Task, given: Policy | None, aim: TargetOptions | None, keep: Keep
+) -> LoopOutcome:
+    """Return what came of all trials, written."""
+    from morph.app.cli.heartbeat import beating
+
+    with beating(options.quiet) as progress:
+        return _tried(options, task, given, aim, keep, progress)
+
+
+def _tried(
     options: Loop,
     task: Task,
     given: Policy | None,
@@ -143,8 +128,7 @@ def _carried(
     keep: Keep,
     progress: Stages,
 ) -> LoopOutcome:
-    """Return what came of all trials, written."""
-    from morph.app.cli.loop_source import source
+    from morph.app.cli.loop_inputs import source
     from morph.app.cli.outputs import LOOP, claim, clear
     from morph.app.cli.target_options import conduct_notes, live_of, sealed_aim
     from morph.app.report.loop.files import write_loop
@@ -235,11 +219,11 @@ def _ended(error: BaseException, out: Path) -> int:
     """
     from morph.app.cli.console import harmless
     from morph.app.cli.loop_text import finished
-    from morph.app.cli.outputs import LOOP, SOURCE, clear
+    from morph.app.cli.outputs import SOURCE
 
     tried, learned = finished(out), (out / SOURCE[0]).is_file()
-    if not tried and not (learned and isinstance(error, KeyboardInterrupt)):
-        clear(out, LOOP, progress=True)
+    if not (learned and isinstance(error, KeyboardInterrupt)):
+        _forget(out)
     pressed = isinstance(error, TrialStopped) and error.pressed
     if not (pressed or isinstance(error, KeyboardInterrupt)):
         raise error
@@ -253,6 +237,15 @@ def _ended(error: BaseException, out: Path) -> int:
         else "interrupted; nothing was written\n"
     )
     return INTERRUPTED
+
+
+def _forget(out: Path) -> None:
+    """Leave nothing of a loop without a trial."""
+    from morph.app.cli.loop_text import finished
+    from morph.app.cli.outputs import LOOP, clear
+
+    if not finished(out):
+        clear(out, LOOP, progress=True)
 
 
 def _said(options: Loop, outcome: LoopOutcome) -> int:

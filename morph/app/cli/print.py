@@ -30,22 +30,37 @@ CHOSEN = (
 DONE, STOPPED_SHORT = 0, 3
 
 
-VERDICTS = {
-    "holds": "holds on the printed robot",
-    "matched": "was matched to the printed robot",
-    "lost": "does not hold on the printed robot, and none was found in time",
-}
-"""What became of a policy, in words."""
-
-
 def run_print(options: Print) -> int:
     """Make the package and return the exit status.
 
     Raises:
         MorphError: An input cannot be used, or the package cannot be written.
     """
-    from morph.fabrication.package_folder import check_out, package_folder
+    from morph.app.cli.print_text import sentences
     from morph.fabrication.packed import FILE
+
+    package, out = packaged(options), Path(options.out)
+    if options.json:
+        sys.stdout.write((out / FILE).read_text(encoding="utf-8"))
+    else:
+        columns = width()
+        say(
+            (line, style)
+            for statement, style in sentences(out, package)
+            for line in paragraph(harmless(statement), 4, columns)
+        )
+    lost = package.policy is not None and package.policy.verdict == "lost"
+    refused = any(check.verdict == "refused" for check in package.job.checks)
+    return STOPPED_SHORT if refused or lost or not package.job.sliced else DONE
+
+
+def packaged(options: Print) -> Package:
+    """Make the package, write it to `options.out` and return it.
+
+    Raises:
+        MorphError: An input cannot be used, or the package cannot be written.
+    """
+    from morph.fabrication.package_folder import check_out, package_folder
     from morph.print.errors import PrintError
     from morph.run_folder import lock_run_folder
 
@@ -62,21 +77,9 @@ def run_print(options: Print) -> int:
             _check_policy(options, robot)
             package = _package(options, robot, profile, slicer, progress.now)
             with package_folder(out) as folder:
-                package = _write(options, folder, robot, package, slicer, progress.now)
+                return _write(options, folder, robot, package, slicer, progress.now)
     except PrintError as error:
         raise MakeError(error.what, where=error.where, fix=error.fix) from error
-    if options.json:
-        sys.stdout.write((out / FILE).read_text(encoding="utf-8"))
-    else:
-        columns = width()
-        say(
-            (line, style)
-            for statement, style in _words(out, package)
-            for line in paragraph(harmless(statement), 4, columns)
-        )
-    lost = package.policy is not None and package.policy.verdict == "lost"
-    refused = any(check.verdict == "refused" for check in package.job.checks)
-    return STOPPED_SHORT if refused or lost or not package.job.sliced else DONE
 
 
 def _check_times(options: Print) -> None:
@@ -246,53 +249,3 @@ def _command(options: Print) -> str:
         if value is not None and value != getattr(Print, name, None):
             lines += [f"--{name}", str(value)]
     return shlex.join(lines if options.gcode else [*lines, "--no-gcode"])
-
-
-def _words(out: Path, package: Package) -> list[tuple[str, str]]:
-    job = package.job
-    printed = [part for part in job.parts if part.name in job.sliced]
-    copies = sum(part.count for part in printed)
-    source = "sliced" if any(s.source == "gcode" for s in job.sliced.values()) else "estimated"
-    plates = sum(plate.name.startswith("plate") for plate in job.plates)
-    sorts = "" if copies == len(printed) else f" of {_counted(len(printed), 'sort')}"
-    refused = len({check.part for check in job.checks if check.verdict == "refused"})
-    but = f"; {_counted(refused, 'thing')} refused" if refused else ""
-    lines = [
-        (
-            f"{package.title}: {_counted(copies, 'part')}{sorts} on {_counted(plates, 'plate')}, "
-            f"{job.grams:.0f} g and {_hours(job.seconds)} ({source}){but}"
-            if printed
-            else f"{package.title}: there is nothing to print{but}",
-            "bold",
-        ),
-        (_weighs(package), ""),
-    ]
-    if package.policy is not None:
-        lines.append((f"the policy {VERDICTS[package.policy.verdict]}: {package.policy.what}", ""))
-    for check in job.checks:
-        if check.verdict == "refused":
-            lines.append((f"refused: {check.part}: {check.what}; {check.fix}", "red"))
-    noted = sum(check.verdict == "noted" for check in job.checks)
-    if noted:
-        lines.append((f"{_counted(noted, 'thing')} to look at, in report.html", ""))
-    lines += [(note, "") for note in (*package.notes, *job.notes)]
-    lines.append((f"wrote {out}", ""))
-    return lines
-
-
-def _weighs(package: Package) -> str:
-    if all(each.source == "description" for each in package.links):
-        return (
-            f"the robot keeps the {package.designed_kg:.3f} kg of its model: of no link all that "
-            "weighs is known"
-        )
-    return f"it weighs {package.now_kg:.3f} kg; the model said {package.designed_kg:.3f} kg"
-
-
-def _hours(seconds: float) -> str:
-    minutes = round(seconds / 60)
-    return f"{minutes // 60} h {minutes % 60:02d} min"
-
-
-def _counted(count: int, what: str) -> str:
-    return f"{count} {what}" if count == 1 else f"{count} {what}s"

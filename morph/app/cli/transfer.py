@@ -23,12 +23,6 @@ if TYPE_CHECKING:
 
 DONE, STOPPED_SHORT, INTERRUPTED = 0, 3, 130
 
-FEWEST, MOST = 10, 100_000
-"""Transitions of a hop, at least and at most."""
-
-MOST_NOISE = 0.1
-"""Most noise of a reading, in its unit."""
-
 
 def run_transfer(options: Transfer) -> int:
     """Carry a policy along a chain as asked and return the exit status.
@@ -37,16 +31,49 @@ def run_transfer(options: Transfer) -> int:
         MorphError: An input cannot be used, or a result cannot be written.
         AlignError: No map of the first hop can be learned.
     """
-    from morph.app.cli.outputs import TRANSFER, check_out
-    from morph.app.cli.transfer_bodies import body_of, check_task, given
-    from morph.app.cli.transfer_way import check_over, chosen_way
-    from morph.policy_transfer.balancers import seen_with
+    from morph.app.cli.transfer_text import say_outcome
+    from morph.app.report.transfer.words import done
     from morph.run_folder import lock_run_folder
 
-    # Whatever the command line got wrong is told before any work is done.
     began = time.monotonic()
+    options, bodies, start, out = _prepared(options)
+    hops: list[Kept] = []
+    with lock_run_folder(out):
+        kept = _kept(options, bodies, start, out)
+        try:
+            record, stopped = _relayed(options, bodies, start, kept, hops, began)
+        except KeyboardInterrupt:
+            return _interrupted(out, len(hops))
+    say_outcome(options, record)
+    return DONE if done(record) and not stopped else STOPPED_SHORT
+
+
+def transferred(options: Transfer) -> RelayRecord:
+    """Carry a policy along a chain and return the record, which is written to `options.out` too.
+
+    Raises:
+        MorphError: An input cannot be used, or a result cannot be written.
+        AlignError: No map of the first hop can be learned.
+    """
+    from morph.run_folder import lock_run_folder
+
+    began = time.monotonic()
+    options, bodies, start, out = _prepared(options)
+    with lock_run_folder(out):
+        kept = _kept(options, bodies, start, out)
+        return _relayed(options, bodies, start, kept, [], began)[0]
+
+
+def _prepared(options: Transfer) -> tuple[Transfer, list[Body], SourcePolicy, Path]:
+    """Return the options with the way chosen, the bodies on it, the first's policy, the folder."""
+    from morph.app.cli.outputs import TRANSFER, check_out
+    from morph.app.cli.transfer_bodies import body_of, check_task, given
+    from morph.app.cli.transfer_inputs import check_numbers, check_over, chosen_way
+    from morph.policy_transfer.balancers import seen_with
+
+    # Whatever the command line got wrong is told before any work is done.
     check_over(options)
-    _check_numbers(options)
+    check_numbers(options)
     check_task(options.task)
     out = check_out(options.out, TRANSFER)
     _check_fresh(options, out)
@@ -56,47 +83,7 @@ def run_transfer(options: Transfer) -> int:
         bodies = [body_of(name, options.task) for name in options.chain]
     bodies = [seen_with(each, options.noise) for each in bodies]
     check_periods(bodies)
-    start = given(options.policy, bodies[0])
-    with lock_run_folder(out):
-        return _run(options, bodies, start, out, began)
-
-
-def _check_numbers(options: Transfer) -> None:
-    hops = len(options.chain) - 1
-    wrong = [
-        (hops < 1, "--chain", f"{len(options.chain)} bodies make no hop", "name two or more"),
-        (
-            len(options.samples) not in {1, max(hops, 1)},
-            "--samples",
-            f"{len(options.samples)} numbers are given for {hops} hops",
-            "give one for all hops, or one for each",
-        ),
-        (
-            min(options.samples, default=0) < FEWEST,
-            "--samples",
-            f"{min(options.samples, default=0)} transitions tell nothing of a body",
-            f"give {FEWEST} or more",
-        ),
-        (
-            max(options.samples, default=0) > MOST,
-            "--samples",
-            f"{max(options.samples, default=0)} transitions would take longer than anyone waits",
-            f"give {MOST} or fewer; some hundreds tell all that there is",
-        ),
-        (
-            not 0.0 <= options.noise <= MOST_NOISE,
-            "--noise",
-            f"{options.noise:g} is no noise that a body could be seen through",
-            f"give 0 to {MOST_NOISE:g}",
-        ),
-        (options.trials < 1, "--trials", f"{options.trials} runs judge nothing", "give 1 or more"),
-        (options.repeats < 0, "--repeats", f"{options.repeats} is no count", "give 0 or more"),
-        (options.scratch < 0, "--scratch", f"{options.scratch} is no count", "give 0 or more"),
-        (options.seed < 0, "--seed", f"{options.seed} is no seed", "give 0 or more"),
-    ]
-    for holds, where, what, fix in wrong:
-        if holds:
-            raise TransferError(what, where=where, fix=fix)
+    return options, bodies, given(options.policy, bodies[0]), out
 
 
 def _check_fresh(options: Transfer, out: Path) -> None:
@@ -126,31 +113,42 @@ def check_periods(bodies: Sequence[Body]) -> None:
             )
 
 
-def _run(
-    options: Transfer, bodies: list[Body], start: SourcePolicy, out: Path, began: float
-) -> int:
-    """Carry the policy in a folder that nobody else works in, and return the exit status."""
-    from morph.app.cli.heartbeat import beating
+def _kept(options: Transfer, bodies: list[Body], start: SourcePolicy, out: Path) -> HopsKept:
+    """Return the checkpoint in a folder that nobody else works in."""
     from morph.app.cli.outputs import TRANSFER, claim, clear
-    from morph.app.cli.transfer_text import say_outcome
-    from morph.app.report.transfer.words import done
     from morph.policy_transfer.hop_checkpoint import HopsKept
 
     if options.fresh:
         clear(out, TRANSFER, progress=True)
     claim(out, TRANSFER, results=False)
-    kept = HopsKept(out, key_of(options, bodies, start))
-    hops: list[Kept] = []
+    return HopsKept(out, key_of(options, bodies, start))
+
+
+def _relayed(
+    options: Transfer,
+    bodies: list[Body],
+    start: SourcePolicy,
+    kept: HopsKept,
+    hops: list[Kept],
+    began: float,
+) -> tuple[RelayRecord, str]:
+    """Return what came of it, written, and why it stopped short.
+
+    Nothing is left of what ends without a hop.
+    """
+    from morph.app.cli.heartbeat import beating
+    from morph.app.cli.outputs import TRANSFER, claim, clear
+
     try:
         with beating(options.quiet) as progress:
             stopped = _hops(options, bodies, start, kept, hops, progress)
             progress.now("writing the report")
-            claim(out, TRANSFER, results=True)
-            record = _written(options, bodies, start, hops, stopped, out, began)
-    except BaseException as error:
-        return _ended(error, out, len(hops))
-    say_outcome(options, record)
-    return DONE if done(record) and not stopped else STOPPED_SHORT
+            claim(kept.out, TRANSFER, results=True)
+            return _written(options, bodies, start, hops, stopped, kept.out, began), stopped
+    except BaseException:
+        if not hops:
+            clear(kept.out, TRANSFER, progress=True)
+        raise
 
 
 def _hops(
@@ -256,19 +254,9 @@ def key_of(options: Transfer, bodies: Sequence[Body], start: SourcePolicy) -> di
     }
 
 
-def _ended(error: BaseException, out: Path, hops: int) -> int:
-    """Return the status of a transfer that was interrupted; leave nothing of one without a hop.
-
-    Raises:
-        BaseException: It was not interrupted, but cannot go on.
-    """
+def _interrupted(out: Path, hops: int) -> int:
     from morph.app.cli.console import harmless
-    from morph.app.cli.outputs import TRANSFER, clear
 
-    if not hops:
-        clear(out, TRANSFER, progress=True)
-    if not isinstance(error, KeyboardInterrupt):
-        raise error
     sys.stderr.write(
         f"interrupted after {hops} hop{'' if hops == 1 else 's'}; the same command goes on from "
         f"there, by what is in {harmless(str(out))}\n"

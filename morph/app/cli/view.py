@@ -36,10 +36,30 @@ def run_view(options: ViewCommand) -> int:
         MorphError: An input cannot be used, or the page cannot be served or written.
     """
     view_inputs.check(options)
-    saved = view_inputs.read(options)
+    result, first, opening = opened(options)
+    if options.html is None:
+        _serve(options, result, first, opening)
+        return DONE
+    with stages(options.quiet) as progress:
+        shown, path = result[first](), Path(options.html)
+        size = write_page(path, shown, opening, progress.now)
+    if options.json:
+        _say(view=shown.name, views=[shown.name], html=str(path), bytes=size)
+    elif not options.quiet:
+        sys.stderr.write(f"{path} is written: {size / 1e6:.1f} MB\n")
+    return DONE
+
+
+def opened(options: ViewCommand) -> tuple[Makers, int, Opening]:
+    """Return what makes each view, the number of the first, and with what every page begins.
+
+    Raises:
+        MorphError: An input cannot be used.
+    """
     from morph.app.viewer.opening import Opening
     from morph.app.viewer.views.views import makers
 
+    saved = view_inputs.read(options)
     with stages(options.quiet) as progress:
         given, notes = view_inputs.given(options, saved, progress.now)
         progress.now("looking at what was given")
@@ -47,19 +67,8 @@ def run_view(options: ViewCommand) -> int:
         notes += _unfit(options, saved, result)
         for note in notes:
             progress.line(note)
-        opening = Opening(
-            given=given, saved=saved, notes=tuple(notes), command=view_inputs.command(options)
-        )
-        if options.html is not None:
-            shown, path = result[first](), Path(options.html)
-            size = write_page(path, shown, opening, progress.now)
-            if options.json:
-                _say(view=shown.name, views=[shown.name], html=str(path), bytes=size)
-            elif not options.quiet:
-                sys.stderr.write(f"{path} is written: {size / 1e6:.1f} MB\n")
-            return DONE
-    _serve(options, result, first, opening)
-    return DONE
+    command = view_inputs.command(options)
+    return result, first, Opening(given=given, saved=saved, notes=tuple(notes), command=command)
 
 
 def _unfit(options: ViewCommand, saved: Saved | None, result: Makers) -> list[str]:
@@ -112,17 +121,22 @@ def write_page(path: Path, view: Shown, opening: Opening, now: Callable[[str], N
     return len(page)
 
 
-def _serve(options: ViewCommand, result: Makers, first: int, opening: Opening) -> None:
-    """Serve the page until interrupted."""
+def served(options: ViewCommand, result: Makers, first: int, opening: Opening) -> Viewer:
+    """Serve the page, in threads, and return who does."""
     from morph.app.viewer.server import Viewer
 
-    viewer = Viewer(
+    return Viewer(
         lambda: [make() for make in result],
         first=first,
         host=options.host,
         port=options.port,
         opening=opening,
     )
+
+
+def _serve(options: ViewCommand, result: Makers, first: int, opening: Opening) -> None:
+    """Serve the page until interrupted."""
+    viewer = served(options, result, first, opening)
     if options.json:
         names = [make().name for make in result]
         _say(

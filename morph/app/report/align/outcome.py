@@ -7,6 +7,8 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.metadata import version
+from pathlib import Path
+from typing import ClassVar
 
 import morph
 from morph.alignment.maps.body_map import BodyMap
@@ -14,6 +16,7 @@ from morph.arrays import JSON
 from morph.policy_transfer.hop_result import parts_said
 from morph.policy_transfer.parts import BodyNames, Parts
 from morph.policy_transfer.transfer_record import GuardRecord
+from morph.tabular import Tabular
 
 SCHEMA = "morph.align/1"
 """Name and version of `align.json` and of what `--json` prints."""
@@ -23,7 +26,7 @@ MAP = "maps/01_body_map.npz"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Aligned:
+class Aligned(Tabular):
     """A map between two bodies, and what is thought of it."""
 
     source: BodyNames
@@ -56,6 +59,25 @@ class Aligned:
     """Hashes of what was given, by what it is."""
     notes: tuple[str, ...] = ()
     """What else is to be known."""
+
+    axes: ClassVar[tuple[str, ...]] = ("measure", "value")
+
+    def __repr__(self) -> str:
+        return f"Aligned({self.target.body} as {self.source.body}: {self.guard.verdict})"
+
+    def rows(self) -> list[JSON]:
+        """Return one row for each measure of the map's quality on held-out transitions."""
+        return [{"measure": name, "value": float(each)} for name, each in self.quality.items()]
+
+    def save(self, folder: str | Path) -> None:
+        """Write the map, report.html and align.json, as `morph align` does.
+
+        Raises:
+            OutputError: The folder cannot be written.
+        """
+        from morph.app.report.align.files import write_align
+
+        write_align(self, Path(folder))
 
     def said(self) -> JSON:
         """Return all of it by the schema morph.align/1; a number that is not finite is null."""

@@ -5,8 +5,10 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from importlib.metadata import version
+from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 
@@ -17,6 +19,7 @@ from morph.errors import OutputError
 from morph.files import sha256
 from morph.policy.policy import Policy
 from morph.search.search import Search, Trial
+from morph.tabular import Tabular
 from morph.task.task import Task
 
 SCHEMA = "morph.learned/1"
@@ -27,7 +30,7 @@ MOST_OFTEN = 0.5
 
 
 @dataclass(frozen=True, kw_only=True)
-class LearnOutcome:
+class LearnOutcome(Tabular):
     """What a search found, and how it was judged."""
 
     task: Task
@@ -56,6 +59,28 @@ class LearnOutcome:
     """The command that led to it."""
     notes: tuple[str, ...] = ()
     """What else is to be known."""
+
+    axes: ClassVar[tuple[str, ...]] = ("number", "loss")
+
+    def __repr__(self) -> str:
+        did = "succeeded" if self.succeeded else "did not succeed"
+        share = f"{self.judged.share:.0%} of held-out runs"
+        return f"LearnOutcome({self.task.name} of {self.task.robot.name}: {did}, {share})"
+
+    def rows(self) -> list[JSON]:
+        """Return the learning record, a row a trial, generation or round."""
+        return [asdict(trial) for trial in self.trials]
+
+    def save(self, folder: str | Path) -> None:
+        """Write the policy, report.html and record.json, as `morph learn` does.
+
+        Raises:
+            OutputError: The folder cannot be written.
+            PolicyError: The policy does not command this body.
+        """
+        from morph.app.report.learn.files import write_learned
+
+        write_learned(self, Path(folder), see=f"morph simulate ROBOT --policy {folder}/policy")
 
     @property
     def succeeded(self) -> bool:

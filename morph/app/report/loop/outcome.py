@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import ClassVar
 
 from morph.arrays import JSON
 from morph.model.kwik.certify import ModelVerdict
@@ -14,11 +15,12 @@ from morph.policy_transfer.repair import Repair
 from morph.policy_transfer.score import UNMEASURED, PolicyScores
 from morph.policy_transfer.transfer_record import GuardRecord, Hop, Record, guard
 from morph.search.target import Experience
+from morph.tabular import Tabular
 from morph.task.task import Task
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class LoopOutcome:
+class LoopOutcome(Tabular):
     """What was tried on a target, what was found to differ, and how good the policy is there."""
 
     task: Task
@@ -51,6 +53,24 @@ class LoopOutcome:
     """The command that led to it."""
     notes: tuple[str, ...] = ()
     """What else is to be known."""
+
+    axes: ClassVar[tuple[str, ...]] = ("trial", "loss")
+
+    def __repr__(self) -> str:
+        did = "succeeded" if self.succeeded else "did not succeed"
+        return f"LoopOutcome({self.task.name} on {self.target}: {did}, {len(self.runs)} trials)"
+
+    def rows(self) -> list[JSON]:
+        """Return one row a trial on the target."""
+        return [
+            {
+                "trial": at,
+                "policy": each.tried.origin,
+                "loss": each.tried.experience.loss,
+                "success": each.tried.experience.success,
+            }
+            for at, each in enumerate(self.rounds, 1)
+        ]
 
     @property
     def rounds(self) -> tuple[LoopRound, ...]:
