@@ -23,7 +23,7 @@ debs := chromium libgl1-mesa-dri libegl1 libgles2
 # What is printed is sliced by the real slicer.
 slicers := prusa-slicer PrusaSlicer
 
-.PHONY: help demo test collect install lint types arrows browser slicer fuzz mutants figures results clean
+.PHONY: help demo test collect install lint types arrows browser slicer fuzz mutants figures results site clean
 
 help: ## Show this list
 	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1|\2/p' Makefile | awk -F '|' '{printf "%-16s%s\n", $$1, $$2}'
@@ -71,6 +71,9 @@ fuzz: $(stamp) ## Feed every reader with spoiled files for an hour; what crashes
 figures: $(stamp) ## Write the tables of figures in README.md and experiments/README.md from the result files
 	$(bin)/python -m experiments.figures
 
+site: $(stamp) ## Build the documentation as a site, in out/site
+	@NO_MKDOCS_2_WARNING=1 $(bin)/python -m mkdocs build --quiet
+
 results: $(stamp) ## Print the commands of results that are missing or whose code has changed
 	@$(bin)/python -m experiments.figures --commands
 
@@ -81,7 +84,7 @@ install: $(stamp) ## Set up what is missing, and no more
 
 clean: ## Remove caches and results; the installation stays
 	rm -rf out build dist *.egg-info .mypy_cache .ruff_cache .pytest_cache .import_linter_cache
-	find align experiments morph print tests -name __pycache__ -type d -prune -exec rm -rf {} +
+	find align docs experiments morph print tests -name __pycache__ -type d -prune -exec rm -rf {} +
 
 $(stamp): | $(bin)/pip
 	@echo "Installing morph and its dependencies into $(VENV); the first time takes some minutes ..."
