@@ -12,6 +12,7 @@ from morph.body.robot import Robot
 from morph.inference.changed import changed, confirmed, decided, differs, in_whole
 from morph.inference.prepared import MOST_SECONDS, Prepared, completed, prepared
 from morph.inference.rank import Progress, Ranking, ranked
+from morph.inference.remains import by_step
 from morph.inference.verdict import DiagnosisRuns, conclude
 from morph.model.derived_channels import by_effort
 from morph.model.diagnosis import Diagnosis
@@ -206,8 +207,16 @@ def _ranked(
         deadline: Time of the monotonic clock after which no refit begins.
         say: Told what is being done and the share of the work behind.
     """
-    ready = prepared(robot, recordings, held_out, vary, deadline=deadline, say=say)
-    ready = replace(ready, train=in_whole(ready.train, whole), aside=in_whole(ready.aside, whole))
-    say("refitting the description's own figures", 0.05)
-    episodes = stretches(ready.train, MOST_SECONDS)
-    return ready, ranked(ready.nominal, episodes, known, progress=say, deadline=deadline)
+    most = math.inf
+    while True:
+        ready = prepared(robot, recordings, held_out, vary, deadline=deadline, say=say, most=most)
+        ready = replace(
+            ready, train=in_whole(ready.train, whole), aside=in_whole(ready.aside, whole)
+        )
+        say("refitting the description's own figures", 0.05)
+        episodes = stretches(ready.train, MOST_SECONDS)
+        result = ranked(ready.nominal, episodes, known, progress=say, deadline=deadline)
+        finer = by_step(ready.nominal, result.best.refit.runs, ready.train)
+        if most < math.inf or result.stopped or not finer:
+            return ready, result
+        most = 0.5 * ready.nominal.step

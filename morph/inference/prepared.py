@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -58,6 +59,7 @@ def prepared(
     *,
     deadline: float,
     say: Progress,
+    most: float = math.inf,
 ) -> Prepared:
     """Return recordings that were completed, split, checked and laid on a grid.
 
@@ -68,6 +70,7 @@ def prepared(
         vary: Fractions by which the description may be wrong.
         deadline: Time of the monotonic clock by which the diagnosis ends.
         say: Told what is being done and the share of the work behind.
+        most: Longest step of the simulation, s.
 
     Raises:
         DiagnosisError: Nothing moves, or there is nothing to fit or to score.
@@ -92,7 +95,7 @@ def prepared(
         )
         train, aside = (all_pieces(part, robot, step) for part in (parts.train, parts.held_out))
     touching = touches(robot, train)
-    longest = longest_step(robot, train)
+    longest = min(most, longest_step(robot, train))
     if touching or at_stops(robot, train):
         # What impacts do takes short steps, and is no force of inertia.
         longest = min(longest, IMPACT)

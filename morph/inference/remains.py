@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,6 +13,8 @@ from morph.inference.disturbance import VIBRATIONS, log_likelihood
 from morph.inference.finalist import Finalist
 from morph.inference.observed import Observed, missing_by_joint
 from morph.inference.validate import Validation
+from morph.model.episodes import Episode, velocity_lag
+from morph.model.hypothesis import Hypothesis
 
 SHARE, NATS = 0.003, 400.0
 """Where what remains is as probably physics as not: share of the joints' force, and evidence."""
@@ -29,6 +31,9 @@ STEEP = 2.0
 MOST_UNKNOWN = 0.55
 """Greatest probability: laws of the library that a search has missed leave as much. All are set by
 hand on cases of `experiments.concealed` that had been opened, before others judged."""
+
+MOST_LAGS = 3.0
+"""Missing force over what a step leaves of Coriolis forces, up to which it may be that."""
 
 AT_NOISE, SMALL = 1.5, 0.25
 """Mean squared error of rollouts over the noise's variance up to which a set of effects predicts
@@ -83,6 +88,22 @@ class Remains:
         )
         some = float(1.0 / (1.0 + math.exp(-np.clip(steep, -30.0, 30.0))))
         return min(some, UNTOLD) if self.touching else some
+
+
+def by_step(nominal: Hypothesis, runs: Sequence[Observed], episodes: Sequence[Episode]) -> bool:
+    """Return whether what remains may be the error of the simulation's step.
+
+    Args:
+        nominal: The description, with the step.
+        runs: Smoothed by the best model.
+        episodes: The runs, laid on the grid.
+    """
+    share = missing_by_joint(runs)
+    worst = int(share.argmax())
+    if share[worst] < SHARE:
+        return False
+    lag = velocity_lag(nominal.robot, episodes, nominal.step)
+    return bool(share[worst] < MOST_LAGS * lag[worst])
 
 
 def remaining(result: Finalist, validation: Validation) -> Remains:
