@@ -30,6 +30,8 @@ MORPH = (sys.executable, "-c", "from morph.app.cli.main import entry; entry()")
 
 MOST_BYTES = 150_000
 """Of one picture: a page with four of them still opens at once."""
+MOST_FILM, WIDE, RATE = 900_000, 840, 12.0
+"""Bytes of a film, its width, and its pictures a second."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,15 +48,21 @@ class Picture:
     """How long it plays before it is taken, s: policies are found and simulations made."""
     keys: tuple[str, ...] = ()
     """What is pressed then on the keyboard, such as to go to a moment."""
+    frames: int = 0
+    """Pictures of a film from there on, `stride` steps of the player apart; 0: there is none."""
+    stride: int = 4
+    """Steps of the player between two pictures of the film."""
 
 
 PICTURES = (
     Picture(
         name="compare",
         words="cartpole rider_rigid_driven cart_two_links --task balance --policy learned",
-        wait=40.0,
+        wait=10.0,
         # Early on they are still being caught, and one sees what the motors do.
         keys=("Home", *("ArrowRight",) * 9),
+        frames=30,
+        stride=2,
     ),
     Picture(name="design", words="quadruped_printed --first design"),
     Picture(
@@ -76,6 +84,7 @@ PICTURES = (
         wait=10.0,
         # A stretch in which the ghost has left the recording.
         keys=("Home", *("Shift+ArrowRight",) * 4, *("ArrowRight",) * 48),
+        frames=36,
     ),
     Picture(
         name="print",
@@ -90,8 +99,8 @@ PICTURES = (
 """Every picture, in the order of the views."""
 
 
-def taken(browser: Any, picture: Picture, folder: Path) -> bytes:
-    """Return what the screen shows, as a PNG.
+def taken(browser: Any, picture: Picture, folder: Path) -> list[bytes]:
+    """Return what the screen shows, as PNG, and then the pictures of the film.
 
     Raises:
         MorphError: A command failed, or nothing is shown.
@@ -102,6 +111,8 @@ def taken(browser: Any, picture: Picture, folder: Path) -> bytes:
     with serving(*told) as served, page_of(browser) as page:
         first_frame(page, served.address)
         page.wait_for_timeout(1e3 * picture.wait)
+        for busy in ("looking for a policy", "simulating ..."):
+            page.get_by_text(busy).first.wait_for(state="detached", timeout=6e5)
         for each in page.locator(".mantine-Notification-closeButton").all():
             each.click()
         # A pause lets the last frame come; a view without a motion has none.
@@ -110,7 +121,13 @@ def taken(browser: Any, picture: Picture, folder: Path) -> bytes:
         for key in picture.keys:
             page.keyboard.press(key)
         page.wait_for_timeout(2500)
-        return bytes(page.screenshot())
+        shots = [bytes(page.screenshot())]
+        for _ in range(picture.frames):
+            for _ in range(picture.stride):
+                page.keyboard.press("ArrowRight")
+            page.wait_for_timeout(700)
+            shots.append(bytes(page.screenshot()))
+        return shots
 
 
 def _command(words: str) -> None:
@@ -147,6 +164,32 @@ def small(screen: bytes, most: int = MOST_BYTES) -> bytes:
     )
 
 
+def film(shots: Sequence[bytes], most: int = MOST_FILM) -> bytes:
+    """Return pictures as an animated WebP of at most so many bytes, which begins anew at its end.
+
+    Raises:
+        OutputError: It does not fit without being spoilt.
+    """
+    from PIL import Image
+
+    frames = []
+    for shot in shots:
+        with Image.open(io.BytesIO(shot)) as opened:
+            tall = round(WIDE * opened.height / opened.width)
+            frames.append(opened.convert("RGB").resize((WIDE, tall), Image.Resampling.LANCZOS))
+    for quality in (80, 70, 60, 50):
+        packed = io.BytesIO()
+        frames[0].save(
+            packed, "WEBP", save_all=True, append_images=frames[1:], duration=round(1e3 / RATE),
+            loop=0, quality=quality, method=6,
+        )  # fmt: skip
+        if len(packed.getvalue()) <= most:
+            return packed.getvalue()
+    raise OutputError(
+        f"a film has more than {most} bytes", where="experiments.pictures", fix="show less of it"
+    )
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Take the pictures and return the exit status."""
     parser = argparse.ArgumentParser(
@@ -165,10 +208,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 if picture.name not in (asked.only or known):
                     continue
                 with tempfile.TemporaryDirectory() as folder:
-                    shot = small(taken(browser, picture, Path(folder)))
+                    shots = taken(browser, picture, Path(folder))
                 asked.out.mkdir(parents=True, exist_ok=True)
-                path = write_whole(asked.out / f"{picture.name}.jpg", shot)
-                print(f"{path}: {len(shot)} bytes; morph view {picture.words}")
+                made = {"jpg": small(shots[0])} | ({"webp": film(shots)} if shots[1:] else {})
+                for ending, content in made.items():
+                    path = write_whole(asked.out / f"{picture.name}.{ending}", content)
+                    print(f"{path}: {len(content)} bytes; morph view {picture.words}")
     except MorphError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
