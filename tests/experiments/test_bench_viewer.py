@@ -11,7 +11,7 @@ import pytest
 from PIL import Image
 
 from experiments import bench_viewer
-from experiments.pictures import small
+from experiments.pictures import WIDE, film, small
 from experiments.viewed.browser import free_port
 from experiments.viewed.leaks import slope
 from experiments.viewed.listener import listened
@@ -92,3 +92,19 @@ def test_a_picture_is_small_and_has_its_colours() -> None:
     assert np.abs(middle - (200, 30, 20)).max() < 4
     with pytest.raises(OutputError, match=r"more than 1000 bytes"):
         small(png.getvalue(), 1000)
+
+
+def test_a_film_has_its_pictures_in_order_and_begins_anew() -> None:
+    shots = []
+    for level in (0, 100, 200):
+        held = io.BytesIO()
+        Image.fromarray(np.full((90, 160, 3), level, dtype=np.uint8)).save(held, "PNG")
+        shots.append(held.getvalue())
+    with Image.open(io.BytesIO(film(shots))) as made:
+        assert (made.n_frames, made.size, made.info["loop"]) == (3, (WIDE, WIDE * 90 // 160), 0)
+        for at, level in enumerate((0, 100, 200)):
+            made.seek(at)
+            # Lossy: a level of plain grey comes back within a few.
+            assert np.asarray(made.convert("L")).mean() == pytest.approx(level, abs=5)
+    with pytest.raises(OutputError, match="a film has more than 10 bytes"):
+        film(shots, most=10)
