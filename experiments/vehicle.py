@@ -3,7 +3,7 @@
 The description floats and is pushed by its thrusters; what the water does is left out. The fast
 session's first three fifths are fitted, the last two held out: surge velocity, along the hull, of
 rollouts of ten seconds, by differences of positions as the recorded one. Controls: as described,
-own figures refitted, told the drag and added mass that others published for this vehicle with
+own parameters refitted, told the drag and added mass that others published for this vehicle with
 thrust refitted, and the publishers' own simulations of the same session.
 """
 

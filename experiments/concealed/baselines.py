@@ -94,7 +94,7 @@ class _Task:
         )
 
     def refit(self) -> Refit:
-        """Return the description with its own figures refitted by `morph.inference`."""
+        """Return the description with its own parameters refitted by `morph.inference`."""
         return refitted(self.nominal, self.nominal.start, self.episodes, rounds=5)
 
 

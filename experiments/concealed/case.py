@@ -29,7 +29,7 @@ VARY = {"mass": (0.05, 0.1, 0.25), "com": (0.05, 0.1, 0.25), "inertia": (0.05, 0
 SWING = float(np.sqrt(43.0 / 0.0013))
 """Rate at which the rotor of an industrial arm's drive swings on the spring of its gear, rad/s."""
 FAINTEST = 0.3
-"""Smallest ratio after a refit of the own figures; with thousands of readings, still plain."""
+"""Smallest ratio after a refit of the own parameters; with thousands of readings, still plain."""
 EXCLUSIVE = (
     {"backlash", "series_elasticity"},
     {"coulomb_friction", "stribeck_friction"},
@@ -56,7 +56,7 @@ class Case:
     strengths: tuple[float, ...]
     """Effect-to-noise ratio of each effect."""
     left: tuple[float, ...]
-    """The same of what a refit of the description's own figures leaves."""
+    """The same of what a refit of the description's own parameters leaves."""
     motions: tuple[Motion, ...]
     """What happened in each run."""
     rng: np.random.Generator

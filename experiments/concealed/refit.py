@@ -1,4 +1,4 @@
-"""How much of an effect is left once the description's own figures are refitted."""
+"""How much of an effect is left once the description's own parameters are refitted."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ MOST_ROWS = 40
 def ratios_after_refit(
     truth: Truth, motions: Sequence[Motion], vary: Mapping[str, float]
 ) -> tuple[float, ...]:
-    """Return what an effect still changes when the own figures have taken what they can.
+    """Return what an effect still changes when the own parameters have taken what they can.
 
     Linear least squares of the change on the derivatives by every mass, centre, inertia and gain,
     each with a normal prior of standard deviation vary / sqrt(3), that of the uniform error. The

@@ -14,7 +14,7 @@ JSON = dict[str, Any]
 Figure = Callable[[Sequence[JSON]], float | None]
 RESAMPLES = 500
 SHOWN = 2.0
-"""Least effect-to-noise, after refits of own figures, of every effect of a case that shows it."""
+"""Least effect-to-noise, after refits of own parameters, of all effects of a case that shows it."""
 FRICTION = {
     "coulomb_friction",
     "stribeck_friction",
@@ -41,7 +41,7 @@ def _several(count: int) -> Callable[[JSON], bool]:
 
 
 def _shown(of: Callable[[JSON], bool]) -> Callable[[JSON], bool]:
-    """Return a choice of those of some cases in which own figures cannot hide an effect."""
+    """Return a choice of those of some cases in which own parameters cannot hide an effect."""
     return lambda row: of(row) and min(row["after_refit"], default=0.0) >= SHOWN
 
 

@@ -26,7 +26,7 @@ def ties_of(truth: Truth, effect: Effect) -> tuple[Tie, ...]:
     """Return the other answers that are as right as the effect itself.
 
     Only exact equalities count: the same equations of motion for some figures of the other law,
-    with the description's own figures inside what `vary` allows.
+    with the description's own parameters inside what `vary` allows.
     """
     m, i, name = truth.mechanism, effect.place, effect.law.name
     joint, link, actuator = m.joints[i], m.links[i], m.actuator(i)

@@ -52,8 +52,8 @@ def plan(
     """Return the cheapest runs that tell two laws apart, or that show every law there can be.
 
     Motions of several kinds are simulated by the description and linearised, as in a diagnosis:
-    columns of laws and of the description's own figures, whitened by a Kalman filter, say how many
-    nats the readings will tell. Nothing is fitted and no reading drawn.
+    columns of laws and of the description's own parameters, whitened by a Kalman filter, say how
+    many nats the readings will tell. Nothing is fitted and no reading drawn.
 
     Source: Lindley 1956, Annals of Mathematical Statistics 27(4); for the discrimination of two
     models Atkinson and Fedorov 1975, Biometrika 62(1), 57-70 (T-optimality).
@@ -174,10 +174,10 @@ def expected_motion(nominal: Hypothesis, recording: Recording, noise: float) -> 
 def laws_information(
     nominal: Hypothesis, grids: Sequence[tuple[Effect, ...]], seen: Observed
 ) -> Array:
-    """Return the Gram matrix of laws beside own figures, by length of the run.
+    """Return the Gram matrix of laws beside own parameters, by length of the run.
 
-    Shape (lengths, columns, columns): what is left of them when the description's own figures are
-    refitted with what is known of these beforehand.
+    Shape (lengths, columns, columns): what is left of them when the description's own parameters
+    are refitted with what is known of these beforehand.
     """
     own = Columns.of(nominal, nominal.start)
     (folds,) = whitened_levels(own, grids, [seen], LASTING, shares=(1.0,))

@@ -40,7 +40,7 @@ class Separation:
     """The parameters of the law that acts."""
     nats: float
     """Expected log likelihood of the readings under the law less that under the rival, each with
-    all its parameters and the description's own figures refitted."""
+    all its parameters and the description's own parameters refitted."""
 
     @property
     def power(self) -> float:

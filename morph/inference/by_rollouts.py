@@ -20,7 +20,7 @@ EXPLAINED = 2.0
 LATER = 2
 """Most effects, or laws at every joint, that a later search adds."""
 FIGURES = ("armature", "com_offset", "link_inertia", "torque_scale")
-"""Laws of what the description says, which own figures are within their bounds."""
+"""Laws of what the description says, which own parameters are within their bounds."""
 
 
 def richer(task: EffectSelection, result: Finalist) -> Finalist:
@@ -100,9 +100,9 @@ def to_rollouts(task: EffectSelection, result: Finalist) -> Finalist:
 
 
 def without_figures(task: EffectSelection, result: Finalist) -> Finalist:
-    """Return a set less changes of own figures that rollouts do not need.
+    """Return a set less changes of own parameters that rollouts do not need.
 
-    Linearised about the set they seem needed where own figures are at their bounds: of a joint's
+    Linearised about the set they seem needed where own parameters are at their bounds: of a joint's
     friction that is taken too small, a weak motor explains what is left. All is refitted without.
     """
     for effect in result.effects:

@@ -159,7 +159,7 @@ class ChangeSearch:
         return best
 
     def _believed(self, level: Level) -> Array:
-        """Return the Gram matrix of [errors, entries] with the prior of own figures."""
+        """Return the Gram matrix of [errors, entries] with the prior of own parameters."""
         hypothesis = self.base.hypothesis
         return believed(level.total, information(hypothesis), offset(hypothesis, self.base.point))
 

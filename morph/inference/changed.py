@@ -122,7 +122,7 @@ def decided(whole: Ranking, side: Ranking) -> bool:
     """Return whether evidence alone tells of a change: what else acts is explained to the noise.
 
     A law that is weak may show in all runs together and not in those in which it acts alone, of
-    which own figures are known less well.
+    which own parameters are known less well.
 
     Args:
         whole: Of all recordings.

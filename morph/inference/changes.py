@@ -40,7 +40,7 @@ Grids = Sequence[tuple[Effect, ...]]
 def likeliest_change(base: Refit, known: Sequence[Effect], prior: Prior) -> LikeliestChange | None:
     """Return the likeliest change of one law that gains 20 nats at least, else None.
 
-    Columns of each law of the dictionary act from one time on, or until then, beside own figures
+    Columns of each law of the dictionary act from one time on, or until then, beside own parameters
     and the laws that were found; these may be of other strengths after it. The change does not last
     where it is a push in one run, or has no evidence more than a second from it.
 

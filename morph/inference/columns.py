@@ -1,4 +1,4 @@
-"""Derivatives of a robot's accelerations and readings by its own figures and by effects."""
+"""Derivatives of a robot's accelerations and readings by its own parameters and by effects."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from morph.sim.drive import all_received
 from morph.sim.tangent import HINGE, SLIDE
 
 NUDGE = 1e-3
-"""Finite-difference step of an own figure's logarithm."""
+"""Finite-difference step of an own parameter's logarithm."""
 
 
 def acting(hypothesis: Hypothesis, point: Array) -> tuple[mujoco.MjModel, list[Effect]]:
@@ -70,13 +70,13 @@ class Columns:
     """Derivatives of accelerations and readings by each entry of a point."""
 
     hypothesis: Hypothesis
-    """Own figures and effects."""
+    """Own parameters and effects."""
     point: Array
     """Where the derivatives are taken, shape (entries,)."""
     model: mujoco.MjModel
     """The model there, with the smooth effects."""
     turned: list[mujoco.MjModel]
-    """The model with each own figure a little larger."""
+    """The model with each own parameter a little larger."""
     nudged: list[_Nudged]
     """Each parameter of the effects a little larger."""
 

@@ -1,4 +1,4 @@
-"""Columns of errors, own figures and effects along runs, and their Gram matrices."""
+"""Columns of errors, own parameters and effects along runs, and their Gram matrices."""
 
 from __future__ import annotations
 
@@ -97,11 +97,11 @@ def screened(
 
 
 def believed(gram: Array, trust: Array, point: Array) -> Array:
-    """Return a Gram matrix with the Gaussian prior of own figures as further readings.
+    """Return a Gram matrix with the Gaussian prior of own parameters as further readings.
 
     Args:
-        gram: Of [errors, own figures, effects]; rows of effects may be left out.
-        trust: One over the prior variance of each own figure, shape (own,).
+        gram: Of [errors, own parameters, effects]; rows of effects may be left out.
+        trust: One over the prior variance of each own parameter, shape (own,).
         point: Their values less the likeliest ones beforehand, same shape.
     """
     whole, own = gram.copy(), slice(1, 1 + len(trust))
@@ -113,7 +113,7 @@ def believed(gram: Array, trust: Array, point: Array) -> Array:
 
 
 def _without(across: Array, square: Array, own: int) -> tuple[Array, Array]:
-    """Return products of errors with columns, and squares of columns, without own figures."""
+    """Return products of errors with columns, and squares of columns, without own parameters."""
     inner = across[1:, 1 : 1 + own]
     scale = np.sqrt(np.maximum(np.diag(inner), 1e-300))
     inverse = np.linalg.pinv(inner / np.outer(scale, scale), rcond=RANK_TOLERANCE, hermitian=True)

@@ -213,7 +213,7 @@ def _ranked(
         ready = replace(
             ready, train=in_whole(ready.train, whole), aside=in_whole(ready.aside, whole)
         )
-        say("refitting the description's own figures", 0.05)
+        say("refitting the description's own parameters", 0.05)
         episodes = stretches(ready.train, MOST_SECONDS)
         result = ranked(ready.nominal, episodes, known, progress=say, deadline=deadline)
         finer = by_step(ready.nominal, result.best.refit.runs, ready.train)

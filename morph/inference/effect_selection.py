@@ -105,7 +105,7 @@ class EffectSelection:
         """Return a hypothesis refitted to the runs.
 
         Args:
-            hypothesis: Own figures and effects.
+            hypothesis: Own parameters and effects.
             point: Where the refit begins, (entries,).
             runs: Smoothed by a similar hypothesis.
             origin: A refit of the same hypothesis less its last effects.

@@ -1,4 +1,4 @@
-"""Generalized forces of a change in a description's own figures: masses, gains, joint constants."""
+"""Generalized forces of a change in own parameters: masses, gains, constants of joints."""
 
 from __future__ import annotations
 

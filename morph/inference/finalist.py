@@ -23,7 +23,7 @@ LIKELIER = 3.0
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Finalist:
-    """A set of effects, refitted to the runs beside the description's own figures."""
+    """A set of effects, refitted to the runs beside the description's own parameters."""
 
     refit: Refit
     """At its likeliest point."""

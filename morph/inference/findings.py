@@ -22,8 +22,8 @@ MOST_RIVALS = 3
 """Rivals of a finding that are listed, and single effects where there is none."""
 SURE, DOUBTED = 0.75, 0.7
 """Most probability of a finding, as laws that are not compared may do as well; and with a parameter
-at a bound or known beforehand alone. Set by hand on opened cases of `experiments.concealed`, of
-which 68 of 91 of the first kind were right (`judge`, seed 23)."""
+at a bound or known beforehand alone. Set by hand on development cases of `experiments.concealed`,
+of which 68 of 91 of the first kind were right (`judge`, seed 23)."""
 UNSURE = 0.4
 """Most with intervals of all strengths that hold no effect, of which 6 of 18 were right on opened
 cases (101 of 143 of the others), and at a joint that was not read where physics is left."""

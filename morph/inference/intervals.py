@@ -47,7 +47,7 @@ class Uncertainty:
         # What neither readings nor a prior tell may be anything within its bounds, evenly.
         wide = 12.0 / np.maximum(high - low, 1e-150) ** 2
         even = np.where(free & (trust == 0.0), wide, 0.0)
-        # An own figure at its bound is still as uncertain as its prior: what shares a scale with
+        # An own parameter at its bound is still as uncertain as its prior: what shares a scale with
         # it is.
         moving = free & ~(at_bound & (trust == 0.0))
         return cls(about=about, moving=moving, at_bound=at_bound, prior=trust + even, even=even)
@@ -142,7 +142,7 @@ def estimates(about: LogPosterior) -> tuple[list[Estimate], Mask]:
 
 
 def factors(about: LogPosterior) -> dict[str, Estimate]:
-    """Return the factors on the description's own figures, by name; see `Uncertainty`."""
+    """Return the factors on the description's own parameters, by name; see `Uncertainty`."""
     estimated, _ = estimates(about)
     return {
         knob.name: replace(

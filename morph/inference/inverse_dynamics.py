@@ -171,7 +171,7 @@ def likeliest_forces(
     Marquardt 1963, Journal of SIAM 11(2).
 
     Args:
-        hypothesis: Own figures and effects.
+        hypothesis: Own parameters and effects.
         point: Where it begins, shape (entries,).
         runs: Smoothed by a similar hypothesis.
         blocks: Into how many folds each run is divided.
@@ -264,7 +264,7 @@ def force_error(
     """Return the log posterior where forces err least, or rollouts, whichever predicts better.
 
     Args:
-        hypothesis: Own figures and effects; of sensors forces tell nothing.
+        hypothesis: Own parameters and effects; of sensors forces tell nothing.
         point: Where it begins, shape (entries,).
         validation: The rollouts. They are fitted from the better of the two points.
         deadline: Time of the monotonic clock after which no step begins.

@@ -22,7 +22,7 @@ class EffectColumn:
     effect: Effect
     """The effect at that shape."""
     place: slice
-    """Its columns, one a strength, of a Gram matrix of [errors, effects] without own figures."""
+    """Its columns, one a strength, of a Gram matrix of [errors, effects] without own parameters."""
 
     @cached_property
     def bounds(self) -> tuple[Array, Array]:
@@ -38,31 +38,31 @@ class EffectColumn:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class LevelFit:
-    """Own figures and effects at their likeliest under one scale of the missing force."""
+    """Own parameters and effects at their likeliest under one scale of the missing force."""
 
     effects: tuple[Effect, ...]
     """With their strengths."""
     evidence: float
     """Log evidence less prices, nats, up to a constant of the readings."""
     own: Array
-    """Change of each own figure, shape (own,)."""
+    """Change of each own parameter, shape (own,)."""
     held: Mask
     """Which of them are at a bound, same shape."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class WhitenedLevel:
-    """Columns [errors, own figures, effects], whitened under one scale of the missing force.
+    """Columns [errors, own parameters, effects], whitened under one scale of the missing force.
 
-    Own figures are those of the description and the parameters of effects found before.
+    Own parameters are those of the description and the parameters of effects found before.
     """
 
     gram: Array
-    """Their Gram matrix, with the prior of own figures as readings; shape (columns, columns)."""
+    """Their Gram matrix, with the prior of own parameters as readings; shape (columns, columns)."""
     logarithm: float
     """Logarithm of the determinant of the readings' covariance."""
     low: Array
-    """Least change of each own figure, shape (own,)."""
+    """Least change of each own parameter, shape (own,)."""
     high: Array
     """Greatest change, same shape."""
     folds: tuple[Array, ...] = ()
@@ -73,10 +73,10 @@ class WhitenedLevel:
         return replace(self, gram=self.gram - self.folds[fold])
 
     def fixed(self, entries: Integers, change: Array) -> WhitenedLevel:
-        """Return the columns without some own figures, which change by known amounts.
+        """Return the columns without some own parameters, which change by known amounts.
 
         Args:
-            entries: Indices of the own figures.
+            entries: Indices of the own parameters.
             change: Of each, shape (len(entries),).
         """
         turn = np.eye(len(self.gram))
@@ -86,12 +86,12 @@ class WhitenedLevel:
         return replace(self, gram=turn.T @ self.gram @ turn, low=low, high=high, folds=())
 
     def rest(self, held: Mask) -> Array:
-        """Return the Gram matrix of [errors, effects] with the free own figures projected out.
+        """Return the Gram matrix of [errors, effects] with the free own parameters projected out.
 
         It is the Schur complement of their block.
 
         Args:
-            held: Own figures that stay as they are, shape (own,).
+            held: Own parameters that stay as they are, shape (own,).
         """
         count = len(self.low)
         own, kept = 1 + np.flatnonzero(~held), np.r_[0, 1 + count : len(self.gram)]
@@ -100,7 +100,7 @@ class WhitenedLevel:
         return projected(self.gram[np.ix_(kept, kept)], inner, across)
 
     def fit(self, columns: Sequence[EffectColumn], readings: int, prior: float) -> LevelFit:
-        """Return own figures and effects at their likeliest, all within their bounds.
+        """Return own parameters and effects at their likeliest, all within their bounds.
 
         Source: Schwarz 1978, Annals of Statistics 6(2), 461-464 (the price of a column).
 
@@ -120,7 +120,7 @@ class WhitenedLevel:
         ends = np.cumsum([count, *(len(place) for place in places)])[:-1]
         own, *parts = np.split(best, ends)
         # Where an effect clips a strength or couples it to its shape, the coefficients differ from
-        # the fitted ones: refit the own figures beside them.
+        # the fitted ones: refit the own parameters beside them.
         effects = tuple(e.with_strengths(part) for e, part in zip(effects, parts, strict=True))
         strengths = np.concatenate([best[:0], *(effect.coefficients for effect in effects)])
         if not np.allclose(strengths, best[count:], rtol=1e-6):

@@ -41,7 +41,7 @@ def output_error(
     filter error).
 
     Args:
-        hypothesis: Own figures and effects.
+        hypothesis: Own parameters and effects.
         point: Where it begins, shape (entries,).
         validation: The rollouts, and which fold each belongs to.
         deadline: Time of the monotonic clock after which no step begins.

@@ -1,4 +1,4 @@
-"""Recordings laid on a grid for a diagnosis, with the description's own figures."""
+"""Recordings laid on a grid for a diagnosis, with the description's own parameters."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ MOST_SECONDS = 60.0
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Prepared:
-    """Recordings laid on a grid, and the description with its own figures."""
+    """Recordings laid on a grid, and the description with its own parameters."""
 
     parts: Split
     """The recordings, and which of them were set aside."""
@@ -123,6 +123,6 @@ def completed(recording: Recording, robot: Robot, model: mujoco.MjModel | None =
 
 
 def _refitted(nominal: Hypothesis, episodes: Sequence[Episode]) -> mujoco.MjModel:
-    """Return a description with its own figures refitted to some runs."""
+    """Return a description with its own parameters refitted to some runs."""
     result = refitted(nominal, nominal.start, stretches(episodes, MOST_SECONDS))
     return nominal.at(result.point).model

@@ -22,7 +22,7 @@ class LogPosterior:
     """Minus half of a sum of squares of whitened errors, and of the prior."""
 
     hypothesis: Hypothesis
-    """Own figures and effects."""
+    """Own parameters and effects."""
     point: Array
     """Where it is taken, shape (entries,)."""
     grams: Array
@@ -117,7 +117,7 @@ def quadratic(
     """Return the log posterior to second order.
 
     Args:
-        hypothesis: Own figures and effects.
+        hypothesis: Own parameters and effects.
         point: Shape (entries,).
         runs: Smoothed and linearised there.
         blocks: Into how many folds each run is divided.

@@ -2,7 +2,7 @@
 
 The description is refitted to the runs and linearised along them. Every effect at every place and
 shape gives columns; their Gram matrix in the metric of the readings scores each set beside the
-description's own figures. The best are refitted, and the search goes on from the best refit.
+description's own parameters. The best are refitted, and the search goes on from the best refit.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ class Ranking:
 
     @property
     def none(self) -> Finalist:
-        """The description with its own figures refitted."""
+        """The description with its own parameters refitted."""
         return next(each for each in self.tried if not each.effects)
 
 
@@ -152,7 +152,7 @@ class _Found:
 
     task: EffectSelection
     none: Finalist
-    """The description with its own figures refitted."""
+    """The description with its own parameters refitted."""
     best: Finalist
     search: BeamSearch
     """Beside the best."""

@@ -1,4 +1,4 @@
-"""Refit of a description's own figures and of effects to runs, by Gauss-Newton."""
+"""Refit of a description's own parameters and of effects to runs, by Gauss-Newton."""
 
 from __future__ import annotations
 
@@ -41,9 +41,9 @@ class Refit:
     """A hypothesis about some runs, linearised at a point."""
 
     hypothesis: Hypothesis
-    """Its free own figures and effects."""
+    """Its free own parameters and effects."""
     point: Array
-    """Log factors of own figures, then parameters of effects, shape (entries,)."""
+    """Log factors of own parameters, then parameters of effects, shape (entries,)."""
     runs: Sequence[Observed]
     """The runs smoothed and linearised at the point."""
     evidence: float
@@ -81,7 +81,7 @@ def seen(
     """Return runs smoothed and linearised by a hypothesis at a point.
 
     Args:
-        hypothesis: Own figures and effects.
+        hypothesis: Own parameters and effects.
         point: Shape (entries,).
         episodes: The runs.
         before: The same runs by a similar hypothesis. Effects outside the model act along its
@@ -125,7 +125,7 @@ def refitted(
     Source: Bell 1994, SIAM Journal on Optimization 4(3), 626-636 (Gauss-Newton through a smoother).
 
     Args:
-        hypothesis: Own figures and effects.
+        hypothesis: Own parameters and effects.
         point: The first point, shape (entries,).
         episodes: The runs.
         origin: A refit of the same hypothesis less its last effects. Where what was found explains

@@ -30,14 +30,15 @@ STEEP = 2.0
 """How steeply probability rises with the logarithm of each."""
 MOST_UNKNOWN = 0.55
 """Greatest probability: laws of the library that a search has missed leave as much. All are set by
-hand on cases of `experiments.concealed` that had been opened, before others judged."""
+hand on development cases of `experiments.concealed`, before others judged."""
 
 MOST_LAGS = 3.0
 """Missing force over what a step leaves of Coriolis forces, up to which it may be that."""
 
 AT_NOISE, SMALL = 1.5, 0.25
 """Mean squared error of rollouts over the noise's variance up to which a set of effects predicts
-well, and most probability then: of opened cases so answered 1 of 7 held physics without a name."""
+well, and most probability then: of development cases so answered 1 of 7 held physics without a
+name."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -41,7 +41,7 @@ class Prior:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Explanation:
-    """A set of effects at its likeliest strengths, and own figures refitted beside it."""
+    """A set of effects at its likeliest strengths, and own parameters refitted beside it."""
 
     effects: tuple[Effect, ...]
     """None, one or several, each at the best shape of its grid."""
@@ -68,7 +68,7 @@ class BeamSearch:
     prior: Prior
     """How probable sets are beforehand."""
     found: tuple[Effect, ...] = ()
-    """Effects found before, whose parameters are own figures here."""
+    """Effects found before, whose parameters are own parameters here."""
     groups: tuple[tuple[int, ...], ...] = ()
     """Entries that may be added in one step."""
     needs: Mapping[int, int] = field(default_factory=dict)
@@ -132,7 +132,7 @@ class BeamSearch:
 
         Args:
             label: The effect's.
-            entries: Its parameters among the own figures.
+            entries: Its parameters among the own parameters.
             change: What takes them to neutral.
         """
         held = self._fitted(()).best.evidence - 0.5 * len(entries) * math.log(self.readings)
@@ -144,7 +144,7 @@ class BeamSearch:
         return none - held, [(each.effects[0], each.gain + none - held) for each in others]
 
     def without_fold(self, result: Explanation, fold: int) -> tuple[Array, tuple[Effect, ...]]:
-        """Return the change of own figures and the effects, fitted to all folds but one."""
+        """Return the change of own parameters and the effects, fitted to all folds but one."""
         columns = [self.columns[each] for each in result.members]
         fit = self.levels[result.level].without_fold(fold).fit(columns, self.readings, 0.0)
         return fit.own, fit.effects

@@ -34,7 +34,7 @@ def simulated(
         base: The other set.
         validation: The stretches.
         believed: Whether the linearisation is. If so, each stretch is simulated with the figures
-            fitted to the other folds. If not, own figures stay where they are, and the best of a
+            fitted to the other folds. If not, own parameters stay where they are, and the best of a
             few shares of the strengths is taken.
     """
     hypothesis, there = base.refit.hypothesis, len(base.refit.point)

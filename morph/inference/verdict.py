@@ -31,7 +31,7 @@ RESIDUAL_SECONDS = 80.0
 """Seconds of motion that a residual is learned from, and states are looked at."""
 NONE = 0.65
 """Most probability that nothing is missing: masses and gains within their uncertainty may hide what
-is. Set by hand on opened cases of `experiments.concealed`."""
+is. Set by hand on development cases of `experiments.concealed`."""
 LEAST = 0.01
 """Least probability of a single effect that is listed where none is found."""
 WITH_RESIDUAL = "corrected_plus_residual"

@@ -118,7 +118,7 @@ class Diagnosis(Tabular):
     improvement_low90: float
     """Share of the nominal squared error taken away, lower end of a 90 % interval."""
     refit: Mapping[str, Estimate]
-    """Factors on the description's own figures in the corrected model."""
+    """Factors on the description's own parameters in the corrected model."""
     traces: tuple[Trace, ...]
     """Held-out rollouts, for plots."""
     data: JSON

@@ -1,4 +1,4 @@
-"""Joint refit of a robot's own figures and an effect's parameters by multiple shooting."""
+"""Joint refit of a robot's own parameters and an effect's parameters by multiple shooting."""
 
 from __future__ import annotations
 

@@ -147,7 +147,7 @@ class Hypothesis:
         return float(bare_spec(self.robot, self.step).copy().compile().stat.extent)
 
     def _bounds(self, knob: Knob) -> tuple[float, float]:
-        # What an effect says of a link, its own figure need not say too: the two together
+        # What an effect says of a link, its own parameter need not say too: the two together
         # would be one number told twice.
         covered = any(knob.part == e.where and knob.kind in e.stands_for for e in self.effects)
         return (0.0, 0.0) if covered else knob.bounds

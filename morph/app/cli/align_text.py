@@ -40,8 +40,8 @@ def arrows(
 ) -> Iterator[tuple[str, str]]:
     """Yield the arrows of a map as lines with their styles."""
     titles = (
-        (f"{target} is seen as {source}:", parts.states),
-        (f"{target} is told for {source}:", parts.commands),
+        (f"states of {target} as those of {source}:", parts.states),
+        (f"commands of {target} as those of {source}:", parts.commands),
     )
     for title, each in titles:
         if each:

@@ -174,7 +174,7 @@ def test_a_prior_is_as_good_as_readings_of_the_figures() -> None:
     stacked = np.concatenate([whole, rows])
     gram, exact = whole.T @ whole, stacked.T @ stacked
     assert np.allclose(believed(gram, trust, point), exact, atol=1e-12)
-    # Also of some rows: what is left of errors and effects without own figures.
+    # Also of some rows: what is left of errors and effects without own parameters.
     own = np.concatenate([columns, rows[:, 1:4]])
     rest = stacked - own @ np.linalg.lstsq(own, stacked, rcond=None)[0]
     along, square = _without(believed(gram[:4], trust, point), np.diag(exact), 3)

@@ -82,7 +82,7 @@ def test_friction_that_does_not_fade_is_coulombs(pendulum: Robot, rest: float) -
         "coulomb_friction@hinge",
         "viscous_friction@hinge",
     ]
-    # What follows own figures: the level, and damping; friction at rest and its speed are gone.
+    # What follows own parameters: the level, and damping; friction at rest and its speed are gone.
     assert new.refit.point[own:].tolist() == [0.1, 0.3]
     kept = [*range(2 + own), 4 + own]
     assert np.array_equal(new.about.grams[0], (rows.T @ rows)[np.ix_(kept, kept)])

@@ -1,4 +1,4 @@
-"""Own figures and effects refitted to a pendulum that SciPy integrates."""
+"""Own parameters and effects refitted to a pendulum that SciPy integrates."""
 
 from __future__ import annotations
 

@@ -27,7 +27,7 @@ EFFECTS_TRIED: tuple[Effect, ...] = (
 
 
 def columns(rng: np.random.Generator, own: int) -> np.ndarray:
-    """Return columns of own figures and effects, shape (readings, own + 4)."""
+    """Return columns of own parameters and effects, shape (readings, own + 4)."""
     return rng.normal(size=(READINGS, own + len(EFFECTS_TRIED)))
 
 
@@ -142,7 +142,7 @@ def test_odds_of_another_in_the_place_of_an_effect(unseen: int) -> None:
     table = columns(rng, 0)
     error = table @ [0.8, 0.0, 0.3, 0.0] + rng.normal(size=READINGS)
     alone = searched(table, error, 0)
-    # The first column among the own figures, as an effect that was found before.
+    # The first column among the own parameters, as an effect that was found before.
     own = 1 + unseen
     whole = np.column_stack([error, table[:, :1], np.zeros((READINGS, unseen)), table[:, 1:]])
     others = enumerate(alone.columns[1:], 1)
@@ -201,7 +201,7 @@ def test_what_excludes_an_effect_found_before_is_not_added_and_is_its_rival(
     table = columns(rng, 0)
     alone = searched(table, table @ [0.3, 0.0, 0.5, 0.0] + rng.normal(size=READINGS), 0)
     assert not any(len(each.members) > 1 and {0, 2} <= {*each.members} for each in alone.sets(3))
-    # The first of them was found: its column is an own figure, and the rest is the dictionary.
+    # The first of them was found: its column is an own parameter, and the rest is the dictionary.
     (level,) = alone.levels
     whole = replace(level, low=np.full(1, -9.0), high=np.full(1, 9.0))
     others = enumerate(alone.columns[1:], 1)

@@ -1,4 +1,4 @@
-"""What effects see of a batch, against MuJoCo's own figures."""
+"""What effects see of a batch, against MuJoCo's own parameters."""
 
 from __future__ import annotations
 

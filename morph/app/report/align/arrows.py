@@ -40,8 +40,11 @@ def drawn(parts: Parts, source: str, target: str) -> tuple[tuple[str, Markup], .
     """
     states = tuple(_turned(each) for each in parts.states)
     results = (
-        (f"{target} is seen as {source}", _svg(states, source, target, leftward=True)),
-        (f"{target} is told for {source}", _svg(parts.commands, source, target, leftward=False)),
+        (f"states of {target} as those of {source}", _svg(states, source, target, leftward=True)),
+        (
+            f"commands of {target} as those of {source}",
+            _svg(parts.commands, source, target, leftward=False),
+        ),
     )
     arrows = (parts.states, parts.commands)
     return tuple(each for each, there in zip(results, arrows, strict=True) if there)

@@ -51,8 +51,8 @@ def hop_tables(content: Told) -> tuple[CellTable, ...]:
     """Return the tables of a hop: its parts, what the guard says, its scores, its map."""
     results = [
         _guard(content),
-        _parts(content, STATES, f"{content.target} is seen as {content.source}"),
-        _parts(content, COMMANDS, f"{content.target} is told for {content.source}"),
+        _parts(content, STATES, f"states of {content.target} as those of {content.source}"),
+        _parts(content, COMMANDS, f"commands of {content.target} as those of {content.source}"),
         _scores(content),
         _map(content),
     ]

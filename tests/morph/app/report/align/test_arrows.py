@@ -24,7 +24,7 @@ def elements(title: str) -> ElementTree.Element:
 
 
 def test_there_is_an_arrow_for_each_and_its_sign_is_seen_without_colour() -> None:
-    states = elements("rider is seen as cartpole")
+    states = elements("states of rider as those of cartpole")
     looks = [group.get("class") for group in states.findall("g")]
     assert sorted(filter(None, looks)) == ["minus", "plus", "plus"]
     widths = {
@@ -38,8 +38,8 @@ def test_there_is_an_arrow_for_each_and_its_sign_is_seen_without_colour() -> Non
 
 
 def test_states_point_to_the_source_and_commands_to_the_target() -> None:
-    for title, leftward in (("rider is seen as cartpole", 1), ("rider is told for cartpole", 0)):
-        svg = elements(title)
+    for what, leftward in (("states", 1), ("commands", 0)):
+        svg = elements(f"{what} of rider as those of cartpole")
         for group in svg.findall("g"):
             tip = group.find("polygon")
             assert tip is not None
@@ -50,14 +50,14 @@ def test_states_point_to_the_source_and_commands_to_the_target() -> None:
 
 
 def test_names_of_strangers_are_escaped_and_long_ones_cut() -> None:
-    states = elements("rider is seen as cartpole")
+    states = elements("states of rider as those of cartpole")
     long = [text for text in states.findall("text") if text.find("title") is not None]
     assert [text.findtext("title") for text in long] == [PARTS.states[2].begin]
     assert (long[0].find("title").tail or "").endswith("\N{HORIZONTAL ELLIPSIS}")  # type: ignore[union-attr]
 
 
 def test_everything_stays_inside_the_drawing() -> None:
-    svg = elements("rider is seen as cartpole")
+    svg = elements("states of rider as those of cartpole")
     _, _, width, height = map(float, svg.get("viewBox", "").split())
     for text in svg.findall("text"):
         assert 0.0 <= float(text.get("x", "-1")) <= width
