@@ -22,6 +22,7 @@ from experiments.concealed.errors import BenchmarkError
 from experiments.concealed.generate import write_case
 from experiments.concealed.seal import CASES, TRUTHS, Sealed, open_seal
 from experiments.concealed.suites import SUITES
+from morph.app.cli.view import open_browser
 from morph.errors import MorphError
 from morph.files import sha256, write_whole
 
@@ -49,6 +50,7 @@ def main(arguments: list[str] | None = None) -> int:
         report = _diagnosed(case, asked.out, console)
         # Only now, with the answer written, is the seal opened.
         truth = _in_words(open_seal(case))
+        page = _drawn_page(case, report.parent, asked.out)
     except MorphError as error:
         sys.stderr.write(f"error: {error}\n")
         return 2
@@ -58,7 +60,10 @@ def main(arguments: list[str] | None = None) -> int:
     console.print()
     console.print((asked.out / "answer.txt").read_text().rstrip(), highlight=False, soft_wrap=True)
     console.print(f"\n[bold]Truth, unsealed only now[/]: {truth}", highlight=False, soft_wrap=True)
-    console.print(f"Open the report in a browser: {report.resolve()}", soft_wrap=True)
+    console.print(f"Report: {report.resolve()}", soft_wrap=True)
+    console.print(f"What moved, beside its simulation: {page.resolve()}", soft_wrap=True)
+    if not open_browser(page.resolve().as_uri()):
+        console.print("Open the two in a browser; there is none with a window here.")
     console.print(
         "Next, a minute: a policy that fails on a body with sealed differences, and what\n"
         "becomes of it: .venv/bin/morph loop swing-up --robot cartpole --sealed 108 --out out/loop",
@@ -66,6 +71,31 @@ def main(arguments: list[str] | None = None) -> int:
         soft_wrap=True,
     )
     return 0
+
+
+def _drawn_page(case: Path, diagnosis: Path, out: Path) -> Path:
+    """Return the page of the recording beside the simulation, with the findings.
+
+    Raises:
+        MorphError: It cannot be made.
+    """
+    from morph.app.cli.view import run_view
+    from morph.app.cli.view_arguments import ViewCommand
+
+    page = out / "mismatch.html"
+    if not page.exists() or page.stat().st_mtime < (diagnosis / "report.html").stat().st_mtime:
+        recordings = sorted((case / "recordings").iterdir())
+        run_view(
+            ViewCommand(
+                robots=(str(case / "robot.xml"),),
+                recording=tuple(str(each) for each in recordings),
+                diagnosis=str(diagnosis),
+                html=str(page),
+                first="mismatch",
+                quiet=True,
+            )
+        )
+    return page
 
 
 def _recorded(seed: int, out: Path, console: Console) -> Path:

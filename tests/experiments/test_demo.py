@@ -19,7 +19,8 @@ def test_a_case_is_made_and_diagnosed_once_and_opened_last(
     assert demo.main(asked) == 0
     first = capsys.readouterr().out
     assert "2. Diagnosed in" in first
-    said = "error on runs it never saw"
+    assert "<html" in (tmp_path / "mismatch.html").read_text()[:1000]
+    said = "error on held-out runs"
     assert first.index(said) < first.index("only now: double_pendulum: back_emf at actuator")
     assert demo.main(asked) == 0
     again = capsys.readouterr().out

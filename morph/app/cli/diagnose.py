@@ -73,7 +73,7 @@ def _diagnosed(options: Diagnose, horizon: float | None, vary: dict[str, float])
 
 
 def in_words(result: Diagnosis, out: Path) -> str:
-    """Return the finding in words, the errors on runs never seen, and the report's path."""
+    """Return the finding in words, the errors on held-out runs, and the report's path."""
     lines = [f"{result.robot}: {result.verdict}", *(f"  {s}" for s in result.summary())]
     for finding in result.findings:
         fitted = ", ".join(
@@ -89,7 +89,7 @@ def in_words(result: Diagnosis, out: Path) -> str:
             )
     lines += [f"  remains: {sentence}" for sentence in words.remains(result)]
     span = "whole episodes" if result.horizon is None else f"{result.horizon:g} s rollouts"
-    lines.append(f"  error on runs it never saw ({', '.join(result.held_out)}; {span}):")
+    lines.append(f"  error on held-out runs ({', '.join(result.held_out)}; {span}):")
     for channel, nominal in result.held_out_rmse["nominal"].items():
         refitted = result.held_out_rmse["refitted"][channel]
         corrected = result.held_out_rmse["corrected"][channel]

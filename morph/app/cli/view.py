@@ -146,8 +146,8 @@ def _serve(options: ViewCommand, result: Makers, first: int, opening: Opening) -
             port=viewer.door.server.get_port(),
             pid=os.getpid(),
         )
-    if options.browser:
-        _open(viewer)
+    if options.browser and not open_browser(viewer.address):
+        sys.stderr.write("no browser was found; open the address by hand\n")
     viewer.wait()
 
 
@@ -156,13 +156,14 @@ def _say(**what: object) -> None:
     sys.stdout.flush()
 
 
-def _open(viewer: Viewer) -> None:
-    """Open a browser that has a window; one within the terminal shows no bodies."""
+def open_browser(address: str) -> bool:
+    """Open a browser that has a window, and return whether there is one.
+
+    One within the terminal shows no bodies.
+    """
     try:
         browser = webbrowser.get()
         windowed = type(browser) is not webbrowser.GenericBrowser
-        opened = windowed and browser.open(viewer.address)
+        return bool(windowed and browser.open(address))
     except (webbrowser.Error, OSError):
-        opened = False
-    if not opened:
-        sys.stderr.write("no browser was found; open the address by hand\n")
+        return False

@@ -76,7 +76,7 @@ def headline(diagnosis: Diagnosis) -> str:
         were = "was" if len(diagnosis.findings) == 1 else "were"
         return f"{pieces.capitalize()} {were} left out of the simulation"
     if "rejected" in diagnosis.held_out_rmse:
-        return "They differ, and no correction holds on runs it never saw"
+        return "They differ, and no correction holds on held-out runs"
     if diagnosis.findings:
         return "They differ by more than what was named"
     return "They differ, and what is missing was not found"
@@ -131,7 +131,7 @@ def remains(diagnosis: Diagnosis) -> tuple[str, ...]:
     """Return what the answer does not explain, in words."""
     left, rmse = diagnosis.unexplained, diagnosis.held_out_rmse
     unsure = percent(left.probability)
-    lines = [f"That physics is left which was not named has a probability of {unsure}."]
+    lines = [f"Physics that was not named remains with a probability of {unsure}."]
     worst = sorted(left.channels.items(), key=lambda each: -each[1])[:NAMED]
     forces = ", ".join(
         f"{'over 100' if share > 1.0 else number(100.0 * share)} % at {name}"

@@ -135,8 +135,12 @@ def test_a_browser_that_is_missing_is_told(monkeypatch: pytest.MonkeyPatch, caps
     class Viewer:
         address = "http://localhost:1"
 
+        def wait(self) -> None:
+            pass
+
     monkeypatch.setattr(webbrowser, "get", none)
-    view._open(Viewer())  # type: ignore[arg-type]
+    monkeypatch.setattr(view, "served", lambda *given: Viewer())
+    assert main(["view", "pendulum", "--browser", "--quiet"]) == 0
     assert "no browser was found; open the address by hand" in capsys.readouterr().err
 
 

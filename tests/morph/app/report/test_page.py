@@ -111,7 +111,7 @@ def test_findings_that_do_not_hold_are_only_suspected(mismatch: Diagnosis) -> No
     rmse = {**mismatch.held_out_rmse, "rejected": mismatch.held_out_rmse["corrected"]}
     refuted = replace(mismatch, verdict="unknown", held_out_rmse=rmse)
     told = words(Page(report_page(refuted)))
-    assert "no correction holds on runs it never saw" in told
+    assert "no correction holds on held-out runs" in told
     assert "What was suspected" in told
     assert "What remains unexplained" in told
     assert "the corrected simulation is off" not in told

@@ -87,7 +87,7 @@ def test_what_remains_is_told_in_forces_rollouts_and_held_out_errors(mismatch: D
         in_noise=9.25,
     )
     told = " ".join(remains(replace(mismatch, unexplained=left)))
-    assert f"has a probability of 55{SPACE}%" in told
+    assert f"remains with a probability of 55{SPACE}%" in told
     assert "missing: 4 % at shoulder.position, 0.2 % at elbow.position." in told
     assert "by 9.25 times the variance" in told
     # 0.031 over 0.0011 is 28.2, and 0.052 over 0.0012 is 43.3.
@@ -102,7 +102,7 @@ def test_a_correction_that_stands_is_told_also_beside_unknown(mismatch: Diagnosi
     assert "the corrected simulation is off by" in improvement(unknown)[0]
     rmse = {**mismatch.held_out_rmse, "rejected": mismatch.held_out_rmse["corrected"]}
     rejected = replace(unknown, held_out_rmse=rmse)
-    assert headline(rejected) == "They differ, and no correction holds on runs it never saw"
+    assert headline(rejected) == "They differ, and no correction holds on held-out runs"
     assert "the simulation as given is off by" in improvement(rejected)[0]
 
 
