@@ -45,7 +45,7 @@ QUANTITIES = (
     ChannelQuantity(name="accelerometer", part="site", dimensions=("m/s2",), axes=XYZ),
     ChannelQuantity(name="force", part="site", dimensions=("N",), axes=XYZ),
 )
-"""Every quantity of specs/recording.md, in SI."""
+"""Every quantity that a channel may hold, in SI (docs/recordings.md)."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -34,7 +34,8 @@ def loop(
         policy: Folder of the source's policy; by default it is learned first.
         change: Figures in which the target differs, as `length:pole=2`.
         effect: Physics of the target alone, as `viscous_friction@hinge:b=0.1`.
-        sealed: Draw what differs from this random seed, instead of the two.
+        sealed: Random seed from which differences are drawn, instead of `change` and `effect`; they
+            are shown only at the end.
         trials: Most trials on the target.
         seed: Random seed of all else.
         fresh: Begin anew in a folder that holds an earlier loop.

@@ -20,7 +20,7 @@ class Diagnose:
     """
 
     robot: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="ROBOT")]
-    """A description (URDF, MJCF), a robot folder, or a name on the shelf."""
+    """A description (URDF, xacro, MJCF, assembly.toml), a robot folder, or a name on the shelf."""
     recordings: Annotated[
         tyro.conf.Positional[tuple[Path, ...]], tyro.conf.arg(metavar="RECORDING ...")
     ]
@@ -43,6 +43,8 @@ class Diagnose:
     """The floor that it stood on, where the description has none: as `morph simulate --world`."""
     seed: int = 0
     """Random seed."""
+    base: Literal["fixed", "floating", "board"] | None = None
+    """How it stands in the world, where the description does not say."""
     json: bool = False
     """Print diagnosis.json instead of words."""
     quiet: bool = False
@@ -59,7 +61,7 @@ class Compare:
     """
 
     robot: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="ROBOT")]
-    """A description (URDF, MJCF), a robot folder, or a name on the shelf."""
+    """A description (URDF, xacro, MJCF, assembly.toml), a robot folder, or a name on the shelf."""
     recordings: Annotated[
         tyro.conf.Positional[tuple[Path, ...]], tyro.conf.arg(metavar="RECORDING ...")
     ]
@@ -74,6 +76,8 @@ class Compare:
     """Write the view of the worst moment there, for `morph view --state FILE`."""
     html: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """Write that view as one page that opens without a network."""
+    base: Literal["fixed", "floating", "board"] | None = None
+    """How it stands in the world, where the description does not say."""
     json: bool = False
     """Print JSON, by the schema morph.comparison/1."""
     quiet: bool = False

@@ -42,7 +42,7 @@ def run_compare(options: Compare) -> int:
             check_page(path, option)
     with stages(options.quiet) as progress:
         progress.now("loading")
-        robot = load_robot(options.robot)
+        robot = load_robot(options.robot, base=options.base)
         recordings = [
             each
             for path in options.recordings
@@ -102,6 +102,7 @@ def _further(options: Compare, *, whole: bool) -> str:
     given = [str(path) for path in options.recordings]
     root = [] if options.root is None else ["--root", str(options.root)]
     around = [] if options.world is None else ["--world", options.world]
+    around += [] if options.base is None else ["--base", options.base]
     shown = ["morph", "view", options.robot]
     for path in given:
         shown += ["--recording", path]
@@ -109,7 +110,7 @@ def _further(options: Compare, *, whole: bool) -> str:
         shown = ["morph", "view", "--state", str(options.state)]
     else:
         shown += [*root, *around, "--first", "mismatch"]
-    named = ["morph", "diagnose", options.robot, *given, *root, "--out", "DIR"]
+    named = ["morph", "diagnose", options.robot, *given, *root, *around, "--out", "DIR"]
     further = shlex.join(named) if whole else "record every command, then morph diagnose"
     return f"to see it: {shlex.join(shown)}\nto name what is missing: {further}"
 
@@ -154,6 +155,7 @@ def _write_page(options: Compare, saved: Saved, now: Callable[[str], None]) -> N
         recording=tuple(str(path) for path in options.recordings),
         root=options.root,
         world=options.world,
+        base=options.base,
         first="mismatch",
     )
     given, notes = view_inputs.given(view, saved, now)

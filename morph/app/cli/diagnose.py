@@ -53,7 +53,7 @@ def run_diagnose(options: Diagnose) -> int:
 def _diagnosed(options: Diagnose, horizon: float | None, vary: dict[str, float]) -> Diagnosis:
     from morph.physics.worlds import on_floor
 
-    robot = load_robot(options.robot)
+    robot = load_robot(options.robot, base=options.base)
     if options.world is not None:
         robot = on_floor(robot, options.world)
     fitted, aside = _recordings(options, robot)
@@ -119,10 +119,11 @@ def _planned(options: Diagnose, result: Diagnosis) -> list[str]:
         )
         pair = [f"{effect.label}:{size}", f"{rivals[0].effect}@{rivals[0].where}"]
         try:
-            command_ranges(Simulator(load_robot(options.robot)))
+            command_ranges(Simulator(load_robot(options.robot, base=options.base)))
         except DiagnosisError as error:
             return [f"  to plan how to tell them apart, {error.fix}: {error.what}"]
         words = ["morph", "excite", options.robot, "--separate", *pair, "--out", "DIR"]
+        words += [] if options.base is None else ["--base", options.base]
         return [f"  to plan how to tell them apart: {shlex.join(words)}"]
     return []
 
@@ -216,6 +217,7 @@ def _command(options: Diagnose) -> str:
     ):
         parts += [option, *values] if values else []
     parts += ["--world", options.world] if options.world is not None else []
+    parts += ["--base", options.base] if options.base is not None else []
     parts += ["--horizon", options.horizon] if options.horizon != "1.0" else []
     parts += ["--root", str(options.root)] if options.root is not None else []
     parts += ["--budget", f"{options.budget:g}"] if options.budget is not None else []

@@ -45,7 +45,7 @@ def run_excite(options: Excite) -> int:
     check_folder(options.out, MARKER, SCHEMA, "an experiment")
     with stages(options.quiet) as progress:
         progress.now("loading")
-        robot = load(options.robot)
+        robot = load(options.robot, base=options.base)
         laws = [parsed(text, robot, option="--separate") for text in options.separate or ()]
         # Late: it loads all that a diagnosis needs.
         from morph.experiment_design.plan import plan
@@ -105,12 +105,13 @@ def in_words(result: ExperimentPlan, options: Excite) -> str:
         lines += [f"  {_line(each)}" for each in result.separations]
         lines += ["  no motion that was tried tells them apart surely"] * bool(left)
     first = options.out / "run_1.csv"
-    simulate = ["morph", "simulate", options.robot, "--commands", str(first)]
+    base = [] if options.base is None else ["--base", options.base]
+    simulate = ["morph", "simulate", options.robot, *base, "--commands", str(first)]
     simulate += ["--seconds", f"{result.runs[0].seconds:g}"]
     further = [
         f"to see it: {shlex.join([*simulate, '--view'])}",
         "to name what acts, record the robot under it: "
-        + shlex.join(["morph", "diagnose", options.robot, "RECORDING", "--out", "DIR"]),
+        + shlex.join(["morph", "diagnose", options.robot, *base, "RECORDING", "--out", "DIR"]),
     ]
     return "\n".join([*lines, *further])
 

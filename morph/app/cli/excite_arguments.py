@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import tyro
 
@@ -21,7 +21,7 @@ class Excite:
     """
 
     robot: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="ROBOT")]
-    """A description (URDF, MJCF), a robot folder, or a name on the shelf."""
+    """A description (URDF, xacro, MJCF, assembly.toml), a robot folder, or a name on the shelf."""
     out: Path
     """Folder for experiment.json and the commands of each run."""
     separate: Annotated[
@@ -37,9 +37,11 @@ class Excite:
     noise: float = 5e-4
     """Standard deviation of a reading, rad or m."""
     vary: Annotated[tuple[str, ...], tyro.conf.arg(metavar="NAME=FRACTION ...")] = ()
-    """By how much figures of the description may be wrong: as `morph diagnose --vary`."""
+    """By how much parameters of the description may be wrong: as `morph diagnose --vary`."""
     seed: int = 0
     """Random seed of the motions."""
+    base: Literal["fixed", "floating", "board"] | None = None
+    """How it stands in the world, where the description does not say."""
     json: bool = False
     """Print experiment.json instead of words."""
     quiet: bool = False

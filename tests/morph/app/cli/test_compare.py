@@ -80,3 +80,22 @@ def test_what_cannot_be_done_is_one_message(run: Path, capsys: Out, words: str, 
     assert what in said.err
     assert "fix: " in said.err
     assert "Traceback" not in said.err
+
+
+def test_what_floats_is_compared_as_it_floats(tmp_path: Path, capsys: Out) -> None:
+    box, run = tmp_path / "box.urdf", tmp_path / "run.csv"
+    box.write_text(
+        '<robot name="box"><link name="hull"><inertial><mass value="2"/>'
+        '<inertia ixx="0.01" iyy="0.02" izz="0.03" ixy="0" ixz="0" iyz="0"/></inertial></link>'
+        "</robot>"
+    )
+    floats = ["--base", "floating"]
+    simulate = ["simulate", str(box), *floats, "--seconds", "1", "--out", str(run), "--quiet"]
+    assert main(simulate) == 0
+    capsys.readouterr()
+    assert main(["compare", str(box), str(run), *floats, "--quiet"]) == 0
+    told = capsys.readouterr().out
+    assert "hull.position.z" in told
+    # The commands that go on say so too.
+    assert told.count("--base floating") == 2
+    assert main(["compare", str(box), str(run), "--quiet"]) == 2
