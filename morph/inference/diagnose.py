@@ -55,7 +55,8 @@ def diagnose(
         recordings: What the robot did: positions of joints, at least one, of which the others are
             estimated, or poses of links that tell them; the pose of each link that moves freely;
             every actuator's command, or of motors the effort measured at their joint.
-        held_out: Recordings to open only after the choice; empty sets a quarter aside.
+        held_out: Recordings kept for testing, scored once after the model was chosen; by default
+            the last quarter.
         horizon: Seconds of the open-loop rollouts that are scored, at least 0.1; None
             for whole episodes.
         vary: Fractions by which the description may be wrong; see `knobs`.
@@ -93,7 +94,7 @@ def diagnose(
     half = started + 0.5 * (deadline - started)
     (ready, ranking), changes = _since_changes(rank, recordings, held_out, known, half, say)
     scored = scored_segments(ready.aside, horizon)
-    say("opening the held-out runs", 0.9)
+    say("scoring the held-out runs", 0.9)
     return conclude(
         ready.nominal,
         ranking,
@@ -200,7 +201,7 @@ def _ranked(
     Args:
         robot: The nominal description.
         recordings: Some recordings or parts of them.
-        held_out: Those to open only after the choice.
+        held_out: Those kept for testing.
         whole: Recordings that were cut, by name.
         vary: Fractions by which the description may be wrong.
         known: Effects whose fixed parameters are known.

@@ -66,7 +66,7 @@ def prepared(
     Args:
         robot: The description.
         recordings: Some recordings or parts of them.
-        held_out: Those to open only after the choice.
+        held_out: Those kept for testing.
         vary: Fractions by which the description may be wrong.
         deadline: Time of the monotonic clock by which the diagnosis ends.
         say: Told what is being done and the share of the work behind.

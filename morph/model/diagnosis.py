@@ -110,7 +110,7 @@ class Diagnosis(Tabular):
     train: tuple[str, ...]
     """Episodes that were fitted."""
     held_out: tuple[str, ...]
-    """Episodes that were opened once, after the choice."""
+    """Episodes kept for testing, scored once after the model was chosen."""
     split: str
     """How they were set apart: by session, by episode, by time, or as named."""
     held_out_rmse: Mapping[str, Mapping[str, float]]
@@ -124,7 +124,7 @@ class Diagnosis(Tabular):
     data: JSON
     """Samples, dropped, repaired, duplicates."""
     overstated: tuple[str, ...] = ()
-    """Figures of joints that are less than `--vary` lets them be, in words."""
+    """Damping, armature, friction or stiffness that the description states far too high."""
     notes: tuple[str, ...]
     """What was dropped, repaired or looks odd, in words."""
     provenance: JSON

@@ -28,13 +28,15 @@ class Diagnose:
     out: Path
     """Folder for diagnosis.json, report.html and the corrected model."""
     held_out: tuple[str, ...] = ()
-    """Recordings, or names of episodes, to open only after the choice; none: a quarter."""
+    """Recordings, or names of episodes, kept for testing: scored once, after the model was chosen;
+    by default the last quarter."""
     only: tuple[str, ...] = ()
-    """Names of the episodes to fit; none: all that are not held out."""
+    """Names of the episodes to fit; by default all that are not held out."""
     horizon: str = "1.0"
     """Seconds of the rollouts on which errors are reported, or `full` for whole episodes."""
     vary: Annotated[tuple[str, ...], tyro.conf.arg(metavar="NAME=FRACTION ...")] = ()
-    """By how much figures may be wrong: mass=0.3, mass:pole=0, com, inertia, gain, joint."""
+    """By how much the description's own parameters may be wrong: mass=0.3 of all links,
+    mass:pole=0 of one; com, inertia, gain, and joint for constants of joints."""
     root: Path | None = None
     """Folder that a recording.toml's files are relative to, instead of its own `root`."""
     budget: float | None = None
