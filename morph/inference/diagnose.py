@@ -208,6 +208,7 @@ def _ranked(
         deadline: Time of the monotonic clock after which no refit begins.
         say: Told what is being done and the share of the work behind.
     """
+    first: tuple[Prepared, Ranking] | None = None
     most = math.inf
     while True:
         ready = prepared(robot, recordings, held_out, vary, deadline=deadline, say=say, most=most)
@@ -217,7 +218,9 @@ def _ranked(
         say("refitting the description's own parameters", 0.05)
         episodes = stretches(ready.train, MOST_SECONDS)
         result = ranked(ready.nominal, episodes, known, progress=say, deadline=deadline)
-        finer = by_step(ready.nominal, result.best.refit.runs, ready.train)
-        if most < math.inf or result.stopped or not finer:
+        if first is not None:
+            # A whole search is worth more than one in short steps that the budget ended.
+            return first if result.stopped else (ready, result)
+        if result.stopped or not by_step(ready.nominal, result.best.refit.runs, ready.train):
             return ready, result
-        most = 0.5 * ready.nominal.step
+        first, most = (ready, result), 0.5 * ready.nominal.step

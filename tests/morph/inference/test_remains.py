@@ -2,9 +2,24 @@
 
 from __future__ import annotations
 
+import sys
+from dataclasses import dataclass
+from types import SimpleNamespace
+
+import numpy as np
 import pytest
 
-from morph.inference.remains import MOST_UNKNOWN, NATS, SHARE, SMALL, STEEP, UNTOLD, Remains
+import morph.inference.diagnose  # noqa: F401 -- what is replaced below
+from morph.inference.remains import (
+    MOST_UNKNOWN,
+    NATS,
+    SHARE,
+    SMALL,
+    STEEP,
+    UNTOLD,
+    Remains,
+    by_step,
+)
 
 
 def chance(*, share: float, nats: float) -> float:
@@ -72,3 +87,72 @@ def test_in_contact_errors_count_beside_those_of_the_starts_and_the_motion(
         by_starts=by_starts, in_motion=in_motion,
     )  # fmt: skip
     assert left.probability == most
+
+
+@pytest.mark.parametrize(
+    ("missing", "doubtful"),
+    [
+        # Above 0.3 % of the inertial force, and below three times what the step leaves there.
+        ([0.0, 0.0050], True),
+        ([0.0, 0.0070], False),
+        ([0.0, 0.0029], False),
+        # The worst joint counts: at the first one the step leaves nothing.
+        ([0.0080, 0.0050], False),
+    ],
+)
+def test_what_remains_may_be_of_the_step_where_that_leaves_a_third_of_it(
+    monkeypatch: pytest.MonkeyPatch, missing: list[float], doubtful: bool
+) -> None:
+    monkeypatch.setattr("morph.inference.remains.missing_by_joint", lambda runs: np.array(missing))
+    monkeypatch.setattr(
+        "morph.inference.remains.velocity_lag", lambda robot, episodes, step: np.array([0.0, step])
+    )
+    nominal = SimpleNamespace(robot=None, step=0.002)
+    assert by_step(nominal, (), ()) == doubtful  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("doubtful", "stopped", "steps", "answer"),
+    [
+        (False, (False,), [0.004], 0.004),
+        (True, (False, False), [0.004, 0.002], 0.002),
+        # The budget ended the second search.
+        (True, (False, True), [0.004, 0.002], 0.004),
+        (True, (True,), [0.004], 0.004),
+    ],
+)
+def test_half_the_step_is_tried_once_where_what_remains_may_be_of_it(
+    monkeypatch: pytest.MonkeyPatch,
+    doubtful: bool,
+    stopped: tuple[bool, ...],
+    steps: list[float],
+    answer: float,
+) -> None:
+    tried: list[float] = []
+
+    @dataclass(frozen=True)
+    class Ready:
+        nominal: SimpleNamespace
+        train: tuple[()] = ()
+        aside: tuple[()] = ()
+
+    def prepared(*given: object, most: float, **settings: object) -> Ready:
+        tried.append(min(0.004, most))
+        return Ready(nominal=SimpleNamespace(step=tried[-1]))
+
+    def ranked(*given: object, **settings: object) -> SimpleNamespace:
+        best = SimpleNamespace(refit=SimpleNamespace(runs=()))
+        return SimpleNamespace(stopped=stopped[len(tried) - 1], best=best)
+
+    place = "morph.inference.diagnose"
+    module = sys.modules[place]
+    for name, fake in (("prepared", prepared), ("ranked", ranked)):
+        monkeypatch.setattr(module, name, fake)
+    monkeypatch.setattr(module, "in_whole", lambda episodes, whole: episodes)
+    monkeypatch.setattr(module, "stretches", lambda episodes, most: episodes)
+    monkeypatch.setattr(module, "by_step", lambda nominal, runs, episodes: doubtful)
+    ready, _ = module._ranked(
+        None, (), held_out=(), whole={}, vary=None, known=(), deadline=0.0, say=lambda *told: None
+    )
+    assert tried == steps
+    assert ready.nominal.step == answer
