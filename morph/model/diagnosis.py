@@ -22,11 +22,15 @@ class Stretch:
     """A stretch of a held-out episode and its share of the error."""
 
     episode: str
-    """Its name."""
+    """Name of the episode: of the recording, and when it begins there if it is a part of one."""
+    recording: str
+    """Name of the recording."""
+    begin: float = 0.0
+    """Seconds from the recording's first reading to the episode's start."""
     start: float
-    """From, s."""
+    """From, s from the episode's start."""
     end: float
-    """To, s."""
+    """To, s from there."""
     share: float
     """Share of the held-out squared error, each channel in units of its noise."""
 
@@ -205,7 +209,14 @@ class Diagnosis(Tabular):
     def as_json(self) -> JSON:
         """Return the content of `diagnosis.json`."""
         times = [
-            {"episode": each.episode, "start_s": each.start, "end_s": each.end, "share": each.share}
+            {
+                "episode": each.episode,
+                "recording": each.recording,
+                "begin_s": each.begin,
+                "start_s": each.start,
+                "end_s": each.end,
+                "share": each.share,
+            }
             for each in self.located.times
         ]
         content = {

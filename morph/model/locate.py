@@ -43,18 +43,22 @@ def locate(
     names, read = segments.measurement.channels, set(segments.read.tolist())
     of_channel = squared.sum(axis=(0, 1)) / total
     of_segment = squared.sum(axis=(1, 2)) / total
-    worst = np.argsort(-of_segment)[:WORST]
-    return Located(
-        channels={names[i]: float(of_channel[i]) for i in np.argsort(-of_channel) if i in read},
-        times=tuple(
+    times = []
+    for index in np.argsort(-of_segment)[:WORST]:
+        whole, (start, end) = segments.episodes[segments.episode[index]], segments.seconds(index)
+        times.append(
             Stretch(
-                episode=segments.episodes[segments.episode[index]].name,
-                start=segments.seconds(index)[0],
-                end=segments.seconds(index)[1],
+                episode=whole.name,
+                recording=whole.recording.name,
+                begin=whole.begin,
+                start=start,
+                end=end,
                 share=float(of_segment[index]),
             )
-            for index in worst
-        ),
+        )
+    return Located(
+        channels={names[i]: float(of_channel[i]) for i in np.argsort(-of_channel) if i in read},
+        times=tuple(times),
         states=_states(hypothesis, point, episodes),
     )
 

@@ -14,7 +14,8 @@ from morph.model.measurement import Measurement, unit
 from morph.sim.tangent import Coordinates
 
 EDGE = 0.15
-"""Seconds at the start of a held-out run in which no scored rollout starts."""
+"""Seconds at the start of a held-out run in which no scored rollout starts, if it lasts longer than
+the horizon by as much."""
 QUICK = 5.0
 """Rate, 1/s, at which a joint that was not read may move by as much as its guess is off."""
 MOST_SCORED = 240
@@ -182,7 +183,9 @@ def cut(
 def scored_segments(episodes: Sequence[Episode], horizon: float | None) -> Segments:
     """Return the rollouts on which models are scored; see `cut` for what it takes and raises."""
     shortest = min(len(e.command) for e in episodes) * episodes[0].step
-    skip = EDGE if horizon is not None and shortest >= horizon + 2.0 * EDGE else 0.0
+    spare = 0.0 if horizon is None else shortest - horizon
+    # A run that has room for one rollout is scored at its end.
+    skip = 0.0 if spare < EDGE else spare if spare < 2.0 * EDGE else EDGE
     return cut(episodes, horizon, most=MOST_SCORED, skip=skip)
 
 

@@ -9,6 +9,10 @@ import numpy as np
 
 from morph.record.recording import Recording
 
+LEAD = 0.2
+"""Seconds of readings before a part that is cut off by time: the velocity with which its first
+rollout starts is smoothed from both sides."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Split:
@@ -51,7 +55,7 @@ def split(recordings: Sequence[Recording], held_out: Sequence[Recording] = ()) -
     return Split(
         train=(between(only, only.start, middle),),
         # What was dropped or repaired is told once.
-        held_out=(replace(between(only, middle, only.end), notes=()),),
+        held_out=(replace(between(only, middle - LEAD, only.end), notes=()),),
         how="by time",
     )
 

@@ -130,12 +130,12 @@ class MismatchCase:
         return result is not None and self.recordings[index].name in result.held_out
 
     def unseen_from(self, index: int) -> float:
-        """Return from when on, s, no model had seen a recording that was held out."""
+        """Return from when on, s, no model was fitted to a recording that was held out."""
         if self.diagnosed is None or not self.diagnosed.by_time:
             return 0.0
         recording = self.recordings[index]
-        held_out = split([recording]).held_out[0]
-        return span(held_out, self.robot)[0] - span(recording, self.robot)[0]
+        fitted = split([recording]).train[0]
+        return span(fitted, self.robot)[1] - span(recording, self.robot)[0]
 
     def take(self, ask: Ask) -> Take:
         """Return what is shown of a recording; the first time it is computed.
@@ -226,11 +226,10 @@ class MismatchCase:
         """Return the diagnosis' worst stretches that lie in a window, if they are shorter."""
         if self.diagnosed is None or not self.never_seen(take.ask.episode):
             return ()
-        moved = self.unseen_from(take.ask.episode) - take.start
         results = [
-            (each.start + moved, each.end + moved)
+            (each.begin + each.start - take.start, each.begin + each.end - take.start)
             for each in self.diagnosed.stretches
-            if each.episode == take.name and 0.0 < each.end - each.start < 0.5 * take.seconds
+            if each.recording == take.name and 0.0 < each.end - each.start < 0.5 * take.seconds
         ]
         return tuple(each for each in results if each[0] >= 0.0 and each[1] <= take.seconds)
 

@@ -36,9 +36,9 @@ class Said:
             raise _bad(self.where, key, "a text", value)
         return value[:LONGEST]
 
-    def number(self, key: str) -> float:
+    def number(self, key: str, *, default: float | None = None) -> float:
         """Return a finite number."""
-        value = self.content.get(key)
+        value = self.content.get(key, default)
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise _bad(self.where, key, "a number", value)
         # An integer of hundreds of digits is beyond any float.

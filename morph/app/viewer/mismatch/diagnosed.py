@@ -191,8 +191,11 @@ def _found(statement: Said, robot: Robot) -> DiagnosedFinding:
 
 
 def _stretch(statement: Said) -> Stretch:
+    episode = statement.text("episode")
     return Stretch(
-        episode=statement.text("episode"),
+        episode=episode,
+        recording=statement.text("recording", default=episode),
+        begin=statement.number("begin_s", default=0.0),
         start=statement.number("start_s"),
         end=statement.number("end_s"),
         share=statement.number("share"),

@@ -67,9 +67,9 @@ def mismatch() -> Diagnosis:
         located=Located(
             channels={"elbow.position": 0.71, "shoulder.position": 0.29},
             times=(
-                Stretch(episode="run_03", start=2.1, end=2.9, share=0.2),
-                Stretch(episode="run_06", start=6.0, end=8.5, share=0.11),
-                Stretch(episode="run_03", start=8.0, end=8.4, share=0.04),
+                Stretch(episode="run_03", recording="run_03", start=2.1, end=2.9, share=0.2),
+                Stretch(episode="run_06", recording="run_06", start=6.0, end=8.5, share=0.11),
+                Stretch(episode="run_03", recording="run_03", start=8.0, end=8.4, share=0.04),
             ),
             states="largest where abs(shoulder.velocity) < 0.3 rad/s",
         ),
@@ -157,7 +157,7 @@ def renamed(mismatch: Diagnosis) -> Callable[[str], Diagnosis]:
             located=replace(
                 mismatch.located,
                 channels={name: 1.0},
-                times=(Stretch(episode=name, start=0.0, end=1.0, share=1.0),),
+                times=(Stretch(episode=name, recording=name, start=0.0, end=1.0, share=1.0),),
                 states=name,
             ),
             probabilities={name: 1.0},

@@ -279,7 +279,16 @@ def test_the_stretches_of_a_run_whose_end_was_held_out_lie_in_its_last_quarter(
     located = {
         "channels": [],
         "states": "",
-        "times": [{"episode": "run", "start_s": 0.2, "end_s": 1.2, "share": 0.6}],
+        "times": [
+            {
+                "episode": "run from 5.8 s",
+                "recording": "run",
+                "begin_s": 5.8,
+                "start_s": 0.4,
+                "end_s": 1.4,
+                "share": 0.6,
+            }
+        ],
     }
     fit = {"horizon_s": 1.0, "train": ["run"], "held_out": ["run"], "split": "by time"}
     folder = diagnosis_of(pendulum, RUBBING, located=located, fit=fit)
