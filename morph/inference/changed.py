@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from morph.inference.changes import likeliest_change
 from morph.inference.explained import at_noise
 from morph.inference.finalist import labels
@@ -12,12 +14,12 @@ from morph.inference.findings import on_slide
 from morph.inference.intervals import estimates
 from morph.inference.observed import Observed, missing, settled
 from morph.inference.rank import Ranking
-from morph.inference.refit import seen
+from morph.inference.refit import Refit, refitted, seen
 from morph.inference.whitened import whitened_blocks
 from morph.model.episodes import Episode
 from morph.model.finding import Change
 from morph.model.measurement import Measurement
-from morph.model.pieces import SHORTEST_PIECE, stretches
+from morph.model.pieces import SHORTEST_PIECE, all_pieces, stretches
 from morph.model.split import between
 from morph.physics.effect import Effect
 from morph.record.recording import Recording
@@ -26,10 +28,11 @@ from morph.sim.threads import each
 ENOUGH, SOME = 6.0, 3.0
 """Seconds since a change that are diagnosed alone, also where more came before; and the least that
 are left by one that is told, and that confirm one."""
-ROUGHLY, BELIEVED, DECIDES, LITTLE = 0.3, 0.03, 0.004, 0.002
+ROUGHLY, LIKELY, BELIEVED, DECIDES, LITTLE = 0.3, 0.1, 0.03, 0.004, 0.002
 """Missing force over the inertial force, RMS: up to the first changes are looked for, as a change
-leaves much of it; up to the second the runs on one side of a change count as explained; up to the
-third, in all runs, evidence decides; below the last nothing changed where nothing was found."""
+leaves much of it; up to the second a side of a change on which its law acts, refitted, is searched
+for what else acts; up to the third it counts as explained; up to the fourth, in all runs, evidence
+decides; below the last nothing changed where nothing was found."""
 LOUD = 3.0
 """Mean square of a second's innovations, in their own variance, from which on something happened: a
 disturbance is that of the middle of a run. Clean runs have 2.2 at most."""
@@ -99,8 +102,34 @@ def changed(
         since=since,
         slide=on_slide(robot, result.after),
     )
+    acting = before if change.ceases else after
+    if sum(run.seconds for run in acting) >= SOME and not _explains(change, best, acting):
+        return None, recordings, ()
     kept, rest = (after, before) if since else (before, after)
     return change, kept, rest if min(lasts) >= SOME else ()
+
+
+def _explains(change: Change, whole: Refit, recordings: Sequence[Recording]) -> bool:
+    """Return whether a law that changed leaves little of the recordings in which it acts.
+
+    A refit tells in seconds what a search among all laws would in a minute.
+
+    Args:
+        change: A likely change.
+        whole: The laws that were found in all recordings, refitted.
+        recordings: Those in which the law acts.
+    """
+    hypothesis = whole.hypothesis
+    law = change.before if change.ceases else change.after
+    step, robot = hypothesis.step, hypothesis.robot
+    episodes = stretches(all_pieces(recordings, robot, step), MOST_SECONDS)
+    alone = refitted(hypothesis, whole.point, episodes)
+    if law.label in labels(whole.effects):
+        return missing(alone.runs) <= LIKELY
+    beside = replace(hypothesis, effects=(*whole.effects, law))
+    start = np.append(alone.point, beside.start[len(alone.point) :])
+    refit = refitted(beside, start, episodes, origin=alone)
+    return min(missing(each.runs) for each in (alone, refit)) <= LIKELY
 
 
 def confirmed(change: Change, ranking: Ranking) -> bool:
@@ -114,8 +143,33 @@ def confirmed(change: Change, ranking: Ranking) -> bool:
     """
     law = change.before if change.ceases else change.after
     names = {f"{name}@{law.where}" for name in (law.name, *law.twins)}
-    best = ranking.best
-    return bool(names & labels(best.effects)) and missing(best.refit.runs) <= BELIEVED
+    return bool(names & labels(ranking.best.effects)) and explained(ranking)
+
+
+def explained(side: Ranking) -> bool:
+    """Return whether little force is missing beside what was found on one side of a change."""
+    return missing(side.best.refit.runs) <= BELIEVED
+
+
+def renamed(change: Change, acting: Ranking, idle: Ranking) -> Change | None:
+    """Return a change of the one law that is found on one side alone, or none.
+
+    In a few seconds another law may explain what was told as the likeliest change, such as a spring
+    a load on the only joint that moves.
+
+    Args:
+        change: A change that begins or ceases, whose law is not found.
+        acting: Of the recordings in which it acts.
+        idle: Of the others.
+    """
+    effects = {effect.label: effect for effect in acting.best.effects}
+    others = labels(idle.best.effects)
+    new = [effect for label, effect in effects.items() if label not in others]
+    if others - effects.keys() or len(new) != 1 or not (explained(acting) and explained(idle)):
+        return None
+    (law,) = new
+    before, after = (law, law.neutral()) if change.ceases else (law.neutral(), law)
+    return None if law.passing else replace(change, before=before, after=after)
 
 
 def decided(whole: Ranking, side: Ranking) -> bool:
@@ -129,7 +183,7 @@ def decided(whole: Ranking, side: Ranking) -> bool:
         side: Of those since the change alone, or until it.
     """
     little = at_noise(whole.best.refit.runs, DECIDES)
-    return little and missing(side.best.refit.runs) <= BELIEVED
+    return little and explained(side)
 
 
 def differs(change: Change, sides: Sequence[Ranking]) -> bool:

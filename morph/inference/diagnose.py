@@ -9,7 +9,15 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 from morph.body.robot import Robot
-from morph.inference.changed import changed, confirmed, decided, differs, in_whole
+from morph.inference.changed import (
+    changed,
+    confirmed,
+    decided,
+    differs,
+    explained,
+    in_whole,
+    renamed,
+)
 from morph.inference.prepared import MOST_SECONDS, Prepared, completed, prepared
 from morph.inference.rank import Progress, Ranking, ranked
 from morph.inference.remains import by_step
@@ -174,7 +182,11 @@ def _proven(
     if alone and change.stays:
         return change, kept, side
     if not (alone or decided(whole, side[1])):
-        return None
+        if not (kept and rest and explained(side[1])):
+            return None
+        other = rank(rest if change.stays else kept)
+        new = renamed(change, side[1], other[1])
+        return None if new is None else (new, kept, side if change.stays else other)
     if change.stays:
         # The law is too weak to be found in those: what else is said is of the others.
         change, kept = replace(change, since=not change.since), rest

@@ -10,8 +10,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from morph.inference.changed import confirmed, decided, differs
+from morph.inference.changed import confirmed, decided, differs, renamed
 from morph.model.finding import Change, Estimate
+from morph.physics.body.external_push import ExternalPush
+from morph.physics.body.payload import Payload
+from morph.physics.effect import Effect
+from morph.physics.joint.joint_stiffness import JointStiffness
 from morph.physics.joint.viscous_friction import ViscousFriction
 
 
@@ -116,10 +120,95 @@ def test_what_is_said_follows_the_side_that_explains_a_change(
     monkeypatch.setattr(module, "changed", changed)
     monkeypatch.setattr(module, "confirmed", lambda _, side: side.of in {(each,) for each in named})
     monkeypatch.setattr(module, "decided", lambda whole, side: evidence)
+    monkeypatch.setattr(module, "explained", lambda side: False)
     runs: Any = ("before", "after")
     (ready, _), changes = module._since_changes(rank, runs, (), (), np.inf, lambda *_: None)
     assert ready.of == told
     assert [each.since for each in changes] == ([] if since is None else [since])
+
+
+SPRING = JointStiffness(joint="axle", k=0.2, q0=0.1)
+PUSH = ExternalPush(body="disc", run="run", start=1.0, end=1.1, x=1.0, y=0.0, z=0.0)
+
+
+@pytest.mark.parametrize(("acting", "idle", "share", "told"), [
+    ([SPRING], [], 0.01, True), ([], [], 0.01, False), ([SPRING], [SPRING], 0.01, False),
+    # One law stands for another on the other side, two for one, or for a push.
+    ([SPRING], [ViscousFriction(joint="axle", b=0.1)], 0.01, False),
+    ([SPRING, ViscousFriction(joint="axle", b=0.1)], [], 0.01, False), ([PUSH], [], 0.01, False),
+    ([SPRING], [], 0.1, False),
+])  # fmt: skip
+@pytest.mark.parametrize("ceases", [True, False])
+def test_a_change_takes_the_name_of_the_one_law_found_on_one_side_alone(
+    acting: list[Effect], idle: list[Effect], share: float, told: bool, ceases: bool
+) -> None:
+    payload = Payload(body="disc", m=0.1, x=0.0, y=0.0, z=0.0)
+    law = (payload, payload.neutral())
+    before, after = law if ceases else law[::-1]
+    change = Change(before=before, after=after, episode="run", time=1.0, gain=50.0, since=True)
+    sides = [ranking_of("", share), ranking_of("", 0.01)]
+    for side, effects in zip(sides, (acting, idle), strict=True):
+        side.best.effects = effects
+    result = renamed(change, *sides)
+    assert (result is not None) == told
+    if result is not None:
+        there, neutral = (result.before, result.after) if ceases else (result.after, result.before)
+        assert (there, neutral) == (SPRING, SPRING.neutral())
+        assert (result.time, result.ceases) == (1.0, ceases)
+
+
+@pytest.mark.parametrize("stays", [True, False])
+def test_another_law_is_looked_for_on_both_sides_of_a_change(
+    stays: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    law, idle = ViscousFriction(joint="axle", b=0.1), ViscousFriction(joint="axle", b=0.0)
+    change = Change(before=idle, after=law, episode="run", time=1.0, gain=50.0, since=stays)
+    module = importlib.import_module("morph.inference.diagnose")
+    monkeypatch.setattr(module, "confirmed", lambda *_: False)
+    monkeypatch.setattr(module, "decided", lambda *_: False)
+    monkeypatch.setattr(module, "explained", lambda side: side == "after")
+    monkeypatch.setattr(module, "renamed", lambda change, *sides: sides)
+    kept, rest = (["after"], ["before"]) if stays else (["before"], ["after"])
+    found = module._proven(change, kept, rest, None, lambda runs: (None, runs[0]))
+    assert found == (("after", "before"), kept, (None, kept[0]))
+    monkeypatch.setattr(module, "explained", lambda side: False)
+    assert module._proven(change, kept, rest, None, lambda runs: (None, runs[0])) is None
+
+
+@pytest.mark.parametrize(("alone", "beside", "explains"), [
+    (0.3, 0.3, False), (0.3, 0.01, True), (0.01, 12.0, True), (0.12, 0.24, False),
+])  # fmt: skip
+@pytest.mark.parametrize("ceases", [True, False])
+def test_a_side_is_searched_where_the_law_that_changed_leaves_little(
+    alone: float, beside: float, explains: bool, ceases: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    @dataclass(frozen=True)
+    class Described:
+        effects: tuple[Effect, ...] = ()
+        step: float = 0.002
+        robot: Any = None
+
+        @property
+        def start(self) -> Any:
+            return np.array([0.0, *(0.7 for _ in self.effects)])
+
+    starts = []
+
+    def refitted(hypothesis: Any, point: Any, episodes: Any, origin: Any = None) -> Any:
+        starts.append((episodes, hypothesis.effects, point.tolist()))
+        runs = ranking_of("", beside if hypothesis.effects else alone).best.refit.runs
+        return SimpleNamespace(runs=runs, point=point)
+
+    module = importlib.import_module("morph.inference.changed")
+    monkeypatch.setattr(module, "all_pieces", lambda recordings, robot, step: recordings)
+    monkeypatch.setattr(module, "stretches", lambda episodes, most: episodes)
+    monkeypatch.setattr(module, "refitted", refitted)
+    law, idle = ViscousFriction(joint="axle", b=0.1), ViscousFriction(joint="axle", b=0.0)
+    before, after = (law, idle) if ceases else (idle, law)
+    change = Change(before=before, after=after, episode="run", time=1.0, gain=50.0, since=True)
+    whole: Any = SimpleNamespace(hypothesis=Described(), point=np.array([0.2]), effects=())
+    assert module._explains(change, whole, ["side"]) == explains
+    assert starts == [(["side"], (), [0.2]), (["side"], (law,), [0.2, 0.7])]
 
 
 @pytest.mark.parametrize("there", [True, False])

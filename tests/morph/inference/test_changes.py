@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Callable
 from pathlib import Path
 
@@ -101,6 +102,13 @@ def test_a_law_that_always_acts_or_never_is_no_change(wheel: Robot, always: bool
     found = diagnose(wheel, runs(lambda run, at: always))
     assert not found.changes
     assert [each.onset for each in found.findings] == ([None] if always else [])
+
+
+def test_a_change_that_explains_nothing_is_not_told(
+    wheel: Robot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(importlib.import_module("morph.inference.changed"), "LIKELY", -1.0)
+    assert not diagnose(wheel, runs(lambda run, at: run > 1 or (run == 1 and at >= 1.5))).changes
 
 
 def test_one_recording_that_changes_near_its_end_is_told_by_its_own_time(wheel: Robot) -> None:

@@ -10,6 +10,7 @@ from morph.model.diagnosis import Located
 from morph.model.episodes import episode, step_for
 from morph.model.hypothesis import Hypothesis
 from morph.model.locate import locate
+from morph.model.pieces import part
 from morph.model.segments import cut
 from morph.model.shooting import predict
 from morph.physics.effect import Effect
@@ -64,6 +65,22 @@ def test_shares_are_sorted_and_add_up(cartpole: Robot, recorded: Recorded) -> No
     assert len(of_times) == 5
     assert 5.0 / 8.0 <= sum(of_times) <= 1.0
     assert {stretch.episode for stretch in found.times} <= {"run_0", "run_1"}
+    assert {stretch.recording for stretch in found.times} <= {"run_0", "run_1"}
     for stretch in found.times:
         assert stretch.end - stretch.start == pytest.approx(1.0, abs=1e-9)
         assert np.isfinite(stretch.share)
+
+
+def test_the_worst_stretches_of_a_part_say_where_it_lies(
+    cartpole: Robot, recorded: Recorded
+) -> None:
+    run = recorded(cartpole, seconds=4.2, start={"hinge": 1.0}, name="run")
+    step = step_for([run], cartpole)
+    model = Hypothesis(robot=cartpole, step=step, knobs=())
+    later = part(episode(run, cartpole, step), 2.0, 4.1)
+    segments = cut([later], 1.0)
+    predicted = predict(model, segments, [model.start], [segments.start])[0]
+    found = locate(model, model.start, [later], segments, predicted)
+    # A whole recording begins within half a step of its first reading.
+    assert [each.begin for each in found.times] == pytest.approx([2.0, 2.0], abs=step)
+    assert {(each.episode, each.recording) for each in found.times} == {("run from 2.0 s", "run")}
