@@ -276,20 +276,9 @@ def test_what_is_bolted_to_the_world_is_drawn_once(
 def test_the_stretches_of_a_run_whose_end_was_held_out_lie_in_its_last_quarter(
     pendulum: Robot, swung: Callable[..., Recording], diagnosis_of: Callable[..., Path]
 ) -> None:
-    located = {
-        "channels": [],
-        "states": "",
-        "times": [
-            {
-                "episode": "run from 5.8 s",
-                "recording": "run",
-                "begin_s": 5.8,
-                "start_s": 0.4,
-                "end_s": 1.4,
-                "share": 0.6,
-            }
-        ],
-    }
+    where = {"episode": "run from 5.8 s", "recording": "run", "begin_s": 5.8}
+    times = [{**where, "start_s": 0.4, "end_s": 1.4, "share": 0.6}]
+    located = {"channels": [], "states": "", "times": times}
     fit = {"horizon_s": 1.0, "train": ["run"], "held_out": ["run"], "split": "by time"}
     folder = diagnosis_of(pendulum, RUBBING, located=located, fit=fit)
     case = MismatchCase(pendulum, (swung(RUBBING, seconds=8.0),), load_diagnosed(folder, pendulum))
