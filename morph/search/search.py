@@ -10,7 +10,7 @@ from typing import ClassVar
 from morph.arrays import Array
 from morph.errors import SearchError
 from morph.policy.policy import Policy
-from morph.search.target import Experience, Target
+from morph.search.target import Experience, Simulated, Target
 from morph.sim.simulator import Simulator
 from morph.sim.threads import one_thread
 from morph.task.task import Task
@@ -92,6 +92,22 @@ class Learned:
     """Every trial on the target."""
 
 
+def check_numbers(trials: int | None, seed: int) -> None:
+    """Refuse a number of trials or a random seed that no search can take.
+
+    Raises:
+        SearchError: There would be no trial, or the seed is negative.
+    """
+    if trials is not None and trials < 1:
+        raise SearchError(
+            f"a search of {trials} trials learns nothing",
+            where="--trials",
+            fix="give at least 1, or leave it out",
+        )
+    if seed < 0:
+        raise SearchError(f"{seed} is no seed", where="--seed", fix="give 0 or more")
+
+
 State = Mapping[str, Array]
 """All that a search needs to go on after a kill, as arrays by name."""
 
@@ -111,6 +127,12 @@ class Search(ABC):
     """What `morph learn --search` calls it."""
     from_trials: ClassVar[bool] = False
     """Whether it learns from trials on the target alone, without a simulator."""
+
+    def problem(self, task: Task) -> Problem:
+        """Return a task with a simulation that stands for the robot, to search in or to try on."""
+        simulator = task.simulator()
+        target = Simulated(task=task, simulator=simulator)
+        return Problem(task=task, simulator=None if self.from_trials else simulator, target=target)
 
     def run(
         self,

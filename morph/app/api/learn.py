@@ -41,49 +41,38 @@ def learn(
         progress: Called after each trial.
 
     Raises:
-        MorphError: An input cannot be used, or the search cannot be made.
+        MorphError: An input or a number cannot be used, or the search cannot be made.
     """
     require("learn", "morph.learn")
     from time import perf_counter
 
-    from morph.app.report.learn.judge import judge
     from morph.app.report.learn.outcome import LearnOutcome
     from morph.body.load import load
     from morph.physics.worlds import world as world_of
-    from morph.search.search import Problem
+    from morph.search.search import check_numbers
     from morph.search.searches import default
     from morph.search.searches import search as search_of
-    from morph.search.target import Simulated
     from morph.task.tasks import task as task_of
 
+    check_numbers(trials, seed)
     body = load(robot)
     asked = task_of(task, body)
     around = asked.effects if world is None else world_of(world, body).effects
     asked = replace(asked, world=world or asked.world, effects=(*around, *effects))
-    method, simulator = search_of(search or default(task, body))(), asked.simulator()
-    problem = Problem(
-        task=asked,
-        simulator=None if method.from_trials else simulator,
-        target=Simulated(task=asked, simulator=simulator),
-    )
+    method = search_of(search or default(task, body))()
 
     def told(trial: Trial, state: State) -> None:
         if progress is not None:
             progress(trial)
 
     began = perf_counter()
-    found = method.run(problem, seed=seed, trials=trials, progress=told)
-    return LearnOutcome(
-        task=asked,
-        search=method,
-        policy=found.policy,
-        judged=judge(asked, found.policy, asked.simulator(), seed),
-        trials=found.trials,
-        claimed=found.succeeded,
-        why_not=found.why,
+    learned = method.run(method.problem(asked), seed=seed, trials=trials, progress=told)
+    return LearnOutcome.of(
+        asked,
+        method,
+        learned,
         seed=seed,
         asked=trials,
-        experience=max((trial.experience for trial in found.trials), default=0.0),
         seconds=perf_counter() - began,
         command=f"morph.learn({task!r}, {str(robot)!r}, search={method.name!r}, seed={seed})",
     )

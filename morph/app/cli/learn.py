@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from morph.app.cli.arguments import Learn
-from morph.errors import SearchError
 
 if TYPE_CHECKING:
     from morph.app.cli.search_checkpoint import Before, Checkpoint
@@ -31,9 +30,10 @@ def run_learn(options: Learn) -> int:
     """
     from morph.app.cli.outputs import LEARN, check_out
     from morph.run_folder import lock_run_folder
+    from morph.search.search import check_numbers
 
     # Whatever the command line got wrong is told before any work is done.
-    _check_numbers(options)
+    check_numbers(options.trials, options.seed)
     out = check_out(options.out, LEARN)
     # Both names are checked before a robot is read, which takes longer.
     _check_names(options)
@@ -62,22 +62,11 @@ def _run(options: Learn, task: Task, search: Search, out: Path) -> int:
             clear(out, LEARN, progress=True)
         claim(out, LEARN, results=True)
         checkpoint.write()
-        outcome = _written(options, task, search, learned, checkpoint.trials, took)
+        outcome = _written(options, task, search, learned, took)
     except KeyboardInterrupt:
         return _interrupted(out, checkpoint)
     _say(options, outcome)
     return DONE if outcome.succeeded else STOPPED_SHORT
-
-
-def _check_numbers(options: Learn) -> None:
-    if options.trials is not None and options.trials < 1:
-        raise SearchError(
-            f"a search of {options.trials} trials learns nothing",
-            where="--trials",
-            fix="give at least 1, or leave it out",
-        )
-    if options.seed < 0:
-        raise SearchError(f"{options.seed} is no seed", where="--seed", fix="give 0 or more")
 
 
 def _task(options: Learn) -> Task:
@@ -152,15 +141,11 @@ def _already(options: Learn, out: Path) -> int | None:
 def _searched(
     options: Learn, task: Task, search: Search, checkpoint: Checkpoint, before: Before
 ) -> tuple[Learned, float]:
-    """Return what the search found, and how long it took, the time before an interrupt too."""
+    """Return what the search found, and how long it took, also before an interrupt."""
     from morph.app.cli.progress import progress
     from morph.app.cli.resume_search import going_on
-    from morph.search.search import Problem
-    from morph.search.target import Simulated
 
-    simulator = task.simulator()
-    target = Simulated(task=task, simulator=simulator)
-    problem = Problem(task=task, simulator=None if search.from_trials else simulator, target=target)
+    problem = search.problem(task)
     spent = before.trials[-1].seconds if before.trials else 0.0
     began = time.perf_counter() - spent
     with progress(options.quiet, f"{task.name} of {task.robot.name} by {search.name}") as show:
@@ -177,33 +162,22 @@ def _searched(
             )
     known = {trial.number for trial in checkpoint.trials}
     checkpoint.trials += [trial for trial in learned.trials if trial.number not in known]
-    return learned, time.perf_counter() - began
+    ordered = tuple(sorted(checkpoint.trials, key=lambda trial: trial.number))
+    return replace(learned, trials=ordered), time.perf_counter() - began
 
 
 def _written(
-    options: Learn,
-    task: Task,
-    search: Search,
-    learned: Learned,
-    trials: list[Trial],
-    took: float,
+    options: Learn, task: Task, search: Search, learned: Learned, took: float
 ) -> LearnOutcome:
     from morph.app.report.learn.files import write_learned
-    from morph.app.report.learn.judge import judge
     from morph.app.report.learn.outcome import LearnOutcome
 
-    ordered = tuple(sorted(trials, key=lambda trial: trial.number))
-    outcome = LearnOutcome(
-        task=task,
-        search=search,
-        policy=learned.policy,
-        judged=judge(task, learned.policy, task.simulator(), options.seed),
-        trials=ordered,
-        claimed=learned.succeeded,
-        why_not=learned.why,
+    outcome = LearnOutcome.of(
+        task,
+        search,
+        learned,
         seed=options.seed,
         asked=options.trials,
-        experience=max((trial.experience for trial in ordered), default=0.0),
         seconds=took,
         command=_command(options, search),
     )

@@ -13,12 +13,12 @@ from typing import ClassVar
 import numpy as np
 
 import morph
-from morph.app.report.learn.judge import JudgedPolicy
+from morph.app.report.learn.judge import JudgedPolicy, judge
 from morph.arrays import JSON, Array
 from morph.errors import OutputError
 from morph.files import sha256
 from morph.policy.policy import Policy
-from morph.search.search import Search, Trial
+from morph.search.search import Learned, Search, Trial
 from morph.tabular import Tabular
 from morph.task.task import Task
 
@@ -59,6 +59,44 @@ class LearnOutcome(Tabular):
     """The command that led to it."""
     notes: tuple[str, ...] = ()
     """What else is to be known."""
+
+    @classmethod
+    def of(
+        cls,
+        task: Task,
+        search: Search,
+        learned: Learned,
+        *,
+        seed: int,
+        asked: int | None,
+        seconds: float,
+        command: str,
+    ) -> LearnOutcome:
+        """Return what a search found, its policy judged over runs that it never saw.
+
+        Args:
+            task: What was to be done.
+            search: The search.
+            learned: What it gave back, with its whole learning record.
+            seed: Random seed.
+            asked: Most trials that were asked for.
+            seconds: How long it took.
+            command: The command that leads to it.
+        """
+        return cls(
+            task=task,
+            search=search,
+            policy=learned.policy,
+            judged=judge(task, learned.policy, task.simulator(), seed),
+            trials=learned.trials,
+            claimed=learned.succeeded,
+            why_not=learned.why,
+            seed=seed,
+            asked=asked,
+            experience=max((trial.experience for trial in learned.trials), default=0.0),
+            seconds=seconds,
+            command=command,
+        )
 
     axes: ClassVar[tuple[str, ...]] = ("number", "loss")
 

@@ -67,22 +67,15 @@ def learned(task: Task, seed: int, progress: Callable[[str], None]) -> LearnedPo
     Raises:
         SearchError: The search cannot be made on this task.
     """
-    from morph.search.search import Problem, State, Trial
-    from morph.search.target import Simulated
+    from morph.search.search import State, Trial
 
     name = default(task.name, task.robot)
     kind = search(name)()
-    simulator = task.simulator()
-    problem = Problem(
-        task=task,
-        simulator=None if kind.from_trials else simulator,
-        target=Simulated(task=task, simulator=simulator),
-    )
 
     def on(trial: Trial, state: State) -> None:
         progress(f"{name}, round {trial.number}: cost {trial.loss:.4g}")
 
-    result = kind.run(problem, seed=seed, progress=on)
+    result = kind.run(kind.problem(task), seed=seed, progress=on)
     how: JSON = {"search": name, "seed": seed, "succeeded": result.succeeded, "why": result.why}
     # A cache that cannot be written to costs time, not the result.
     with suppress(MorphError):

@@ -48,6 +48,12 @@ def test_a_task_that_there_is_not_is_refused() -> None:
         morph.learn("balanse", "cartpole")
 
 
+@pytest.mark.parametrize(("trials", "seed", "what"), [(0, 0, "0 trials"), (None, -1, "-1 is no")])
+def test_numbers_that_no_search_takes_are_refused(trials: int | None, seed: int, what: str) -> None:
+    with pytest.raises(MorphError, match=what):
+        morph.learn("balance", "cartpole", trials=trials, seed=seed)
+
+
 def test_a_map_between_files_or_bodies_is_that_of_the_command(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
