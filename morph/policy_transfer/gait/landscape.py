@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from morph.arrays import Array
+
+if TYPE_CHECKING:
+    from sklearn.gaussian_process import GaussianProcessRegressor
 
 SCALE = 0.2
 """How far in the cube two patterns are alike."""
@@ -41,18 +45,11 @@ class Landscape:
 
     def mean(self, point: Array) -> Array:
         """Return the shares that are to be expected at points (m, numbers), shape (m,)."""
-        before = self._before(point)
-        if not len(self.point):
-            return before
-        return np.asarray(before + self._kernel(point) @ self._solved)
+        return np.asarray(self._before(point) + self._process.predict(point))
 
     def spread(self, point: Array) -> Array:
         """Return the standard deviations there, shape (m,)."""
-        if not len(self.point):
-            return np.full(len(point), self.prior)
-        cross = self._kernel(point)
-        known = np.einsum("mi,ij,mj->m", cross, self._inverse, cross)
-        return np.asarray(np.sqrt(np.maximum(self.prior**2 - known, 1e-9)))
+        return np.asarray(self._process.predict(point, return_std=True)[1])
 
     def promise(self, point: Array) -> Array:
         """Return how much better than the best of the trials is to be expected, shape (m,).
@@ -72,16 +69,13 @@ class Landscape:
         return np.zeros(len(point)) if self.foreseen is None else self.foreseen.mean(point)
 
     @cached_property
-    def _inverse(self) -> Array:
-        noise = NOISE**2 * np.eye(len(self.point))
-        return np.asarray(np.linalg.inv(self._kernel(self.point) + noise))
+    def _process(self) -> GaussianProcessRegressor:
+        """The process of what trials went beyond what was foreseen."""
+        from sklearn.gaussian_process import GaussianProcessRegressor
+        from sklearn.gaussian_process.kernels import RBF, ConstantKernel
 
-    @cached_property
-    def _solved(self) -> Array:
-        return np.asarray(self._inverse @ (self.share - self._before(self.point)))
-
-    def _kernel(self, point: Array) -> Array:
-        return np.asarray(self.prior**2 * np.exp(-0.5 * self._apart(point, self.point) / SCALE**2))
-
-    def _apart(self, one: Array, other: Array) -> Array:
-        return np.asarray(((one[:, None] - other[None]) ** 2).sum(axis=2))
+        kernel = ConstantKernel(self.prior**2, "fixed") * RBF(SCALE, "fixed")
+        process = GaussianProcessRegressor(kernel, alpha=NOISE**2, optimizer=None)
+        if len(self.point):
+            process.fit(self.point, self.share - self._before(self.point))
+        return process
