@@ -220,19 +220,24 @@ def _ranked(
         deadline: Time of the monotonic clock after which no refit begins.
         say: Told what is being done and the share of the work behind.
     """
-    first: tuple[Prepared, Ranking] | None = None
+    first: Ranking | None = None
     most = math.inf
     while True:
         ready = prepared(robot, recordings, held_out, vary, deadline=deadline, say=say, most=most)
         ready = replace(
             ready, train=in_whole(ready.train, whole), aside=in_whole(ready.aside, whole)
         )
+        coarse = functools.partial(by_step, ready.nominal, ready.train)
         say("refitting the description's own parameters", 0.05)
-        episodes = stretches(ready.train, MOST_SECONDS)
-        result = ranked(ready.nominal, episodes, known, progress=say, deadline=deadline)
-        if first is not None:
-            # A whole search is worth more than one in short steps that the budget ended.
-            return first if result.stopped else (ready, result)
-        if result.stopped or not by_step(ready.nominal, result.best.refit.runs, ready.train):
+        result = ranked(
+            ready.nominal,
+            stretches(ready.train, MOST_SECONDS),
+            known,
+            start=first.best if first else None,
+            coarse=(lambda runs: False) if first else coarse,
+            progress=say,
+            deadline=deadline,
+        )
+        if first or result.stopped or not coarse(result.best.refit.runs):
             return ready, result
-        first, most = (ready, result), 0.5 * ready.nominal.step
+        first, most = result, 0.5 * ready.nominal.step

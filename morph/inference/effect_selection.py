@@ -289,9 +289,10 @@ class EffectSelection:
         Parameters that a law has more than its simpler one must show in rollouts.
         """
         if other is None:
-            shown = self.validation.sure(new.losses, best.losses)
-            lost = best.evidence - new.evidence
-            return not (shown or certain(lost, best.refit.runs, event=effect.passing))
+            lost, simpler = best.evidence - new.evidence, f"{effect.simpler}@{effect.where}"
+            sure = certain(lost, best.refit.runs, event=effect.passing)
+            sure = sure and simpler not in labels(new.effects)
+            return not (sure or self.validation.sure(new.losses, best.losses))
         if other.name == effect.simpler:
             return not self.validation.worse(best.losses, new.losses)
         if other.simpler == effect.name and not self.validation.sure(best.losses, new.losses):

@@ -28,7 +28,7 @@ from morph.inference.contact import at_stops, touches
 from morph.inference.effect_selection import EffectSelection
 from morph.inference.explained import at_noise
 from morph.inference.finalist import Finalist, gains, labels, simplified, under
-from morph.inference.observed import missing
+from morph.inference.observed import Observed, missing
 from morph.inference.search import BeamSearch, Prior
 from morph.inference.validate import FAR, FARTHEST, Validation
 from morph.model.episodes import Episode
@@ -73,6 +73,8 @@ def ranked(
     episodes: Sequence[Episode],
     known: Sequence[Effect] = (),
     *,
+    start: Finalist | None = None,
+    coarse: Callable[[Sequence[Observed]], bool] = lambda runs: False,
     progress: Progress = lambda what, share: None,
     deadline: float = math.inf,
 ) -> Ranking:
@@ -87,6 +89,9 @@ def ranked(
         nominal: The description, with its figures that may be wrong, and no effect.
         episodes: Its runs.
         known: Effects whose fixed parameters are known: looked for instead of those with defaults.
+        start: The best set of another step of the simulation, from which the search goes on.
+        coarse: Whether what remains of smoothed runs may be the step's own error. Then the ranking
+            ends with its first search, as another in a shorter step is to follow.
         progress: Told what is being done, and the share of the work that is behind.
         deadline: Time of the monotonic clock, about that of the answer: less what a last search
             and held-out scores take, no step of a refit begins after it.
@@ -108,7 +113,9 @@ def ranked(
     measured = _told(nominal.robot) and not validation.constrained
     most = 0.0 if tossed else FAR if measured else FARTHEST
     far = missing(own.refit.runs) >= most
-    result = _searched(_by_rollouts(task, own) if far else _begun(task, own), progress)
+    result = _searched(_by_rollouts(task, own) if far else _begun(task, own, start), progress)
+    if not far and coarse(result.best.refit.runs):
+        return _ranking(result, result.none, result.best)
     if not far:
         own = functools.reduce(under, result.tried, own)
         result = replace(result, none=own)
@@ -137,13 +144,7 @@ def ranked(
     best = simplified(best)
     if labels(best.effects) != labels(result.best.effects):
         result = replace(result, search=result.task.search(best))
-    return Ranking(
-        best=best,
-        tried=tuple(sorted([*result.tried, none], key=lambda each: -each.evidence)),
-        validation=result.task.validation,
-        search=result.search,
-        stopped=result.task.late(),
-    )
+    return _ranking(result, none, best)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -160,14 +161,32 @@ class _Found:
     """Sets that were refitted, less the empty one."""
 
 
-def _begun(task: EffectSelection, none: Finalist) -> _Found:
-    """Return a ranking before its first round."""
+def _ranking(result: _Found, none: Finalist, best: Finalist) -> Ranking:
+    """Return the answer of a ranking."""
+    return Ranking(
+        best=best,
+        tried=tuple(sorted([*result.tried, none], key=lambda each: -each.evidence)),
+        validation=result.task.validation,
+        search=result.search,
+        stopped=result.task.late(),
+    )
+
+
+def _begun(task: EffectSelection, none: Finalist, start: Finalist | None = None) -> _Found:
+    """Return a ranking before its first round, from no effect or from a set."""
     begun = time.monotonic()
     search = task.search(none)
     # Another search, beside the answer, and the scores of held-out runs take as long each.
     deadline = task.deadline - 2.0 * (time.monotonic() - begun)
     task = replace(task, prior=search.prior, deadline=deadline)
-    return _Found(task=task, none=none, best=none, search=search)
+    found = _Found(task=task, none=none, best=none, search=search)
+    if start is None or not start.effects or task.late():
+        return found
+    hypothesis = replace(task.nominal, effects=start.refit.hypothesis.effects)
+    whole = task.reduced(task.refitted(hypothesis, start.refit.point))
+    if not gains(none, whole, task.validation):
+        return replace(found, tried=(whole,))
+    return replace(found, best=whole, search=task.search(whole), tried=(whole,))
 
 
 def _by_rollouts(task: EffectSelection, own: Finalist) -> _Found:

@@ -91,13 +91,13 @@ class Remains:
         return min(some, UNTOLD) if self.touching else some
 
 
-def by_step(nominal: Hypothesis, runs: Sequence[Observed], episodes: Sequence[Episode]) -> bool:
+def by_step(nominal: Hypothesis, episodes: Sequence[Episode], runs: Sequence[Observed]) -> bool:
     """Return whether what remains may be the error of the simulation's step.
 
     Args:
         nominal: The description, with the step.
-        runs: Smoothed by the best model.
         episodes: The runs, laid on the grid.
+        runs: The same, smoothed by the best model.
     """
     share = missing_by_joint(runs)
     worst = int(share.argmax())

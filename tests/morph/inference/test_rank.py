@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -20,16 +21,19 @@ from morph.body.spec import spec_of
 from morph.inference import rank
 from morph.inference.dictionary import dictionary
 from morph.inference.effect_selection import EffectSelection
-from morph.inference.finalist import Finalist
-from morph.inference.observed import observed
+from morph.inference.finalist import Finalist, labels
+from morph.inference.observed import Observed, missing, observed
 from morph.inference.rank import ranked
 from morph.model.episodes import episode, step_for
 from morph.model.hypothesis import Hypothesis
 from morph.model.nuisance_parameters import knobs
 from morph.physics.effect import Effect
+from morph.physics.joint.armature import Armature
+from morph.physics.joint.coulomb_friction import CoulombFriction
 from morph.physics.joint.end_stop import EndStop
 from morph.record.load import load_recordings
 from morph.sim.simulator import compiled
+from tests.morph.inference.dry_wheel import posed
 
 
 @pytest.fixture
@@ -111,6 +115,41 @@ def test_a_search_that_stops_early_is_about_what_it_found(
     labels = {effect.label for effect in found.best.effects}
     assert {effect.label for effect in found.search.found} == labels
     assert bool(labels) == (refits > 1)
+
+
+def test_a_ranking_goes_on_from_a_set_of_another_step(tmp_path: Path) -> None:
+    task = posed(tmp_path, 0.0)
+    asked: list[float] = []
+
+    def coarse(runs: Sequence[Observed]) -> bool:
+        asked.append(missing(runs))
+        return True
+
+    first = ranked(task.nominal, task.episodes, coarse=coarse)
+    assert asked == [missing(first.best.refit.runs)]
+    assert first.best.effects
+    assert not first.none.effects
+    friction, wrong = CoulombFriction(joint="axle", c=0.05), Armature(joint="axle", J=1e-5)
+
+    def begun(*effects: Effect) -> Finalist:
+        hypothesis = replace(task.nominal, effects=effects)
+        refit = replace(first.best.refit, hypothesis=hypothesis, point=hypothesis.start)
+        return rank._begun(task, first.none, replace(first.best, refit=refit)).best
+
+    (found,) = begun(friction).effects
+    assert found.label == "coulomb_friction@axle"
+    # A law that is not needed in the other step is left out before the search goes on.
+    assert labels(begun(friction, wrong).effects) == {"coulomb_friction@axle"}
+    # Nothing stays of a set that explains nothing.
+    assert begun(wrong) is first.none
+
+
+def test_dry_friction_is_no_hysteresis_of_less_than_readings_tell(tmp_path: Path) -> None:
+    task = posed(tmp_path, 0.0)
+    (found,) = ranked(task.nominal, task.episodes).best.effects
+    assert isinstance(found, CoulombFriction)
+    # The discs' motion tells friction to 0.1 %: 0.05 N m within a hundredth.
+    assert found.c == pytest.approx(0.05, rel=0.01)
 
 
 def test_a_stop_is_sought_at_other_depths(monkeypatch: pytest.MonkeyPatch) -> None:

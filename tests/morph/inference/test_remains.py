@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 from dataclasses import dataclass
 from types import SimpleNamespace
 
@@ -116,8 +117,8 @@ def test_what_remains_may_be_of_the_step_where_that_leaves_a_third_of_it(
     [
         (False, (False,), [0.004], 0.004),
         (True, (False, False), [0.004, 0.002], 0.002),
-        # The budget ended the second search.
-        (True, (False, True), [0.004, 0.002], 0.004),
+        # The budget ended the second search, which began where the first one was.
+        (True, (False, True), [0.004, 0.002], 0.002),
         (True, (True,), [0.004], 0.004),
     ],
 )
@@ -140,8 +141,13 @@ def test_half_the_step_is_tried_once_where_what_remains_may_be_of_it(
         tried.append(min(0.004, most))
         return Ready(nominal=SimpleNamespace(step=tried[-1]))
 
-    def ranked(*given: object, **settings: object) -> SimpleNamespace:
-        best = SimpleNamespace(refit=SimpleNamespace(runs=()))
+    starts = []
+
+    def ranked(
+        *given: object, start: object, coarse: Callable[[object], bool], **settings: object
+    ) -> SimpleNamespace:
+        starts.append((start, coarse(())))
+        best = SimpleNamespace(refit=SimpleNamespace(runs=()), step=tried[-1])
         return SimpleNamespace(stopped=stopped[len(tried) - 1], best=best)
 
     place = "morph.inference.diagnose"
@@ -150,9 +156,13 @@ def test_half_the_step_is_tried_once_where_what_remains_may_be_of_it(
         monkeypatch.setattr(module, name, fake)
     monkeypatch.setattr(module, "in_whole", lambda episodes, whole: episodes)
     monkeypatch.setattr(module, "stretches", lambda episodes, most: episodes)
-    monkeypatch.setattr(module, "by_step", lambda nominal, runs, episodes: doubtful)
+    monkeypatch.setattr(module, "by_step", lambda nominal, episodes, runs: doubtful)
     ready, _ = module._ranked(
         None, (), held_out=(), whole={}, vary=None, known=(), deadline=0.0, say=lambda *told: None
     )
     assert tried == steps
+    # The second search goes on from the first one's set, and is not asked again.
+    (start, asked), *others = starts
+    assert (start, asked) == (None, doubtful)
+    assert [(each.step, again) for each, again in others] == [(0.004, False)] * (len(steps) - 1)
     assert ready.nominal.step == answer
