@@ -98,6 +98,8 @@ def test_the_limit_of_a_servo_that_cannot_follow_is_found_by_rollouts(
     # apart, and a line over speed is the constant limit's where the disc is at its fastest.
     _, high = limit.limits(np.array([0.0]))
     assert 0.1 < float(high[0]) < 0.7
+    # None is proposed for a set that errs as little.
+    assert likeliest_limit(none, task.validation, found[0], ()) is None
     # Beside a limit that is there none is better.
     there = TorqueSaturation(actuator="servo", limit=LIMIT)
     told = task.refitted(task.nominal.adding(there), task.nominal.adding(there).start)
