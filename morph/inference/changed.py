@@ -19,7 +19,7 @@ from morph.inference.whitened import whitened_blocks
 from morph.model.episodes import Episode
 from morph.model.finding import Change
 from morph.model.measurement import Measurement
-from morph.model.pieces import SHORTEST_PIECE, all_pieces, stretches
+from morph.model.pieces import SHORTEST_PIECE, pieces, stretches
 from morph.model.split import between
 from morph.physics.effect import Effect
 from morph.record.recording import Recording
@@ -122,7 +122,10 @@ def _explains(change: Change, whole: Refit, recordings: Sequence[Recording]) -> 
     hypothesis = whole.hypothesis
     law = change.before if change.ceases else change.after
     step, robot = hypothesis.step, hypothesis.robot
-    episodes = stretches(all_pieces(recordings, robot, step), MOST_SECONDS)
+    laid = [piece for recording in recordings for piece in pieces(recording, robot, step)]
+    if not laid:
+        return False
+    episodes = stretches(laid, MOST_SECONDS)
     alone = refitted(hypothesis, whole.point, episodes)
     if law.label in labels(whole.effects):
         return missing(alone.runs) <= LIKELY

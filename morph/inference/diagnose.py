@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 from morph.body.robot import Robot
+from morph.errors import DiagnosisError
 from morph.inference.changed import (
     changed,
     confirmed,
@@ -148,7 +149,11 @@ def _since_changes(
         if change is None:
             # A push in a run that was set aside is fitted, and another run is set aside.
             return (current if kept is recordings else rank(kept)), changes
-        proven = _proven(change, kept, rest, ranking, rank)
+        try:
+            proven = _proven(change, kept, rest, ranking, rank)
+        except DiagnosisError:
+            # One side alone moves too little, or too short a time, to be diagnosed.
+            break
         if proven is None:
             break
         change, recordings, current = proven

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from morph.errors import DiagnosisError
 from morph.inference.changed import confirmed, decided, differs, renamed
 from morph.model.finding import Change, Estimate
 from morph.physics.body.external_push import ExternalPush
@@ -127,6 +128,24 @@ def test_what_is_said_follows_the_side_that_explains_a_change(
     assert [each.since for each in changes] == ([] if since is None else [since])
 
 
+def test_a_side_that_cannot_be_diagnosed_alone_tells_of_no_change(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    law = ViscousFriction(joint="axle", b=0.1)
+    change = Change(before=law.neutral(), after=law, episode="run", time=1.0, gain=50.0, since=True)
+    module = importlib.import_module("morph.inference.diagnose")
+    monkeypatch.setattr(module, "changed", lambda *_: (change, ("after",), ("before",)))
+
+    def rank(recordings: Any) -> Any:
+        if recordings == ("after",):
+            raise DiagnosisError("nothing moves", where="run", fix="record motion")
+        return SimpleNamespace(train=(), aside=(), of=recordings), SimpleNamespace(stopped=False)
+
+    runs: Any = ("before", "after")
+    (ready, _), changes = module._since_changes(rank, runs, (), (), np.inf, lambda *_: None)
+    assert (ready.of, changes) == (runs, [])
+
+
 SPRING = JointStiffness(joint="axle", k=0.2, q0=0.1)
 PUSH = ExternalPush(body="disc", run="run", start=1.0, end=1.1, x=1.0, y=0.0, z=0.0)
 
@@ -200,7 +219,7 @@ def test_a_side_is_searched_where_the_law_that_changed_leaves_little(
         return SimpleNamespace(runs=runs, point=point)
 
     module = importlib.import_module("morph.inference.changed")
-    monkeypatch.setattr(module, "all_pieces", lambda recordings, robot, step: recordings)
+    monkeypatch.setattr(module, "pieces", lambda recording, robot, step: [recording])
     monkeypatch.setattr(module, "stretches", lambda episodes, most: episodes)
     monkeypatch.setattr(module, "refitted", refitted)
     law, idle = ViscousFriction(joint="axle", b=0.1), ViscousFriction(joint="axle", b=0.0)
@@ -209,6 +228,9 @@ def test_a_side_is_searched_where_the_law_that_changed_leaves_little(
     whole: Any = SimpleNamespace(hypothesis=Described(), point=np.array([0.2]), effects=())
     assert module._explains(change, whole, ["side"]) == explains
     assert starts == [(["side"], (), [0.2]), (["side"], (law,), [0.2, 0.7])]
+    # Of a log with gaps no piece may be long enough.
+    monkeypatch.setattr(module, "pieces", lambda recording, robot, step: [])
+    assert not module._explains(change, whole, ["side"])
 
 
 @pytest.mark.parametrize("there", [True, False])
