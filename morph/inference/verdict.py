@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from morph.arrays import Array
+from morph.body.robot import Robot
 from morph.inference.findings import findings, suspects
 from morph.inference.intervals import factors
 from morph.inference.rank import Ranking
@@ -18,7 +19,7 @@ from morph.inference.remains import MOST_UNKNOWN, Remains, remaining
 from morph.model.corrected import corrected, data, notes, provenance
 from morph.model.diagnosis import Diagnosis, Unexplained
 from morph.model.episodes import Episode
-from morph.model.finding import Change, Finding
+from morph.model.finding import Change, Estimate, Finding
 from morph.model.hypothesis import Hypothesis
 from morph.model.locate import locate
 from morph.model.pieces import stretches
@@ -85,6 +86,7 @@ def conclude(nominal: Hypothesis, ranking: Ranking, parts: DiagnosisRuns) -> Dia
     beside, mjcf = corrected(*models["nominal" if worse else "corrected"])
     if worse:
         beside = ()
+    own = {} if worse else factors(ranking.best.about)
     episodes = (*parts.train, *parts.aside)
     recordings = (*parts.split.train, *parts.split.held_out)
     return Diagnosis(
@@ -113,14 +115,14 @@ def conclude(nominal: Hypothesis, ranking: Ranking, parts: DiagnosisRuns) -> Dia
         split=parts.split.how,
         held_out_rmse=_table(errors, parts.scored),
         improvement_low90=improvement_low90(before, after, parts.seed),
-        refit={} if worse else factors(ranking.best.about),
+        refit=own,
         traces=traces(
             parts.scored,
             {model: predicted[model] for model in ("nominal", "refitted", "corrected")},
         ),
         data=data(recordings, fitted=len(ranking.validation.segments), scored=len(parts.scored)),
         overstated=() if worse else _overstated(best),
-        notes=notes(recordings, episodes, parts.still),
+        notes=(*doubts(results, own, robot), *notes(recordings, episodes, parts.still)),
         provenance=provenance(robot, recordings),
         seconds=time.monotonic() - parts.started,
         seed=parts.seed,
@@ -178,6 +180,39 @@ def _overstated(best: Refit) -> tuple[str, ...]:
         for knob, value in own
         if knob.freed and value < -1.05 * math.log1p(knob.fraction)
     )
+
+
+def doubts(
+    results: Sequence[Finding], own: Mapping[str, Estimate], robot: Robot
+) -> tuple[str, ...]:
+    """Return what else findings may stand for, in words.
+
+    Args:
+        results: The findings.
+        own: The description's own parameters, by name.
+        robot: The robot.
+    """
+    lines = []
+    for law, parts, late, other in (
+        ("actuator_delay", len(robot.actuators), "commands", "readings"),
+        ("timestamp_offset", len(robot.joints), "readings", "commands"),
+    ):
+        times = [each.parameters["T"] for each in results if each.effect.name == law]
+        if len(times) < max(2, parts):
+            continue
+        if max(each.low90 for each in times) <= min(each.high90 for each in times):
+            when = 1e3 * float(np.mean([each.value for each in times]))
+            lines.append(
+                f"All {late} are late by the same {when:.3g} ms: with all {other} late by as much "
+                "the motion looks the same. It may be one clock against another."
+            )
+    ends = [name for name, each in own.items() if each.bounded and not each.prior_only]
+    if results and ends:
+        lines.append(
+            f"At the end of what --vary allows: {', '.join(ends)}. What was named may stand for "
+            "what these cannot."
+        )
+    return tuple(lines)
 
 
 def _names(episodes: Sequence[Episode]) -> tuple[str, ...]:

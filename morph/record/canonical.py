@@ -56,8 +56,8 @@ def _channels(table: Table) -> tuple[dict[str, Channel], tuple[Note, ...]]:
             "the file has no channel names, or no column 'time'; its columns are "
             + (listed(table.names) or "not named"),
             where=table.place(0) if table.lines is None else f"{path}, line 1",
-            fix="name the columns time, <joint>.position, ... in SI, or bind them by a "
-            "recording.toml",
+            fix="name the columns time, <joint>.position, ... in SI, or say which is which in a "
+            "recording.toml: docs/recordings.md has one to copy",
         )
     where = f"{path}, line 1" if table.lines is not None else str(path)
     for name in names:

@@ -77,7 +77,8 @@ def in_words(result: Diagnosis, out: Path) -> str:
     lines = [f"{result.robot}: {result.verdict}", *(f"  {s}" for s in result.summary())]
     for finding in result.findings:
         fitted = ", ".join(
-            f"{name} = {e.value:.3g} [{e.low90:.3g}, {e.high90:.3g}] {e.unit}{words.limited(e)}"
+            f"{name} = {e.value:.3g} [{e.low90:.3g}, {e.high90:.3g}]"
+            f"{'' if e.unit == '-' else ' ' + e.unit}{words.limited(e)}"
             for name, e in finding.parameters.items()
         )
         lines.append(f"  {finding.effect.label}: {fitted} (probability {finding.probability:.2f})")
@@ -87,6 +88,13 @@ def in_words(result: Diagnosis, out: Path) -> str:
                 f"    rival {first.effect}@{first.where} ({first.probability:.2f}); "
                 f"to tell them apart: {finding.separate_by}"
             )
+        elif finding.effect.twins:
+            alike = ", ".join(finding.effect.twins)
+            lines.append(f"    no rival fits as well here; laws that often look alike: {alike}")
+    if result.findings:
+        from morph.inference.findings import SURE
+
+        lines.append(f"  (No probability is above {SURE:g}, by what was right in simulated cases.)")
     lines += [f"  remains: {sentence}" for sentence in words.remains(result)]
     span = "whole episodes" if result.horizon is None else f"{result.horizon:g} s rollouts"
     lines.append(f"  error on held-out runs ({', '.join(result.held_out)}; {span}):")

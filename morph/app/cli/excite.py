@@ -34,19 +34,26 @@ def run_excite(options: Excite) -> int:
 
     # Whatever the command line got wrong is told before any work is done.
     vary = fractions(options.vary)
-    if (options.separate is None) != options.for_everything:
+    if bool(options.separate) == options.for_everything:
         raise DiagnosisError(
-            "it is not said what the experiment is to show"
-            if options.separate is None
-            else "two laws and every law are asked for at once",
+            "two laws and every law are asked for at once"
+            if options.separate
+            else "it is not said what the experiment is to show",
             where="morph excite",
             fix="give either --separate with two laws, or --for-everything",
+        )
+    if options.separate and len(options.separate) != 2:
+        raise DiagnosisError(
+            f"an experiment tells two laws apart, and {len(options.separate)} are given",
+            where="--separate",
+            fix="give two, as in --separate coulomb_friction@elbow viscous_friction@elbow; "
+            "docs/effects.md lists for each law those that look alike",
         )
     check_folder(options.out, MARKER, SCHEMA, "an experiment")
     with stages(options.quiet) as progress:
         progress.now("loading")
         robot = load(options.robot, base=options.base)
-        laws = [parsed(text, robot, option="--separate") for text in options.separate or ()]
+        laws = [parsed(text, robot, option="--separate") for text in options.separate]
         # Late: it loads all that a diagnosis needs.
         from morph.experiment_design.plan import plan
 

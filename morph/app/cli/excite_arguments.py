@@ -25,8 +25,8 @@ class Excite:
     out: Path
     """Folder for experiment.json and the commands of each run."""
     separate: Annotated[
-        tuple[str, str] | None, tyro.conf.arg(metavar="NAME@WHERE[:PARAM=VALUE,...] NAME@WHERE...")
-    ] = None
+        tuple[str, ...], tyro.conf.arg(metavar="NAME@WHERE[:PARAM=VALUE,...] NAME@WHERE...")
+    ] = ()
     """Two laws, as `morph list effects` names them; without parameters at a usual size."""
     for_everything: bool = False
     """Plan up to four runs that show every law at every part, beside its twins there."""

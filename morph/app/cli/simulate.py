@@ -185,7 +185,8 @@ def _timed(options: Simulate, robot: Robot) -> dict[str, Command]:
         raise SimulationFailed(
             f"it holds {1 + len(more)} recordings" if more else "it holds no command",
             where=f"--commands {options.commands}",
-            fix="give the file of one recording with a column ACTUATOR.command",
+            fix="give the file of one recording with a column ACTUATOR.command, or a "
+            "recording.toml with one [[episode]] alone",
         )
     return results
 

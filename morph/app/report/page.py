@@ -16,6 +16,7 @@ from morph.app.report import tracks, words
 from morph.app.report.curves import curves, episodes_drawn
 from morph.app.report.templates import environment
 from morph.arrays import JSON
+from morph.inference.findings import SURE
 from morph.model.diagnosis import Diagnosis
 from morph.model.finding import Finding
 
@@ -64,6 +65,7 @@ def _functions(diagnosis: Diagnosis) -> dict[str, Any]:
         "strips": tracks.strips(diagnosis),
         "number": words.number,
         "percent": words.percent,
+        "surest": SURE,
         "plain": words.plain,
         "answer": words.answer,
         "counted": words.counted,
@@ -102,6 +104,7 @@ def _finding(finding: Finding) -> JSON:
         "intervals": tracks.parameter_intervals(finding),
         "episodes": finding.episodes,
         "rivals": finding.rivals,
+        "twins": effect.twins,
         "separate_by": finding.separate_by,
     }
 

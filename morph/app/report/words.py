@@ -116,7 +116,8 @@ def improvement(diagnosis: Diagnosis) -> tuple[str, ...]:
     lines = [f"On {runs} that it never saw, {name} is off by {'; '.join(errors[:NAMED])}{rest}."]
     if changed and math.isfinite(diagnosis.improvement_low90):
         gone = percent(diagnosis.improvement_low90)
-        lines.append(f"At least {gone} of the squared error is gone, with 90 % confidence.")
+        least = gone.capitalize() if gone.startswith("over") else f"At least {gone}"
+        lines.append(f"{least} of the squared error is gone, with 90 % confidence.")
     return tuple(lines) if errors else ()
 
 
@@ -133,10 +134,7 @@ def remains(diagnosis: Diagnosis) -> tuple[str, ...]:
     unsure = percent(left.probability)
     lines = [f"Physics that was not named remains with a probability of {unsure}."]
     worst = sorted(left.channels.items(), key=lambda each: -each[1])[:NAMED]
-    forces = ", ".join(
-        f"{'over 100' if share > 1.0 else number(100.0 * share)} % at {name}"
-        for name, share in worst
-    )
+    forces = ", ".join(f"{_share(share)} % at {name}" for name, share in worst)
     if forces:
         lines.append(f"Of the inertial force of the fitted runs is missing: {forces}.")
     if left.contact:
@@ -146,7 +144,8 @@ def remains(diagnosis: Diagnosis) -> tuple[str, ...]:
         )
     lines.append(
         f"Rollouts of a typical fitted segment err by {number(left.in_noise)} times the variance "
-        "of the sensors' noise."
+        "of the sensors' noise; of a right model by about 1, or by some times as much where small "
+        "errors of their starts grow."
     )
     if any(UNREAD in note for note in diagnosis.notes):
         lines.append(
@@ -160,6 +159,16 @@ def remains(diagnosis: Diagnosis) -> tuple[str, ...]:
         span = low if low == high else f"{low} to {high}"
         lines.append(f"Held-out errors are {span} times that noise, RMS.")
     return tuple(lines)
+
+
+def _share(share: float) -> str:
+    """Return a share of the inertial force in per cent; a filter tells of none below its floor."""
+    from morph.inference.sampled import FLOOR
+
+    if share > 1.0:
+        return "over 100"
+    # The RMS inertial force that it is a share of differs a little from one motion to another.
+    return f"under {number(100.0 * FLOOR)}" if share < 1.1 * FLOOR else number(100.0 * share)
 
 
 def _error(diagnosis: Diagnosis, model: str, channel: str) -> str:

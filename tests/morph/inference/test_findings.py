@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,15 +13,18 @@ from morph.body.robot import Robot
 from morph.inference.findings import _may_be_idle
 from morph.inference.intervals import Uncertainty, in_units, shifted
 from morph.inference.quadratic import LogPosterior
-from morph.model.finding import Estimate
+from morph.inference.verdict import doubts
+from morph.model.finding import Estimate, Finding
 from morph.model.hypothesis import Hypothesis
 from morph.model.nuisance_parameters import Knob
+from morph.physics.actuator.actuator_delay import ActuatorDelay
 from morph.physics.actuator.torque_saturation import TorqueSaturation
 from morph.physics.body.external_push import ExternalPush
 from morph.physics.body.payload import Payload
 from morph.physics.effect import Effect
 from morph.physics.joint.coulomb_friction import CoulombFriction
 from morph.physics.joint.stribeck_friction import StribeckFriction
+from morph.physics.sensor.timestamp_offset import TimestampOffset
 
 
 def test_the_interval_of_a_limit_is_that_of_one_over_it() -> None:
@@ -31,6 +35,42 @@ def test_the_interval_of_a_limit_is_that_of_one_over_it() -> None:
     # An entry of nothing is no limit.
     none = in_units(replace(entry, low90=0.0), known, False)
     assert none.high90 == known.high
+
+
+def late(value: float, half: float, effect: Effect) -> Finding:
+    time = Estimate(value=value, low90=value - half, high90=value + half, unit="s")
+    return Finding(
+        effect=effect, probability=0.7, episodes=(), parameters={"T": time}, rivals=(),
+        separate_by="", gain=0.5,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(("times", "said"), [
+    ((0.005, 0.0051), True), ((0.005, 0.009), False), ((0.005,), False),
+])  # fmt: skip
+def test_delays_of_all_actuators_may_be_one_clock_against_another(
+    cartpole: Robot, times: tuple[float, ...], said: bool
+) -> None:
+    two = SimpleNamespace(actuators=("slide", "hinge"), joints=("slide", "hinge"))
+    for law, first in ((ActuatorDelay, "All commands"), (TimestampOffset, "All readings")):
+        places = (
+            ("slide", "hinge") if law is ActuatorDelay else ("slide.position", "hinge.position")
+        )
+        found = [late(T, 2e-4, law.at(where)) for T, where in zip(times, places, strict=False)]
+        lines = doubts(found, {}, two)  # type: ignore[arg-type]
+        assert bool(lines) == said
+        assert all(line.startswith(f"{first} are late by the same 5.05 ms") for line in lines)
+
+
+def test_own_parameters_at_the_end_of_what_they_may_be_are_named(cartpole: Robot) -> None:
+    ends = {
+        name: Estimate(value=1.1, low90=1.0, high90=1.1, unit="-", bounded=True, prior_only=prior)
+        for name, prior in (("com:pole", False), ("mass:cart", True))
+    }
+    found = [late(0.1, 0.01, ActuatorDelay(actuator="slide"))]
+    (line,) = doubts(found, ends, cartpole)
+    assert line.startswith("At the end of what --vary allows: com:pole. ")
+    assert doubts([], ends, cartpole) == ()
 
 
 def test_intervals_of_an_event_shift_with_its_times() -> None:

@@ -89,6 +89,7 @@ def test_a_plan_for_everything_lists_what_it_cannot_show(tmp_path: Path, capsys:
         ([], "it is not said what the experiment is to show"),
         ([*TWO, "--for-everything"], "two laws and every law are asked for at once"),
         (["--separate", "coulomb_friction@hinge", "nothing"], "there is no effect 'nothing'"),
+        (["--separate", "coulomb_friction@hinge"], "and 1 are given"),
         (["--separate", "cogging@hinge", "cogging@hinge"], "of different ones there are 1"),
         ([*TWO, "--seconds", "0.1"], "0.1 is out of range"),
         ([*TWO, "--noise", "nan"], "nan is out of range"),
