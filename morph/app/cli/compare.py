@@ -86,7 +86,8 @@ def _line(each: ChannelError) -> str:
     force = "N m" if each.unit == "rad" else "N"
     size = f"{each.channel}: {each.error:.3g} {each.unit} off, RMS, "
     if each.motion > 0.0:
-        size += f"{100.0 * each.error / each.motion:.2g} % of its motion, "
+        share = 100.0 * each.error / each.motion
+        size += f"{f'{share:.0f}' if share >= 10.0 else f'{share:.2g}'} % of its motion, "
     size += f"{each.error / each.noise:,.1f} times the noise"
     if not each.parts:
         return f"{size}; as described"
@@ -112,7 +113,9 @@ def _further(options: Compare, *, whole: bool) -> str:
         shown += [*root, *around, "--first", "mismatch"]
     named = ["morph", "diagnose", options.robot, *given, *root, *around, "--out", "DIR"]
     further = shlex.join(named) if whole else "record every command, then morph diagnose"
-    return f"to see it: {shlex.join(shown)}\nto name what is missing: {further}"
+    wrote = [f"wrote {path}" for path in (options.html, options.state) if path is not None]
+    wrote += [f"to see it: {shlex.join(shown)}", f"to name what is missing: {further}"]
+    return "\n".join(wrote)
 
 
 def _saved(

@@ -44,9 +44,7 @@ def run_diagnose(options: Diagnose) -> int:
     if options.json:
         sys.stdout.write(diagnosis_text(result))
     else:
-        sys.stdout.write(
-            "\n".join([in_words(result, options.out), *_planned(options, result)]) + "\n"
-        )
+        sys.stdout.write(in_words(result, options.out) + "\n")
     return 3 if result.stopped_short else 0
 
 
@@ -69,7 +67,8 @@ def _diagnosed(options: Diagnose, horizon: float | None, vary: dict[str, float])
         seed=options.seed,
         progress=None if options.quiet else _Progress(),
     )
-    return replace(result, provenance={**result.provenance, "command": _command(options)})
+    about = {"command": _command(options), **_planned(options, robot, result)}
+    return replace(result, provenance={**result.provenance, **about})
 
 
 def in_words(result: Diagnosis, out: Path) -> str:
@@ -111,11 +110,16 @@ def in_words(result: Diagnosis, out: Path) -> str:
     if result.stopped_short:
         lines.append("  The budget ended first: this is the best answer so far.")
     lines.append(f"  report: {out / 'report.html'} ({result.seconds:.0f} s)")
+    if plan := result.provenance.get("plan"):
+        lines.append(f"  to plan how to tell them apart: {plan}")
     return "\n".join(lines)
 
 
-def _planned(options: Diagnose, result: Diagnosis) -> list[str]:
-    """Return the command that plans how to tell the first finding from its likeliest rival."""
+def _planned(options: Diagnose, robot: Robot, result: Diagnosis) -> dict[str, str]:
+    """Return as `plan` the command that plans how to tell a finding from its likeliest rival.
+
+    Where the robot's commands have no range, what to do first; nothing without such a rival.
+    """
     passing = {kind.name for kind in EFFECTS if kind.of_a_run}
     for finding in result.findings:
         effect = finding.effect
@@ -127,13 +131,13 @@ def _planned(options: Diagnose, result: Diagnosis) -> list[str]:
         )
         pair = [f"{effect.label}:{size}", f"{rivals[0].effect}@{rivals[0].where}"]
         try:
-            command_ranges(Simulator(load_robot(options.robot, base=options.base)))
+            command_ranges(Simulator(robot))
         except DiagnosisError as error:
-            return [f"  to plan how to tell them apart, {error.fix}: {error.what}"]
+            return {"plan": f"{error.fix} first, as {error.what}"}
         words = ["morph", "excite", options.robot, "--separate", *pair, "--out", "DIR"]
         words += [] if options.base is None else ["--base", options.base]
-        return [f"  to plan how to tell them apart: {shlex.join(words)}"]
-    return []
+        return {"plan": shlex.join(words)}
+    return {}
 
 
 def _recordings(

@@ -56,9 +56,10 @@ def _effects() -> list[dict[str, Any]]:
         {
             "name": effect.name,
             "where": effect.kind,
-            "parameters": [f"{p.name} ({p.unit})" for p in effect.parameters()],
-            "twins": list(effect.twins),
             "law": (effect.__doc__ or "").splitlines()[0],
+            "twins": list(effect.twins),
+            # Some have many, and the longest column stands last.
+            "parameters": [f"{p.name} ({p.unit})" for p in effect.parameters()],
         }
         for effect in EFFECTS
     ]

@@ -152,13 +152,13 @@ def _times_smaller(diagnosis: Diagnosis, channel: str) -> str:
 
 
 def _flat(values: JSON, above: str = "") -> list[tuple[str, str]]:
-    """Return nested names and values as rows; the command has a place of its own."""
+    """Return nested names and values as rows; commands have places of their own."""
     rows: list[tuple[str, str]] = []
     for key, value in values.items():
         name = f"{above}{words.plain(str(key))}"
         if isinstance(value, dict):
             rows += _flat(value, f"{name}: ")
-        elif above or key != "command":
+        elif above or key not in {"command", "plan"}:
             joined = ", ".join(map(str, value)) if isinstance(value, list | tuple) else str(value)
             rows.append((name, joined))
     return rows
