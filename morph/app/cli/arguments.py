@@ -182,6 +182,8 @@ class Simulate:
     """What an actuator is told all along, in its own unit; may be repeated."""
     commands: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """Recording whose commands it is told from its start on, such as a run of `morph excite`."""
+    only: str | None = None
+    """Name of the episode of --commands, where these hold several."""
     out: Annotated[str | None, tyro.conf.arg(metavar="FILE")] = None
     """Recording to write: .parquet, .csv, .csv.gz or .npz."""
     video: Annotated[str | None, tyro.conf.arg(metavar="FILE")] = None

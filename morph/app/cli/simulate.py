@@ -175,18 +175,27 @@ def _timed(options: Simulate, robot: Robot) -> dict[str, Command]:
 
     from morph.record.load import load_recordings
 
-    recording, *more = load_recordings(options.commands, robot=robot)
+    given = load_recordings(options.commands, robot=robot)
+    names = [each.name for each in given]
+    named = [each for each in given if options.only in {None, each.name}]
+    if len(named) != 1:
+        one = f" called {options.only!r}" if options.only else ""
+        raise SimulationFailed(
+            f"it holds {len(named)} recordings{one}: {', '.join(names)}",
+            where=f"--commands {options.commands}",
+            fix="name one of these by --only",
+        )
+    (recording,) = named
     results: dict[str, Command] = {
         name.removesuffix(".command"): replace(each, time=each.time - recording.start)
         for name, each in recording.channels.items()
         if name.endswith(".command")
     }
-    if more or not results:
+    if not results:
         raise SimulationFailed(
-            f"it holds {1 + len(more)} recordings" if more else "it holds no command",
+            "it holds no command",
             where=f"--commands {options.commands}",
-            fix="give the file of one recording with a column ACTUATOR.command, or a "
-            "recording.toml with one [[episode]] alone",
+            fix="give a recording with a column ACTUATOR.command",
         )
     return results
 

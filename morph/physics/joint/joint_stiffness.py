@@ -65,6 +65,6 @@ class JointStiffness(JointEffect):
         """Return the finding in one plain sentence."""
         force, length = ("N", "m") if slide else ("N m", "rad")
         return (
-            f"Joint {self.joint} is drawn to {round(self.q0, 4):.3g} {length} by {self.k:.3g} {force} per "
-            f"{length}: a spring or a cable was left out."
+            f"Joint {self.joint} is drawn to {round(self.q0, 4):.3g} {length} by {self.k:.3g} "
+            f"{force} per {length}: a spring or a cable was left out."
         )

@@ -132,6 +132,26 @@ def test_a_policy_commands_and_a_command_overrules_it(
     assert np.ptp(found["right_rear.command"]) > 0.5
 
 
+def test_commands_are_of_the_episode_that_is_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    logs = tmp_path / "logs"
+    logs.mkdir()
+    for name, torque in (("low", 0.1), ("high", 0.3)):
+        rows = "".join(f"{0.1 * at:.1f},{torque}\n" for at in range(12))
+        (logs / f"{name}.csv").write_text("time,hinge.command\n" + rows)
+    asked = ("pendulum", "--seconds", "0.3", "--out", "run.npz", "--commands", "logs")
+    for name, torque in (("low", 0.1), ("high", 0.3)):
+        done(capsys, *asked, "--only", name)
+        (found,) = load_recordings(tmp_path / "run.npz")
+        assert set(found["hinge.command"]) == {torque}
+        (tmp_path / "run.npz").unlink()
+    message = refused(capsys, tmp_path, *asked)
+    assert message["what"] == "it holds 2 recordings: high, low"
+    assert "--only" in message["fix"]
+    assert "0 recordings called 'lo'" in refused(capsys, tmp_path, *asked, "--only", "lo")["what"]
+
+
 def test_an_unstable_run_stops_short_and_keeps_what_came_before(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
