@@ -225,7 +225,7 @@ def _ranked(
         deadline: Time of the monotonic clock after which no refit begins.
         say: Told what is being done and the share of the work behind.
     """
-    first: Ranking | None = None
+    first: tuple[Prepared, Ranking] | None = None
     most = math.inf
     while True:
         ready = prepared(robot, recordings, held_out, vary, deadline=deadline, say=say, most=most)
@@ -238,11 +238,14 @@ def _ranked(
             ready.nominal,
             stretches(ready.train, MOST_SECONDS),
             known,
-            start=first.best if first else None,
+            start=first[1].best if first else None,
             coarse=(lambda runs: False) if first else coarse,
             progress=say,
             deadline=deadline,
         )
+        if first and result.stopped:
+            # What the budget ended may have found less than the search that went before it.
+            return first[0], replace(first[1], stopped=True)
         if first or result.stopped or not coarse(result.best.refit.runs):
             return ready, result
-        first, most = result, 0.5 * ready.nominal.step
+        first, most = (ready, result), 0.5 * ready.nominal.step

@@ -179,14 +179,14 @@ def _begun(task: EffectSelection, none: Finalist, start: Finalist | None = None)
     # Another search, beside the answer, and the scores of held-out runs take as long each.
     deadline = task.deadline - 2.0 * (time.monotonic() - begun)
     task = replace(task, prior=search.prior, deadline=deadline)
-    found = _Found(task=task, none=none, best=none, search=search)
+    result = _Found(task=task, none=none, best=none, search=search)
     if start is None or not start.effects or task.late():
-        return found
+        return result
     hypothesis = replace(task.nominal, effects=start.refit.hypothesis.effects)
     whole = task.reduced(task.refitted(hypothesis, start.refit.point))
     if not gains(none, whole, task.validation):
-        return replace(found, tried=(whole,))
-    return replace(found, best=whole, search=task.search(whole), tried=(whole,))
+        return replace(result, tried=(whole,))
+    return replace(result, best=whole, search=task.search(whole), tried=(whole,))
 
 
 def _by_rollouts(task: EffectSelection, own: Finalist) -> _Found:

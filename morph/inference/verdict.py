@@ -202,9 +202,10 @@ def doubts(
             continue
         if max(each.low90 for each in times) <= min(each.high90 for each in times):
             when = 1e3 * float(np.mean([each.value for each in times]))
+            way = "late" if when > 0.0 else "early"
             lines.append(
-                f"All {late} are late by the same {when:.3g} ms: with all {other} late by as much "
-                "the motion looks the same. It may be one clock against another."
+                f"All {late} are {way} by the same {abs(when):.3g} ms: with all {other} {way} by "
+                "as much the motion looks the same. It may be one clock against another."
             )
     ends = [name for name, each in own.items() if each.bounded and not each.prior_only]
     if results and ends:

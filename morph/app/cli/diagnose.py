@@ -14,7 +14,7 @@ from morph.app.cli.arguments import Diagnose
 from morph.app.report import words
 from morph.body.load import load as load_robot
 from morph.body.robot import Robot
-from morph.errors import DiagnosisError
+from morph.errors import DiagnosisError, MorphError
 from morph.experiment_design.excitation import command_ranges
 from morph.model.diagnosis import Diagnosis
 from morph.physics import EFFECTS
@@ -132,7 +132,7 @@ def _planned(options: Diagnose, robot: Robot, result: Diagnosis) -> dict[str, st
         pair = [f"{effect.label}:{size}", f"{rivals[0].effect}@{rivals[0].where}"]
         try:
             command_ranges(Simulator(robot))
-        except DiagnosisError as error:
+        except MorphError as error:
             return {"plan": f"{error.fix} first, as {error.what}"}
         words = ["morph", "excite", options.robot, "--separate", *pair, "--out", "DIR"]
         words += [] if options.base is None else ["--base", options.base]

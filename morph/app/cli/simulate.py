@@ -164,6 +164,10 @@ def _moved(
 def _timed(options: Simulate, robot: Robot) -> dict[str, Command]:
     """Return the commands of a recording, by actuator, on a clock that starts with it."""
     if options.commands is None:
+        if options.only is not None:
+            raise SimulationFailed(
+                "it names an episode of no recording", where="--only", fix="give --commands too"
+            )
         return {}
     if options.policy is not None:
         raise SimulationFailed(

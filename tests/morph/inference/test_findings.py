@@ -60,6 +60,9 @@ def test_delays_of_all_actuators_may_be_one_clock_against_another(
         lines = doubts(found, {}, two)  # type: ignore[arg-type]
         assert bool(lines) == said
         assert all(line.startswith(f"{first} are late by the same 5.05 ms") for line in lines)
+        ahead = [late(-T, 2e-4, each.effect) for T, each in zip(times, found, strict=True)]
+        lines = doubts(ahead, {}, two)  # type: ignore[arg-type]
+        assert all(line.startswith(f"{first} are early by the same 5.05 ms") for line in lines)
 
 
 def test_own_parameters_at_the_end_of_what_they_may_be_are_named(cartpole: Robot) -> None:

@@ -117,8 +117,8 @@ def test_what_remains_may_be_of_the_step_where_that_leaves_a_third_of_it(
     [
         (False, (False,), [0.004], 0.004),
         (True, (False, False), [0.004, 0.002], 0.002),
-        # The budget ended the second search, which began where the first one was.
-        (True, (False, True), [0.004, 0.002], 0.002),
+        # The budget ended the second search, which may have found less than the first.
+        (True, (False, True), [0.004, 0.002], 0.004),
         (True, (True,), [0.004], 0.004),
     ],
 )
@@ -141,14 +141,19 @@ def test_half_the_step_is_tried_once_where_what_remains_may_be_of_it(
         tried.append(min(0.004, most))
         return Ready(nominal=SimpleNamespace(step=tried[-1]))
 
+    @dataclass(frozen=True)
+    class Ranked:
+        stopped: bool
+        best: SimpleNamespace
+
     starts = []
 
     def ranked(
         *given: object, start: object, coarse: Callable[[object], bool], **settings: object
-    ) -> SimpleNamespace:
+    ) -> Ranked:
         starts.append((start, coarse(())))
         best = SimpleNamespace(refit=SimpleNamespace(runs=()), step=tried[-1])
-        return SimpleNamespace(stopped=stopped[len(tried) - 1], best=best)
+        return Ranked(stopped=stopped[len(tried) - 1], best=best)
 
     place = "morph.inference.diagnose"
     module = sys.modules[place]
@@ -157,7 +162,7 @@ def test_half_the_step_is_tried_once_where_what_remains_may_be_of_it(
     monkeypatch.setattr(module, "in_whole", lambda episodes, whole: episodes)
     monkeypatch.setattr(module, "stretches", lambda episodes, most: episodes)
     monkeypatch.setattr(module, "by_step", lambda nominal, episodes, runs: doubtful)
-    ready, _ = module._ranked(
+    ready, result = module._ranked(
         None, (), held_out=(), whole={}, vary=None, known=(), deadline=0.0, say=lambda *told: None
     )
     assert tried == steps
@@ -166,3 +171,4 @@ def test_half_the_step_is_tried_once_where_what_remains_may_be_of_it(
     assert (start, asked) == (None, doubtful)
     assert [(each.step, again) for each, again in others] == [(0.004, False)] * (len(steps) - 1)
     assert ready.nominal.step == answer
+    assert result.stopped == any(stopped)

@@ -149,6 +149,8 @@ def test_commands_are_of_the_episode_that_is_named(
     message = refused(capsys, tmp_path, *asked)
     assert message["what"] == "it holds 2 recordings: high, low"
     assert "--only" in message["fix"]
+    alone = ("pendulum", "--seconds", "0.3", "--out", "run.npz", "--only", "low")
+    assert "--commands" in refused(capsys, tmp_path, *alone)["fix"]
     assert "0 recordings called 'lo'" in refused(capsys, tmp_path, *asked, "--only", "lo")["what"]
 
 
