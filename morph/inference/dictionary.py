@@ -112,7 +112,9 @@ def dictionary(
     motions = [run.motion for run in runs]
     longest = max(motions, key=lambda motion: len(motion.time))
     read = np.any([run.run.valid.any(axis=0) for run in runs], axis=0)
+    # Rollouts are compared with positions: they would not show laws of sensors of velocity.
     measured = {name for name, at in longest.channels.items() if read[at]}
+    measured = {name for name in measured if not name.endswith(".velocity")}
     by_label = {effect.label: effect for effect in known}
     joints = [joint.name for joint in robot.joints if joint.kind in {"hinge", "slide"}]
     # A law at a joint that follows another is one at its leader.

@@ -49,13 +49,15 @@ def likeliest_disturbance(about: Reference, *, steps: int) -> Disturbance:
     few = MOST_SAMPLES * (DOFS / max(DOFS, about.velocity.shape[1])) ** 2
     whole, about = about.disturbance, _middle(about, max(LEAST_SAMPLES, int(few)))
     first, tangent = about.disturbance, about.tangent
-    dofs, channels = len(first.scale), len(about.sensed)
+    dofs = len(first.scale)
+    # Vibration displaces what is read of positions.
+    sensed = about.sensed[:dofs]
 
     def at(point: Array) -> Disturbance:
         return replace(
             first,
             scale=about.inertial * np.exp(point[:dofs]),
-            vibration=about.sensed * np.exp(point[dofs:-4]),
+            vibration=sensed * np.exp(point[dofs:-4]),
             contact=float(np.exp(point[-4])),
             contact_time=float(np.exp(point[-3])),
             correlation_time=float(np.exp(point[-2])),
@@ -76,14 +78,14 @@ def likeliest_disturbance(about: Reference, *, steps: int) -> Disturbance:
         )
 
     most = np.where(about.unread, MOST_UNREAD, MOST_SCALE)
-    limits = [*((FLOOR, each) for each in most), *[VIBRATIONS] * channels]
+    limits = [*((FLOOR, each) for each in most), *[VIBRATIONS] * dofs]
     bounds = np.log([*limits, CONTACT, CONTACT_TIMES, CORRELATION_TIMES, NOISE_FACTORS])
     axes = np.eye(len(bounds))
-    vibration = about.sensed if first.vibration is None else first.vibration
+    vibration = sensed if first.vibration is None else first.vibration
     start = np.log(
         [
             *(first.scale / about.inertial),
-            *(vibration / about.sensed),
+            *(vibration / sensed),
             max(first.contact, CONTACT[0]),
             first.contact_time,
             first.correlation_time,
@@ -105,7 +107,7 @@ def likeliest_disturbance(about: Reference, *, steps: int) -> Disturbance:
     if best.x[dofs:-4].max() > 0.0:
         # Where all is called vibration, more force explains nothing at first: start from force too.
         few = [max(first.contact, CONTACT[0]), first.contact_time, 0.2, 1.0]
-        forced = np.log([*[FORCED] * dofs, *[VIBRATIONS[0]] * channels, *few])
+        forced = np.log([*[FORCED] * dofs, *[VIBRATIONS[0]] * dofs, *few])
         best = min(best, descended(forced), key=lambda each: float(each.fun))
     return replace(at(best.x), jolt=whole.jolt)
 

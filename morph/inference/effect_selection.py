@@ -204,7 +204,7 @@ class EffectSelection:
             )
         by_rollouts = sorted(listed.values(), key=lambda one: losses[one.members])
         # A stiff spring diverges in long steps. So may the likeliest set, far from the base.
-        most = now + DIVERGED * len(base.refit.runs[0].motion.channels)
+        most = now + DIVERGED * base.refit.runs[0].about.velocity.shape[1]
         stable = [one for one in by_rollouts if losses[one.members] < most]
         likeliest = sorted(by_rollouts, key=lambda one: -one.gain)[: int(self.believed)]
         if not self.by_rollouts:

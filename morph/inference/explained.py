@@ -40,7 +40,7 @@ def certain(gain: float, runs: Sequence[Observed], *, event: bool = False) -> bo
 def at_noise(runs: Sequence[Observed], force: float = LITTLE_FORCE) -> bool:
     """Return whether runs are explained to their noise, but for a little missing force."""
     vibrations = [
-        (run.about.disturbance.vibration / run.about.sensed) ** 2
+        (run.about.disturbance.vibration / run.about.sensed[: run.about.velocity.shape[1]]) ** 2
         for run in runs
         if run.about.disturbance.vibration is not None
     ]

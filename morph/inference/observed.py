@@ -78,7 +78,8 @@ def observed(
         dry = friction(effects, motion, about)
         motion = replace(motion, senses=dry.senses)
         force, shift = force_of(effects, motion), shift_of(effects, motion)
-        slope, shift_slope = _slope_of(effects, motion), _shift_slope_of(effects, motion)
+        plain = replace(run, shift_slope=0.0).reads
+        slope, shift_slope = _slope_of(effects, motion), _shift_slope_of(effects, motion, plain)
         run = replace(
             run, force=force, slope=slope, shift=shift, shift_slope=shift_slope,
             sticking=dry.damping,
@@ -174,30 +175,41 @@ def shift_of(effects: Sequence[Effect], motion: Motion) -> Array:
     return shift
 
 
-def _shift_slope_of(effects: Sequence[Effect], motion: Motion) -> Array:
-    """Return how changes of readings grow with positions and velocities, (channels, 2 dofs)."""
-    held, parts = shift_of(effects, motion), []
-    for name in ("reading", "reading_rate"):
+def _shift_slope_of(effects: Sequence[Effect], motion: Motion, reads: Array) -> Array:
+    """Return how changes of readings grow with positions and velocities, (channels, 2 dofs).
+
+    Args:
+        effects: What acts.
+        motion: The motion.
+        reads: Each channel by positions and velocities without that.
+    """
+    held, dofs = shift_of(effects, motion), motion.position.shape[1]
+    # A position's rate is a velocity; that of a velocity is no state.
+    result, of_rate = np.zeros_like(reads), np.roll(reads, dofs, axis=1)
+    of_rate[dofs:] = 0.0
+    for name, by_state in (("reading", reads), ("reading_rate", of_rate)):
         there = replace(motion, **{name: getattr(motion, name) + NUDGE})
-        parts.append(np.diag((shift_of(effects, there) - held).mean(axis=0) / NUDGE))
-    return np.concatenate(parts, axis=1)
+        slope = (shift_of(effects, there) - held).mean(axis=0) / NUDGE
+        result += slope[:, None] * by_state
+    return result
 
 
 def _sampled(read: Episode) -> tuple[SampledRun, Array]:
     """Return an episode on the simulation's grid, and a first guess of positions on it."""
-    samples = len(read.command)
-    shape = samples, read.reading.shape[1]
+    samples, dofs, rates = len(read.command), read.reading.shape[1], read.rates
+    shape = samples, dofs + len(rates.dofs)
     reading, offset, valid = np.zeros(shape), np.zeros(shape), np.zeros(shape, dtype=bool)
     attitude = np.tile(np.eye(4)[0], (samples, read.attitude.shape[1], 1))
-    # A reading between two samples belongs to the nearer one.
-    at = np.rint(read.time / read.step).astype(int)
-    row, channel = np.nonzero(read.valid & (at < samples)[:, None])
-    there = at[row], channel
-    reading[there], valid[there] = read.reading[row, channel], True
-    offset[there] = (read.time - at * read.step)[row]
-    for ball, (_, turn) in enumerate(read.measurement.coordinates.balls):
-        turned = row[channel == turn]
-        attitude[at[turned], ball] = read.attitude[turned, ball]
+    for sensors, first in ((read, 0), (rates, dofs)):
+        # A reading between two samples belongs to the nearer one.
+        at = np.rint(sensors.time / read.step).astype(int)
+        row, channel = np.nonzero(sensors.valid & (at < samples)[:, None])
+        there = at[row], first + channel
+        reading[there], valid[there] = sensors.reading[row, channel], True
+        offset[there] = (sensors.time - at * read.step)[row]
+        for ball, (_, turn) in enumerate(read.measurement.coordinates.balls if not first else ()):
+            turned = row[channel == turn]
+            attitude[at[turned], ball] = read.attitude[turned, ball]
     grid = read.step * np.arange(samples)
     shown = read.measurement.placed(read.reading, read.attitude)
     placed, guess = (
@@ -209,13 +221,14 @@ def _sampled(read: Episode) -> tuple[SampledRun, Array]:
             each[:, place : place + 4] = unit(each[:, place : place + 4])
     run = SampledRun(
         measurement=read.measurement,
+        rates=rates.dofs,
         step=read.step,
         command=read.command,
         reading=reading,
         attitude=attitude,
         valid=valid,
         placed=placed,
-        noise=read.noise,
+        noise=np.concatenate([read.noise, rates.noise]),
         guess=read.guess,
         time_offset=offset,
         unsure=_unsure(read),
@@ -260,7 +273,8 @@ def _motion(
     local = about.local
     stiffness = -inverse(model, local[:, :, 2 * dofs :]) @ local[:, :, :dofs]
     stiffness -= np.eye(dofs) * np.broadcast_to(run.slope, (samples, 2, dofs))[:, :1]
-    links = [link.name for link in robot.links]
+    links, channels = [link.name for link in robot.links], run.measurement.channels
+    rated = tuple(f"{channels[dof].removesuffix('.position')}.velocity" for dof in run.rates)
     return Motion(
         position=position,
         pose=about.position,
@@ -278,9 +292,9 @@ def _motion(
         moment=transmission.by_effort(model),
         servo=-(model.actuator_gear[:, :1] ** 2) * model.actuator_biasprm[:, 1:3],
         armature=model.dof_armature.copy(),
-        channels={name: at for at, name in enumerate(run.measurement.channels)},
-        reading=position,
-        reading_rate=velocity,
+        channels={name: at for at, name in enumerate(channels + rated)},
+        reading=np.concatenate([position, velocity[:, run.rates]], axis=1),
+        reading_rate=np.concatenate([velocity, acceleration[:, run.rates]], axis=1),
         run=name,
         missing=about.force,
     )

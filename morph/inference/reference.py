@@ -13,7 +13,7 @@ from morph.inference.axes import Axes, along_body, along_parent, axes_of, jacobi
 from morph.inference.contact import Contact, by_contact, contact_along
 from morph.inference.disturbance import likeliest_disturbance
 from morph.inference.filter import Disturbance, Tangent, smoothed
-from morph.inference.sampled import Reference, SampledRun, later, outliers
+from morph.inference.sampled import Reference, SampledRun, later, outliers, predicted
 from morph.inference.ties import carried, inverse
 from morph.physics.body_motion import times
 from morph.physics.drives import Transmission, actuator_forces
@@ -127,7 +127,7 @@ def _along(
             scale=0.05 * inertial,
             correlation_time=0.2,
             initial=initial.reshape(-1),
-            vibration=run.noise,
+            vibration=run.noise[:dofs],
             contact=contact.changes(velocity) / run.step,
         )
     return Reference(
@@ -190,7 +190,7 @@ def _errors(
         free -= times(contact, times(touching, free))
         jacobian -= contact @ (touching @ jacobian)
         jacobian = np.concatenate([jacobian, contact], axis=2)
-    shown = np.where(run.valid, run.reading - _predicted(run, position, velocity, axes), 0.0)
+    shown = np.where(run.valid, run.reading - predicted(run, position, velocity, axes), 0.0)
     return (
         jacobian_along_parent(space, axes, velocity, jacobian),
         along_parent(space, axes, acceleration),
@@ -260,20 +260,6 @@ def _moved(before: Reference, model: mujoco.MjModel, run: SampledRun) -> Referen
     )
 
 
-def _predicted(run: SampledRun, position: Array, velocity: Array, axes: Axes) -> Array:
-    """Return the readings of a motion at the times they were taken, shape (samples, channels)."""
-    space = run.measurement.coordinates
-    shown = run.measurement.read(position, run.attitude)
-    rate = np.gradient(shown, run.step, axis=0)
-    for _, dof in space.balls:
-        # What is read of an orientation is the difference from one reading, not from the last.
-        part = slice(dof, dof + 3)
-        rate[:, part] = along_parent(space, axes, velocity)[:, part]
-    offset = run.time_offset
-    later = offset * (rate + 0.5 * offset * np.gradient(rate, run.step, axis=0))
-    return np.asarray(shown + (run.shift + later))
-
-
 def _jolt(
     model: mujoco.MjModel, run: SampledRun, position: Array, jacobian: Array, impact: Array
 ) -> Array | None:
@@ -295,5 +281,5 @@ def _initial_std(run: SampledRun, values: Array) -> Array:
 
     Of joints that were not read they are guesses.
     """
-    some = np.where(run.guess > 0.0, 1.0, 0.1)
-    return np.asarray(some * np.ptp(values, axis=0) + 10.0 * run.noise.max() + run.guess)
+    some, noise = np.where(run.guess > 0.0, 1.0, 0.1), run.noise[: values.shape[1]]
+    return np.asarray(some * np.ptp(values, axis=0) + 10.0 * noise.max() + run.guess)

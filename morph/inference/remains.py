@@ -137,7 +137,8 @@ def _by_starts(result: Finalist, validation: Validation) -> float:
     space, begun = segments.measurement.coordinates, []
     for run in runs:
         about = run.about
-        off = about.sensed * rng.standard_normal(about.velocity.shape)
+        noise = about.sensed[: about.velocity.shape[1]]
+        off = noise * rng.standard_normal(about.velocity.shape)
         rate = about.velocity + about.spread * rng.standard_normal(about.velocity.shape)
         moved = replace(about, position=space.moved_by(about.position, off), velocity=rate)
         begun.append(replace(run, about=moved))
@@ -162,5 +163,6 @@ def _in_motion(result: Finalist, validation: Validation) -> float:
 def _over_floor(run: Observed) -> float:
     """Return by how much the readings are likelier than with no more than a floor of force."""
     about = run.about
-    least = replace(about.leaving(0.0), vibration=VIBRATIONS[0] * about.sensed)
+    noise = about.sensed[: about.velocity.shape[1]]
+    least = replace(about.leaving(0.0), vibration=VIBRATIONS[0] * noise)
     return log_likelihood(about, about.disturbance) - log_likelihood(about, least)

@@ -6,7 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from morph.arrays import Array, Mask
+from morph.arrays import Array, Integers, Mask
+from morph.inference.axes import Axes, along_parent
 from morph.inference.contact import Contact
 from morph.inference.filter import Disturbance, Tangent
 from morph.model.measurement import Measurement
@@ -25,7 +26,9 @@ class SampledRun:
     """One run on a grid of equal steps."""
 
     measurement: Measurement
-    """What its channels read."""
+    """What its first channels read; a channel for each of `rates` follows."""
+    rates: Integers
+    """Degrees of freedom whose velocity a sensor reads, shape (sensors,)."""
     step: float
     """Seconds from one sample to the next."""
     command: Array
@@ -62,7 +65,7 @@ class SampledRun:
     def reads(self) -> Array:
         """Observation matrix: each channel by position and velocity, shape (channels, 2 dofs)."""
         dofs = self.measurement.coordinates.dofs
-        return np.eye(dofs, 2 * dofs) + self.shift_slope
+        return np.eye(2 * dofs)[[*range(dofs), *(dofs + self.rates)]] + self.shift_slope
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -131,6 +134,26 @@ def later(sticking: Array) -> Array:
         sticking: Damping by dry friction, shape (samples, dofs).
     """
     return np.where(np.any(sticking > 0.0, axis=1), 1.0, 0.5)[:, None, None]
+
+
+def predicted(run: SampledRun, position: Array, velocity: Array, axes: Axes) -> Array:
+    """Return the readings of a motion at the times they were taken, shape (samples, channels)."""
+    space = run.measurement.coordinates
+    shown = run.measurement.read(position, run.attitude)
+    rate = np.gradient(shown, run.step, axis=0)
+    for _, dof in space.balls:
+        # What is read of an orientation is the difference from one reading, not from the last.
+        part = slice(dof, dof + 3)
+        rate[:, part] = along_parent(space, axes, velocity)[:, part]
+    bend = np.gradient(rate, run.step, axis=0)
+    if len(run.rates):
+        # Velocities are those of half a step before.
+        gained = np.gradient(velocity[:, run.rates], run.step, axis=0)
+        now = velocity[:, run.rates] + 0.5 * run.step * gained
+        parts = (shown, now), (rate, gained), (bend, np.zeros_like(now))
+        shown, rate, bend = (np.concatenate(part, axis=1) for part in parts)
+    offset = run.time_offset
+    return np.asarray(shown + (run.shift + offset * (rate + 0.5 * offset * bend)))
 
 
 def outliers(error: Array, valid: Mask) -> Mask:

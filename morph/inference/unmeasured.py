@@ -15,11 +15,12 @@ from morph.body.robot import Robot
 from morph.body.spec import spec_of
 from morph.errors import RecordingError
 from morph.inference.filter import Disturbance, FilterRun, Tangent
-from morph.model.episodes import STATE_HERTZ, band
+from morph.model.episodes import STATE_HERTZ
+from morph.model.joint_rates import JointRates
 from morph.physics.dynamics import accelerations, jacobians, supplied
 from morph.record.noise import noise
 from morph.record.recording import Channel, Note, Recording
-from morph.record.slopes import slopes
+from morph.record.slopes import band, slopes
 from morph.sim.drive import held
 
 STEP, EVERY = 0.002, 10
@@ -110,6 +111,8 @@ class _Readings:
     """Where there is a reading nearby, same shape."""
     noise: Array
     """Standard deviation of the readings' noise, shape (joints,)."""
+    rates: JointRates
+    """What sensors of velocity read."""
     command: Array
     """Controls, shape (steps, actuators)."""
 
@@ -146,6 +149,7 @@ class _Readings:
             acceleration=acceleration,
             valid=valid,
             noise=np.array(noises),
+            rates=JointRates.of(recording, robot, start, end),
             command=command,
         )
 
@@ -178,14 +182,16 @@ class _Readings:
         first = np.repeat([SPREAD, RATE], count)
         first[read] = 10.0 * self.noise
         first[count + read] = 0.1 * np.std(self.velocity, axis=0)
+        rate, rated = self.rated()
+        own_rates = count + np.searchsorted(own, self.rates.dofs)
         tangent = Tangent(
             step=STEP,
             jacobian=np.zeros((steps, count, 3 * count)),
-            reads=np.eye(2 * count)[read],
-            valid=self.valid,
+            reads=np.eye(2 * count)[np.concatenate([read, own_rates])],
+            valid=np.concatenate([self.valid, rated], axis=1),
         )
         disturbance = Disturbance(
-            noise=self.noise,
+            noise=np.concatenate([self.noise, self.rates.noise]),
             scale=UNTOLD * self.usual(position)[own],
             correlation_time=CORRELATION_TIME,
             initial=first + 1e-9,
@@ -203,13 +209,17 @@ class _Readings:
             tangent.jacobian[part] = np.linalg.solve(damped, local)[own]
             for at in range(part.start, part.stop):
                 result[at] = position
+                before = velocity
                 (push,) = accelerations(
                     model, position[None], velocity[None], self.command[at][None]
                 )
                 velocity = velocity + STEP * np.linalg.solve(damped, push + mobility @ untold)
+                # Velocities are those of half a step before.
+                rate[at] -= 0.5 * (before + velocity)[self.rates.dofs]
                 position = position + STEP * velocity
                 untold = keep * untold
             error = self.position[part] - result[part][:, self.dofs]
+            error = np.concatenate([error, rate[part]], axis=1)
             run.filter(part, error[:, :, None], None)
             change, variance = run.moved()
             position = position + whole @ change[:count]
@@ -217,6 +227,16 @@ class _Readings:
             untold = untold + change[2 * count :]
             spread[part] = np.sqrt(np.maximum(whole**2 @ variance[:count], 0.0))
         return result, spread
+
+    def rated(self) -> tuple[Array, Mask]:
+        """Return velocities that were read, and where there is one, (steps, sensors) each."""
+        shape = len(self.time), len(self.rates.dofs)
+        result, valid = np.zeros(shape), np.zeros(shape, dtype=bool)
+        near = np.rint(self.rates.time / STEP).astype(int)
+        row, sensor = np.nonzero(self.rates.valid & (near < len(self.time))[:, None])
+        result[near[row], sensor] = self.rates.reading[row, sensor]
+        valid[near[row], sensor] = True
+        return result, valid
 
     def usual(self, rest: Array) -> Array:
         """Return the RMS force that the motion which was read needs, N m or N, shape (dofs,).

@@ -18,6 +18,9 @@ from morph.physics.effect import Effect
 from morph.record.recording import Recording
 from morph.record.spikes import spikes
 
+UNREAD = {"acceleration", "linear_velocity", "angular_velocity", "gyro", "accelerometer", "force"}
+"""Quantities of a robot's motion that a diagnosis does not read."""
+
 
 def corrected(hypothesis: Hypothesis, point: Array) -> tuple[tuple[Effect, ...], str]:
     """Return the effects that MuJoCo cannot hold, and the description with all others."""
@@ -76,8 +79,11 @@ def notes(
         "its encoder is stuck, and then forces at the other joints are wrong."
         for joint in still
     ]
-    if any(name.endswith(".velocity") for each in recordings for name in each.channels):
-        lines.append("Velocities were recorded; a diagnosis reads positions alone.")
+    given = dict.fromkeys(name for each in recordings for name in each.channels)
+    if rated := [name for name in given if name.endswith(".velocity")]:
+        lines.append(f"Sensors of velocity are read too: {', '.join(rated)}.")
+    if unread := [name for name in given if UNREAD & set(name.split("."))]:
+        lines.append(f"Recorded, and not read by a diagnosis: {', '.join(unread)}.")
     # An episode may be of the whole recording of which another part was cut.
     used = {episode.recording.name for episode in episodes}
     for recording in recordings:

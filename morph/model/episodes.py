@@ -12,15 +12,15 @@ from morph.arrays import Array, Mask
 from morph.body.robot import Robot
 from morph.body.spec import spec_of
 from morph.errors import DiagnosisError
+from morph.model.joint_rates import JointRates
 from morph.model.measurement import Measurement
 from morph.physics.body_motion import body_motions
+from morph.record.clock import period, thinned
 from morph.record.noise import noise
 from morph.record.recording import Channel, Recording
-from morph.record.slopes import slopes
+from morph.record.slopes import band, slopes
 from morph.sim.drive import completed, held
 
-MOST_HERTZ = 100.0
-"""Readings are thinned to about this rate: what a rollout of a second can tell apart."""
 QUIETEST = 1e-5
 """rad or m: least noise that a sensor is credited with."""
 SHORTEST = 0.5
@@ -29,24 +29,6 @@ STATE_HERTZ = 15.0
 """Band of the motion that a rollout's start is read from."""
 TURN, INSTANTS = 0.05, 1000
 """Most rad by which a link turns in a step, and most instants of a run at which that is seen."""
-
-
-def band(channel: Channel) -> float:
-    """Return the frequency, Hz, within which a position's motion lies, 3 to 15.
-
-    Half as much again as what holds all but a ten-thousandth of its power: above it,
-    second derivatives show the clock's jitter and the encoder, not the motion.
-    """
-    period = float(np.median(np.diff(channel.time)))
-    grid = np.arange(channel.time[0], channel.time[-1], period)
-    value = channel.at(grid)
-    trend = np.linspace(value[0], value[-1], len(value))
-    power = np.abs(np.fft.rfft((value - trend) * np.hanning(len(value)))) ** 2
-    if not power.any():
-        return 3.0
-    share = np.cumsum(power) / power.sum()
-    frequency = np.fft.rfftfreq(len(value), period)
-    return float(np.clip(1.5 * frequency[np.searchsorted(share[:-1], 0.9999)], 3.0, 15.0))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,6 +57,8 @@ class Episode:
     others, and of what follows from these; shape (dofs,)."""
     attitude: Array
     """Measured orientations of what moves freely, shape (readings, balls, 4)."""
+    rates: JointRates
+    """What sensors of velocity read."""
     noise: Array
     """Standard deviation of each reading's noise, shape (channels,)."""
     state: Array
@@ -113,13 +97,13 @@ def step_for(recordings: Sequence[Recording], robot: Robot, *, longest: float = 
     About 4 ms, 2.5 ms where servos add stiff damping, and never above `longest`.
     """
     measurement = Measurement.of(robot)
-    periods = [min(map(_period, measurement.clocks(each))) for each in recordings]
-    period = float(np.median(periods))
+    periods = [min(map(period, measurement.clocks(each))) for each in recordings]
+    usual = float(np.median(periods))
     wanted = 0.0025 if any(a.kind == "position" for a in robot.actuators) else 0.004
     wanted = min(wanted, longest)
-    if period > wanted:
-        return period / float(np.ceil(period / wanted - 0.1))
-    return period * max(1.0, float(np.floor(wanted / period + 0.1)))
+    if usual > wanted:
+        return usual / float(np.ceil(usual / wanted - 0.1))
+    return usual * max(1.0, float(np.floor(wanted / usual + 0.1)))
 
 
 def longest_step(robot: Robot, episodes: Sequence[Episode]) -> float:
@@ -188,9 +172,9 @@ def episode(recording: Recording, robot: Robot, step: float) -> Episode:
         )
     begin = _phase(robot, commands, start - 0.5 * step, step)
     start += begin
-    clocks = [_thinned(clock, start, end) for clock in measurement.clocks(recording)]
+    clocks = [thinned(clock, start, end) for clock in measurement.clocks(recording)]
     kept = np.unique(np.concatenate(clocks))
-    light = np.minimum([0.2 / _period(track.time) for track in tracks], STATE_HERTZ)
+    light = np.minimum([0.2 / period(track.time) for track in tracks], STATE_HERTZ)
     cutoff = np.minimum(light, max(band(track) for track in tracks))
     quick, smooth = (_moving(measurement, tracks, kept, hertz) for hertz in (light, cutoff))
     raw = np.stack([np.interp(kept, track.time, track.value) for track in tracks], axis=1)
@@ -217,6 +201,7 @@ def episode(recording: Recording, robot: Robot, step: float) -> Episode:
         valid=measurement.by_channel(np.stack(read, axis=1).astype(float)) > 0.0,
         guess=measurement.by_channel(np.array([track.guess or 0.0 for track in tracks])),
         attitude=measurement.attitude(raw),
+        rates=JointRates.of(recording, robot, start, end),
         noise=_floored(measurement.noise(np.array([noise(t.time, t.value) for t in tracks]))),
         state=np.concatenate(quick[:2], axis=1),
         state_cutoff=measurement.by_channel(light),
@@ -240,18 +225,6 @@ def _phase(robot: Robot, commands: Sequence[Channel], edge: float, step: float) 
             size = np.std(channel.value)
             whole += np.abs(np.diff(channel.value)) @ turn / size if size > 0.0 else 0.0
     return float(np.angle(whole) / (2.0 * np.pi) * step)
-
-
-def _period(clock: Array) -> float:
-    return float(np.median(np.diff(clock)))
-
-
-def _thinned(clock: Array, start: float, end: float) -> Array:
-    """Return the times of a clock from one to another, at most about `MOST_HERTZ`."""
-    clock = clock[(clock >= start) & (clock <= end)]
-    if len(clock) < 2:
-        return clock
-    return clock[:: max(1, int(1.0 / _period(clock) / MOST_HERTZ + 0.01))]
 
 
 def _moving(

@@ -97,6 +97,7 @@ def part(whole: Episode, begin: float, end: float) -> Episode:
         reading=whole.reading[inside],
         valid=whole.valid[inside],
         attitude=whole.attitude[inside],
+        rates=whole.rates.between(begin, end, zero=first * whole.step),
         state=whole.state[inside],
         position=whole.position[inside],
         velocity=whole.velocity[inside],

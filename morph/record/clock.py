@@ -10,6 +10,9 @@ from morph.arrays import Array, Integers, Mask
 from morph.errors import RecordingError
 from morph.record.read.table import Table
 
+MOST_HERTZ = 100.0
+"""Readings are thinned to about this rate: what a rollout of a second can tell apart."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Clock:
@@ -41,6 +44,14 @@ def clock_of(time: Array) -> Clock:
 def period(time: Array) -> float:
     """Return the median interval of a clock, s."""
     return float(np.median(np.diff(time)))
+
+
+def thinned(clock: Array, start: float, end: float) -> Array:
+    """Return the times of a clock from one to another, s, at most about `MOST_HERTZ`."""
+    clock = clock[(clock >= start) & (clock <= end)]
+    if len(clock) < 2:
+        return clock
+    return clock[:: max(1, int(1.0 / period(clock) / MOST_HERTZ + 0.01))]
 
 
 def not_repeated(time: Array, table: Table, rows: Integers) -> Mask:

@@ -49,6 +49,7 @@ def swing(missing: Callable[[float], float], seconds: float = 6.0) -> dict[str, 
         "velocity": found.y[1],
         "run": SampledRun(
             measurement=Measurement.of(load("pendulum")),
+            rates=np.zeros(0, dtype=int),
             attitude=np.zeros((len(time), 0, 4)),
             step=H,
             command=command(time)[:, None],

@@ -128,6 +128,20 @@ def test_a_pole_is_guessed_by_how_its_cart_moves(robot: Robot) -> None:
     assert "the position of hinge was not read" in guessed.notes[-1].what
 
 
+def test_a_sensor_of_its_velocity_tells_of_a_pole(robot: Robot, tmp_path: Path) -> None:
+    other = tmp_path / "other.xml"
+    other.write_text(description(cart=1.3, pole=0.5))
+    time, _, states = moved(0)
+    rate = states[:, 3] + 0.05 * np.random.default_rng(9).normal(size=len(time))
+    run, errors = recorded(0), []
+    for more in ({}, {"hinge.velocity": Channel(time=time, value=rate)}):
+        with_sensor = replace(run, channels={**run.channels, **more})
+        channel = with_unmeasured(with_sensor, load(other)).channels["hinge.position"]
+        errors.append(channel.value - np.interp(channel.time, time, states[:, 1]))
+    # A cart that is described too heavy tells of its pole wrongly.
+    assert np.std(errors[1]) < 0.5 * np.std(errors[0])
+
+
 def test_a_joint_that_others_follow_is_guessed_with_them(tmp_path: Path) -> None:
     # A light stub turns by half as much as the rod that it bears, whose hinge follows its own.
     stub = """<body name="stub"><joint name="hinge" axis="0 1 0"/>
