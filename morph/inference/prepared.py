@@ -19,7 +19,9 @@ from morph.model.conventions import check_signs, check_units
 from morph.model.derived_channels import with_followers
 from morph.model.episodes import Episode, longest_step, step_for
 from morph.model.hypothesis import Hypothesis
+from morph.model.imu_attitude import with_imu_attitude
 from morph.model.joint_rates import with_own_rates
+from morph.model.leg_odometry import with_leg_odometry
 from morph.model.measurement import Measurement
 from morph.model.nuisance_parameters import knobs
 from morph.model.pieces import all_pieces, stretches
@@ -116,9 +118,11 @@ def completed(recording: Recording, robot: Robot, model: mujoco.MjModel | None =
     """Return a recording with the positions of joints that were not read.
 
     They are those of links that were tracked, those at which chains close, or guessed by a model.
-    Velocities stay that a sensor of their own read.
+    An inertial sensor and feet tell where a free base is. Velocities stay that a sensor of their
+    own read.
     """
-    tracked = with_own_rates(with_tracked_links(recording, robot), robot)
+    based = with_leg_odometry(with_imu_attitude(recording, robot), robot)
+    tracked = with_own_rates(with_tracked_links(based, robot), robot)
     if robot.loops:
         tracked = with_chains(tracked, robot)
     return with_followers(with_unmeasured(tracked, robot, model), robot)

@@ -202,7 +202,7 @@ def episode(recording: Recording, robot: Robot, step: float) -> Episode:
         guess=measurement.by_channel(np.array([track.guess or 0.0 for track in tracks])),
         attitude=measurement.attitude(raw),
         rates=JointRates.of(recording, robot, start, end),
-        noise=_floored(measurement.noise(np.array([noise(t.time, t.value) for t in tracks]))),
+        noise=_floored(measurement.noise(np.array([_noise(track) for track in tracks]))),
         state=np.concatenate(quick[:2], axis=1),
         state_cutoff=measurement.by_channel(light),
         position=smooth[0],
@@ -239,6 +239,12 @@ def _moving(
         for k in range(3)
     ]
     return measurement.motion(*columns)
+
+
+def _noise(track: Channel) -> float:
+    """Return the standard deviation of a track's noise, as it shows or as it is known."""
+    shown = noise(track.time, track.value)
+    return shown if track.noise is None else max(shown, track.noise)
 
 
 def _floored(noises: Array) -> Array:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -116,9 +116,11 @@ class Measurement:
             flipped = np.sum(whole[1:] * whole[:-1], axis=1) < 0.0
             sign = np.cumprod(np.where(flipped, -1.0, 1.0))
             whole[1:] *= sign[:, None]
-            turns = [Channel(time=parts[0].time, value=values) for values in whole.T]
+            turns = [replace(parts[0], value=values) for values in whole.T]
             kept = ~np.any([spikes(turn) for turn in turns], axis=0)
-            results += [Channel(time=turn.time[kept], value=turn.value[kept]) for turn in turns]
+            results += [
+                replace(turn, time=turn.time[kept], value=turn.value[kept]) for turn in turns
+            ]
         return results
 
     def clocks(self, recording: Recording) -> list[Array]:
