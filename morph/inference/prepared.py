@@ -19,9 +19,8 @@ from morph.model.conventions import check_signs, check_units
 from morph.model.derived_channels import with_followers
 from morph.model.episodes import Episode, longest_step, step_for
 from morph.model.hypothesis import Hypothesis
-from morph.model.imu_attitude import with_imu_attitude
 from morph.model.joint_rates import with_own_rates
-from morph.model.leg_odometry import with_leg_odometry
+from morph.model.leg_odometry import with_base
 from morph.model.measurement import Measurement
 from morph.model.nuisance_parameters import knobs
 from morph.model.pieces import all_pieces, stretches
@@ -121,8 +120,8 @@ def completed(recording: Recording, robot: Robot, model: mujoco.MjModel | None =
     An inertial sensor and feet tell where a free base is. Velocities stay that a sensor of their
     own read.
     """
-    based = with_leg_odometry(with_imu_attitude(recording, robot), robot)
-    tracked = with_own_rates(with_tracked_links(based, robot), robot)
+    based = with_tracked_links(with_base(recording, robot), robot)
+    tracked = with_own_rates(based, robot)
     if robot.loops:
         tracked = with_chains(tracked, robot)
     return with_followers(with_unmeasured(tracked, robot, model), robot)

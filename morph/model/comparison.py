@@ -16,6 +16,7 @@ from morph.files import write_whole
 from morph.model.derived_channels import by_effort, told_zero
 from morph.model.episodes import Episode, step_for
 from morph.model.hypothesis import Hypothesis
+from morph.model.leg_odometry import with_base
 from morph.model.measurement import Measurement
 from morph.model.motion import needed
 from morph.model.pieces import all_pieces
@@ -143,7 +144,8 @@ def compare(
         DiagnosisError: A recording is shorter than half a second, or too few readings were taken.
     """
     recordings = [
-        with_tracked_links(told_zero(by_effort(each, robot), robot), robot) for each in recordings
+        with_tracked_links(with_base(told_zero(by_effort(each, robot), robot), robot), robot)
+        for each in recordings
     ]
     check_recordings(recordings, ())
     for recording in recordings:

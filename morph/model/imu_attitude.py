@@ -46,8 +46,9 @@ def with_imu_attitude(recording: Recording, robot: Robot) -> Recording:
         site = _site(model, recording, link)
         if site is None:
             continue
+        # They tell nothing more then.
         gyro, felt = (
-            [channels[f"{site}.{quantity}.{axis}"] for axis in XYZ]
+            [channels.pop(f"{site}.{quantity}.{axis}") for axis in XYZ]
             for quantity in ("gyro", "accelerometer")
         )
         time = gyro[0].time

@@ -10,6 +10,7 @@ import numpy as np
 from morph.arrays import Array
 from morph.body.robot import Robot
 from morph.body.spec import spec_of
+from morph.model.imu_attitude import with_imu_attitude
 from morph.record.clock import thinned
 from morph.record.quantities import WXYZ, XYZ
 from morph.record.recording import Channel, Note, Recording
@@ -23,6 +24,14 @@ TINY = 1e-6
 """Weight of all footholds together below which the base is in the air and moves nowhere."""
 FARTHEST = 100.0
 """m: shapes nearer than this to the floor are looked at."""
+
+
+def with_base(recording: Recording, robot: Robot) -> Recording:
+    """Return a recording with the pose of a free link, where its inertial sensor and feet tell it.
+
+    See `with_imu_attitude` and `with_leg_odometry`.
+    """
+    return with_leg_odometry(with_imu_attitude(recording, robot), robot)
 
 
 def with_leg_odometry(recording: Recording, robot: Robot) -> Recording:
