@@ -118,9 +118,9 @@ def check_channels(recording: Recording, robot: Robot, measured: Sequence[str]) 
                 where=f"recording {recording.name}",
                 fix="bind it in recording.toml. Positions of joints that no encoder read are "
                 "estimated where another joint's is read, every command is recorded and no link "
-                "moves freely, or come from poses of links; a base that moves freely is placed by its "
-                "feet on a described floor and by a gyro and an accelerometer; a joint that is held "
-                "still can be welded in the description",
+                "moves freely, or come from poses of links; a free base is placed by its feet on a "
+                "described floor and turned as a gyro and an accelerometer on it say; a joint that "
+                "is held still can be welded in the description",
             )
         channel = recording.channels[name]
         _within(recording, name, channel, FARTHEST)
