@@ -19,8 +19,9 @@ FARTHEST = 1e4
 """rad/s or m/s: what no joint's velocity exceeds."""
 LAGS = range(-3, 11)
 """Samples before a velocity whose positions it may have been computed from."""
-COMPUTED = 0.3
-"""Share of a velocity's noise that the noise of those positions explains, from which it was."""
+COMPUTED = 0.5
+"""Least variance about the best combination of these, over that by their noise in it, of a sensor
+of its own: it would be 1 of one without noise."""
 APART = 4.0
 """Mean squared difference from the position's rate, over that which the noise of both explains,
 from which the sensor errs by more than its noise."""
@@ -102,10 +103,10 @@ def with_own_rates(recording: Recording, robot: Robot) -> Recording:
             )
         if name in followers:
             why = "is that of the joint that it follows"
-        elif _computed(velocity, position):
-            why = "was computed from positions, and tells no more than these"
         elif apart := _apart(velocity, position):
             why = f"differs from the rate of its position by {apart:.2g} beyond the noise of both"
+        elif _computed(velocity, position):
+            why = "was computed from positions, or cannot be told from that"
         else:
             continue
         del channels[f"{name}.velocity"]
@@ -130,24 +131,26 @@ def _joints(robot: Robot) -> dict[str, int]:
 
 
 def _computed(velocity: Channel, position: Channel | None) -> bool:
-    """Return whether the noise of positions before and after explains that of a velocity."""
+    """Return whether a velocity is a combination of the positions before and after, noise and all.
+
+    Of a sensor of its own the best such combination errs by the sensor's noise and by that of the
+    positions in it. Of what was computed from these it errs by less than the latter.
+    """
     if position is None or position.guess is not None:
         return False
     if min(len(position.time), len(velocity.time)) < 4 * len(LAGS):
         return True
-    hertz = _cutoff(velocity, position)
-    of_position = position.value - slopes(position.time, position.value, hertz)[0]
-    of_velocity = velocity.value - slopes(velocity.time, velocity.value, hertz)[0]
     tick = period(position.time)
-    lagged = [np.interp(velocity.time - lag * tick, position.time, of_position) for lag in LAGS]
-    inside = _inside(velocity.time, hertz)
-    columns = np.stack([each[inside] - each[inside].mean() for each in lagged], axis=1)
-    of_velocity = of_velocity[inside] - of_velocity[inside].mean()
-    weights, *_ = np.linalg.lstsq(columns, of_velocity, rcond=None)
-    left = float(np.sum((of_velocity - columns @ weights) ** 2))
-    whole = float(np.sum(of_velocity**2))
-    free = len(of_velocity) - len(LAGS)
-    return left / free < (1.0 - COMPUTED) * whole / len(of_velocity) or whole == 0.0
+    inside = slice(max(LAGS), min(LAGS))
+    columns = [
+        np.interp(velocity.time - lag * tick, position.time, position.value)[inside] for lag in LAGS
+    ]
+    whole = np.stack([*columns, np.ones_like(columns[0])], axis=1)
+    weights, *_ = np.linalg.lstsq(whole, velocity.value[inside], rcond=None)
+    left = float(np.sum((velocity.value[inside] - whole @ weights) ** 2))
+    left /= len(whole) - len(weights)
+    by_noise = float(np.sum(weights[:-1] ** 2)) * noise(position.time, position.value) ** 2
+    return left < COMPUTED * by_noise or left == 0.0
 
 
 def _apart(velocity: Channel, position: Channel | None) -> float:
