@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -48,8 +49,12 @@ def bind(episode: EpisodeFiles, binding: Binding) -> Recording:
                 where=str(binding.path),
                 fix='add a line such as "hip.command" = { column = ... } to [columns]',
             )
-        tables_sent = read(episode.command, wanted=_wanted(commands, episode.command, binding))
-        sent, more = _channels(tables_sent, commands, binding)
+        clock = binding
+        if episode.command_time is not None:
+            columns = {**binding.columns, "time": episode.command_time}
+            clock = replace(binding, columns=columns, rate_hz=None)
+        tables_sent = read(episode.command, wanted=_wanted(commands, episode.command, clock))
+        sent, more = _channels(tables_sent, commands, clock)
         channels, notes, files = {**channels, **sent}, notes + more, [*files, episode.command]
     recording = Recording(
         name=episode.name,

@@ -33,6 +33,8 @@ class EpisodeFiles:
     """Same day and same setup."""
     command: Path | None = None
     """A second file, on its own clock, with every `<actuator>.command`."""
+    command_time: Column | None = None
+    """That file's clock; None where it stands as in the first one."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -190,21 +192,24 @@ def _episode(entry: Entry, root: Path) -> EpisodeFiles:
     if not file:
         raise entry.error("the episode has no file", "", 'add file = "..."')
     stem = stem_of(Path(file)) + (f"_{key}" if key is not None else "")
+    command, clock = _command(entry)
     return EpisodeFiles(
         file=root / file,
         name=entry.text("name") or stem,
         key=key,
         session=entry.text("session") or "",
-        command=_command(entry, root),
+        command=None if command is None else root / command,
+        command_time=clock,
     )
 
 
-def _command(entry: Entry, root: Path) -> Path | None:
+def _command(entry: Entry) -> tuple[str | None, Column | None]:
+    """Return the file of an episode's commands, and its clock."""
     value: object = entry.table.get("command")
     if value is None:
-        return None
+        return None, None
     inner = entry.inner(value, "episode", at=entry.at, key="command")
-    inner.allow("file", "hold")
+    inner.allow("file", "hold", "time")
     file, hold = inner.text("file"), inner.text("hold") or HOLDS[0]
     if not file:
         raise inner.error("the command has no file", "command", 'add file = "..."')
@@ -212,7 +217,10 @@ def _command(entry: Entry, root: Path) -> Path | None:
         raise inner.error(
             f"hold is {hold!r}; there is {', '.join(HOLDS)}", "hold", f'write hold = "{HOLDS[0]}"'
         )
-    return root / file
+    clock = inner.table.get("time")
+    if clock is None:
+        return file, None
+    return file, read_column("time", inner.inner(clock, "episode", at=entry.at, key="time"))
 
 
 def stem_of(path: Path) -> str:

@@ -13,7 +13,7 @@ from morph.record.entry import Entry
 from morph.record.nearest import nearest
 from morph.record.quantities import ChannelName, parse_channel
 from morph.record.read.table import Table
-from morph.record.units import unit
+from morph.record.units import Unit, unit
 
 FORMS = ("euler-xyz", "quaternion-wxyz", "quaternion-xyzw")
 """How an orientation may be written; the angles are roll, pitch and yaw."""
@@ -31,6 +31,8 @@ class Column:
     """The channel's name taken apart; None for `time`."""
     factor: float = 1.0
     """What one of its unit is in SI."""
+    dimension: str = ""
+    """What that unit measures, as `N m`; empty where none is given."""
     scale: float = 1.0
     """What one raw count is in the unit."""
     offset: float = 0.0
@@ -71,15 +73,17 @@ def read_column(name: str, entry: Entry) -> Column:
     sources = _sources(entry)
     whole = len(sources) > 1
     channel = None if name == "time" else parse_channel(name, where=entry.where(), whole=whole)
-    scale, offset = entry.number("scale"), entry.number("offset")
+    scale, offset = entry.ratio("scale"), entry.number("offset")
     if scale == 0.0:
         raise entry.error("scale is 0, so every sample would be the same", "scale", "correct it")
     form = _form(entry, channel, len(sources))
     _check_count(entry, channel, len(sources), form)
+    measure = _unit(entry, channel, form)
     return Column(
         sources=sources,
         name=channel,
-        factor=_factor(entry, channel, form),
+        factor=1.0 if measure is None else measure.factor,
+        dimension="" if measure is None else measure.dimension,
         scale=1.0 if scale is None else scale,
         offset=0.0 if offset is None else offset,
         form=form,
@@ -139,7 +143,8 @@ def _check_count(entry: Entry, channel: ChannelName | None, count: int, form: st
         )
 
 
-def _factor(entry: Entry, channel: ChannelName | None, form: str) -> float:
+def _unit(entry: Entry, channel: ChannelName | None, form: str) -> Unit | None:
+    """Return the unit of a column; None of one that needs none and names none."""
     symbol = entry.text("unit")
     if channel is None:
         allowed: tuple[str, ...] = ("s",)
@@ -150,7 +155,7 @@ def _factor(entry: Entry, channel: ChannelName | None, form: str) -> float:
     if symbol is None:
         # A command has the actuator's own unit; a quaternion has none.
         if not allowed or allowed == ("1",):
-            return 1.0
+            return None
         raise entry.error(
             "the column has no unit", "", f'add unit = "{allowed[0]}", or the one it is written in'
         )
@@ -161,7 +166,7 @@ def _factor(entry: Entry, channel: ChannelName | None, form: str) -> float:
             "unit",
             "correct the unit or the channel's name",
         )
-    return result.factor
+    return result
 
 
 def _frame(entry: Entry, channel: ChannelName | None, whole: bool) -> str:

@@ -95,6 +95,24 @@ class Entry:
             raise self.wrong(key, "a finite number")
         return number
 
+    def ratio(self, key: str) -> float | None:
+        """Return a finite number, also one that is written as a ratio in quotes, as "1/33".
+
+        Raises:
+            RecordingError: The value is neither.
+        """
+        value = self.table.get(key)
+        if not isinstance(value, str):
+            return self.number(key)
+        try:
+            over, under = map(float, value.split("/"))
+            result = over / under
+        except (ValueError, ZeroDivisionError):
+            result = math.nan
+        if not math.isfinite(result):
+            raise self.wrong(key, 'a number, or a ratio in quotes such as "1/33"')
+        return result
+
     def inner(self, value: Any, section: str, *, at: int = 0, key: str = "") -> Entry:
         """Return a table inside this one.
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from morph.body.robot import Robot
 from morph.errors import RecordingError
 from morph.record.bind import bind
-from morph.record.binding import load_binding
+from morph.record.binding import Binding, load_binding
 from morph.record.canonical import read_canonical
 from morph.record.distinct import check_distinct as check_distinct
 from morph.record.distinct import distinct
@@ -37,7 +37,7 @@ def load_recordings(
     """
     path = Path(path)
     try:
-        recordings = _recordings(path, root)
+        recordings = _recordings(path, root, robot)
     except OSError as error:
         raise RecordingError(
             f"the recording cannot be read: {error.strerror or error}",
@@ -50,11 +50,13 @@ def load_recordings(
     return distinct(recordings)
 
 
-def _recordings(path: Path, root: Path | None) -> tuple[Recording, ...]:
+def _recordings(path: Path, root: Path | None, robot: Robot | None) -> tuple[Recording, ...]:
     if path.is_dir() and (path / BINDING).is_file():
         path = path / BINDING
     if path.suffix == ".toml":
         binding = load_binding(path, root=root)
+        if robot is not None:
+            _check_units(binding, robot)
         return tuple(bind(episode, binding) for episode in binding.episodes)
     if not path.is_dir() or is_bag_folder(path):
         return read_canonical(path)
@@ -72,6 +74,29 @@ def _recordings(path: Path, root: Path | None) -> tuple[Recording, ...]:
 
 def _is_recording(path: Path) -> bool:
     return readable(path) and (path.is_file() or is_bag_folder(path))
+
+
+def _check_units(binding: Binding, robot: Robot) -> None:
+    """Refuse commands of joints' actuators in units of something else.
+
+    Raises:
+        RecordingError: A motor's command is a current, a servo's an effort or the like.
+    """
+    joints = {joint.name: joint for joint in robot.joints}
+    for actuator in robot.actuators:
+        column = binding.columns.get(f"{actuator.name}.command")
+        if column is None or actuator.joint is None or column.dimension in {"", "1"}:
+            continue
+        servo = actuator.kind == "position"
+        wanted = joints[actuator.joint].unit if servo else actuator.effort_unit
+        if column.dimension != wanted:
+            raise RecordingError(
+                f"{actuator.name} is commanded in {wanted}, and this unit measures "
+                f"{column.dimension}",
+                where=column.where,
+                fix=f'give unit = "{wanted}", with a scale that makes it so, such as torque '
+                "constant times gear ratio; or describe a servo in the robot's card",
+            )
 
 
 def _check_parts(recording: Recording, robot: Robot) -> None:

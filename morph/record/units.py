@@ -49,7 +49,7 @@ UNITS: dict[str, Unit] = {
     **_units("V", V=1.0, mV=1e-3),
     **_units("kg", kg=1.0),
     **_units("degC", degC=1.0),
-    "rpm": Unit(factor=2.0 * math.pi / 60.0, dimension="rad/s"),
+    **_units("rad/s", **dict.fromkeys(("rpm", "1/min", "rev/min"), 2.0 * math.pi / 60.0)),
     # Standard gravity is exactly 9.80665 m/s2 (BIPM, The International System of Units, 2019).
     "g": Unit(factor=9.80665, dimension="m/s2"),
     "1": Unit(factor=1.0, dimension="1"),

@@ -72,6 +72,8 @@ class Compare:
     """Seconds of the rollouts, each from the state as recorded, or `full` for whole recordings."""
     world: Annotated[str | None, tyro.conf.arg(metavar="NAME")] = None
     """Where it moved: as `morph simulate --world`."""
+    effects: Annotated[str | None, tyro.conf.arg(metavar="TOML")] = None
+    """File of effects that act, such as the corrected.toml of a diagnosis."""
     root: Path | None = None
     """Folder that a recording.toml's files are relative to, instead of its own `root`."""
     state: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None

@@ -25,6 +25,7 @@ def run_compare(options: Compare) -> int:
     Raises:
         MorphError: An input cannot be used or a file cannot be written.
     """
+    from morph.app.cli.effects import asked_effects
     from morph.app.cli.stages import stages
     from morph.app.cli.view_inputs import check_page
     from morph.body.load import load as load_robot
@@ -50,6 +51,8 @@ def run_compare(options: Compare) -> int:
         ]
         recordings = list(distinct(recordings))
         around = () if options.world is None else world(options.world, robot).effects
+        file = None if options.effects is None else Path(options.effects)
+        around = asked_effects(robot, (), file=file, world=around)
         progress.now("simulating")
         result = compare(robot, recordings, effects=around, horizon=horizon)
         if options.state is not None or options.html is not None:
@@ -76,7 +79,7 @@ def in_words(result: RolloutComparison) -> str:
         f"{result.robot} as described, beside {len(result.recordings)} "
         f"recording{'s' * several} of {result.seconds:.3g} s "
         f"({result.rollouts} {span} from recorded states):",
-        f"  {parting} of {len(result.channels)} channels part by more than noise",
+        f"  {parting} of {len(result.channels)} channels differ by more than noise",
     ]
     lines += [f"  {_line(each)}" for each in result.channels]
     return "\n".join([*lines, *(f"  note: {note}" for note in result.notes)])

@@ -110,6 +110,13 @@ def in_words(result: Diagnosis, out: Path) -> str:
     if result.stopped_short:
         lines.append("  The budget ended first: this is the best answer so far.")
     lines.append(f"  report: {out / 'report.html'} ({result.seconds:.0f} s)")
+    if result.corrected:
+        lines.append(f"  corrected model: {out / 'corrected.xml'}")
+    if beside := [effect.label for effect in result.corrected_effects]:
+        lines.append(
+            f"    MuJoCo alone cannot hold {', '.join(beside)}: simulate and compare it with "
+            f"--effects {out / 'corrected.toml'}"
+        )
     if plan := result.provenance.get("plan"):
         lines.append(f"  to plan how to tell them apart: {plan}")
     return "\n".join(lines)
@@ -124,7 +131,7 @@ def _planned(options: Diagnose, robot: Robot, result: Diagnosis) -> dict[str, st
     for finding in result.findings:
         effect = finding.effect
         rivals = [each for each in finding.rivals if each.effect not in passing]
-        if not rivals or effect.of_a_run:
+        if not rivals or effect.of_a_run or finding.probability < LIKELY:
             continue
         size = ",".join(
             f"{known.name}={getattr(effect, known.name):.4g}" for known in effect.free()
@@ -234,6 +241,10 @@ def _command(options: Diagnose) -> str:
     parts += ["--root", str(options.root)] if options.root is not None else []
     parts += ["--budget", f"{options.budget:g}"] if options.budget is not None else []
     return shlex.join([*parts, "--seed", str(options.seed)])
+
+
+LIKELY = 0.1
+"""Probability of a finding from which an experiment is proposed for it."""
 
 
 class _Progress:

@@ -111,7 +111,10 @@ def _contents(diagnosis: Diagnosis) -> dict[str, str | bytes]:
     if diagnosis.corrected:
         from morph.physics.store import effects_text
 
-        contents["corrected.xml"] = diagnosis.corrected
+        beside = ", ".join(effect.label for effect in diagnosis.corrected_effects)
+        # Two hyphens would end the comment.
+        lacks = f"<!-- It lacks {beside.replace('--', '- -')}: see corrected.toml. -->\n"
+        contents["corrected.xml"] = (lacks if beside else "") + diagnosis.corrected
         contents["corrected.toml"] = effects_text(diagnosis.corrected_effects)
     if diagnosis.residual:
         contents["residual.npz"] = _arrays(diagnosis.residual)

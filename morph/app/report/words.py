@@ -24,6 +24,9 @@ PEOPLE = {"coulomb", "stribeck", "maxwell", "coriolis"}
 UNREAD = "was not read"
 """What notes say of a joint's position that is estimated."""
 
+LIKELY = 0.5
+"""Probability from which a finding counts in the headline."""
+
 NAMED = 3
 """Channels named in a sentence; the table has them all."""
 
@@ -72,9 +75,12 @@ def headline(diagnosis: Diagnosis) -> str:
     if diagnosis.verdict == "consistent":
         return "No difference shows in these recordings"
     if diagnosis.verdict == "mismatch" and diagnosis.findings:
-        pieces = counted(len(diagnosis.findings), "thing", "things")
-        were = "was" if len(diagnosis.findings) == 1 else "were"
-        return f"{pieces.capitalize()} {were} left out of the simulation"
+        likely = sum(finding.probability >= LIKELY for finding in diagnosis.findings)
+        if not likely:
+            return "Something was perhaps left out of the simulation"
+        pieces, were = counted(likely, "thing", "things"), "was" if likely == 1 else "were"
+        more = ", and perhaps more" if likely < len(diagnosis.findings) else ""
+        return f"{pieces.capitalize()} {were} left out of the simulation{more}"
     if "rejected" in diagnosis.held_out_rmse:
         return "They differ, and no correction holds on held-out runs"
     if diagnosis.findings:

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from morph.body.load import load
 from morph.errors import RecordingError
 from morph.record.binding import load_binding
 from morph.record.load import load_recordings
@@ -163,3 +164,54 @@ def test_commands_at_another_time_are_refused(tmp_path: Path) -> None:
     with pytest.raises(RecordingError, match="share no time") as caught:
         load_recordings(path)
     assert "sent.csv" in caught.value.where
+
+
+def test_the_clock_of_commands_may_have_another_name_and_unit(tmp_path: Path) -> None:
+    clock = 'command = { file = "sent.csv", time = { column = "ms", unit = "ms" } }\n\n[columns]'
+    path = rig(tmp_path, BINDING.replace("[columns]", clock))
+    sent = "\n".join(f"{50 * at},{-at}" for at in range(12))
+    (tmp_path / "logs" / "sent.csv").write_text(f"ms,tau\n{sent}\n")
+    (run,) = load_recordings(path)
+    # Its third command, of 0.10 s.
+    assert run.channel("hip.command").at(np.array([0.12])) == pytest.approx(-2.0)
+
+
+def test_a_scale_may_be_a_ratio(tmp_path: Path) -> None:
+    path = rig(tmp_path, BINDING.replace("scale = 2.0", 'scale = "-1/20"'))
+    (run,) = load_recordings(path)
+    assert run["hip.position"][5] == pytest.approx(math.radians(-90.25), rel=1e-12)
+    for wrong in ('"1/0"', '"a/b"', '"1/2/3"', '"2"'):
+        path.write_text(BINDING.replace("scale = 2.0", f"scale = {wrong}"))
+        with pytest.raises(RecordingError, match="scale is") as caught:
+            load_binding(path)
+        assert '"1/33"' in caught.value.fix
+
+
+@pytest.mark.parametrize(
+    ("kind", "unit", "fits"),
+    [
+        ("motor", "N m", True),
+        ("motor", "mNm", True),
+        ("motor", "1", True),
+        ("motor", "mA", False),
+        ("motor", "deg", False),
+        ("position", "deg", True),
+        ("position", "N m", False),
+    ],
+)
+def test_a_command_has_its_actuators_unit(tmp_path: Path, kind: str, unit: str, fits: bool) -> None:
+    gains = ' kp="5"' if kind == "position" else ""
+    description = f"""
+<mujoco><worldbody><body><joint name="hip" axis="0 1 0"/><geom size="0.1"/>
+ <body pos="0 0 1"><joint name="knee" axis="0 1 0"/><geom size="0.1"/></body></body></worldbody>
+ <actuator><{kind} name="hip" joint="hip"{gains}/></actuator></mujoco>
+"""
+    (tmp_path / "leg.xml").write_text(description)
+    path = rig(tmp_path, BINDING.replace('"tau", unit = "N m"', f'"tau", unit = "{unit}"'))
+    robot = load(tmp_path / "leg.xml")
+    if fits:
+        assert len(load_recordings(path, robot=robot)) == 1
+        return
+    with pytest.raises(RecordingError, match="hip is commanded in") as caught:
+        load_recordings(path, robot=robot)
+    assert "recording.toml:11" in caught.value.where

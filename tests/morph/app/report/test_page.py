@@ -9,6 +9,7 @@ import pytest
 
 from morph.app.report.curves import MOST_POINTS, MOST_TRACES, curves, thinned
 from morph.app.report.page import report_page
+from morph.app.report.words import headline
 from morph.model.diagnosis import Diagnosis
 
 LOADING = {"src", "href", "srcset", "data", "action", "poster", "background", "xlink:href"}
@@ -62,6 +63,14 @@ def test_the_finding_in_words_comes_before_every_table_and_drawing(mismatch: Dia
     assert body.index("Two things were left out of the simulation") < first
     for sentence in mismatch.summary():
         assert body.index(sentence) < first
+
+
+def test_what_is_hardly_likely_is_not_counted(mismatch: Diagnosis) -> None:
+    first, second = mismatch.findings
+    weak = replace(mismatch, findings=(first, replace(second, probability=0.03)))
+    assert headline(weak) == "One thing was left out of the simulation, and perhaps more"
+    weaker = replace(weak, findings=tuple(replace(f, probability=0.2) for f in weak.findings))
+    assert headline(weaker) == "Something was perhaps left out of the simulation"
 
 
 def test_the_improvement_on_unseen_runs_is_told_before_the_findings(mismatch: Diagnosis) -> None:
