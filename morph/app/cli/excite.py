@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import shlex
 import sys
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,8 +16,8 @@ if TYPE_CHECKING:
     from morph.experiment_design.separation import ExperimentPlan, Separation
 
 MARKER = "experiment.json"
-MOST_LISTED = 20
-"""Pairs of laws that are not told apart that are listed; more are counted."""
+MOST_LISTED = 5
+"""Pairs of laws that look alike that are listed; more are counted."""
 
 
 def run_excite(options: Excite) -> int:
@@ -102,15 +103,12 @@ def in_words(result: ExperimentPlan, options: Excite) -> str:
             f"  run_{number + 1}.csv: {run.excitation.kind}, {run.seconds:.3g} s, {share:.2g} % of "
             "the actuators' limits"
         )
-    rows = [each for each in result.separations if each.enough]
-    left = [each for each in result.separations if not each.enough]
     if options.for_everything:
-        lines.append(f"  {len(rows)} of {len(result.separations)} pairs of laws are told apart")
-        lines += [f"  not told apart: {_line(each)}" for each in left[:MOST_LISTED]]
-        lines += [f"  and {len(left) - MOST_LISTED} more in {MARKER}"] * (len(left) > MOST_LISTED)
+        lines += [*_shown(result.separations), *_alike(result.separations)]
     else:
         lines += [f"  {_line(each)}" for each in result.separations]
-        lines += ["  no motion that was tried tells them apart surely"] * bool(left)
+        sure = all(each.enough for each in result.separations)
+        lines += [] if sure else ["  no motion that was tried tells them apart surely"]
     first = options.out / "run_1.csv"
     base = [] if options.base is None else ["--base", options.base]
     simulate = ["morph", "simulate", options.robot, *base, "--commands", str(first)]
@@ -121,6 +119,35 @@ def in_words(result: ExperimentPlan, options: Excite) -> str:
         + shlex.join(["morph", "diagnose", options.robot, *base, "RECORDING", "--out", "DIR"]),
     ]
     return "\n".join([*lines, *further])
+
+
+def _shown(separations: Sequence[Separation]) -> Iterator[str]:
+    """Yield for each part which laws will show beside masses and gains, and which will not."""
+    by_place: dict[str, dict[bool, list[str]]] = {}
+    for each in (each for each in separations if each.rival == "none"):
+        law, _, place = each.law.partition("@")
+        by_place.setdefault(place, {True: [], False: []})[each.enough].append(law)
+    for place, laws in by_place.items():
+        parts = [
+            f"{what} {', '.join(sorted(laws[enough]))}"
+            for enough, what in ((True, "shows"), (False, "does not show"))
+            if laws[enough]
+        ]
+        yield f"  {place}: {'; '.join(parts)}"
+
+
+def _alike(separations: Sequence[Separation]) -> Iterator[str]:
+    """Yield pairs of laws that show, and look alike."""
+    shown = {each.law for each in separations if each.rival == "none" and each.enough}
+    pairs = {
+        frozenset((each.law, each.rival)): each
+        for each in separations
+        if not each.enough and {each.law, each.rival} <= shown
+    }
+    for each in [*pairs.values()][:MOST_LISTED]:
+        yield f"  look alike: {each.law} and {each.rival}"
+    if len(pairs) > MOST_LISTED:
+        yield f"  and {len(pairs) - MOST_LISTED} more pairs in {MARKER}"
 
 
 def _line(each: Separation) -> str:
