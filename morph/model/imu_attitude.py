@@ -33,7 +33,8 @@ def with_imu_attitude(recording: Recording, robot: Robot) -> Recording:
     eq. 32 (the explicit complementary filter with bias).
 
     Args:
-        recording: What was recorded: `<site>.gyro.{x,y,z}`, `<site>.accelerometer.{x,y,z}`.
+        recording: What was recorded: `<site>.gyro.{x,y,z}`, `<site>.accelerometer.{x,y,z}`, of a
+            site or of a link that is fixed to the free one.
         robot: Its robot.
     """
     free = [joint.link for joint in robot.joints if joint.kind == "free"]
@@ -43,16 +44,16 @@ def with_imu_attitude(recording: Recording, robot: Robot) -> Recording:
     model = spec_of(robot).compile()
     channels, notes = dict(recording.channels), []
     for link in unread:
-        site = _site(model, recording, link)
-        if site is None:
+        found = _sensor(model, recording, link)
+        if found is None:
             continue
+        site, turned = found
         # They tell nothing more then.
         gyro, felt = (
             [channels.pop(f"{site}.{quantity}.{axis}") for axis in XYZ]
             for quantity in ("gyro", "accelerometer")
         )
         time = gyro[0].time
-        turned = _matrix(model.site(site).quat)
         rates, forces = (
             np.stack([each.at(time) for each in parts], axis=1) @ turned.T for parts in (gyro, felt)
         )
@@ -99,22 +100,27 @@ def integrated(time: Array, rates: Array, forces: Array, up: Array) -> Array:
     return result
 
 
-def _site(model: mujoco.MjModel, recording: Recording, link: str) -> str | None:
-    """Return a site on a link whose gyro and accelerometer were recorded."""
-    for at in range(model.nsite):
-        site = model.site(at)
-        names = [f"{site.name}.{what}.{axis}" for what in ("gyro", "accelerometer") for axis in XYZ]
-        on_link = model.body(int(site.bodyid[0])).name == link
-        if on_link and all(name in recording.channels for name in names):
-            return str(site.name)
+def _sensor(model: mujoco.MjModel, recording: Recording, link: str) -> tuple[str, Array] | None:
+    """Return a sensor fixed to a link that was recorded, and its axes as columns in the link's."""
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    weld = model.body_weldid[model.body(link).id]
+    placed = {
+        model.body(at).name: data.xmat[at]
+        for at in range(model.nbody)
+        if model.body_weldid[at] == weld
+    }
+    placed |= {
+        model.site(at).name: data.site_xmat[at]
+        for at in range(model.nsite)
+        if model.body_weldid[model.site_bodyid[at]] == weld
+    }
+    base = placed[link].reshape(3, 3)
+    for name, axes in placed.items():
+        read = [f"{name}.{what}.{axis}" for what in ("gyro", "accelerometer") for axis in XYZ]
+        if all(each in recording.channels for each in read):
+            return name, base.T @ axes.reshape(3, 3)
     return None
-
-
-def _matrix(quaternion: Array) -> Array:
-    """Return a rotation matrix."""
-    result = np.empty(9)
-    mujoco.mju_quat2Mat(result, quaternion)
-    return result.reshape(3, 3)
 
 
 def _shortest(along: Array, up: Array) -> Array:

@@ -142,7 +142,7 @@ def remains(diagnosis: Diagnosis) -> tuple[str, ...]:
     worst = sorted(left.channels.items(), key=lambda each: -each[1])[:NAMED]
     forces = ", ".join(f"{_share(share)} % at {name}" for name, share in worst)
     if forces:
-        lines.append(f"Of the inertial force of the fitted runs is missing: {forces}.")
+        lines.append(f"Unexplained force, as a share of the inertial force: {forces}.")
     if left.contact:
         lines.append(
             "The robot touches a floor or the stops of its joints: of these forces rollouts alone "

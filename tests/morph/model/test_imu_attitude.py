@@ -93,6 +93,25 @@ def test_a_sensor_that_lies_turned_on_its_link(robot: Robot) -> None:
     assert "how hull was turned is told by imu" in told.notes[0].what
 
 
+def test_a_sensor_at_a_link_that_is_fixed_to_the_base(tmp_path: Path) -> None:
+    path = tmp_path / "hull.xml"
+    bare = DESCRIPTION[: DESCRIPTION.index("<site")] + "</body></worldbody></mujoco>"
+    # A quarter of a turn about z: its x axis is the hull's y.
+    fixed = '<body name="imu_link" quat="0.7071067811865476 0 0 0.7071067811865476"/></body></w'
+    path.write_text(bare.replace("</body></w", fixed))
+    rotation, rates = turned()
+    read = {"gyro": rates, "accelerometer": rotation.inv().apply(UP)}
+    channels = {
+        f"imu_link.{name}.{axis}": Channel(time=TIME, value=value)
+        for name, values in read.items()
+        for axis, value in (("x", values[:, 1]), ("y", -values[:, 0]), ("z", values[:, 2]))
+    }
+    told = with_imu_attitude(Recording(name="run", channels=channels), load(path))
+    straight = integrated(TIME, rates, rotation.inv().apply(UP), UP)
+    for axis, value in zip("wxyz", straight.T, strict=True):
+        assert told[f"hull.orientation.{axis}"] == pytest.approx(value, abs=1e-9)
+
+
 def test_upside_down_is_an_orientation_too() -> None:
     down = np.tile(-UP, (100, 1))
     told = integrated(TIME[:100], np.zeros((100, 3)), down, UP)
