@@ -11,6 +11,7 @@ from morph.app.cli import compare
 from morph.app.cli.main import main
 from morph.body.load import load
 from morph.physics.joint.coulomb_friction import CoulombFriction
+from morph.physics.store import effects_text
 from morph.record.write import write
 from morph.sim.simulator import Simulator
 
@@ -35,11 +36,22 @@ def test_what_parts_is_told_with_the_commands_that_show_and_name_it(run: Path, c
     assert main(["compare", "pendulum", str(run), "--quiet"]) == 0
     said = capsys.readouterr().out
     assert "pendulum as described, beside 1 recording of 5 s (4 rollouts of 1 s" in said
-    assert "1 of 1 channels part by more than noise" in said
+    assert "1 of 1 channels differ by more than noise" in said
     assert "hinge.position:" in said
     assert "most in swing from" in said
     assert f"morph view pendulum --recording {run} --first mismatch" in said
     assert f"morph diagnose pendulum {run} --out DIR" in said
+
+
+def test_effects_of_a_file_act(tmp_path: Path, run: Path, capsys: Out) -> None:
+    effects = tmp_path / "effects.toml"
+    effects.write_text(effects_text((CoulombFriction(joint="hinge", c=0.2),)))
+    errors = []
+    for more in ([], ["--effects", str(effects)]):
+        assert main(["compare", "pendulum", str(run), "--json", *more]) == 0
+        errors.append(json.loads(capsys.readouterr().out)["channels"][0]["error"])
+    # It is the law of the run.
+    assert errors[1] < 0.1 * errors[0]
 
 
 def test_json_follows_its_schema(run: Path, capsys: Out) -> None:
