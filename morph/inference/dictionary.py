@@ -111,10 +111,11 @@ def dictionary(
     """Yield each effect at each place, as a tuple over the shapes of its grid."""
     motions = [run.motion for run in runs]
     longest = max(motions, key=lambda motion: len(motion.time))
-    read = np.any([run.run.valid.any(axis=0) for run in runs], axis=0)
-    # Rollouts are compared with positions: they would not show laws of sensors of velocity.
-    measured = {name for name, at in longest.channels.items() if read[at]}
-    measured = {name for name in measured if not name.endswith(".velocity")}
+    # Rollouts are compared with positions: they would not show laws of sensors of velocity, which
+    # not all runs may have.
+    channels = runs[0].run.measurement.channels
+    read = np.any([run.run.valid[:, : len(channels)].any(axis=0) for run in runs], axis=0)
+    measured = {name for name, there in zip(channels, read, strict=True) if there}
     by_label = {effect.label: effect for effect in known}
     joints = [joint.name for joint in robot.joints if joint.kind in {"hinge", "slide"}]
     # A law at a joint that follows another is one at its leader.
