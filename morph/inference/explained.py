@@ -39,9 +39,7 @@ def certain(gain: float, runs: Sequence[Observed], *, event: bool = False) -> bo
 
 def at_noise(runs: Sequence[Observed], force: float = LITTLE_FORCE) -> bool:
     """Return whether runs are explained to their noise, but for a little missing force."""
-    vibrations = [
-        (run.about.disturbance.vibration / run.about.sensed[: run.about.velocity.shape[1]]) ** 2
-        for run in runs
-        if run.about.disturbance.vibration is not None
-    ]
+    known = [(run.about.disturbance.vibration, run.about.sensed) for run in runs]
+    # Sensors of velocity, the last channels, do not vibrate.
+    vibrations = [(each / noise[: len(each)]) ** 2 for each, noise in known if each is not None]
     return missing(runs) < force and float(np.sqrt(np.mean(vibrations))) < LITTLE_VIBRATION
