@@ -19,6 +19,8 @@ TILT_TIME, BIAS_TIME = 2.0, 20.0
 """Seconds in which errors of tilt fade, and in which a gyro's bias is learned."""
 AT_REST = 0.2
 """Share of gravity by which a specific force may differ from it and still tell which way is up."""
+LEAST = 0.1
+"""m/s2: least gravity, and specific force as a recording begins, that tell which way is up."""
 UNSURE = 0.01
 """rad: how far an orientation may be off, as white noise at the rate of readings."""
 
@@ -57,7 +59,12 @@ def with_imu_attitude(recording: Recording, robot: Robot) -> Recording:
         rates, forces = (
             np.stack([each.at(time) for each in parts], axis=1) @ turned.T for parts in (gyro, felt)
         )
-        attitude = integrated(time, rates, forces, -np.asarray(model.opt.gravity))
+        up = -np.asarray(model.opt.gravity)
+        felt_first = forces[time < time[0] + BEGIN].mean(axis=0)
+        if min(np.linalg.norm(up), np.linalg.norm(felt_first)) < LEAST:
+            # Nothing tells which way is up.
+            return recording
+        attitude = integrated(time, rates, forces, up)
         for axis, value in zip(WXYZ, attitude.T, strict=True):
             # A rotation by a small angle changes a quaternion by half of it.
             channels[f"{link}.orientation.{axis}"] = Channel(

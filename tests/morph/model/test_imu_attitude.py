@@ -118,6 +118,13 @@ def test_upside_down_is_an_orientation_too() -> None:
     assert Rotation.from_quat(told[-1], scalar_first=True).apply(-UP) == pytest.approx(UP)
 
 
+def test_an_accelerometer_that_reads_nothing_tells_nothing(robot: Robot) -> None:
+    none = Channel(time=TIME, value=np.zeros_like(TIME))
+    names = [f"imu.{what}.{axis}" for what in ("gyro", "accelerometer") for axis in "xyz"]
+    dead = Recording(name="run", channels=dict.fromkeys(names, none))
+    assert with_imu_attitude(dead, robot) is dead
+
+
 def test_without_the_sensor_nothing_is_told(robot: Robot) -> None:
     bare = Recording(name="run", channels={"imu.gyro.x": Channel(time=TIME, value=0.0 * TIME)})
     assert with_imu_attitude(bare, robot).channels == bare.channels
