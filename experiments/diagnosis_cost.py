@@ -85,7 +85,8 @@ def written(folder: Path, joints: int, seed: int, *, samples: int | None = None)
         for at in range(RUNS):
             moved = bodies_driven.moved_along_sines(robot, (law,), rng)
             run = bodies_driven.read(robot, (law,), moved, rng, f"run{at}")
-            files.append(folder / f"run{at}.parquet")
+            # The file keeps each clock: commands on that of the readings would come late.
+            files.append(folder / f"run{at}.npz")
             write(run, files[-1])
     return files
 

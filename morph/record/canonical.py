@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
+import numpy as np
+
+from morph.arrays import Array
 from morph.errors import RecordingError
 from morph.record.bind import channels_of, check_overlap, hash_of_arrays
 from morph.record.binding import stem_of
@@ -15,13 +19,14 @@ from morph.record.recording import Channel, Note, Recording
 from morph.record.topics import read_topics
 
 CLOCK = ".time"
-"""The ending of a channel's own clock, in an NPZ or HDF5 file."""
+"""The ending of a channel's own clock."""
 
 
 def read_canonical(path: Path) -> tuple[Recording, ...]:
     """Return the recordings in a file with canonical names: one, or one per group of HDF5.
 
-    In an NPZ or HDF5 file a channel may stand beside its own clock, `<channel>.time`.
+    A channel may stand beside its own clock, `<channel>.time`. In a table of rows the cells below
+    the last sample of each clock are then empty.
     The topics of a bag have clocks of their own.
 
     Raises:
@@ -63,8 +68,8 @@ def _channels(table: Table) -> tuple[dict[str, Channel], tuple[Note, ...]]:
     for name in names:
         parse_channel(name, where=where)
     channels: dict[str, Channel] = {}
-    notes = table.notes
-    for clock, group in _groups(names, table).items():
+    notes, groups = table.notes, _groups(names, table)
+    for clock, group in groups.items():
         time = table.column(clock)
         values = {name: table.column(name) for name in group}
         for name, value in values.items():
@@ -74,9 +79,18 @@ def _channels(table: Table) -> tuple[dict[str, Channel], tuple[Note, ...]]:
                     where=str(path),
                     fix=f"give it a clock of its own, {name}{CLOCK}",
                 )
+        if len(groups) > 1:
+            rows = _rows([time, *values.values()])
+            time, values = time[:rows], {name: value[:rows] for name, value in values.items()}
         cleaned, result = channels_of(time, values, table)
         channels, notes = {**channels, **cleaned}, notes + result
     return {name: channels[name] for name in names}, notes
+
+
+def _rows(columns: Sequence[Array]) -> int:
+    """Return how many rows there are down to the last in which a cell is filled."""
+    filled = np.flatnonzero(~np.isnan(columns).all(axis=0))
+    return int(filled[-1]) + 1 if len(filled) else 0
 
 
 def _is_clock(name: str, table: Table) -> bool:

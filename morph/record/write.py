@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gzip
 import io
+import itertools
 import re
 from pathlib import Path
 
@@ -22,8 +23,8 @@ ENDINGS = (".csv", ".csv.gz", ".npz", ".parquet")
 def write(recording: Recording, path: Path) -> Path:
     """Write a recording's channels; the file's ending says how.
 
-    NPZ keeps every channel on its own clock. CSV and Parquet have one clock, that
-    of the first measured channel: what has another is held or interpolated there.
+    `time` is the clock of the first measured channel; one with another clock stands beside it,
+    `<channel>.time`. In CSV and Parquet the cells below the shorter ones are empty.
 
     Returns:
         The path written.
@@ -31,16 +32,16 @@ def write(recording: Recording, path: Path) -> Path:
     Raises:
         OutputError: The ending is unknown, or the file cannot be written.
     """
-    name = path.name.lower()
+    name, columns = path.name.lower(), _columns(recording)
     if name.endswith(".npz"):
-        return write_whole(path, _npz(recording))
+        return write_whole(path, _npz(columns))
     if name.endswith(".parquet"):
-        return write_whole(path, _parquet(_columns(recording)))
+        return write_whole(path, _parquet(columns))
     if name.endswith(".csv.gz"):
         # Without a time stamp the same recording gives the same bytes.
-        return write_whole(path, gzip.compress(_csv(_columns(recording)), mtime=0))
+        return write_whole(path, gzip.compress(_csv(columns), mtime=0))
     if name.endswith(".csv"):
-        return write_whole(path, _csv(_columns(recording)))
+        return write_whole(path, _csv(columns))
     raise OutputError(
         f"a recording cannot be written as {path.name!r}",
         where=str(path),
@@ -49,20 +50,22 @@ def write(recording: Recording, path: Path) -> Path:
 
 
 def _columns(recording: Recording) -> dict[str, Array]:
-    """Return `time` and every channel, all on one clock, shape (samples,) each."""
+    """Return `time`, every channel and the clocks that differ, shape (samples of its own,) each."""
     channels = recording.channels
     first = next((one for one in channels.values() if not one.hold), next(iter(channels.values())))
-    return {"time": first.time} | {
-        name: channel.value if np.array_equal(channel.time, first.time) else channel.at(first.time)
-        for name, channel in channels.items()
-    }
+    columns = {"time": first.time}
+    for name, channel in channels.items():
+        if not np.array_equal(channel.time, first.time):
+            columns[f"{name}{CLOCK}"] = channel.time
+        columns[name] = channel.value
+    return columns
 
 
 def _csv(columns: dict[str, Array]) -> bytes:
-    rows = zip(*(column.tolist() for column in columns.values()), strict=True)
     # Python's shortest text of a float reads back as the same float.
+    cells = [map(repr, column.tolist()) for column in columns.values()]
     names = [f'"{name}"' if re.search("[,;\t]", name) else name for name in columns]
-    lines = [",".join(names), *(",".join(map(repr, row)) for row in rows)]
+    lines = [",".join(names), *map(",".join, itertools.zip_longest(*cells, fillvalue=""))]
     return ("\n".join(lines) + "\n").encode()
 
 
@@ -70,19 +73,18 @@ def _parquet(columns: dict[str, Array]) -> bytes:
     import pyarrow
     from pyarrow import parquet
 
-    sink = io.BytesIO()
-    parquet.write_table(pyarrow.table(columns), sink, compression="zstd")
+    rows, sink = max(map(len, columns.values())), io.BytesIO()
+    filled = {
+        name: pyarrow.concat_arrays(
+            [pyarrow.array(column), pyarrow.nulls(rows - len(column), pyarrow.float64())]
+        )
+        for name, column in columns.items()
+    }
+    parquet.write_table(pyarrow.table(filled), sink, compression="zstd")
     return sink.getvalue()
 
 
-def _npz(recording: Recording) -> bytes:
-    channels = recording.channels
-    first = next((one for one in channels.values() if not one.hold), next(iter(channels.values())))
-    arrays = {"time": first.time}
-    for name, channel in channels.items():
-        arrays[name] = channel.value
-        if not np.array_equal(channel.time, first.time):
-            arrays[f"{name}{CLOCK}"] = channel.time
+def _npz(columns: dict[str, Array]) -> bytes:
     sink = io.BytesIO()
-    np.savez_compressed(sink, allow_pickle=False, **arrays)
+    np.savez_compressed(sink, allow_pickle=False, **columns)
     return sink.getvalue()

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -35,17 +36,33 @@ def test_what_is_written_reads_back_bit_by_bit(tmp_path: Path, ending: str) -> N
         assert read.channel(name).hold == channel.hold
 
 
-def test_an_npz_keeps_every_clock(tmp_path: Path) -> None:
+@pytest.mark.parametrize("ending", [".csv", ".parquet", ".npz"])
+@pytest.mark.parametrize("often", [1, 3])
+def test_every_clock_is_kept(tmp_path: Path, ending: str, often: int) -> None:
+    """Commands are sent at every second sample, or more often than anything is read."""
     wrote = recording(same_clock=False)
-    (read,) = load_recordings(write(wrote, tmp_path / "run.npz"))
-    assert np.array_equal(read.channel("hip.command").time, wrote.channel("hip.command").time)
+    sent = wrote.channel("hip.command")
+    if often > 1:
+        time = np.linspace(sent.time[0], sent.time[-1], often * 200)
+        sent = replace(sent, time=time, value=np.cos(time))
+    wrote = replace(wrote, channels={**wrote.channels, "hip.command": sent})
+    (read,) = load_recordings(write(wrote, tmp_path / f"run{ending}"))
+    assert not read.notes
+    for name, channel in wrote.channels.items():
+        assert np.array_equal(read.channel(name).time, channel.time)
+        assert np.array_equal(read[name], channel.value)
 
 
-def test_a_csv_holds_commands_on_the_clock_of_what_is_measured(tmp_path: Path) -> None:
-    wrote = recording(same_clock=False)
-    (read,) = load_recordings(write(wrote, tmp_path / "run.csv"))
-    # Commands are sent at every second sample, just before it, and hold for the next.
-    assert np.array_equal(read["hip.command"], np.repeat(wrote["hip.command"], 2))
+def test_a_cell_that_is_missing_above_the_last_sample_is_told(tmp_path: Path) -> None:
+    path = write(recording(same_clock=False), tmp_path / "run.csv")
+    rows = path.read_text().splitlines()
+    cells = rows[7].split(",")
+    path.write_text("\n".join([*rows[:7], ",".join(["", *cells[1:]]), *rows[8:], ""]))
+    (read,) = load_recordings(path)
+    assert [note.dropped for note in read.notes] == [1]
+    assert "line 8" in read.notes[0].where
+    assert len(read["hip.position"]) == 199
+    assert len(read["hip.command"]) == 100
 
 
 def test_the_same_recording_gives_the_same_bytes(tmp_path: Path) -> None:
