@@ -18,7 +18,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from experiments.dfki import FOLDER
+from experiments.dfki import DESIGNS, FOLDER
 from experiments.figures.save_options import parse_and_save
 from experiments.needs import need_recordings
 from experiments.openloop import bound, from_mjcf
@@ -31,13 +31,13 @@ from morph.errors import MorphError
 from morph.inference.diagnose import diagnose
 from morph.inference.prepared import completed
 from morph.model.diagnosis import Diagnosis
-from morph.record.recording import Recording
+from morph.record.recording import Channel, Recording
 
 EXAMPLE = """example:
   python -m experiments.concealed_real --only nothing hidden"""
 
-FITTED, ASIDE = ("run_00", "run_01", "run_02"), ("run_03",)
-"""Runs of design C.0, and one that is held out."""
+DESIGN = DESIGNS["C.0"]
+"""Which runs are fitted, and which are held out."""
 JOINT = "elbow"
 LATE, SCALE, LIGHTER, ROTOR = 0.03, 1.05, 0.75, 0.02
 """s; the factor on its readings; that on its link's mass; kg m2 of a rotor."""
@@ -84,37 +84,51 @@ def hidden(robot: Robot, fitted: Sequence[Recording], aside: Sequence[Recording]
 
 def late(robot: Robot, fitted: Sequence[Recording], aside: Sequence[Recording]) -> Concealed:
     """Return recordings whose elbow is stamped late."""
-
-    def shifted(run: Recording) -> Recording:
-        name = f"{JOINT}.position"
-        track = run.channels[name]
-        return replace(run, channels={**run.channels, name: replace(track, time=track.time + LATE)})
-
-    return Concealed(
-        robot=robot,
-        fitted=[shifted(run) for run in fitted],
-        aside=[shifted(run) for run in aside],
-        names=(f"timestamp_offset@{JOINT}.position",),
-        value=("T", LATE),
+    return _misread(
+        robot,
+        fitted,
+        aside,
+        "timestamp_offset",
+        "T",
+        LATE,
+        lambda e: replace(e, time=e.time + LATE),
     )
 
 
 def scaled(robot: Robot, fitted: Sequence[Recording], aside: Sequence[Recording]) -> Concealed:
     """Return recordings whose elbow's encoder counts too much."""
+    return _misread(
+        robot,
+        fitted,
+        aside,
+        "sensor_scale",
+        "gain",
+        SCALE,
+        lambda e: replace(e, value=SCALE * e.value),
+    )
 
-    def more(run: Recording) -> Recording:
+
+def _misread(
+    robot: Robot,
+    fitted: Sequence[Recording],
+    aside: Sequence[Recording],
+    law: str,
+    parameter: str,
+    value: float,
+    change: Callable[[Channel], Channel],
+) -> Concealed:
+    """Return recordings whose elbow's encoder reads otherwise than it did."""
+
+    def changed(run: Recording) -> Recording:
         name = f"{JOINT}.position"
-        track = run.channels[name]
-        return replace(
-            run, channels={**run.channels, name: replace(track, value=SCALE * track.value)}
-        )
+        return replace(run, channels={**run.channels, name: change(run.channels[name])})
 
     return Concealed(
         robot=robot,
-        fitted=[more(run) for run in fitted],
-        aside=[more(run) for run in aside],
-        names=(f"sensor_scale@{JOINT}.position",),
-        value=("gain", SCALE),
+        fitted=[changed(run) for run in fitted],
+        aside=[changed(run) for run in aside],
+        names=(f"{law}@{JOINT}.position",),
+        value=(parameter, value),
     )
 
 
@@ -162,9 +176,12 @@ CASES: dict[str, Callable[..., Concealed]] = {
 def studied(name: str) -> JSON:
     """Return what a diagnosis says of one case."""
     root, robot = need_recordings(FOLDER), load("double_pendulum")
-    fitted, aside = (bound("dfki_c0", FOLDER, robot, names, root=root) for names in (FITTED, ASIDE))
+    fitted, aside = (
+        bound(DESIGN.binding, FOLDER, robot, names, root=root)
+        for names in (DESIGN.train, DESIGN.held_out)
+    )
     case, began = CASES[name](robot, fitted, aside), time.process_time()
-    found = diagnose(case.robot, case.fitted, held_out=case.aside)
+    found = diagnose(case.robot, case.fitted, held_out=case.aside, horizon=DESIGN.horizon)
     row: JSON = {
         "case": name,
         "found": [each.effect.label for each in found.findings],

@@ -19,8 +19,9 @@ def by_effort(recording: Recording, robot: Robot) -> Recording:
 
     Args:
         recording: What was recorded; each stand-in is noted.
-        robot: Its robot. An effort at a joint is a command times the motor's gear and gain. It
-            says nothing of two motors at one joint.
+        robot: Its robot. An effort at a joint is a command times the motor's gear and gain; each
+            is held from midway since the reading before to midway to the next. It says nothing of
+            two motors at one joint.
     """
     channels, notes = dict(recording.channels), []
     motors = Counter(actuator.joint for actuator in robot.actuators)
@@ -40,7 +41,9 @@ def by_effort(recording: Recording, robot: Robot) -> Recording:
         motor = model.actuator(actuator.name)
         measured = channels[effort]
         value = measured.value / float(motor.gear[0] * motor.gainprm[0])
-        channels[command] = replace(measured, value=value, hold=True)
+        # A reading stands for the time about it: held until the next it would come half as late.
+        since = np.concatenate([measured.time[:1], 0.5 * (measured.time[1:] + measured.time[:-1])])
+        channels[command] = replace(measured, time=since, value=value, hold=True)
         notes.append(
             Note(
                 what=f"{actuator.name} has no recorded command: the effort measured at its joint "
