@@ -22,8 +22,10 @@ import numpy as np
 
 from experiments.engine_options import add_engine_options, rows_of, seeds_of
 from experiments.figures.save_options import parse_and_save
-from experiments.unseen_rigs.plant import RATE, Moved, Simulated
-from experiments.unseen_rigs.rigs import RIGS, Rig
+from experiments.unseen_rigs.dynamics import RATE, Simulated
+from experiments.unseen_rigs.plant import Moved
+from experiments.unseen_rigs.rig import Rig
+from experiments.unseen_rigs.rigs import RIGS
 from morph.arrays import JSON, Array
 from morph.body.load import load
 from morph.errors import MorphError

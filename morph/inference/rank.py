@@ -22,6 +22,7 @@ from morph.inference.by_rollouts import (
     on_floor,
     richer,
     to_rollouts,
+    with_sensors,
     without_figures,
 )
 from morph.inference.contact import at_stops, touches
@@ -139,6 +140,7 @@ def ranked(
         best = richer(result.task, best)
         if not result.task.by_rollouts and missing(best.refit.runs) > NEAR:
             best = beside(result.task, best)
+        best = with_sensors(result.task, best)
     if touching and not result.task.by_rollouts:
         best = on_floor(result.task, best)
     best = simplified(best)

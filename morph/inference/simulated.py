@@ -17,6 +17,10 @@ from morph.physics.effect import Effect
 STRENGTHS = (1.0, 0.3, 0.1)
 """Shares of linearised strengths that are simulated where the linearisation is not believed."""
 
+SENSED = (-0.01, 0.01)
+"""Changes of a sensor that are simulated: s of its clock, rad or m of its zero, a share of its
+scale."""
+
 
 def simulated(
     result: Explanation,
@@ -99,6 +103,31 @@ def likeliest_limit(
         return None
     change = np.zeros(len(own))
     return least, Explanation(effects=(best,), gain=0.0, own=change, members=(), level=0)
+
+
+def likeliest_sensor(
+    base: Finalist, validation: Validation, known: Sequence[Effect]
+) -> Effect | None:
+    """Return the law of a sensor beside a set with which rollouts err least; none if none gains.
+
+    Args:
+        base: A set of effects.
+        validation: The stretches that are simulated.
+        known: Effects whose fixed parameters are known.
+    """
+    hypothesis, runs, own = base.refit.hypothesis, base.refit.runs, base.refit.point
+    taken, best = {effect.label for effect in base.effects}, None
+    least = float(base.losses.mean()) - MATERIAL
+    for grid in dictionary(hypothesis.robot, runs, known):
+        if grid[0].kind != "sensor" or grid[0].label in taken:
+            continue
+        laws = [grid[0].with_strengths(np.array([change])) for change in SENSED]
+        sets = [replace(hypothesis, effects=(*hypothesis.effects, law)) for law in laws]
+        points = [[np.r_[own, each.start[len(own) :]]] * validation.folds for each in sets]
+        losses = validation.losses(sets[0], points, runs).mean(axis=1)
+        if losses.min() < least:
+            least, best = float(losses.min()), laws[int(losses.argmin())]
+    return best
 
 
 def scaled(effects: Sequence[Effect], share: float) -> tuple[Effect, ...]:

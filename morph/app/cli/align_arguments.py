@@ -8,6 +8,8 @@ from typing import Annotated
 
 import tyro
 
+from morph.app.cli.options import Name, unset
+
 
 @dataclass(frozen=True, kw_only=True)
 class Align:
@@ -20,21 +22,21 @@ class Align:
     Example: morph align cartpole rider_rigid_driven --out aligned
     """
 
-    bodies: Annotated[tyro.conf.Positional[tuple[str, ...]], tyro.conf.arg(metavar="A B")] = ()
+    bodies: Annotated[tyro.conf.Positional[tuple[str, ...]], unset("A B")] = ()
     """The source and the target: two descriptions, robot folders or names on the shelf."""
-    source: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    source: Annotated[Path | None, unset("FILE")] = None
     """What the source did, as NPZ, instead of a body."""
-    target: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    target: Annotated[Path | None, unset("FILE")] = None
     """What the target did, as NPZ, instead of a body."""
-    pairs: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    pairs: Annotated[Path | None, unset("FILE")] = None
     """States of both that correspond, as NPZ with source and target, for maps that need them."""
-    map: Annotated[str | None, tyro.conf.arg(metavar="NAME")] = None
+    map: Name = None
     """How the map is learned; by default the first that what is given allows."""
     task: Annotated[str, tyro.conf.arg(metavar="TASK")] = "balance"
     """What both bodies can be asked to do: it says where they rest."""
     samples: Annotated[int, tyro.conf.arg(metavar="N")] = 60
     """Transitions of the target that it is learned from; 100 more are made to judge it by."""
-    out: Annotated[str | None, tyro.conf.arg(metavar="DIR")] = None
+    out: Annotated[str | None, unset("DIR")] = None
     """Folder for align.json, report.html and the map; without one nothing is written."""
     seed: int = 0
     """Random seed."""
@@ -64,7 +66,7 @@ class Transfer:
     """Folder for transfer.json, report.html, the policy and the maps."""
     task: Annotated[str, tyro.conf.arg(metavar="TASK")] = "balance"
     """What all of them do."""
-    over: Annotated[tuple[str, ...], tyro.conf.arg(metavar="BODY ...")] = ()
+    over: Annotated[tuple[str, ...], unset("BODY ...")] = ()
     """Bodies that the way between the two of --chain may go over; those are taken, and in that
     order, over which the worst hop promises most by their descriptions."""
     samples: Annotated[tuple[int, ...], tyro.conf.arg(metavar="N ...")] = (60,)

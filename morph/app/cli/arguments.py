@@ -8,8 +8,7 @@ from typing import Annotated, Literal
 
 import tyro
 
-Many = tyro.conf.UseAppendAction[tuple[str, ...]]
-"""An option that may be repeated, one value each time."""
+from morph.app.cli.options import Base, File, Folder, Horizon, Many, Name, Names, Seconds, unset
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -21,31 +20,29 @@ class Diagnose:
 
     robot: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="ROBOT")]
     """A description (URDF, xacro, MJCF, assembly.toml), a robot folder, or a name on the shelf."""
-    recordings: Annotated[
-        tyro.conf.Positional[tuple[Path, ...]], tyro.conf.arg(metavar="RECORDING ...")
-    ]
+    recordings: Annotated[tyro.conf.Positional[tuple[Path, ...]], unset("RECORDING ...")]
     """Files or folders: CSV, NPZ, Parquet, HDF5, MCAP, ROS 2 bags; or a recording.toml."""
     out: Path
     """Folder for diagnosis.json, report.html and the corrected model."""
-    held_out: tuple[str, ...] = ()
+    held_out: Names = ()
     """Recordings, or names of episodes, kept for testing: scored once, after the model was chosen;
     by default the last quarter."""
-    only: tuple[str, ...] = ()
+    only: Names = ()
     """Names of the episodes to fit; by default all that are not held out."""
-    horizon: str = "1.0"
+    horizon: Horizon = "1.0"
     """Seconds of the rollouts on which errors are reported, or `full` for whole episodes."""
-    vary: Annotated[tuple[str, ...], tyro.conf.arg(metavar="NAME=FRACTION ...")] = ()
+    vary: Annotated[tuple[str, ...], unset("NAME=FRACTION ...")] = ()
     """By how much the description's own parameters may be wrong: mass=0.3 of all links,
     mass:pole=0 of one; com, inertia, gain, and joint for constants of joints."""
-    root: Path | None = None
+    root: Folder = None
     """Folder that a recording.toml's files are relative to, instead of its own `root`."""
-    budget: float | None = None
+    budget: Seconds = None
     """Seconds after which the best answer so far is written (exit status 3)."""
-    world: Annotated[str | None, tyro.conf.arg(metavar="NAME")] = None
+    world: Name = None
     """The floor that it stood on, where the description has none: as `morph simulate --world`."""
     seed: int = 0
     """Random seed."""
-    base: Literal["fixed", "floating", "board"] | None = None
+    base: Base = None
     """How it stands in the world, where the description does not say."""
     json: bool = False
     """Print diagnosis.json instead of words."""
@@ -64,23 +61,21 @@ class Compare:
 
     robot: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="ROBOT")]
     """A description (URDF, xacro, MJCF, assembly.toml), a robot folder, or a name on the shelf."""
-    recordings: Annotated[
-        tyro.conf.Positional[tuple[Path, ...]], tyro.conf.arg(metavar="RECORDING ...")
-    ]
+    recordings: Annotated[tyro.conf.Positional[tuple[Path, ...]], unset("RECORDING ...")]
     """Files or folders: CSV, NPZ, Parquet, HDF5, MCAP, ROS 2 bags; or a recording.toml."""
-    horizon: str = "1.0"
+    horizon: Horizon = "1.0"
     """Seconds of the rollouts, each from the state as recorded, or `full` for whole recordings."""
-    world: Annotated[str | None, tyro.conf.arg(metavar="NAME")] = None
+    world: Name = None
     """Where it moved: as `morph simulate --world`."""
-    effects: Annotated[str | None, tyro.conf.arg(metavar="TOML")] = None
+    effects: Annotated[str | None, unset("TOML")] = None
     """File of effects that act, such as the corrected.toml of a diagnosis."""
-    root: Path | None = None
+    root: Folder = None
     """Folder that a recording.toml's files are relative to, instead of its own `root`."""
-    state: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    state: Annotated[Path | None, unset("FILE")] = None
     """Write the view of the worst moment there, for `morph view --state FILE`."""
-    html: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    html: Annotated[Path | None, unset("FILE")] = None
     """Write that view as one page that opens without a network."""
-    base: Literal["fixed", "floating", "board"] | None = None
+    base: Base = None
     """How it stands in the world, where the description does not say."""
     json: bool = False
     """Print JSON, by the schema morph.comparison/1."""
@@ -116,9 +111,9 @@ class Inspect:
 
     robot: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="ROBOT")]
     """A description (URDF, xacro, MJCF, assembly.toml), a robot folder, or a name on the shelf."""
-    base: Literal["fixed", "floating", "board"] | None = None
+    base: Base = None
     """How it stands in the world, where the description does not say."""
-    folder: Path | None = None
+    folder: Folder = None
     """Folder outside which nothing is read; by default the description's own."""
     strict: bool = False
     """Exit with status 2 if anything was repaired."""
@@ -139,9 +134,9 @@ class Convert:
     """The format to write."""
     out: Annotated[str, tyro.conf.arg(metavar="PATH")]
     """Folder for the description, its meshes and what was found."""
-    base: Literal["fixed", "floating", "board"] | None = None
+    base: Base = None
     """How it stands in the world, where the description does not say."""
-    folder: Path | None = None
+    folder: Folder = None
     """Folder outside which nothing is read; by default the description's own."""
     pieces: bool = False
     """Cut collision meshes into convex pieces; seconds to minutes, kept for the next time."""
@@ -159,42 +154,42 @@ class Simulate:
 
     robot: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="ROBOT")]
     """A description (URDF, xacro, MJCF, assembly.toml), a robot folder, or a name on the shelf."""
-    policy: Annotated[str | None, tyro.conf.arg(metavar="DIR")] = None
+    policy: Annotated[str | None, unset("DIR")] = None
     """Folder of the policy that commands its actuators; without one they are told zero."""
-    effect: Annotated[Many, tyro.conf.arg(metavar="NAME@WHERE:PARAM=VALUE,...")] = ()
+    effect: Annotated[Many, unset("NAME@WHERE:PARAM=VALUE,...")] = ()
     """Physics that acts on it, as `morph list effects` names it; may be repeated."""
-    effects: Annotated[str | None, tyro.conf.arg(metavar="TOML")] = None
+    effects: Annotated[str | None, unset("TOML")] = None
     """File of effects, such as the corrected.toml of a diagnosis."""
-    world: Annotated[str | None, tyro.conf.arg(metavar="NAME")] = None
+    world: Name = None
     """Where it moves: water, salt_water, hard_floor, rubber_on_wood, pla_on_carpet."""
     seconds: float = 5.0
     """How long it moves."""
     step: float = 0.002
     """Seconds a step; less where the simulation is stiff."""
-    integrator: Literal["implicitfast", "rk4"] | None = None
+    integrator: Annotated[Literal["implicitfast", "rk4"] | None, unset("{implicitfast,rk4}")] = None
     """How it steps; by default rk4 for what swims freely, else implicitfast."""
     noise: Annotated[float, tyro.conf.arg(metavar="SIGMA")] = 0.0
     """Standard deviation of the noise of recorded positions and orientations, rad or m; with it
     velocities are not recorded."""
-    start: Annotated[Many, tyro.conf.arg(metavar="NAME=VALUE")] = ()
+    start: Annotated[Many, unset("NAME=VALUE")] = ()
     """Where it starts: JOINT=0.5 (rad or m), hull.position.z=1; may be repeated."""
-    speed: Annotated[Many, tyro.conf.arg(metavar="NAME=VALUE")] = ()
+    speed: Annotated[Many, unset("NAME=VALUE")] = ()
     """How fast: JOINT=2 (per s), hull.linear_velocity.x=0.5; may be repeated."""
-    command: Annotated[Many, tyro.conf.arg(metavar="NAME=VALUE")] = ()
+    command: Annotated[Many, unset("NAME=VALUE")] = ()
     """What an actuator is told all along, in its own unit; may be repeated."""
-    commands: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    commands: Annotated[Path | None, unset("FILE")] = None
     """Recording whose commands it is told from its start on, such as a run of `morph excite`."""
-    only: str | None = None
+    only: Name = None
     """Name of the episode of --commands, where these hold several."""
-    out: Annotated[str | None, tyro.conf.arg(metavar="FILE")] = None
+    out: File = None
     """Recording to write: .parquet, .csv, .csv.gz or .npz."""
-    video: Annotated[str | None, tyro.conf.arg(metavar="FILE")] = None
+    video: File = None
     """Film to write: .mp4 or .gif."""
     view: bool = False
     """Show it in the browser, until interrupted."""
-    base: Literal["fixed", "floating", "board"] | None = None
+    base: Base = None
     """How it stands in the world, where the description does not say."""
-    folder: Path | None = None
+    folder: Folder = None
     """Folder outside which nothing is read; by default the description's own."""
     json: bool = False
     """Print a summary as JSON, by the schema morph.simulation/1."""
@@ -218,21 +213,21 @@ class Learn:
     """A description (URDF, xacro, MJCF, assembly.toml), a robot folder, or a name on the shelf."""
     out: Annotated[str, tyro.conf.arg(metavar="DIR")]
     """Folder for the policy, report.html, record.json and the state of the search."""
-    search: Annotated[str | None, tyro.conf.arg(metavar="NAME")] = None
+    search: Name = None
     """A name from `morph list searches`; by default one that suits the task."""
-    trials: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
+    trials: Annotated[int | None, unset("N")] = None
     """Most trials, generations or rounds; by default the search's own number."""
     seed: int = 0
     """Random seed."""
-    world: Annotated[str | None, tyro.conf.arg(metavar="NAME")] = None
+    world: Name = None
     """Where it learns, if not where the task says: as `morph simulate --world`."""
-    effect: Annotated[Many, tyro.conf.arg(metavar="NAME@WHERE:PARAM=VALUE,...")] = ()
+    effect: Annotated[Many, unset("NAME@WHERE:PARAM=VALUE,...")] = ()
     """Physics that acts on it, as `morph list effects` names it; may be repeated."""
-    effects: Annotated[str | None, tyro.conf.arg(metavar="TOML")] = None
+    effects: Annotated[str | None, unset("TOML")] = None
     """File of effects, such as the corrected.toml of a diagnosis."""
-    base: Literal["fixed", "floating", "board"] | None = None
+    base: Base = None
     """How it stands in the world, where the description does not say."""
-    folder: Path | None = None
+    folder: Folder = None
     """Folder outside which nothing is read; by default the description's own."""
     fresh: bool = False
     """Begin anew in a folder that holds an earlier search."""
@@ -260,34 +255,34 @@ class Loop:
     """The source: a description, a robot folder, or a name on the shelf."""
     out: Annotated[str, tyro.conf.arg(metavar="DIR")]
     """Folder for the policy, transfer.json, report.html, the corrected model and the trials."""
-    policy: Annotated[str | None, tyro.conf.arg(metavar="DIR")] = None
+    policy: Annotated[str | None, unset("DIR")] = None
     """Folder of the source's policy; without one it is learned first, on the source."""
-    change: Annotated[Many, tyro.conf.arg(metavar="FIGURE=FACTOR")] = ()
+    change: Annotated[Many, unset("FIGURE=FACTOR")] = ()
     """A figure in which the target differs: length:pole=2, weight:cart=0.5; may be repeated."""
-    effect: Annotated[Many, tyro.conf.arg(metavar="NAME@WHERE:PARAM=VALUE,...")] = ()
+    effect: Annotated[Many, unset("NAME@WHERE:PARAM=VALUE,...")] = ()
     """Physics that acts on the target alone, as `morph list effects` names it; may be repeated."""
-    effects: Annotated[str | None, tyro.conf.arg(metavar="TOML")] = None
+    effects: Annotated[str | None, unset("TOML")] = None
     """File of effects that act on the target alone."""
-    sealed: Annotated[int | None, tyro.conf.arg(metavar="SEED")] = None
+    sealed: Annotated[int | None, unset("SEED")] = None
     """Draw what differs from this seed, and tell nobody before the end."""
-    live: Annotated[str | None, tyro.conf.arg(metavar="COMMAND")] = None
+    live: Annotated[str | None, unset("COMMAND")] = None
     """Program to start that speaks for the target in JSON lines (docs/live.md)."""
-    limit: Annotated[Many, tyro.conf.arg(metavar="WHAT:NAME=VALUE")] = ()
+    limit: Annotated[Many, unset("WHAT:NAME=VALUE")] = ()
     """Of a live target: command:ACTUATOR=LOW..HIGH or position:JOINT=LOW..HIGH; and
     rate:ACTUATOR=MOST or speed:JOINT=MOST, per s; may be repeated."""
-    stop_file: Annotated[str | None, tyro.conf.arg(metavar="FILE")] = None
+    stop_file: File = None
     """A file that stops a live target by being there."""
-    recorded: Annotated[tuple[Path, ...], tyro.conf.arg(metavar="RECORDING ...")] = ()
+    recorded: Annotated[tuple[Path, ...], unset("RECORDING ...")] = ()
     """Recordings of the target: what differs is said, and nothing is tried or learned."""
     trials: Annotated[int, tyro.conf.arg(metavar="N")] = 5
     """Most trials on the target, that of the source's policy included."""
     seed: int = 0
     """Random seed of all but the sealed truth."""
-    world: Annotated[str | None, tyro.conf.arg(metavar="NAME")] = None
+    world: Name = None
     """Where both are, if not where the task says: as `morph simulate --world`."""
-    base: Literal["fixed", "floating", "board"] | None = None
+    base: Base = None
     """How it stands in the world, where the description does not say."""
-    folder: Path | None = None
+    folder: Folder = None
     """Folder outside which nothing is read; by default the description's own."""
     fresh: bool = False
     """Begin anew in a folder that holds an earlier loop."""

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import tyro
+
+from morph.app.cli.options import Base, unset
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -24,9 +26,7 @@ class Excite:
     """A description (URDF, xacro, MJCF, assembly.toml), a robot folder, or a name on the shelf."""
     out: Path
     """Folder for experiment.json and the commands of each run."""
-    separate: Annotated[
-        tuple[str, ...], tyro.conf.arg(metavar="NAME@WHERE[:PARAM=VALUE,...] NAME@WHERE...")
-    ] = ()
+    separate: Annotated[tuple[str, ...], unset("NAME@WHERE[:PARAM=VALUE,...] NAME@WHERE...")] = ()
     """Two laws, as `morph list effects` names them; without parameters at a usual size."""
     for_everything: bool = False
     """Plan up to four runs that show every law at every part, beside its twins there."""
@@ -36,11 +36,11 @@ class Excite:
     """Readings a second."""
     noise: float = 5e-4
     """Standard deviation of a reading, rad or m."""
-    vary: Annotated[tuple[str, ...], tyro.conf.arg(metavar="NAME=FRACTION ...")] = ()
+    vary: Annotated[tuple[str, ...], unset("NAME=FRACTION ...")] = ()
     """By how much parameters of the description may be wrong: as `morph diagnose --vary`."""
     seed: int = 0
     """Random seed of the motions."""
-    base: Literal["fixed", "floating", "board"] | None = None
+    base: Base = None
     """How it stands in the world, where the description does not say."""
     json: bool = False
     """Print experiment.json instead of words."""

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Annotated, Literal
 
 import tyro
+
+from morph.app.cli.options import Base, Folder, unset
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,7 +28,7 @@ class Print:
     """The plastic: a name from `morph list materials`."""
     out: Annotated[str, tyro.conf.arg(metavar="DIR")]
     """Folder for the package; an earlier package in it is replaced when the new one is whole."""
-    policy: Annotated[str | None, tyro.conf.arg(metavar="DIR")] = None
+    policy: Annotated[str | None, unset("DIR")] = None
     """Folder of the body's policy: it is matched to the printed robot."""
     seconds: float = 60.0
     """Longest that matching the policy may take."""
@@ -45,9 +46,9 @@ class Print:
     """Part of the inside that is filled, 0 to 1."""
     play: Annotated[float, tyro.conf.arg(metavar="MM")] = 0.2
     """Play on each side between what goes together, mm; the gauges measure it."""
-    base: Literal["fixed", "floating", "board"] | None = None
+    base: Base = None
     """How it stands in the world, where the description does not say."""
-    folder: Path | None = None
+    folder: Folder = None
     """Folder outside which nothing is read; by default the description's own."""
     seed: int = 0
     """Random seed."""

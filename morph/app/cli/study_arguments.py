@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 
 import tyro
 
-Many = tyro.conf.UseAppendAction[tuple[str, ...]]
+from morph.app.cli.options import Folder, Many, unset
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -24,16 +24,16 @@ class Study:
 
     file: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="FILE")]
     """TOML with a function and its cases (docs/study.md)."""
-    out: Annotated[str | None, tyro.conf.arg(metavar="DIR")] = None
+    out: Annotated[str | None, unset("DIR")] = None
     """Folder for study.json, cells/ and rows.json; by default out/NAME of the study."""
     engine: Literal["local", "dask", "slurm", "submitit-local", "inline"] = "local"
     """Engine that runs the cells: processes, a Dask scheduler's workers, Slurm, the same jobs on
     this machine, or inline: this process, for a debugger."""
     workers: int = 2
     """Processes, or jobs at once; ignored with --scheduler."""
-    scheduler: Annotated[str | None, tyro.conf.arg(metavar="ADDRESS")] = None
+    scheduler: Annotated[str | None, unset("ADDRESS")] = None
     """Dask scheduler, tcp://host:8786; without one Dask runs on this machine."""
-    job: Annotated[Many, tyro.conf.arg(metavar="NAME=VALUE")] = ()
+    job: Annotated[Many, unset("NAME=VALUE")] = ()
     """What a Slurm job asks for: timeout_min=60, mem_gb=4, slurm_partition=long; repeatable."""
     resume: bool = False
     """Go on with what --out holds; what failed is run again."""
@@ -41,9 +41,9 @@ class Study:
     """Begin anew in a folder that holds results, which are deleted."""
     stale: Literal["refuse", "rerun", "keep"] = "refuse"
     """With --resume: what becomes of results of other code; kept ones are marked."""
-    against: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
+    against: Folder = None
     """Compare the rows with those of another run, row by row."""
-    ignore: Annotated[Many, tyro.conf.arg(metavar="ENTRY")] = ()
+    ignore: Annotated[Many, unset("ENTRY")] = ()
     """With --against: an entry of a row that may differ, such as seconds; may be repeated."""
     json: bool = False
     """Print rows.json, or with --against the comparison, instead of the summary."""

@@ -7,6 +7,8 @@ from typing import Annotated
 
 import tyro
 
+from morph.app.cli.options import unset
+
 
 @dataclass(frozen=True, kw_only=True)
 class Weigh:
@@ -20,9 +22,7 @@ class Weigh:
 
     package: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="DIR")]
     """A folder that `morph print` wrote."""
-    reading: Annotated[
-        tyro.conf.Positional[tuple[str, ...]], tyro.conf.arg(metavar="PART=GRAMS ...")
-    ] = ()
+    reading: Annotated[tyro.conf.Positional[tuple[str, ...]], unset("PART=GRAMS ...")] = ()
     """A part's name or number, and what one copy weighs, without support; PART=GRAMS/COUNT for
     several copies together, PART=predicted to forget a reading; none to try the policy alone."""
     anyway: bool = False

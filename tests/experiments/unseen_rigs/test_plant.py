@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from experiments.unseen_rigs.__main__ import _controller, _start
-from experiments.unseen_rigs.plant import PERIOD, STEP, STIFF, Foot, Plant, Push, Simulated
+from experiments.unseen_rigs.dynamics import PERIOD, STEP, STIFF, Simulated
+from experiments.unseen_rigs.plant import Foot, Plant, Push
 from experiments.unseen_rigs.rigs import RIGS
 from morph.arrays import Array
 
