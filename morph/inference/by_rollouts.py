@@ -16,6 +16,8 @@ from morph.physics import EFFECTS
 RICHER = 0.2
 """Least mean gain in rollouts of a richer law, nats a stretch: rollouts of each set start from a
 motion smoothed by it, and these alone differ by 0.1 on a disc that sticks."""
+CLEAR = 0.5
+"""The same of a law of a sensor: physics that is missing looks a little like a sensor that errs."""
 EXPLAINED = 2.0
 """Mean squared error of rollouts over the noise's variance below which no floor is looked for."""
 LATER = 2
@@ -78,7 +80,8 @@ def with_sensors(task: EffectSelection, best: Finalist) -> Finalist:
         more = replace(refit.hypothesis, effects=(*best.effects, added))
         point = np.r_[refit.point, more.start[len(refit.point) :]]
         new = rollouts.refitted(more, point, refit.runs)
-        if not task.validation.sure(best.losses, new.losses):
+        gain = float((best.losses - new.losses).mean())
+        if gain < CLEAR or not task.validation.sure(best.losses, new.losses):
             break
         best = replace(new, refit=replace(new.refit, evidence=refit.evidence))
     return best
