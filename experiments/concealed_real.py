@@ -41,6 +41,8 @@ DESIGN = DESIGNS["C.0"]
 JOINT = "elbow"
 LATE, SCALE, LIGHTER, ROTOR = 0.03, 1.05, 0.75, 0.02
 """s; the factor on its readings; that on its link's mass; kg m2 of a rotor."""
+LIKELY = 0.3
+"""Probability above which a law is named, alone or beside one that is as likely."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -200,11 +202,16 @@ def studied(name: str) -> JSON:
 
 
 def _named(case: Concealed, found: Diagnosis) -> bool:
-    """Return whether what was concealed is among the findings or their rivals, or a change."""
+    """Return whether what was concealed is a likely finding or rival, or a change."""
     if case.changes:
         return bool(found.changes)
-    labels = {each.effect.label for each in found.findings}
-    labels |= {f"{r.effect}@{r.where}" for each in found.findings for r in each.rivals}
+    labels = {f.effect.label for f in found.findings if f.probability > LIKELY}
+    labels |= {
+        f"{rival.effect}@{rival.where}"
+        for each in found.findings
+        for rival in each.rivals
+        if rival.probability > LIKELY
+    }
     return bool(labels & set(case.names))
 
 
