@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 from morph.errors import MakeError
 from morph.fabrication.content import Package
+from morph.nearest import nearest
 from morph.print.part import Part
-from morph.record.nearest import nearest
 
 OFF = 0.3
 """Share of a part's predicted mass by which a reading may be off before it is doubted."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from morph.errors import EffectError
+from morph.nearest import nearest
 from morph.physics.actuator.actuator_delay import ActuatorDelay
 from morph.physics.actuator.actuator_lag import ActuatorLag
 from morph.physics.actuator.back_emf import BackEmf
@@ -94,17 +95,21 @@ EFFECTS: tuple[type[Effect], ...] = (
 """Every effect that a simulation can have; `Effect.suspects` says where a diagnosis looks."""
 
 
-def effect_class(name: str) -> type[Effect]:
+def effect_class(name: str, *, where: str = "morph.physics.EFFECTS") -> type[Effect]:
     """Return an effect's class by its name.
+
+    Args:
+        name: Its name.
+        where: Who names it, for the error.
 
     Raises:
         EffectError: There is no such effect.
     """
-    for effect in EFFECTS:
-        if effect.name == name:
-            return effect
+    known = {effect.name: effect for effect in EFFECTS}
+    if name in known:
+        return known[name]
     raise EffectError(
-        f"there is no effect {name!r}; there are {', '.join(e.name for e in EFFECTS)}",
-        where="morph.physics.EFFECTS",
-        fix="name one of these effects; `morph list effects` says what each does",
+        f"there is no effect {name!r}",
+        where=where,
+        fix=f"the nearest are {nearest(name, known)}; `morph list effects` says what each does",
     )

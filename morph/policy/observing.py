@@ -11,10 +11,10 @@ import numpy as np
 from morph.arrays import Array, Integers
 from morph.body.robot import Joint, Robot
 from morph.errors import PolicyError
+from morph.nearest import nearest
 from morph.physics.effect import Effect
 from morph.policy.fields import most_of
 from morph.policy.policy import Observation, Policy
-from morph.record.nearest import nearest
 from morph.record.quantities import WXYZ, XYZ
 from morph.sim.drive import sensed
 

@@ -9,8 +9,8 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.errors import RecordingError
+from morph.nearest import nearest
 from morph.record.entry import Entry
-from morph.record.nearest import nearest
 from morph.record.quantities import ChannelName, parse_channel
 from morph.record.read.table import Table
 from morph.record.units import Unit, unit

@@ -10,7 +10,7 @@ from typing import Any
 
 from morph.arrays import JSON
 from morph.errors import RecordingError
-from morph.record.nearest import nearest
+from morph.nearest import nearest
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from morph.body.robot import Joint, Robot
 from morph.errors import RecordingError
-from morph.record.nearest import nearest
+from morph.nearest import nearest
 
 XYZ = ("x", "y", "z")
 WXYZ = ("w", "x", "y", "z")

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from morph.errors import RecordingError
-from morph.record.nearest import nearest
+from morph.nearest import nearest
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -8,7 +8,7 @@ from typing import cast
 
 from morph.body.robot import Robot
 from morph.errors import SearchError
-from morph.record.nearest import nearest
+from morph.nearest import nearest
 from morph.search.search import Search
 
 SEARCHES: Mapping[str, str] = {

@@ -10,7 +10,7 @@ import numpy as np
 from morph.arrays import Array
 from morph.body.robot import Joint, Robot
 from morph.errors import RobotError
-from morph.record.nearest import nearest
+from morph.nearest import nearest
 from morph.record.quantities import WXYZ, XYZ
 
 PLACES = tuple(f"position.{axis}" for axis in XYZ) + tuple(f"orientation.{axis}" for axis in WXYZ)

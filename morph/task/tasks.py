@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 
 from morph.body.robot import Robot
 from morph.errors import TaskError
-from morph.record.nearest import nearest
+from morph.nearest import nearest
 from morph.task.balance import balance
 from morph.task.gait_speed import gait_speed
 from morph.task.hold import hold

@@ -21,6 +21,7 @@ from morph.app.cli.stages import Stages
 from morph.app.report.align.outcome import Aligned
 from morph.arrays import Array
 from morph.errors import TransferError
+from morph.nearest import nearest
 from morph.policy_transfer.body import Body
 from morph.policy_transfer.controls import through
 from morph.policy_transfer.evaluate_hop import stepping
@@ -30,7 +31,6 @@ from morph.policy_transfer.mapped.lift import lift
 from morph.policy_transfer.parts import parts
 from morph.policy_transfer.relay_record import hashes
 from morph.policy_transfer.transfer_record import GuardRecord
-from morph.record.nearest import nearest
 
 UNKNOWN = GuardRecord(verdict="unsure", probability=None)
 """Of a map through which no policy can be seen."""

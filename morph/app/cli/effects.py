@@ -9,9 +9,9 @@ from pathlib import Path
 
 from morph.body.robot import Robot
 from morph.errors import EffectError
-from morph.physics import EFFECTS
+from morph.nearest import nearest
+from morph.physics import effect_class
 from morph.physics.effect import Effect, Parameter
-from morph.record.nearest import nearest
 
 MOST_PARAMETERS = 4
 """Parameters that are all told of an effect; of one with more only those that say something."""
@@ -84,7 +84,7 @@ def parsed(
     """
     where = f"{option} {text}"
     name, place, values = _taken_apart(text)
-    kind = _kind(name, where)
+    kind = effect_class(name, where=where)
     if not place and kind.kind == "world":
         place = "world"
     if not place:
@@ -128,18 +128,6 @@ def _taken_apart(text: str) -> tuple[str, str, str]:
         head, values = text, ""
     name, _, place = head.partition("@")
     return name.strip(), place.strip().removesuffix(":"), values.strip()
-
-
-def _kind(name: str, where: str) -> type[Effect]:
-    for kind in EFFECTS:
-        if kind.name == name:
-            return kind
-    known = [kind.name for kind in EFFECTS]
-    raise EffectError(
-        f"there is no effect {name!r}; there are {', '.join(known)}",
-        where=where,
-        fix=f"the nearest are {nearest(name, known)}; `morph list effects` says what each does",
-    )
 
 
 def _check_place(effect: Effect, robot: Robot, *, where: str) -> None:

@@ -14,7 +14,7 @@ from morph.app.viewer.clock import SPEEDS
 from morph.app.viewer.state import LEARNED, NAMES, SCHEMA, BodyRequest, Saved, Sources, is_name
 from morph.arrays import JSON
 from morph.errors import ViewError
-from morph.record.nearest import nearest
+from morph.nearest import nearest
 from morph.regular_file import read_regular
 
 MOST_BYTES = 1_000_000

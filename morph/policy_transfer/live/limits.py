@@ -12,8 +12,8 @@ import numpy as np
 from morph.arrays import Array, Mask
 from morph.body.robot import Joint, Robot
 from morph.errors import TransferError
+from morph.nearest import nearest
 from morph.policy.policy import actions_of
-from morph.record.nearest import nearest
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -10,11 +10,11 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.errors import TransferError
+from morph.nearest import nearest
 from morph.policy.observing import addresses, units
 from morph.policy.policy import Policy
 from morph.policy_transfer.live.watch import Watch
 from morph.record.clock import period as period_of
-from morph.record.nearest import nearest
 from morph.record.recording import Channel, Recording
 from morph.record.slopes import slopes
 from morph.search.target import Experience, Target

@@ -11,10 +11,10 @@ import numpy as np
 from morph.arrays import Array
 from morph.body.robot import Robot
 from morph.errors import TransferError
+from morph.nearest import nearest
 from morph.policy.observing import addresses, units
 from morph.policy.policy import actions_of
 from morph.policy_transfer.live.protocol import Hello, Signal, number
-from morph.record.nearest import nearest
 from morph.record.units import UNITS
 
 SAME_PERIOD = 1e-6

@@ -6,7 +6,7 @@ from collections.abc import Collection
 from pathlib import Path
 
 from morph.errors import RecordingError
-from morph.record.nearest import nearest
+from morph.nearest import nearest
 from morph.record.read.hdf5 import read_episodes, read_hdf5
 from morph.record.read.npz import read_npz
 from morph.record.read.parquet import read_parquet

@@ -19,6 +19,7 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.errors import RecordingError
+from morph.nearest import nearest
 from morph.record.limits import (
     MOST_CHUNK,
     MOST_COLUMNS,
@@ -26,7 +27,6 @@ from morph.record.limits import (
     most_unpacked,
     too_much,
 )
-from morph.record.nearest import nearest
 from morph.record.read.inflate import check_chunks, chunk_bytes
 from morph.record.read.table import listed
 

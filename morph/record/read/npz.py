@@ -9,9 +9,9 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.errors import RecordingError
+from morph.nearest import nearest
 from morph.npz import load_npz
 from morph.record.limits import most_unpacked, too_much
-from morph.record.nearest import nearest
 from morph.record.read.file import opened
 from morph.record.read.table import Table
 

@@ -10,8 +10,8 @@ from dataclasses import replace
 from pathlib import Path, PurePosixPath
 
 from morph.errors import RecordingError
+from morph.nearest import nearest
 from morph.record.limits import most_unpacked
-from morph.record.nearest import nearest
 from morph.record.read.clocked import KINDS, is_read, tables_of
 from morph.record.read.file import read_bytes, size_of
 from morph.record.read.mcap import scan_mcap

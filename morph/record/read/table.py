@@ -9,7 +9,7 @@ from pathlib import Path
 
 from morph.arrays import Array, Integers
 from morph.errors import RecordingError
-from morph.record.nearest import nearest
+from morph.nearest import nearest
 from morph.record.recording import Note
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from morph.arrays import Array, Integers
 from morph.body.robot import Joint, Robot
 from morph.errors import TaskError
-from morph.record.nearest import nearest
+from morph.nearest import nearest
 from morph.sim.start import PLACES, SPEEDS
 
 MOST = 1e6
