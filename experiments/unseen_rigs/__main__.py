@@ -34,7 +34,7 @@ from morph.record.recording import Channel, Recording
 from morph.study.cell import cells_of
 
 EXAMPLE = """example:
-  python -m experiments.unseen_rigs --only arm vehicle --seeds 1"""
+  python -m experiments.unseen_rigs --only arm vehicle --seeds 1:2"""
 
 RUNS, SECONDS, NOISE = 4, 6.0, 5e-4
 """Runs of a rig and how long each is, s; noise of positions, rad and m, and of quaternions."""
@@ -180,7 +180,7 @@ def main(argv: list[str] | None = None) -> int:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--only", nargs="+", choices=list(RIGS), default=list(RIGS))
-    parser.add_argument("--seeds", default="1", help="random seeds: A:B, or how many from 0")
+    parser.add_argument("--seeds", default="1:2", help="random seeds: A:B, or how many from 0")
     add_engine_options(parser, out="out/unseen_rigs")
     asked, save = parse_and_save(parser, argv, module="experiments.unseen_rigs")
     seeds = seeds_of(asked.seeds)
