@@ -125,8 +125,9 @@ def likeliest_sensor(
         sets = [replace(hypothesis, effects=(*hypothesis.effects, law)) for law in laws]
         points = [[np.r_[own, each.start[len(own) :]]] * validation.folds for each in sets]
         losses = validation.losses(sets[0], points, runs).mean(axis=1)
-        if losses.min() < least:
-            least, best = float(losses.min()), laws[int(losses.argmin())]
+        at = int(losses.argmin())
+        if losses[at] < least:
+            least, best = float(losses[at]), laws[at]
     return best
 
 

@@ -44,6 +44,18 @@ def test_a_command_makes_the_effort_that_it_is_taken_from(body: Callable[[str], 
     ]
 
 
+def test_an_effort_that_changes_all_the_while_is_not_taken_late(
+    body: Callable[[str], Robot],
+) -> None:
+    found = by_effort(recording(hinge_effort=np.sin(5.0 * TIME)), body(GEARED))
+    times = np.linspace(0.1, 0.9, 4001)
+    held, true = found.channel("motor.command").at(times), np.sin(5.0 * times) / 1.5
+    # Its error by the slope is how late it is: half a period, 50 ms, if each reading is held until
+    # the next. About the readings errors of either sign cancel: a tenth of that is left at most.
+    slope = np.gradient(true, times)
+    assert abs(np.mean((held - true) * slope) / np.mean(slope**2)) < 0.005
+
+
 def test_a_command_that_was_recorded_stays(body: Callable[[str], Robot]) -> None:
     given = recording(hinge_effort=np.ones(11), motor_command=np.zeros(11))
     assert by_effort(given, body(GEARED)) is given
