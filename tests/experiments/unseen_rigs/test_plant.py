@@ -78,7 +78,7 @@ def test_what_is_pushed_harder_than_friction_slides_and_stops(tmp_path: Path) ->
     speed = (10.0 - 0.3 * 2.0 * GRAVITY) / 2.0 * 0.5
     way = 0.5 * speed * 0.5 + speed**2 / (2.0 * 0.3 * GRAVITY)
     # Friction grows over the first mu m g / k = 0.3 mm, 11 ms at 5 m/s2: up to 0.016 m/s are not
-    # lost there, which go .016 (.5 + 1.03 / 2.94) m = 14 mm. Of 1 % less friction it were 9 mm.
+    # lost there, which go .016 (.5 + 1.03 / 2.94) m = 14 mm. 1 % less friction: 11 mm.
     assert way < moved.position[-1, 0] < way + 0.014
 
 
