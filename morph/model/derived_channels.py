@@ -20,8 +20,8 @@ def by_effort(recording: Recording, robot: Robot) -> Recording:
     Args:
         recording: What was recorded; each stand-in is noted.
         robot: Its robot. An effort at a joint is a command times the motor's gear and gain; each
-            is held from midway after the reading before to midway before the next. It says nothing of
-            two motors at one joint.
+            is held from midway after the reading before to midway before the next. It says nothing
+            of two motors at one joint.
     """
     channels, notes = dict(recording.channels), []
     motors = Counter(actuator.joint for actuator in robot.actuators)
