@@ -11,6 +11,7 @@ from morph.arrays import Array
 from morph.body.follow import leaders
 from morph.body.robot import Robot
 from morph.body.spec import spec_of
+from morph.record.noise import FEWEST, noise
 from morph.record.recording import Channel, Note, Recording
 
 
@@ -41,9 +42,10 @@ def by_effort(recording: Recording, robot: Robot) -> Recording:
         motor = model.actuator(actuator.name)
         measured = channels[effort]
         value = measured.value / float(motor.gear[0] * motor.gainprm[0])
+        error = noise(measured.time, value) if len(value) >= FEWEST else None
         # A reading stands for the time about it: held until the next it would come half as late.
         since = np.concatenate([measured.time[:1], 0.5 * (measured.time[1:] + measured.time[:-1])])
-        channels[command] = replace(measured, time=since, value=value, hold=True)
+        channels[command] = replace(measured, time=since, value=value, hold=True, noise=error)
         notes.append(
             Note(
                 what=f"{actuator.name} has no recorded command: the effort measured at its joint "

@@ -44,8 +44,9 @@ class Episode:
     command: Array
     """Mean command about the start of each step, shape (steps, actuators)."""
     unsure: Array
-    """Standard deviation of commands where the logger lost samples, zero elsewhere, same shape.
-    Of each step alone: it is larger than that of their mean over the time of one sample."""
+    """Standard deviation of commands that the logger lost or that measured efforts stand for, zero
+    elsewhere, same shape. Of each step alone: it is larger than that of their mean over the time of
+    one sample."""
     time: Array
     """When readings were taken, s from the start, shape (readings,)."""
     reading: Array
@@ -187,6 +188,7 @@ def episode(recording: Recording, robot: Robot, step: float) -> Episode:
         whole, error = completed(channel)
         drive.append(held(whole, start - 0.5 * step, step, steps)[:, None])
         # One error a sample acts as an independent one of each of its steps.
+        error = np.hypot(error, channel.noise or 0.0)
         of_steps = error * np.sqrt(max(1.0, float(np.median(np.diff(whole.time))) / step))
         lost = replace(channel, time=whole.time, value=of_steps, hold=True)
         unsure.append(lost.at(start + step * np.arange(steps, dtype=float))[:, None])
@@ -254,6 +256,7 @@ def _floored(noises: Array) -> Array:
 
 def fills(episode: Episode) -> list[str]:
     """Return in how many places commands were interpolated, as the logger lost them, in words."""
-    lost = (episode.unsure > 0.0).any(axis=1)
+    # An effort that stands for a command errs everywhere.
+    lost = (episode.unsure > episode.unsure.min(axis=0)).any(axis=1)
     count = int(np.count_nonzero(np.diff(lost, prepend=False) & lost))
     return [f"commands that the logger lost are interpolated, gaps: {count}"] if count else []

@@ -29,8 +29,8 @@ class Channel:
     """Of what no sensor read: standard deviation of how far it may be off, in its unit, 0 of what
     follows from other channels. None of a reading."""
     noise: float | None = None
-    """Of what other sensors tell: standard deviation of its error, in its unit, as if it were white
-    noise. None of a reading, which shows its noise."""
+    """Of what other sensors tell, such as a command by a measured effort: standard deviation of its
+    error, in its unit, as if it were white noise. None of a reading, which shows its noise."""
 
     def at(self, times: Array) -> Array:
         """Return the value at any times, s: held for commands, else interpolated.
